@@ -1,0 +1,32 @@
+#pragma once
+// The verbs of the program `supercircle`; one file each. Exit codes are part of the interface.
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace supercircle::cli {
+
+enum Exit : int { kDone = 0, kBadInput = 2, kCannotGoOn = 3, kCannotWrite = 4, kInterrupted = 130 };
+
+/// Set by Ctrl-C; long work looks at it between steps.
+extern std::atomic<bool> interrupted;
+
+struct RunArguments {
+    std::string scene;
+    std::vector<std::string> parameters; ///< NAME=VALUE
+    std::uint64_t seed = 1;
+    std::string out;
+    int threads = 1;
+    double fixedDt = 0.0;
+    bool noReport = false;
+    bool quiet = false;
+    std::string dump; ///< folder for FCP2D problems, empty: none
+};
+
+int run(const RunArguments& arguments);
+int check(const std::string& file, const std::vector<std::string>& parameters);
+int bench(const std::string& filter, const std::string& json);
+
+} // namespace supercircle::cli

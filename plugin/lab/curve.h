@@ -1,0 +1,25 @@
+#pragma once
+// What a mechanician reads off a force-displacement curve: loop area, force drops, peaks.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace supercircle::lab {
+
+/// Integral of F d(displacement) by the trapezoid rule over the given samples, J.
+double workOf(std::span<const double> displacement, std::span<const double> force);
+
+/// A drop of the force: from a local maximum to the following local minimum.
+struct ForceDrop {
+    std::size_t top = 0;    ///< sample of the maximum
+    std::size_t bottom = 0; ///< sample of the minimum
+    double size = 0.0;      ///< N
+};
+
+/// Drops of at least `threshold` (N); smaller wiggles in between are ignored (hysteresis, as in rainflow counting).
+/// The drop must happen within `within` of displacement (m): slow softening is no snap-fit.
+std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::span<const double> force,
+                                  double threshold, double within);
+
+} // namespace supercircle::lab

@@ -1,0 +1,337 @@
+#include "plugin/lab/session.h"
+
+#include "supercircle/contact/crossing.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace supercircle::lab {
+
+namespace {
+
+using rod::Vec2;
+
+double wallClock() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Arcs of a rod in steps of about 0.05 rad: extreme points to far better than a micrometre.
+template <class Visit>
+void walk(const step::Rod& rod, Visit&& visit) {
+    for (const rod::Arc& a : rod.kin.arcs()) {
+        const int pieces = 1 + static_cast<int>(std::abs(a.curvature) * a.length / 0.05);
+        for (int i = 0; i <= pieces; ++i)
+            visit(a.pointAt(a.length * i / pieces));
+    }
+}
+
+} // namespace
+
+Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options)
+    : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
+      wallStart_(wallClock()) {
+    step::Settings& s = shells_.stepper().settings();
+    s.dtMax = scene.numerics.dt_max;
+    s.dtMin = scene.numerics.dt_min;
+    s.fixedDt = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
+    s.contact.tolerance = scene.numerics.tolerance;
+    s.threads = options.threads;
+    s.witness = options.witness;
+    shells_.stepper().onSolve = options.onSolve;
+    out_.scene = scene.name;
+    out_.about = scene.about;
+    out_.R = scene.report.R;
+    out_.B = scene.report.B;
+    if (out_.B <= 0.0 && !scene.shells.empty())
+        out_.B = bendingModulus(scene.shells.front());
+    if (out_.B <= 0.0 && scene.drop)
+        out_.B = bendingModulus(scene.drop->shell);
+    for (const scene::Parameter& p : scene.parameters)
+        out_.parameters.emplace_back(p.name, p.value);
+    out_.series.names = {"time_s",       "displacement_m", "force_N",     "work_in_J",   "bending_J", "gravity_J",
+                         "kinetic_J",    "friction_J",     "impact_J",    "numerical_J", "push_out_J",
+                         "effects_J",    "residual_J",     "dt_s",        "contact_residual"};
+    out_.series.columns.resize(out_.series.names.size());
+}
+
+double Session::frameLength() const {
+    const step::Settings& s = const_cast<Session*>(this)->shells_.stepper().settings();
+    return s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
+}
+
+std::string Session::populate() {
+    std::vector<std::pair<std::string, ShellHandle>> named;
+    for (const ShellDef& d : scene_.shells) {
+        const auto made = shells_.create(d);
+        if (!made)
+            return "shell \"" + d.name + "\": " + made.error();
+        named.emplace_back(d.name, *made);
+        addShellInfo(shells_.size() - 1);
+    }
+    for (const HoldDef& h : scene_.holds) {
+        const auto it = std::find_if(named.begin(), named.end(), [&](const auto& n) { return n.first == h.shell; });
+        if (it == named.end())
+            return "hold: there is no shell called \"" + h.shell + "\"";
+        const auto made = shells_.hold(it->second, h.arc_fraction, h.kind, h.on_machine);
+        if (!made)
+            return "hold on \"" + h.shell + "\": " + made.error();
+    }
+    if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.carry(scene_.protocol->body))
+        return "protocol: the host has no body called \"" + scene_.protocol->body + "\"";
+    step::World& w = shells_.world();
+    shells_.stepper().pullFromHost(w, *host_, frameLength());
+    describeOutlines();
+    std::vector<contact::Curve> curves(w.rods.size());
+    std::vector<contact::Outline> outlines;
+    for (std::size_t i = 0; i < w.rods.size(); ++i)
+        step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
+    for (const step::BodyOutline& o : w.outlines)
+        for (const step::Body& b : w.bodies)
+            if (b.id == o.body)
+                outlines.push_back(step::placed(o, b.state.centre, b.state.angle));
+    std::vector<contact::Crossing> crossings;
+    contact::findCrossings(curves, outlines, crossings);
+    contact::Detector detector;
+    std::vector<contact::Candidate> near;
+    detector.detect(curves, outlines, {0.0}, near);
+    const auto shellName = [&](int i) {
+        const std::string& n = scene_.shells[static_cast<std::size_t>(i)].name;
+        return n.empty() ? "shell " + std::to_string(i) : "shell \"" + n + "\"";
+    };
+    if (!crossings.empty())
+        return shellName(crossings.front().rodA) + " crosses " +
+               (crossings.front().rodB >= 0 ? shellName(crossings.front().rodB) : std::string("a rigid body")) +
+               " at the start; move it away";
+    for (const contact::Candidate& c : near)
+        if (c.gap < -0.01 * curves[static_cast<std::size_t>(c.a.rod)].halfThickness)
+            return shellName(c.a.rod) + " overlaps " + (c.b.rod >= 0 ? shellName(c.b.rod) : std::string("a rigid body")) +
+                   " by " + std::to_string(-c.gap * 1e6) + " um at the start; start from a touching or free state";
+    return {};
+}
+
+void Session::describeOutlines() {
+    std::vector<step::BodyOutline> all;
+    host_->everything(all);
+    std::vector<step::BodyId> ids;
+    for (const step::BodyOutline& o : all)
+        ids.push_back(o.body);
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    for (const step::BodyOutline& o : all) {
+        record::OutlineInfo info;
+        using Kind = contact::OutlineKind;
+        info.kind = o.local.kind == Kind::Circle    ? record::OutlineInfo::Kind::Circle
+                    : o.local.kind == Kind::Polygon ? record::OutlineInfo::Kind::Polygon
+                                                    : record::OutlineInfo::Kind::Polyline;
+        for (const Vec2& p : o.local.points)
+            info.points.push_back({p.x(), p.y()});
+        info.radius = o.local.radius;
+        info.body = static_cast<std::int32_t>(std::lower_bound(ids.begin(), ids.end(), o.body) - ids.begin());
+        out_.outlines.push_back(std::move(info));
+    }
+}
+
+void Session::addShellInfo(std::size_t rod) {
+    const rod::RodModel& m = shells_.world().rods[rod].model;
+    record::ShellInfo info;
+    info.name = "shell " + std::to_string(rod + 1);
+    info.length = m.definition().length;
+    info.thickness = m.definition().thickness;
+    info.bending_modulus = m.definition().bendingModulus;
+    info.closed = m.definition().closed;
+    info.element_length.assign(static_cast<std::size_t>(m.elements()), m.elementLength());
+    info.natural_curvature = m.definition().naturalCurvature;
+    out_.shells.push_back(std::move(info));
+}
+
+double Session::pileTop() const {
+    double top = -std::numeric_limits<double>::infinity();
+    for (const step::Rod& r : shells_.world().rods)
+        walk(r, [&](const Vec2& p) { top = std::max(top, p.y() + 0.5 * r.model.definition().thickness); });
+    return top;
+}
+
+double Session::machineBottom() const {
+    const step::World& w = shells_.world();
+    double bottom = std::numeric_limits<double>::infinity();
+    std::vector<step::BodyOutline> all;
+    host_->everything(all);
+    for (const step::Body& b : w.bodies)
+        if (b.driven)
+            for (const step::BodyOutline& o : all)
+                if (o.body == b.id)
+                    for (const Vec2& p : step::placed(o, b.state.centre, b.state.angle).points)
+                        bottom = std::min(bottom, p.y() - o.local.radius);
+    return bottom;
+}
+
+double Session::force() const {
+    if (!scene_.protocol)
+        return 0.0;
+    const Point f = shells_.machine_force();
+    return -(f.x * scene_.protocol->direction.x + f.y * scene_.protocol->direction.y);
+}
+
+double Session::travel() const {
+    if (!scene_.protocol)
+        return 0.0;
+    const Vec2 t = shells_.world().machineTravel;
+    return t.x() * scene_.protocol->direction.x + t.y() * scene_.protocol->direction.y - zeroTravel_;
+}
+
+bool Session::frame(double dt, const std::function<bool()>& stop) {
+    if (options_.interrupt && options_.interrupt->load()) {
+        end_ = End::Interrupted;
+        message_ = "interrupted";
+        return false;
+    }
+    const FrameReport r = shells_.pre_step(dt, [&] {
+        sample();
+        keep(false);
+        return stop && stop();
+    });
+    if (r.advanced > 0.0) {
+        host_->step(r.advanced);
+        shells_.post_step();
+    }
+    if (!r.failure.empty()) {
+        end_ = End::Failed;
+        message_ = r.failure + " (at t = " + std::to_string(shells_.time()) + " s)";
+        return false;
+    }
+    return true;
+}
+
+void Session::sample() {
+    const step::World& w = shells_.world();
+    if (!inProtocol_ && w.time < nextSampleTime_)
+        return;
+    nextSampleTime_ = w.time + 0.01;
+    if (scene_.protocol && !inProtocol_)
+        return;
+    const step::Ledger& l = w.ledger;
+    const double row[] = {w.time,
+                          travel(),
+                          force(),
+                          l.work - atStart_.work,
+                          l.bending,
+                          l.gravity,
+                          l.kinetic,
+                          l.friction - atStart_.friction,
+                          l.impact - atStart_.impact,
+                          l.numerical - atStart_.numerical,
+                          l.pushOut - atStart_.pushOut,
+                          l.effects - atStart_.effects,
+                          l.residual() - atStart_.residual(),
+                          w.dt,
+                          w.counters.etaMax};
+    for (std::size_t i = 0; i < std::size(row); ++i)
+        out_.series.columns[i].push_back(row[i]);
+}
+
+void Session::keep(bool always) {
+    const step::World& w = shells_.world();
+    if (!options_.frames || (!always && w.time < nextFrameTime_))
+        return;
+    nextFrameTime_ = w.time + std::max(scene_.report.sample_dt, 1e-4);
+    record::Frame f;
+    f.time = w.time;
+    f.displacement = inProtocol_ ? travel() : 0.0;
+    f.force = inProtocol_ ? force() : 0.0;
+    f.phase = phase_;
+    for (const step::Rod& r : w.rods) {
+        record::ShellPose p;
+        p.start = {r.kin.node(0).x(), r.kin.node(0).y()};
+        p.angle = r.kin.arcs().front().angle;
+        for (const rod::Arc& a : r.kin.arcs())
+            p.curvature.push_back(static_cast<float>(a.curvature));
+        p.bending_energy = rod::bendingEnergy(r.model, r.q);
+        f.shells.push_back(std::move(p));
+    }
+    std::vector<step::BodyOutline> all;
+    host_->everything(all);
+    std::vector<step::BodyId> ids;
+    for (const step::BodyOutline& o : all)
+        ids.push_back(o.body);
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    for (const step::BodyId id : ids) {
+        step::BodyState s;
+        host_->state(id, s);
+        for (const step::Body& b : w.bodies)
+            if (b.id == id)
+                s = b.state;
+        f.bodies.push_back({s.centre.x(), s.centre.y(), s.angle});
+    }
+    step::Stepper& stepper = shells_.stepper();
+    const Eigen::VectorXd& r = stepper.lastImpulses();
+    const auto& candidates = stepper.lastCandidates();
+    const double dt = stepper.lastDt();
+    for (std::size_t i = 0; dt > 0.0 && i < candidates.size() && 2 * i + 1 < static_cast<std::size_t>(r.size()); ++i) {
+        const double rn = r[static_cast<Eigen::Index>(2 * i)], rt = r[static_cast<Eigen::Index>(2 * i + 1)];
+        if (rn <= 0.0)
+            continue;
+        const Vec2 n = candidates[i].normal, force = (n * rn + rod::perp(n) * rt) / dt;
+        const bool slips = std::abs(rt) >= stepper.lastProblem().contacts[i].mu * rn * (1.0 - 1e-9);
+        f.contacts.push_back({candidates[i].pointA.x(), candidates[i].pointA.y(), force.x(), force.y(), slips});
+    }
+    out_.frames.push_back(std::move(f));
+}
+
+void Session::report(double fraction) {
+    if (options_.progress)
+        options_.progress({phase_, std::clamp(fraction, 0.0, 1.0), shells_.time(), inProtocol_ ? force() : 0.0,
+                           inProtocol_ ? travel() : 0.0});
+}
+
+bool Session::settle(double speed, double longest) {
+    const double start = shells_.time();
+    while (shells_.time() - start < longest) {
+        if (!frame(frameLength(), {}))
+            return false;
+        double fastest = 0.0;
+        for (const step::Rod& r : shells_.world().rods)
+            fastest = std::max(fastest, r.speed);
+        if (fastest < speed && shells_.time() - start > 0.05)
+            break;
+    }
+    return true;
+}
+
+void Session::drop() {
+    const scene::Drop& d = *scene_.drop;
+    for (int i = 0; i < d.count && end_ == End::Done; ++i) {
+        phase_ = "drop " + std::to_string(i + 1);
+        ShellDef def = d.shell;
+        def.angle = random_.uniform(-M_PI, M_PI);
+        def.position = {0.0, 0.0};
+        const auto probe = shells_.create(def); // built at the origin to learn its extent, then put in place
+        if (!probe) {
+            end_ = End::BadScene;
+            message_ = "drop: " + probe.error();
+            return;
+        }
+        step::World& w = shells_.world();
+        step::Rod& rod = w.rods.back();
+        Vec2 lower = Vec2::Constant(1e300), upper = -lower;
+        walk(rod, [&](const Vec2& p) {
+            lower = lower.cwiseMin(p);
+            upper = upper.cwiseMax(p);
+        });
+        const double pad = 0.5 * def.thickness;
+        const double x = random_.uniform(d.x_min, d.x_max) - 0.5 * (lower.x() + upper.x());
+        double top = 0.0;
+        for (std::size_t k = 0; k + 1 < w.rods.size(); ++k)
+            walk(w.rods[k], [&](const Vec2& p) { top = std::max(top, p.y() + pad); });
+        def.position = {x, top + d.clearance - lower.y() + pad};
+        shells_.destroy(*probe);
+        if (const auto made = shells_.create(def); made)
+            addShellInfo(shells_.size() - 1);
+        keep(true);
+        report(0.3 * i / d.count);
+        settle(d.settle_speed, i + 1 < d.count ? d.settle_time : d.final_settle_time);
+    }
+}
+
+} // namespace supercircle::lab

@@ -1,0 +1,67 @@
+#pragma once
+// One run in progress: the shells, the host world, what is recorded (private to lab/).
+
+#include "plugin/include/supercircle/shells.hpp"
+#include "plugin/lab/random.h"
+#include "plugin/lab/runner.h"
+#include "supercircle/step/stepper.h"
+
+namespace supercircle::lab {
+
+class Session {
+public:
+    Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options);
+
+    /// Shells and holds the scene names; empty or why it cannot start (overlap, unknown names).
+    std::string populate();
+    /// Drops the scene's random shells one by one and lets them settle.
+    void drop();
+    /// Plays the protocol, or the scene's duration when there is none.
+    void protocol();
+    /// Fills summary, events, cycles and key frames.
+    record::Recording finish(End end, const std::string& message);
+
+    [[nodiscard]] End end() const { return end_; }
+    [[nodiscard]] const std::string& message() const { return message_; }
+
+private:
+    bool frame(double dt, const std::function<bool()>& stop); ///< false when the run is over
+    bool settle(double speed, double longest);
+    void touch(); ///< brings the machine to the first touch
+    void play(const scene::Move& move, std::size_t number);
+    void sample();
+    void keep(bool force); ///< a frame for the player
+    void addShellInfo(std::size_t rod);
+    void describeOutlines();
+    void report(double fraction);
+    [[nodiscard]] double frameLength() const;
+    [[nodiscard]] double pileTop() const;   ///< highest point of the shells' surfaces, m
+    [[nodiscard]] double machineBottom() const; ///< lowest point of the carried bodies, m
+    [[nodiscard]] double force() const;
+    [[nodiscard]] double travel() const; ///< m since touch
+    void summarise(record::Recording& out);
+
+    const scene::Scene& scene_;
+    std::shared_ptr<step::HostWorld> host_;
+    const Options& options_;
+    Shells shells_;
+    Random random_;
+    record::Recording out_;
+    End end_ = End::Done;
+    std::string message_;
+    std::string phase_ = "start";
+    bool inProtocol_ = false;
+    double zeroTravel_ = 0.0;
+    double pileHeight_ = 0.0; ///< H0, m
+    double nextFrameTime_ = 0.0;
+    double nextSampleTime_ = 0.0;
+    step::Ledger atStart_{};  ///< books when the protocol began
+    std::vector<std::pair<std::size_t, std::size_t>> legs_; ///< rows of the series per move
+    std::vector<int> legMove_;
+    double creepStart_ = -1.0;
+    std::vector<rod::Vec2> creepFrom_;
+    double wallStart_ = 0.0;
+    double expectedTime_ = 0.0;
+};
+
+} // namespace supercircle::lab

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "plugin/record/result.h"
+#include "plugin/report/canvas.h"
+
+typedef struct _cairo cairo_t;
+typedef struct _cairo_surface cairo_surface_t;
+
+namespace supercircle::report {
+
+/// Draws into pixels on white.
+class CairoCanvas final : public Canvas {
+public:
+    /// Logical size in pixels; the picture has `scale` times as many pixels in either direction.
+    CairoCanvas(double width, double height, double scale);
+    ~CairoCanvas() override;
+
+    void path(const std::vector<Point>& points, bool closed, const Paint& paint) override;
+    void circle(Point centre, double radius, const Paint& paint) override;
+    void text(Point at, std::string_view text, const TextStyle& style) override;
+    void pushClip(const Rect& area) override;
+    void popClip() override;
+
+    /// The picture as the content of a PNG file, or what Cairo says is wrong.
+    [[nodiscard]] record::Result<std::string> png();
+
+private:
+    void apply(const Paint& paint);
+    cairo_surface_t* surface = nullptr;
+    cairo_t* context = nullptr;
+};
+
+} // namespace supercircle::report

@@ -1,0 +1,32 @@
+#pragma once
+// What is wrong with a file, said so that a stranger can mend it.
+
+#include <string>
+#include <vector>
+
+namespace supercircle::scene {
+
+/// One thing wrong (or, as a note, worth knowing) in an input file.
+struct Problem {
+    enum class Severity { Error, Note };
+    std::string file;
+    int line = 0;         ///< from 1; 0: the file as a whole
+    int column = 0;       ///< from 1, in characters (code points)
+    std::string pointer;  ///< JSON pointer (RFC 6901) of the offending key or value
+    std::string what;     ///< what is wrong
+    std::string expected; ///< what would have been right; may be empty
+    std::string nearest;  ///< nearest known name; may be empty
+    Severity severity = Severity::Error;
+
+    /// `file:line:column: /pointer: what; expected ...; did you mean "..."?`
+    [[nodiscard]] std::string toString() const;
+};
+
+/// True if at least one of them is an error.
+bool anyError(const std::vector<Problem>& problems);
+
+/// The known name nearest to `name` by edit distance (insert, delete, replace, swap neighbours; case counts half of a
+/// replacement); empty if none is near enough to be a likely slip of the pen. Ties go to the first.
+std::string nearestName(const std::string& name, const std::vector<std::string>& known);
+
+} // namespace supercircle::scene

@@ -1,0 +1,99 @@
+#pragma once
+// A scene as plain data, after its parameters have been put in. The loader (loader.h) makes it from JSON; the
+// laboratory runner (plugin/lab) plays it.
+
+#include "plugin/include/supercircle/definitions.hpp"
+#include "supercircle/step/rigid_definition.h"
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supercircle::scene {
+
+/// A knob the scene declares.
+struct Parameter {
+    std::string name;
+    double value = 0.0;
+    double min = -std::numeric_limits<double>::infinity();
+    double max = std::numeric_limits<double>::infinity();
+    std::string unit = "1";
+    std::string about;
+    bool integer = false; ///< only whole numbers make sense (counts)
+};
+
+/// Shells dropped one by one at random places and angles (paper, Methods; experiment E3).
+struct Drop {
+    ShellDef shell; ///< template of every dropped shell
+    int count = 30;
+    double x_min = 0.0;             ///< m, range of the middle of the shell's bounding circle
+    double x_max = 0.0;             ///< m
+    double clearance = 0.005;       ///< m, free height between the pile's top and the lowest point of the new shell
+    double settle_speed = 5e-3;     ///< m/s, the next one falls when no point moves faster than this ...
+    double settle_time = 0.6;       ///< s, ... or when this long has passed
+    double final_settle_time = 2.0; ///< s, longest wait after the last one
+};
+
+/// What ends a move; whichever comes first. Unset ones are infinite.
+struct Until {
+    double force = std::numeric_limits<double>::infinity(); ///< N, reached from below
+    double displacement =
+        std::numeric_limits<double>::quiet_NaN(); ///< m of machine travel since touch (see Protocol), NaN: unset
+    double time = std::numeric_limits<double>::infinity(); ///< s since the move began
+};
+
+struct Move {
+    enum class Kind : std::uint8_t { Travel, Hold, Settle } kind = Kind::Hold;
+    double speed = 0.0; ///< m/s, Travel: positive along `direction` (pushing), negative back
+    Until until;
+    bool loading = false; ///< a leg that counts as the loading branch of a cycle
+    int cycle = 0;        ///< which cycle this leg belongs to, from 1; 0: none
+};
+
+/// The testing machine: drives one kinematic body (`plate`) or the shells' holds that are on_machine.
+struct Protocol {
+    std::string body;           ///< name of the kinematic body that is the machine head; empty: the holds
+    Point direction{0.0, -1.0}; ///< unit vector of positive travel
+    bool zero_at_touch =
+        false; ///< travel counts from the first touch (stacks: Delta = H0 - H) instead of from the start
+    double approach_speed =
+        0.0;                 ///< m/s, how the machine reaches the first touch when zero_at_touch; 0: jump to just above
+    double touch_gap = 1e-5; ///< m, where 'just above' is
+    std::vector<Move> moves; ///< cycles already unrolled
+};
+
+/// Resolution of the numerics; the defaults are the laboratory's.
+struct Numerics {
+    double dt_max = 4e-3;             ///< s
+    double dt_min = 1e-6;             ///< s
+    double fixed_dt = 0.0;            ///< s; > 0 switches adaptivity off
+    double tolerance = 1e-8;          ///< contact residual eta, 1
+    double position_tolerance = 1e-5; ///< m, local error aimed at per step
+};
+
+/// Which numbers the summary reports beside the common ones.
+struct Report {
+    std::string kind = "free"; ///< "stack" | "snap" | "squeeze" | "cantilever" | "pinning" | "ramp" | "free"
+    double R = 0.0192;         ///< m, radius used to scale
+    double B = 0.0;            ///< N m^2, bending modulus used to scale; 0: that of the first shell
+    double sample_dt = 0.02;   ///< s, series and trajectory spacing at most this (events are sampled finer)
+};
+
+struct Scene {
+    std::string name;
+    std::string about;
+    std::string file;
+    std::vector<Parameter> parameters; ///< with their final values
+    step::RigidWorldDefinition rigid;
+    std::vector<ShellDef> shells;
+    std::vector<HoldDef> holds;
+    std::optional<Drop> drop;
+    std::optional<Protocol> protocol;
+    Numerics numerics;
+    Report report;
+    double duration = 0.0; ///< s, for scenes without a protocol; with one: stop at the end of the moves
+};
+
+} // namespace supercircle::scene

@@ -1,0 +1,26 @@
+#pragma once
+// FCP2D files: one contact problem as recorded from a simulation, for benchmarks and bug reports.
+//
+// Little endian: "FCP2D\0\0\1"; int32 nb, nc, has_r0, 0; double dt; per body: int32 n, double A[n*n] by columns,
+// vfree[n]; per contact: int32 a, int32 b (-1 = fixed), double mu, w[2], Ha[2*na], Hb[2*nb] (2 x n by columns, row 0
+// normal, row 1 tangent; none for -1); if has_r0: double r0[2*nc].
+
+#include "supercircle/coulomb/problem.h"
+
+#include <string>
+#include <string_view>
+
+namespace supercircle::coulomb {
+
+/// Writes the FCP2D image of `problem` (contact ids are not stored). Empty string on success, else what went wrong.
+std::string encode(const Problem& problem, std::string& bytes);
+
+/// Reads an FCP2D image. Empty string on success, else a sentence naming the byte offset; `problem` is then untouched.
+/// Never trusts a count: every array is checked against the bytes left, and the result by `findFault`.
+std::string decode(std::string_view bytes, Problem& problem);
+
+/// The same for a file.
+std::string writeDump(const std::string& path, const Problem& problem);
+std::string readDump(const std::string& path, Problem& problem);
+
+} // namespace supercircle::coulomb

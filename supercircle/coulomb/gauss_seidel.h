@@ -1,0 +1,30 @@
+#pragma once
+// Block Gauss-Seidel on the whitened velocities, with the exact law of one contact; plain and accelerated.
+
+#include "supercircle/coulomb/iterate.h"
+
+namespace supercircle::coulomb {
+
+class GaussSeidel {
+public:
+    /// Prepares the local laws and the order of the contacts.
+    void prepare(const Whitened& problem);
+
+    /// One pass over all contacts; returns sum d |dr|^2 (J).
+    double sweep(const Whitened& problem, Iterate& x) const;
+
+    /// Up to `sweeps` plain sweeps; judges now and then, offers to `best`, stops when `target` is reached.
+    int run(const Whitened& problem, Iterate& x, int sweeps, const Target& target, Best& best) const;
+
+    /// The same with nonlinear conjugate-gradient acceleration.
+    int runAccelerated(const Whitened& problem, Iterate& x, int sweeps, const Target& target, Best& best);
+
+private:
+    std::vector<LocalLaw> law_;
+    std::vector<std::int32_t> order_;
+    std::vector<std::int32_t> rank_;
+    std::vector<std::int32_t> seen_;
+    std::vector<double> previousR_, previousW_, directionR_, directionW_;
+};
+
+} // namespace supercircle::coulomb

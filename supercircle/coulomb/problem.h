@@ -1,0 +1,43 @@
+#pragma once
+// One frictional contact problem as plain data: what a time step hands to a solver, what the judge reads and what an
+// FCP2D file holds. Nothing here knows rods, geometry or time stepping beyond `dt`.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace supercircle::coulomb {
+
+/// One body: its (generalised) velocity obeys  A v = A v_free + sum of H^T r  over its contacts.
+struct Body {
+    Eigen::MatrixXd A;     ///< n x n, symmetric positive definite (generalised mass, kg-like)
+    Eigen::VectorXd vFree; ///< n, velocity without contact impulses (m/s-like)
+};
+
+/// One contact between body `a` and body `b` (or a fixed or driven surface, b = -1).
+/// Relative velocity u = Ha v_a + Hb v_b + w, row 0 normal (positive opens), row 1 tangent.
+struct Contact {
+    std::int32_t a = -1;
+    std::int32_t b = -1;
+    double mu = 0.0;                             ///< friction coefficient, 1
+    Eigen::Vector2d w = Eigen::Vector2d::Zero(); ///< m/s; w_n carries gap/dt
+    Eigen::Matrix<double, 2, Eigen::Dynamic> Ha; ///< 2 x n_a
+    Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< 2 x n_b (its sign included); empty when b = -1
+    std::uint64_t id = 0;                        ///< stable feature id, 0 if unknown; not stored in FCP2D
+};
+
+/// Find impulses r (2 per contact, N s) with  0 <= u_n  perp  r_n >= 0,  |r_t| <= mu r_n,
+/// and r_t = -mu r_n sign(u_t) where the contact slips (Signorini-Coulomb).
+struct Problem {
+    double dt = 0.0; ///< s
+    std::vector<Body> bodies;
+    std::vector<Contact> contacts;
+    Eigen::VectorXd r0; ///< warm start, 2 per contact (n, t), or empty
+};
+
+/// Empty if sizes, indices, signs and numbers are in order, else one sentence naming the body or contact at fault.
+/// Whether A is positive definite shows only when it is factored: the solver reports that.
+std::string findFault(const Problem& problem);
+
+} // namespace supercircle::coulomb

@@ -1,0 +1,135 @@
+// The residual of the natural map, with De Saxce's change of variable (Acary & Brogliato 2008, ch. 3):
+//
+//   F_c = r_c - P_K( r_c - (u_c + mu |u_t| n) / d_c ),   d_c = tr(W_cc) / 2,   W = H A^-1 H^T
+//   eta = sqrt( sum d_c |F_c|^2 / sum over closing contacts of |q_c|^2 / d_c )
+//
+// Two things the formula leaves open:
+// - No contact closes freely: then r = 0 solves the problem and the denominator vanishes. The energy of the impulses
+//   themselves, sum d_c |r_c|^2, takes its place. With r = 0 as well the numerator is exactly zero and eta = 0.
+// - d_c = 0 (a contact that moves nothing): d_c is replaced by 1e-12 of the largest d (1 if all vanish), so a contact
+//   that closes and cannot be helped counts with its full weight and the problem is reported as unsolved.
+
+#include "supercircle/coulomb/residual.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supercircle::coulomb {
+
+void projectOnCone(double mu, double& rn, double& rt) {
+    const double size = std::abs(rt);
+    if (size <= mu * rn)
+        return;
+    if (rn <= -mu * size) {
+        rn = 0.0;
+        rt = 0.0;
+        return;
+    }
+    const double n = (rn + mu * size) / (1.0 + mu * mu);
+    rt = rt < 0.0 ? -mu * n : mu * n;
+    rn = n;
+}
+
+void ResidualSum::add(double un, double ut, double qn, double qt, double rn, double rt, double mu, double d) {
+    double pn = rn - (un + mu * std::abs(ut)) / d;
+    double pt = rt - ut / d;
+    projectOnCone(mu, pn, pt);
+    const double square = (rn - pn) * (rn - pn) + (rt - pt) * (rt - pt);
+    error_ += d * square;
+    impulse_ = std::max(impulse_, square);
+    penetration_ = std::max(penetration_, -un);
+    held_ += d * (rn * rn + rt * rt);
+    if (qn < 0.0)
+        closing_ += (qn * qn + qt * qt) / d;
+}
+
+Residual ResidualSum::result() const {
+    const double scale = closing_ > 0.0 ? closing_ : held_;
+    Residual result;
+    if (error_ != 0.0) // also for NaN, which must not pass as solved
+        result.eta = error_ > 0.0 && scale > 0.0 ? std::sqrt(error_ / scale) : std::numeric_limits<double>::infinity();
+    result.scale = scale;
+    result.penetrationSpeed = penetration_;
+    result.impulseError = std::sqrt(impulse_);
+    return result;
+}
+
+namespace {
+
+using Row = Eigen::Matrix<double, 2, Eigen::Dynamic>;
+
+/// H_b of `contact` for body `index`; both sides add up where a body touches itself.
+Row rowOf(const Contact& contact, std::int32_t index) {
+    if (contact.a == index && contact.b == index)
+        return contact.Ha + contact.Hb;
+    return contact.a == index ? contact.Ha : contact.Hb;
+}
+
+template <class Visit>
+void forEachBody(const Contact& contact, Visit&& visit) {
+    if (contact.a >= 0)
+        visit(contact.a);
+    if (contact.b >= 0 && contact.b != contact.a)
+        visit(contact.b);
+}
+
+std::vector<Eigen::LLT<Eigen::MatrixXd>> factors(const Problem& problem) {
+    std::vector<Eigen::LLT<Eigen::MatrixXd>> result;
+    result.reserve(problem.bodies.size());
+    for (const Body& body : problem.bodies)
+        result.emplace_back(body.A);
+    return result;
+}
+
+std::vector<Eigen::VectorXd> velocities(const Problem& problem, const std::vector<Eigen::LLT<Eigen::MatrixXd>>& factor,
+                                        const Eigen::VectorXd& r) {
+    std::vector<Eigen::VectorXd> momentum;
+    for (const Body& body : problem.bodies)
+        momentum.emplace_back(Eigen::VectorXd::Zero(body.vFree.size()));
+    for (std::size_t c = 0; c < problem.contacts.size(); ++c)
+        forEachBody(problem.contacts[c], [&](std::int32_t b) {
+            momentum[b] += rowOf(problem.contacts[c], b).transpose() * r.segment<2>(2 * static_cast<Eigen::Index>(c));
+        });
+    for (std::size_t b = 0; b < momentum.size(); ++b)
+        momentum[b] = problem.bodies[b].vFree + factor[b].solve(momentum[b]);
+    return momentum;
+}
+
+} // namespace
+
+std::vector<Eigen::VectorXd> bodyVelocities(const Problem& problem, const Eigen::VectorXd& r) {
+    return velocities(problem, factors(problem), r);
+}
+
+Residual judge(const Problem& problem, const Eigen::VectorXd& r) {
+    if (!r.allFinite())
+        return {std::numeric_limits<double>::infinity(), 0.0, std::numeric_limits<double>::infinity(), 0.0};
+    const auto factor = factors(problem);
+    const auto v = velocities(problem, factor, r);
+    const auto count = static_cast<Eigen::Index>(problem.contacts.size());
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(count);
+    Eigen::VectorXd u(2 * count);
+    Eigen::VectorXd q(2 * count);
+    for (Eigen::Index c = 0; c < count; ++c) {
+        const Contact& contact = problem.contacts[static_cast<std::size_t>(c)];
+        u.segment<2>(2 * c) = contact.w;
+        q.segment<2>(2 * c) = contact.w;
+        forEachBody(contact, [&](std::int32_t b) {
+            const Row row = rowOf(contact, b);
+            d[c] += 0.5 * (row * factor[b].solve(row.transpose())).trace();
+            u.segment<2>(2 * c) += row * v[b];
+            q.segment<2>(2 * c) += row * problem.bodies[b].vFree;
+        });
+    }
+    const double largest = count > 0 ? d.maxCoeff() : 0.0;
+    const double floor = largest > 0.0 ? 1e-12 * largest : 1.0;
+    ResidualSum sum;
+    for (Eigen::Index c = 0; c < count; ++c)
+        sum.add(u[2 * c], u[2 * c + 1], q[2 * c], q[2 * c + 1], r[2 * c], r[2 * c + 1],
+                problem.contacts[static_cast<std::size_t>(c)].mu, std::max(d[c], floor));
+    return sum.result();
+}
+
+} // namespace supercircle::coulomb

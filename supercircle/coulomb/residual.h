@@ -1,0 +1,43 @@
+#pragma once
+// The independent judge: how far impulses are from solving a contact problem, whoever produced them.
+
+#include "supercircle/coulomb/problem.h"
+
+namespace supercircle::coulomb {
+
+/// The verdict on one set of impulses.
+struct Residual {
+    double eta = 0.0;              ///< solver-neutral residual, 1 (definition in residual.cpp)
+    double penetrationSpeed = 0.0; ///< max(-u_n, 0), m/s
+    double impulseError = 0.0;     ///< largest natural-map error |F_c|, N s
+    double scale = 0.0;            ///< denominator of eta^2, J
+};
+
+/// Accumulates the residual contact by contact, in a fixed order.
+class ResidualSum {
+public:
+    /// u: velocity, q: velocity without any impulse (m/s), r: impulse (N s); scale d = tr(W_cc)/2 (1/kg).
+    void add(double un, double ut, double qn, double qt, double rn, double rt, double mu, double d);
+    Residual result() const;
+    /// Sum of d |F|^2 so far, J.
+    double error() const { return error_; }
+
+private:
+    double error_ = 0.0;
+    double closing_ = 0.0;
+    double held_ = 0.0;
+    double penetration_ = 0.0;
+    double impulse_ = 0.0;
+};
+
+/// Euclidean projection of (rn, rt) on the friction cone |rt| <= mu rn, in place.
+void projectOnCone(double mu, double& rn, double& rt);
+
+/// Judges impulses `r` (2 per contact) from the problem's own data; shares no code path with the solvers' kernels.
+/// Expects a problem without fault (see `findFault`) and r of the right size; non-finite r gives eta = infinity.
+Residual judge(const Problem& problem, const Eigen::VectorXd& r);
+
+/// Velocities v_b = vFree_b + A_b^-1 sum H^T r, one vector a body, m/s-like.
+std::vector<Eigen::VectorXd> bodyVelocities(const Problem& problem, const Eigen::VectorXd& r);
+
+} // namespace supercircle::coulomb

@@ -1,0 +1,246 @@
+// The cascade. Measured on stacks of nested shells: most steps need a few warm Gauss-Seidel sweeps only; the hard ones
+// (loaded nests, snaps) never settle under sweeps of any kind, but 40 sweeps give a guess from which path following
+// arrives. What the path cannot solve at first try (a ray, a wandering or stalled path) it solves after some more
+// sweeps with another proximal term and other slacks; Newton and long accelerated sweeps are the last resort, and for
+// contradictory constraints, where nothing can arrive, they decide how good the best iterate is. Every stage has a cap.
+
+#include "supercircle/coulomb/solver.h"
+
+#include "supercircle/coulomb/gauss_seidel.h"
+#include "supercircle/coulomb/islands.h"
+#include "supercircle/coulomb/newton.h"
+#include "supercircle/coulomb/path.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace supercircle::coulomb {
+
+std::string_view name(Method m) {
+    switch (m) {
+    case Method::Cascade:
+        return "cascade";
+    case Method::GaussSeidel:
+        return "gauss_seidel";
+    case Method::Accelerated:
+        return "accelerated";
+    case Method::Path:
+        return "path";
+    case Method::Newton:
+        return "newton";
+    case Method::None:
+        return "none";
+    }
+    return "unknown";
+}
+
+namespace {
+
+/// One try of the path: sweeps before it, proximal term, slacks.
+struct Try {
+    int sweeps;
+    double eps;
+    double slack;
+};
+constexpr std::array kTries{Try{0, 1e-6, 1.0}, Try{30, 1e-5, 1.0}, Try{60, 1e-8, 0.3}, Try{100, 1e-4, 3.0}};
+
+/// A strong proximal term makes any problem tame; from its solution down to the wanted one in small steps.
+constexpr std::array kLadder{1.0, 0.3, 0.1, 0.03, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8};
+constexpr int kLadders = 3;
+
+/// Above this many loaded contacts in one island the dense factor (cubic) costs more than long accelerated sweeps.
+constexpr std::size_t kDenseLimit = 1200;
+constexpr int kNewtonSteps = 30;
+
+} // namespace
+
+struct Solver::Impl {
+    Whitened whitened;
+    GaussSeidel sweeps;
+    Islands islands;
+    Path path;
+    Newton newton;
+    Iterate x;
+    Best best;
+    Target target;
+
+    void run(const SolverOptions& options, SolveReport& report);
+    bool judgeNow(Method method, SolveReport& report);
+    void restoreBest();
+    double islandError(std::span<const std::int32_t> island) const;
+    std::size_t loaded(std::span<const std::int32_t> island) const;
+    bool tryPath(const Try& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report);
+    bool tryLadder(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
+    bool tryNewton(SolveReport& report);
+    bool tryAccelerated(int count, SolveReport& report);
+    template <class Visit>
+    void forEachUnsolved(Visit&& visit);
+};
+
+/// Judges x freshly, keeps it if it is the best; true if it meets the target.
+bool Solver::Impl::judgeNow(Method method, SolveReport& report) {
+    whitened.assemble(x.r, x.w);
+    if (best.offer(x.r, whitened.residual(x.r, x.w)))
+        report.finishedBy = method;
+    return target.reached(best.residual);
+}
+
+void Solver::Impl::restoreBest() {
+    x.r = best.r;
+    whitened.assemble(x.r, x.w);
+}
+
+double Solver::Impl::islandError(std::span<const std::int32_t> island) const {
+    ResidualSum sum;
+    for (const std::int32_t c : island) {
+        const Whitened::Contact& contact = whitened.contact(c);
+        const Whitened::Velocity u = whitened.velocity(contact, x.w.data());
+        sum.add(u.n, u.t, contact.qn, contact.qt, x.r[2 * c], x.r[2 * c + 1], contact.mu, contact.d);
+    }
+    return sum.error();
+}
+
+std::size_t Solver::Impl::loaded(std::span<const std::int32_t> island) const {
+    return static_cast<std::size_t>(
+        std::count_if(island.begin(), island.end(), [this](std::int32_t c) { return x.r[2 * c] > 0.0; }));
+}
+
+/// Visits the islands whose error is above their share of what the target allows, with that share.
+template <class Visit>
+void Solver::Impl::forEachUnsolved(Visit&& visit) {
+    const double allowed = 0.9 * target.eta * target.eta * best.residual.scale /
+                           static_cast<double>(std::max<std::size_t>(1, islands.count()));
+    for (std::size_t i = 0; i < islands.count(); ++i)
+        if (!(islandError(islands.contacts(i)) <= allowed))
+            visit(islands.contacts(i), allowed);
+}
+
+bool Solver::Impl::tryPath(const Try& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
+    if (settings.sweeps > 0) {
+        restoreBest();
+        report.sweeps += sweeps.runAccelerated(whitened, x, settings.sweeps, target, best);
+        if (judgeNow(Method::Accelerated, report))
+            return true;
+    }
+    PathCounts counts;
+    const PathSettings path_{settings.eps, settings.slack, seed, options.maxPivots, 20};
+    forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
+        if (loaded(island) <= kDenseLimit)
+            path.run(whitened, island, path_, allowed, x, counts);
+    });
+    report.pivots += counts.pivots;
+    report.factorisations += counts.factorisations;
+    return judgeNow(Method::Path, report);
+}
+
+/// Proximal terms from strong to weak, each path starting where the last ended, a few proximal repeats each.
+bool Solver::Impl::tryLadder(std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
+    restoreBest();
+    PathCounts counts;
+    bool done = false;
+    for (std::size_t step = 0; step < kLadder.size() && !done; ++step) {
+        const PathSettings rung{kLadder[step], seed % 2 == 0 ? 1.0 : 0.1, seed, options.maxPivots,
+                                kLadder[step] > 1e-5 ? 2 : 12};
+        forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
+            if (loaded(island) <= kDenseLimit)
+                path.run(whitened, island, rung, allowed, x, counts);
+        });
+        done = judgeNow(Method::Path, report);
+    }
+    report.pivots += counts.pivots;
+    report.factorisations += counts.factorisations;
+    return done;
+}
+
+bool Solver::Impl::tryNewton(SolveReport& report) {
+    restoreBest();
+    forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
+        if (loaded(island) <= kDenseLimit)
+            report.factorisations += newton.run(whitened, island, 1e-6, kNewtonSteps, allowed, x);
+    });
+    return judgeNow(Method::Newton, report);
+}
+
+bool Solver::Impl::tryAccelerated(int count, SolveReport& report) {
+    restoreBest();
+    const double before = best.residual.eta;
+    report.sweeps += sweeps.runAccelerated(whitened, x, count, target, best);
+    if (best.residual.eta < before)
+        report.finishedBy = Method::Accelerated;
+    return target.reached(best.residual);
+}
+
+void Solver::Impl::run(const SolverOptions& options, SolveReport& report) {
+    report.finishedBy = Method::None;
+    best.reset();
+    if (judgeNow(Method::None, report) || options.method == Method::None)
+        return;
+    sweeps.prepare(whitened);
+    const bool only = options.method == Method::GaussSeidel;
+    const double before = best.residual.eta;
+    report.sweeps += sweeps.run(whitened, x, only ? options.maxSweeps : options.firstSweeps, target, best);
+    if (best.residual.eta < before)
+        report.finishedBy = Method::GaussSeidel;
+    if (only || target.reached(best.residual))
+        return;
+    if (options.method == Method::Accelerated) {
+        tryAccelerated(options.maxSweeps, report);
+        return;
+    }
+    islands.split(whitened);
+    if (options.method == Method::Newton) {
+        tryNewton(report);
+        return;
+    }
+    for (std::uint32_t k = 0; k < kTries.size(); ++k)
+        if (tryPath(kTries[k], k, options, report))
+            return;
+    if (options.method == Method::Path || tryNewton(report))
+        return;
+    for (std::uint32_t k = 0; k < kLadders; ++k)
+        if (tryLadder(k, options, report))
+            return;
+    if (!tryAccelerated(options.maxSweeps, report))
+        tryPath({0, 1e-6, 1.0}, static_cast<std::uint32_t>(kTries.size()), options, report);
+}
+
+Solver::Solver() : impl_(std::make_unique<Impl>()) {}
+Solver::~Solver() = default;
+Solver::Solver(Solver&&) noexcept = default;
+Solver& Solver::operator=(Solver&&) noexcept = default;
+
+SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, Eigen::VectorXd& r,
+                          std::vector<Eigen::VectorXd>& v) {
+    SolveReport report;
+    Impl& s = *impl_;
+    r.setZero(2 * static_cast<Eigen::Index>(problem.contacts.size()));
+    report.error = s.whitened.build(problem);
+    if (!report.error.empty()) {
+        report.eta = std::numeric_limits<double>::infinity();
+        v.resize(problem.bodies.size());
+        for (std::size_t b = 0; b < v.size(); ++b)
+            v[b] = problem.bodies[b].vFree;
+        return report;
+    }
+    s.target = {options.tolerance, options.absoluteImpulse};
+    s.x.start(s.whitened, problem.r0);
+    s.run(options, report);
+
+    // The verdict is on freshly assembled velocities, so that what is returned is consistent to round-off.
+    s.whitened.assemble(s.best.r, s.x.w);
+    const Residual residual = s.whitened.residual(s.best.r, s.x.w);
+    report.converged = s.target.reached(residual);
+    report.eta = residual.eta;
+    report.penetrationSpeed = residual.penetrationSpeed;
+    report.impulseError = residual.impulseError;
+    for (std::size_t c = 0; c < problem.contacts.size(); ++c)
+        report.loaded += s.best.r[2 * c] > 0.0 ? 1 : 0;
+    for (std::size_t i = 0; i < s.best.r.size(); ++i)
+        r[static_cast<Eigen::Index>(i)] = s.best.r[i];
+    s.whitened.bodyVelocities(s.x.w, v);
+    return report;
+}
+
+} // namespace supercircle::coulomb

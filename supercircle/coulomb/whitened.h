@@ -1,0 +1,164 @@
+#pragma once
+// A problem in coordinates where every body has unit mass: A = L L^T, velocities w = L^T v, contact rows G = L^-1 H^T.
+// One contact then costs dot products and vector updates only, and W_cc' = G_c^T G_c'.
+
+#include "supercircle/coulomb/problem.h"
+#include "supercircle/coulomb/residual.h"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace supercircle::coulomb {
+
+/// Two doubles side by side: what every x86-64 and ARM64 machine adds and multiplies in one instruction.
+using Pair [[gnu::vector_size(16)]] = double;
+
+/// The same, at any address that holds a double.
+using LoosePair [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;
+
+class Whitened {
+public:
+    /// One contact's rows on one body. Entries outside [begin1, end1) and [begin2, end2) are exactly zero.
+    struct Side {
+        std::int32_t body = -1;
+        std::int32_t padded = 0;  ///< length of a row: n rounded up to even; the tangent row follows the normal row
+        std::size_t velocity = 0; ///< where the body's w starts
+        std::size_t row = 0;      ///< where the normal row starts in the row store
+        std::int32_t begin1 = 0;
+        std::int32_t end1 = 0;
+        std::int32_t begin2 = 0;
+        std::int32_t end2 = 0;
+    };
+
+    struct Contact {
+        Side side[2];
+        std::int32_t sides = 0; ///< 0 .. 2; both sides on one body are merged
+        double wn = 0.0;        ///< m/s
+        double wt = 0.0;
+        double mu = 0.0;
+        double qn = 0.0; ///< velocity without impulses, m/s
+        double qt = 0.0;
+        double Wnn = 0.0; ///< 1/kg
+        double Wnt = 0.0;
+        double Wtt = 0.0;
+        double d = 0.0; ///< tr W / 2, floored as the judge does
+    };
+
+    struct Velocity {
+        double n = 0.0;
+        double t = 0.0;
+    };
+
+    /// Factors, whitens and precomputes. Returns a sentence if the problem is at fault, else an empty string.
+    /// A body whose A is bit for bit that of the last call keeps its factor (which therefore is the same numbers).
+    std::string build(const Problem& problem);
+
+    std::size_t contactCount() const { return contacts_.size(); }
+    std::size_t bodyCount() const { return bodies_.size(); }
+    const Contact& contact(std::size_t c) const { return contacts_[c]; }
+    std::span<const Contact> contacts() const { return contacts_; }
+    const double* rows() const { return rows_.data(); }
+    /// Free whitened velocities, all bodies in one array.
+    const std::vector<double>& freeVelocity() const { return free_; }
+    std::size_t bodyOffset(std::size_t b) const { return bodies_[b].velocity; }
+    std::size_t bodyPadded(std::size_t b) const { return bodies_[b].padded; }
+
+    /// G^T w of one contact, without its own w.
+    Velocity product(const Contact& contact, const double* w) const;
+    double normalProduct(const Contact& contact, const double* w) const;
+    /// w += G (rn, rt).
+    void apply(const Contact& contact, double rn, double rt, double* w) const;
+    /// Contact velocity u for whitened body velocities w.
+    Velocity velocity(const Contact& contact, const double* w) const {
+        const Velocity u = product(contact, w);
+        return {u.n + contact.wn, u.t + contact.wt};
+    }
+    /// w = w_free + G r.
+    void assemble(std::span<const double> r, std::vector<double>& w) const;
+    /// The judge's formula on whitened data; w must belong to r.
+    Residual residual(std::span<const double> r, const std::vector<double>& w) const;
+    /// v = L^-T w of every body.
+    void bodyVelocities(const std::vector<double>& w, std::vector<Eigen::VectorXd>& v) const;
+
+private:
+    struct Factor {
+        std::size_t n = 0;
+        std::size_t padded = 0;
+        std::size_t velocity = 0;
+        std::vector<double> matrix; ///< A as last seen
+        std::vector<double> lower;  ///< L by columns, n x n
+        std::vector<double> inverseDiagonal;
+    };
+
+    bool factor(Factor& body, const double* A);
+    void addSide(Contact& contact, const Factor& body, std::int32_t index, const Eigen::Matrix<double, 2, -1>& H,
+                 const Eigen::Matrix<double, 2, -1>* other);
+    std::size_t layoutBodies(const Problem& problem);
+
+    std::vector<Factor> bodies_;
+    std::vector<Contact> contacts_;
+    std::vector<double> rows_;
+    std::vector<double> free_;
+    std::vector<Pair> scratch_;
+};
+
+// ---- kernels, inline because a Gauss-Seidel sweep is nothing else ----
+
+inline Whitened::Velocity Whitened::product(const Contact& contact, const double* w) const {
+    Pair n = {0.0, 0.0};
+    Pair t = {0.0, 0.0};
+    for (std::int32_t s = 0; s < contact.sides; ++s) {
+        const Side& side = contact.side[s];
+        const double* gn = rows_.data() + side.row;
+        const double* gt = gn + side.padded;
+        const double* v = w + side.velocity;
+        for (std::int32_t i = side.begin1; i < side.end1; i += 2) {
+            const Pair x = *reinterpret_cast<const LoosePair*>(v + i);
+            n += *reinterpret_cast<const LoosePair*>(gn + i) * x;
+            t += *reinterpret_cast<const LoosePair*>(gt + i) * x;
+        }
+        for (std::int32_t i = side.begin2; i < side.end2; i += 2) {
+            const Pair x = *reinterpret_cast<const LoosePair*>(v + i);
+            n += *reinterpret_cast<const LoosePair*>(gn + i) * x;
+            t += *reinterpret_cast<const LoosePair*>(gt + i) * x;
+        }
+    }
+    return {n[0] + n[1], t[0] + t[1]};
+}
+
+inline double Whitened::normalProduct(const Contact& contact, const double* w) const {
+    Pair n = {0.0, 0.0};
+    for (std::int32_t s = 0; s < contact.sides; ++s) {
+        const Side& side = contact.side[s];
+        const double* gn = rows_.data() + side.row;
+        const double* v = w + side.velocity;
+        for (std::int32_t i = side.begin1; i < side.end1; i += 2)
+            n += *reinterpret_cast<const LoosePair*>(gn + i) * *reinterpret_cast<const LoosePair*>(v + i);
+        for (std::int32_t i = side.begin2; i < side.end2; i += 2)
+            n += *reinterpret_cast<const LoosePair*>(gn + i) * *reinterpret_cast<const LoosePair*>(v + i);
+    }
+    return n[0] + n[1];
+}
+
+inline void Whitened::apply(const Contact& contact, double rn, double rt, double* w) const {
+    const Pair n = {rn, rn};
+    const Pair t = {rt, rt};
+    const auto add = [&](const double* gn, const double* gt, double* v, std::int32_t i) {
+        auto* x = reinterpret_cast<LoosePair*>(v + i);
+        *x = *x + n * *reinterpret_cast<const LoosePair*>(gn + i) + t * *reinterpret_cast<const LoosePair*>(gt + i);
+    };
+    for (std::int32_t s = 0; s < contact.sides; ++s) {
+        const Side& side = contact.side[s];
+        const double* gn = rows_.data() + side.row;
+        const double* gt = gn + side.padded;
+        double* v = w + side.velocity;
+        for (std::int32_t i = side.begin1; i < side.end1; i += 2)
+            add(gn, gt, v, i);
+        for (std::int32_t i = side.begin2; i < side.end2; i += 2)
+            add(gn, gt, v, i);
+    }
+}
+
+} // namespace supercircle::coulomb

@@ -1,0 +1,89 @@
+// Closed forms of one arc. With x = k s / 2 and t, n the tangent and normal at mid-stretch:
+//   chord    = s sinc(x) t
+//   d/dk     = s^2/2 (sinc'(x) t + sinc(x) n)
+//   centroid = start + s/2 (sinc(x) t + sinc'(x) n)
+// sin(x)/x itself loses nothing near zero; its derivative and deficit cancel there and switch to their power series
+// below |x| = 1.5, where the direct formulas still keep all but about two bits.
+
+#include "supercircle/rod/arc.h"
+
+#include <array>
+#include <cstddef>
+
+namespace supercircle::rod {
+
+namespace {
+
+constexpr double kSeriesBelow = 1.5;
+constexpr std::size_t kTerms = 11; // the first dropped term is below 1e-18 of the first at |x| = 1.5
+
+/// (-1)^n weight(n) / (2n+1)! for n = 1 .. kTerms, so that the sums below are polynomials in x^2.
+template <class Weight>
+constexpr std::array<double, kTerms> coefficients(Weight weight) {
+    std::array<double, kTerms> c{};
+    double factorial = 1.0;
+    double sign = 1.0;
+    for (std::size_t i = 0; i < kTerms; ++i) {
+        const double n = static_cast<double>(i + 1);
+        factorial *= 2.0 * n * (2.0 * n + 1.0);
+        sign = -sign;
+        c[i] = sign * weight(n) / factorial;
+    }
+    return c;
+}
+
+double horner(const std::array<double, kTerms>& c, double z) {
+    double sum = 0.0;
+    for (std::size_t i = kTerms; i-- > 0;)
+        sum = sum * z + c[i];
+    return sum;
+}
+
+} // namespace
+
+double sinc(double x) {
+    if (std::abs(x) < 1e-4)
+        return 1.0 - x * x / 6.0; // the next term, x^4/120, is below 1e-18
+    return std::sin(x) / x;
+}
+
+double sincDerivative(double x) {
+    static constexpr auto kSeries = coefficients([](double n) { return 2.0 * n; });
+    if (std::abs(x) < kSeriesBelow)
+        return x * horner(kSeries, x * x);
+    return (std::cos(x) - std::sin(x) / x) / x;
+}
+
+double sincDeficit(double x) {
+    static constexpr auto kSeries = coefficients([](double) { return -1.0; });
+    if (std::abs(x) < kSeriesBelow)
+        return x * horner(kSeries, x * x);
+    return (1.0 - std::sin(x) / x) / x;
+}
+
+TurnFactors TurnFactors::of(double x) {
+    if (std::abs(x) < kSeriesBelow)
+        return series(x * x);
+    const double h = std::sin(0.5 * x) / x;
+    return {2.0 * h * h, (x - std::sin(x)) / (x * x * x)};
+}
+
+Vec2 Arc::chord(double s) const {
+    const double x = 0.5 * curvature * s;
+    const double c = s * sinc(x);
+    return {c * std::cos(angle + x), c * std::sin(angle + x)};
+}
+
+Vec2 Arc::chordCurvatureDerivative(double s) const {
+    const double x = 0.5 * curvature * s;
+    const Vec2 t(std::cos(angle + x), std::sin(angle + x));
+    return 0.5 * s * s * (sincDerivative(x) * t + sinc(x) * perp(t));
+}
+
+Vec2 Arc::centroid(double s) const {
+    const double x = 0.5 * curvature * s;
+    const Vec2 t(std::cos(angle + x), std::sin(angle + x));
+    return start + 0.5 * s * (sinc(x) * t + sincDerivative(x) * perp(t));
+}
+
+} // namespace supercircle::rod

@@ -1,0 +1,21 @@
+#pragma once
+// Bending: E_b = 1/2 B sum_i l_i (kappa_i - kappa0_i)^2, exact for arcs and linear in the curvatures (physics: Kirchhoff rod).
+
+#include "supercircle/rod/model.h"
+
+#include <Eigen/Core>
+
+namespace supercircle::rod {
+
+/// Stored bending energy, J.
+double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q);
+/// Bending energy of one element, J.
+double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q, int element);
+/// Adds the bending force -dE/dq to `force` (n entries).
+void addBendingForce(const RodModel& model, const Eigen::VectorXd& q, Eigen::VectorXd& force);
+/// Diagonal of d2E/dq2 for a curvature dof: B l, N m^3.
+inline double bendingStiffness(const RodModel& model) {
+    return model.definition().bendingModulus * model.elementLength();
+}
+
+} // namespace supercircle::rod

@@ -1,0 +1,234 @@
+#include "supercircle/rod/inertia.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::rod {
+
+namespace {
+
+/// Nodes are handled in pairs by the vector unit: one unused place.
+constexpr int kPadded = RodModel::kGauss + 1;
+
+/// Turn factors of the stretches up to each node of a segment that turns by `turn`.
+void turnFactorsAtNodes(double turn, TurnFactors* factors) {
+    if (std::abs(turn) < TurnFactors::kSeriesBelow) {
+        for (int i = 0; i < kPadded; ++i) {
+            const double x = turn * RodModel::kGaussNode[std::min(i, RodModel::kGauss - 1)];
+            factors[i] = TurnFactors::series(x * x);
+        }
+    } else {
+        for (int i = 0; i < RodModel::kGauss; ++i)
+            factors[i] = TurnFactors::of(turn * RodModel::kGaussNode[i]);
+    }
+}
+
+/// Mass moments of everything beyond a place, arms from the rod's middle.
+struct Moments {
+    double mass = 0.0;
+    Vec2 first = Vec2::Zero();
+    double second = 0.0;
+};
+
+/// Sums over the Gauss points of one segment that involve its own curvature derivative e.
+struct OwnSums {
+    Vec2 e = Vec2::Zero();
+    double turn = 0.0; ///< sum m (arm x e) = sum m perp(arm) . e
+    double square = 0.0;
+};
+
+struct SegmentView {
+    const Segment* seg;
+    int base;      ///< first Gauss index
+    Vec2 centroid; ///< relative to the middle
+};
+
+SegmentView view(const RodModel& model, const Kinematics& kin, int side, int k) {
+    const int offset = side == 0 ? 0 : static_cast<int>(model.side(0).size());
+    return {&model.side(side)[static_cast<std::size_t>(k)], RodModel::kGauss * (offset + k),
+            kin.centroid(side, k) - kin.middle()};
+}
+
+} // namespace
+
+void evaluateGauss(const RodModel& model, const Kinematics& kin, GaussField& field) {
+    const auto n = static_cast<std::size_t>(model.gaussPoints());
+    field.arm.resize(n);
+    field.own.resize(n);
+    field.mass.resize(n);
+    std::size_t g = 0;
+    for (int side = 0; side < 2; ++side)
+        for (std::size_t k = 0; k < model.side(side).size(); ++k) {
+            const Arc& arc = kin.segmentArc(side, static_cast<int>(k));
+            const Vec2 inner = arc.start - kin.middle();
+            const Vec2 t = kin.segmentTangent(side, static_cast<int>(k));
+            const Vec2 normal = perp(t);
+            const double m = model.definition().linearMass * std::abs(arc.length);
+            const double turn = arc.curvature * arc.length;
+            TurnFactors factors[kPadded];
+            turnFactorsAtNodes(turn, factors);
+            for (int i = 0; i < RodModel::kGauss; ++i, ++g) {
+                const double s = arc.length * RodModel::kGaussNode[i];
+                const double x = turn * RodModel::kGaussNode[i];
+                const TurnFactors f = factors[i];
+                const double sine = 1.0 - x * x * f.deficit; // over x
+                field.arm[g] = inner + s * (sine * t + x * f.versine * normal);
+                field.own[g] = (s * s) * ((sine - f.versine) * normal - x * (f.versine - f.deficit) * t);
+                field.mass[g] = m * RodModel::kGaussWeight[i];
+            }
+        }
+}
+
+void massMatrix(const RodModel& model, const Kinematics& kin, const GaussField& field, Eigen::MatrixXd& M) {
+    const int n = model.dofs(), X = model.dofX(), Y = model.dofY(), T = model.dofTheta();
+    M.setZero(n, n);
+    Moments all;
+    for (int side = 0; side < 2; ++side) {
+        const int count = static_cast<int>(model.side(side).size());
+        Moments beyond;
+        for (int k = count - 1; k >= 0; --k) {
+            const SegmentView v = view(model, kin, side, k);
+            OwnSums own;
+            Moments inside;
+            for (int i = 0; i < RodModel::kGauss; ++i) {
+                const auto g = static_cast<std::size_t>(v.base + i);
+                const double m = field.mass[g];
+                own.e += m * field.own[g];
+                own.turn += m * cross(field.arm[g], field.own[g]);
+                own.square += m * field.own[g].squaredNorm();
+                inside.mass += m;
+                inside.first += m * field.arm[g];
+                inside.second += m * field.arm[g].squaredNorm();
+            }
+            const double f = v.seg->signedLength;
+            const int d = v.seg->dof;
+            const Vec2 lever = beyond.first - beyond.mass * v.centroid;
+            const Vec2 push = f * perp(lever) + own.e; // column of (x, y)
+            // The column of a rotation about p further in: turn - (cross of p and push). p = middle gives theta.
+            const double turn = f * (beyond.second - beyond.first.dot(v.centroid)) + own.turn;
+            M(X, d) += push.x();
+            M(Y, d) += push.y();
+            M(T, d) += turn;
+            M(d, d) += f * f * (beyond.second - v.centroid.dot(beyond.first + lever)) + own.square;
+            for (int j = 0; j < k; ++j) {
+                const SegmentView w = view(model, kin, side, j);
+                const double value = w.seg->signedLength * (turn - cross(w.centroid, push));
+                M(w.seg->dof, d) += value;
+                M(d, w.seg->dof) += value;
+            }
+            beyond.mass += inside.mass;
+            beyond.first += inside.first;
+            beyond.second += inside.second;
+        }
+        all.mass += beyond.mass;
+        all.first += beyond.first;
+        all.second += beyond.second;
+    }
+    M(X, X) = M(Y, Y) = all.mass;
+    M(X, T) = -all.first.y();
+    M(Y, T) = all.first.x();
+    M(T, T) = all.second;
+    for (int d = 0; d < n - 3; ++d)
+        for (int r : {X, Y, T})
+            M(d, r) = M(r, d);
+    M(T, X) = M(X, T);
+    M(T, Y) = M(Y, T);
+}
+
+void momentum(const RodModel& model, const Kinematics& kin, const GaussField& field, const std::vector<Vec2>& u,
+              Eigen::VectorXd& p) {
+    p.setZero(model.dofs());
+    Vec2 total = Vec2::Zero();
+    double spin = 0.0;
+    for (int side = 0; side < 2; ++side) {
+        Vec2 push = Vec2::Zero();
+        double turn = 0.0; // about the middle, of everything beyond
+        for (int k = static_cast<int>(model.side(side).size()) - 1; k >= 0; --k) {
+            const SegmentView v = view(model, kin, side, k);
+            Vec2 pushInside = Vec2::Zero();
+            double turnInside = 0.0, ownWork = 0.0;
+            for (int i = 0; i < RodModel::kGauss; ++i) {
+                const auto g = static_cast<std::size_t>(v.base + i);
+                const Vec2 mu = field.mass[g] * u[g];
+                pushInside += mu;
+                turnInside += cross(field.arm[g], mu);
+                ownWork += field.own[g].dot(mu);
+            }
+            p[v.seg->dof] += v.seg->signedLength * (turn - cross(v.centroid, push)) + ownWork;
+            push += pushInside;
+            turn += turnInside;
+        }
+        total += push;
+        spin += turn;
+    }
+    p[model.dofX()] = total.x();
+    p[model.dofY()] = total.y();
+    p[model.dofTheta()] = spin;
+}
+
+void velocityField(const RodModel& model, const Kinematics& kin, const GaussField& field, const Eigen::VectorXd& v,
+                   std::vector<Vec2>& u) {
+    u.resize(field.arm.size());
+    for (int side = 0; side < 2; ++side) {
+        Vec2 drift(v[model.dofX()], v[model.dofY()]);
+        double turn = v[model.dofTheta()];
+        for (int k = 0; k < static_cast<int>(model.side(side).size()); ++k) {
+            const SegmentView s = view(model, kin, side, k);
+            const double rate = v[s.seg->dof];
+            for (int i = 0; i < RodModel::kGauss; ++i) {
+                const auto g = static_cast<std::size_t>(s.base + i);
+                u[g] = drift + turn * perp(field.arm[g]) + rate * field.own[g];
+            }
+            const double rotation = s.seg->signedLength * rate;
+            drift -= rotation * perp(s.centroid);
+            turn += rotation;
+        }
+    }
+}
+
+void uniformForce(const RodModel& model, const Kinematics& kin, const GaussField& field, const Vec2& acceleration,
+                  Eigen::VectorXd& force) {
+    force.setZero(model.dofs());
+    const double lambda = model.definition().linearMass;
+    double spin = 0.0;
+    for (int side = 0; side < 2; ++side) {
+        double mass = 0.0;
+        Vec2 first = Vec2::Zero();
+        for (int k = static_cast<int>(model.side(side).size()) - 1; k >= 0; --k) {
+            const SegmentView v = view(model, kin, side, k);
+            double ownWork = 0.0;
+            for (int i = 0; i < RodModel::kGauss; ++i) {
+                const auto g = static_cast<std::size_t>(v.base + i);
+                ownWork += field.mass[g] * field.own[g].dot(acceleration);
+            }
+            const double f = v.seg->signedLength;
+            force[v.seg->dof] += f * cross(first - mass * v.centroid, acceleration) + ownWork;
+            const double m = lambda * std::abs(f);
+            first += m * v.centroid; // the centroid of a uniform arc is its centre of mass
+            mass += m;
+        }
+        spin += cross(first, acceleration);
+    }
+    force[model.dofX()] = model.mass() * acceleration.x();
+    force[model.dofY()] = model.mass() * acceleration.y();
+    force[model.dofTheta()] = spin;
+}
+
+double kineticEnergy(const GaussField& field, const std::vector<Vec2>& u) {
+    double sum = 0.0;
+    for (std::size_t g = 0; g < u.size(); ++g)
+        sum += field.mass[g] * u[g].squaredNorm();
+    return 0.5 * sum;
+}
+
+Vec2 massCentre(const Kinematics& kin, const GaussField& field) {
+    Vec2 first = Vec2::Zero();
+    double mass = 0.0;
+    for (std::size_t g = 0; g < field.mass.size(); ++g) {
+        first += field.mass[g] * field.arm[g];
+        mass += field.mass[g];
+    }
+    return kin.middle() + first / mass;
+}
+
+} // namespace supercircle::rod

@@ -1,0 +1,105 @@
+#include "supercircle/rod/kinematics.h"
+
+#include <algorithm>
+
+namespace supercircle::rod {
+
+Place locate(const RodModel& model, int element, double s) {
+    const int half = model.elements() / 2;
+    const bool odd = model.elements() % 2 == 1;
+    Place at;
+    if (odd && element == half) {
+        at.side = s >= model.midS() ? 0 : 1;
+        at.segment = 0;
+    } else if (element >= half) {
+        at.side = 0;
+        at.segment = odd ? element - half : element - half;
+    } else {
+        at.side = 1;
+        at.segment = odd ? half - element : half - 1 - element;
+    }
+    at.local = s - model.side(at.side)[static_cast<std::size_t>(at.segment)].innerS;
+    return at;
+}
+
+Place locate(const RodModel& model, double s) {
+    const int element = std::clamp(static_cast<int>(s / model.elementLength()), 0, model.elements() - 1);
+    return locate(model, element, s);
+}
+
+void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
+    middle_ = {q[model.dofX()], q[model.dofY()]};
+    const double theta = q[model.dofTheta()];
+    // The tangent is turned along with the chain: one sine and cosine a rod instead of one an element. Its round-off
+    // grows like that of the angle itself, about one unit in the last place per element.
+    const Vec2 middleTangent(std::cos(theta), std::sin(theta));
+    arcs_.resize(static_cast<std::size_t>(model.elements()));
+    for (int side = 0; side < 2; ++side) {
+        const auto& list = model.side(side);
+        segments_[side].resize(list.size());
+        centroids_[side].resize(list.size());
+        tangents_[side].resize(list.size());
+        Vec2 point = middle_;
+        Vec2 tangent = middleTangent;
+        double angle = theta;
+        for (std::size_t k = 0; k < list.size(); ++k) {
+            const Segment& seg = list[k];
+            Arc& arc = segments_[side][k];
+            arc = {point, angle, q[seg.dof], seg.signedLength};
+            tangents_[side][k] = tangent;
+            const double x = arc.curvature * seg.signedLength;
+            const TurnFactors f = TurnFactors::of(x);
+            const double sine = 1.0 - x * x * f.deficit; // over x
+            const double rise = x * f.versine;           // (1 - cos x)/x
+            const Vec2 normal = perp(tangent);
+            centroids_[side][k] = point + seg.signedLength * (f.versine * tangent + x * f.deficit * normal);
+            point += seg.signedLength * (sine * tangent + rise * normal);
+            angle += x;
+            tangent += x * (sine * normal - rise * tangent);
+            Arc& full = arcs_[static_cast<std::size_t>(seg.element)];
+            if (side == 1)
+                full = {point, angle, arc.curvature, model.elementLength()};
+            else if (seg.signedLength == model.elementLength()) // not the half of the middle element
+                full = {arc.start, arc.angle, arc.curvature, model.elementLength()};
+        }
+        if (side == 0)
+            lastNode_ = point;
+    }
+}
+
+void Kinematics::pointRows(const RodModel& model, const Place& at, const Vec2& offset, const Vec2& first,
+                           const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const {
+    rows.setZero();
+    const auto& list = model.side(at.side);
+    const Arc& own = segmentArc(at.side, at.segment);
+    const Vec2 p = own.pointAt(at.local) + offset;
+    const auto rotation = [&](int dof, double factor, const Vec2& pivot) {
+        const Vec2 arm = perp(p - pivot) * factor;
+        rows(0, dof) += first.dot(arm);
+        rows(1, dof) += second.dot(arm);
+    };
+    rows(0, model.dofX()) = first.x();
+    rows(1, model.dofX()) = second.x();
+    rows(0, model.dofY()) = first.y();
+    rows(1, model.dofY()) = second.y();
+    rotation(model.dofTheta(), 1.0, middle_);
+    for (int k = 0; k < at.segment; ++k) {
+        const Segment& seg = list[static_cast<std::size_t>(k)];
+        rotation(seg.dof, seg.signedLength, centroid(at.side, k));
+    }
+    const Vec2 e = own.chordCurvatureDerivative(at.local) + at.local * perp(offset);
+    const int dof = list[static_cast<std::size_t>(at.segment)].dof;
+    rows(0, dof) += first.dot(e);
+    rows(1, dof) += second.dot(e);
+}
+
+void Kinematics::angleRow(const RodModel& model, const Place& at, Eigen::Ref<Eigen::RowVectorXd> row) const {
+    row.setZero();
+    row[model.dofTheta()] = 1.0;
+    const auto& list = model.side(at.side);
+    for (int k = 0; k < at.segment; ++k)
+        row[list[static_cast<std::size_t>(k)].dof] += list[static_cast<std::size_t>(k)].signedLength;
+    row[list[static_cast<std::size_t>(at.segment)].dof] += at.local;
+}
+
+} // namespace supercircle::rod

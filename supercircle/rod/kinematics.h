@@ -1,0 +1,64 @@
+#pragma once
+// Positions and Jacobians of a rod, in closed form (docs/architecture.md; physics: r(s) = r_m + int (cos, sin) theta).
+//
+// Seen from a point beyond an element, a change of that element's curvature is a rigid rotation about the centroid of
+// its arc by (signed length) * d kappa. Everything here - rows, mass matrix, momenta - follows from that one fact.
+
+#include "supercircle/rod/model.h"
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace supercircle::rod {
+
+/// A material point: which side and segment of the model it lies on and its signed arc length from that segment's inner end.
+struct Place {
+    int side = 0;
+    int segment = 0;
+    double local = 0.0; ///< m, sign of the side
+};
+
+/// Finds the place of arc length s (m, from the first tip) on `element`.
+Place locate(const RodModel& model, int element, double s);
+/// The same when the element is not known.
+Place locate(const RodModel& model, double s);
+
+/// The rod's curve at one q.
+class Kinematics {
+public:
+    /// Evaluates nodes, arcs and centroids at q (n entries, layout of RodModel). O(N).
+    void evaluate(const RodModel& model, const Eigen::VectorXd& q);
+
+    [[nodiscard]] const Vec2& middle() const { return middle_; }
+    [[nodiscard]] const std::vector<Arc>& arcs() const { return arcs_; } ///< element i from node i to node i + 1
+    [[nodiscard]] Vec2 node(int i) const {
+        return i < static_cast<int>(arcs_.size()) ? arcs_[static_cast<std::size_t>(i)].start : lastNode_;
+    }
+    [[nodiscard]] const Arc& segmentArc(int side, int k) const { return segments_[side][static_cast<std::size_t>(k)]; }
+    [[nodiscard]] const Vec2& centroid(int side, int k) const { return centroids_[side][static_cast<std::size_t>(k)]; }
+
+    /// Unit tangent at the inner end of a segment.
+    [[nodiscard]] const Vec2& segmentTangent(int side, int k) const {
+        return tangents_[side][static_cast<std::size_t>(k)];
+    }
+
+    [[nodiscard]] Vec2 point(const Place& at) const { return segmentArc(at.side, at.segment).pointAt(at.local); }
+    [[nodiscard]] double angle(const Place& at) const { return segmentArc(at.side, at.segment).angleAt(at.local); }
+
+    /// Two Jacobian rows of the material point `offset` away from the centre line (rigidly attached to its section):
+    /// row 0 = d . dr/dq along `first`, row 1 along `second`. `rows` is 2 x n and overwritten.
+    void pointRows(const RodModel& model, const Place& at, const Vec2& offset, const Vec2& first, const Vec2& second,
+                   Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const;
+    /// d theta(s) / dq, n entries, overwritten.
+    void angleRow(const RodModel& model, const Place& at, Eigen::Ref<Eigen::RowVectorXd> row) const;
+
+private:
+    Vec2 middle_ = Vec2::Zero();
+    Vec2 lastNode_ = Vec2::Zero();
+    std::vector<Arc> arcs_;
+    std::vector<Arc> segments_[2];    ///< start at the inner end, run with signed length
+    std::vector<Vec2> tangents_[2];   ///< at the inner ends
+    std::vector<Vec2> centroids_[2];  ///< of the whole segment
+};
+
+} // namespace supercircle::rod

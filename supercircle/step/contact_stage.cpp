@@ -1,0 +1,236 @@
+#include "supercircle/step/contact_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::step {
+
+namespace {
+
+double mixedFriction(double a, double b) { return std::sqrt(std::max(0.0, a) * std::max(0.0, b)); }
+
+/// Row matrix of a rod's surface point in (n, t).
+void surfaceRows(const Rod& rod, const RodWork& w, const contact::RodPoint& at, const Vec2& surface, const Vec2& n,
+                 const Vec2& t, Eigen::Matrix<double, 2, Eigen::Dynamic>& rows) {
+    const rod::Place place = rod::locate(rod.model, at.element, at.s);
+    rows.resize(2, rod.model.dofs());
+    w.kin.pointRows(rod.model, place, surface - w.kin.point(place), n, t, rows);
+}
+
+void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
+            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
+    if (w.C.rows() == 0) {
+        reduced = sign * full;
+        return;
+    }
+    reduced = sign * (full * w.Z);
+    offset += sign * (full * w.vp);
+}
+
+const BodyOutline& pieceOf(const World& world, const contact::Candidate& c) {
+    return world.outlines[static_cast<std::size_t>(c.outline)];
+}
+
+int bodyIndex(const World& world, BodyId id) {
+    const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
+                                     [](const Body& b, BodyId want) { return b.id < want; });
+    return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
+}
+
+constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20 bits for an outline
+
+/// Key of a body's piece that stays the same while other bodies come and go: 10 bits each, folded.
+std::uint32_t outlineKey(BodyId body, std::uint32_t piece) {
+    const auto low = static_cast<std::uint32_t>(body ^ (body >> 10) ^ (body >> 20)) & 1023u;
+    return ((low << 10) | ((piece ^ (piece >> 10)) & 1023u)) & kKeyMask;
+}
+
+/// Velocity of a body's surface point.
+Vec2 surfaceVelocity(const Body& body, const Vec2& arm) { return body.state.velocity + body.state.spin * rod::perp(arm); }
+
+/// Rows and bias of one candidate.
+void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double ahead,
+               const contact::Candidate& c, ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
+    const Vec2 n = c.normal, t = rod::perp(c.normal);
+    const auto ia = static_cast<std::size_t>(c.a.rod);
+    const Rod& rodA = world.rods[ia];
+    k.rodA = c.a.rod;
+    k.rodB = c.b.rod;
+    k.bodyB = -1;
+    k.surface.setZero();
+    surfaceRows(rodA, rods[ia], c.a, c.pointA, n, t, k.Ja);
+    double gapAtStart = c.gap - k.Ja.row(0).dot(rods[ia].qk - rodA.q);
+    out.w.setZero();
+    out.a = rods[ia].body;
+    out.b = -1;
+    out.Hb.resize(2, 0);
+    reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
+    if (c.b.rod >= 0) {
+        const auto ib = static_cast<std::size_t>(c.b.rod);
+        surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, n, t, k.Jb);
+        gapAtStart += k.Jb.row(0).dot(rods[ib].qk - world.rods[ib].q);
+        out.b = rods[ib].body;
+        reduce(rods[ib], k.Jb, -1.0, out.w, out.Hb);
+        out.mu = mixedFriction(rodA.mu, world.rods[ib].mu);
+    } else {
+        const BodyOutline& piece = pieceOf(world, c);
+        k.bodyB = bodyIndex(world, piece.body);
+        const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
+        k.armB = c.pointB - (body.state.centre + ahead * body.state.velocity);
+        const Vec2 velocity = surfaceVelocity(body, k.armB);
+        gapAtStart += ahead * n.dot(velocity);
+        out.mu = mixedFriction(rodA.mu, piece.friction);
+        out.b = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+        if (out.b >= 0) {
+            out.Hb.resize(2, 3);
+            out.Hb << -n.x(), -n.y(), -n.dot(rod::perp(k.armB)), -t.x(), -t.y(), -t.dot(rod::perp(k.armB));
+        } else {
+            k.surface = Vec2(n.dot(velocity), t.dot(velocity));
+            out.w -= k.surface;
+        }
+    }
+    k.gapBias = Vec2(gapAtStart / dt, 0.0);
+    out.w += k.gapBias;
+    out.id = c.id;
+}
+
+void addRodBodies(std::vector<RodWork>& rods, ContactStage& stage) {
+    for (RodWork& w : rods)
+        w.body = -1;
+    int count = 0;
+    const auto take = [&](int rod) {
+        if (rod >= 0 && rods[static_cast<std::size_t>(rod)].body < 0)
+            rods[static_cast<std::size_t>(rod)].body = 0;
+    };
+    for (const contact::Candidate& c : stage.candidates) {
+        take(c.a.rod);
+        take(c.b.rod);
+    }
+    for (RodWork& w : rods)
+        if (w.body == 0)
+            w.body = count++;
+    stage.problem.bodies.resize(static_cast<std::size_t>(count));
+    for (RodWork& w : rods)
+        if (w.body >= 0) {
+            coulomb::Body& b = stage.problem.bodies[static_cast<std::size_t>(w.body)];
+            if (w.C.rows() == 0)
+                b.A = w.A;
+            else
+                b.A = w.Z.transpose() * w.A * w.Z;
+            b.vFree = w.vFree;
+        }
+}
+
+void addHostBodies(const World& world, double dt, ContactStage& stage) {
+    stage.bodyProblemIndex.assign(world.bodies.size(), -1);
+    for (const contact::Candidate& c : stage.candidates) {
+        if (c.b.rod >= 0)
+            continue;
+        const int i = bodyIndex(world, pieceOf(world, c).body);
+        const Body& body = world.bodies[static_cast<std::size_t>(i)];
+        if (!body.dynamic || stage.bodyProblemIndex[static_cast<std::size_t>(i)] >= 0)
+            continue;
+        stage.bodyProblemIndex[static_cast<std::size_t>(i)] = static_cast<int>(stage.problem.bodies.size());
+        coulomb::Body b;
+        const BodyState& s = body.state;
+        // Fixed rotation: an inertia so large that contact cannot turn the body, small enough to keep A well scaled.
+        const double inertia = s.inertia > 0.0 ? s.inertia : 1e6 * s.mass;
+        b.A = Eigen::Vector3d(s.mass, s.mass, inertia).asDiagonal();
+        const double slow = 1.0 / (1.0 + dt * s.linearDamping), slowSpin = 1.0 / (1.0 + dt * s.angularDamping);
+        const Vec2 v = (s.velocity + dt * (s.gravityScale * world.gravity + body.feedForward)) * slow;
+        b.vFree = Eigen::Vector3d(v.x(), v.y(), (s.spin + dt * body.feedForwardSpin) * slowSpin);
+        stage.problem.bodies.push_back(std::move(b));
+    }
+}
+
+} // namespace
+
+void placeOutlines(const World& world, double ahead, double motionTime, std::vector<contact::Outline>& outlines) {
+    outlines.resize(world.outlines.size());
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+        const BodyOutline& piece = world.outlines[i];
+        const int index = bodyIndex(world, piece.body);
+        const Body& body = world.bodies[static_cast<std::size_t>(index)];
+        outlines[i] = placed(piece, body.state.centre + ahead * body.state.velocity,
+                             body.state.angle + ahead * body.state.spin);
+        outlines[i].body = static_cast<std::uint32_t>(index);
+        outlines[i].key = outlineKey(piece.body, piece.local.key);
+        for (std::size_t k = 0; k < i; ++k) // rare: two pieces fold onto one key; the later one moves on
+            if (outlines[k].key == outlines[i].key) {
+                outlines[i].key = (outlines[i].key + 1) & kKeyMask;
+                k = static_cast<std::size_t>(-1);
+            }
+        double reach = 0.0;
+        for (const Vec2& p : piece.local.points)
+            reach = std::max(reach, p.norm() + piece.local.radius);
+        outlines[i].motion = motionTime * (body.state.velocity.norm() + std::abs(body.state.spin) * reach);
+    }
+}
+
+void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
+             double ahead, double motionTime, double margin, ContactStage& stage,
+             std::vector<contact::Candidate>& out) {
+    placeOutlines(world, ahead, motionTime, stage.outlines);
+    stage.curves.resize(world.rods.size());
+    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+        toCurve(world.rods[i], *kin[i], stage.curves[i]);
+        stage.curves[i].motion = range[i];
+    }
+    stage.detector.detect(stage.curves, stage.outlines, {margin}, out);
+}
+
+void couple(const World& world, std::vector<RodWork>& rods, double dt, double ahead,
+            const std::vector<ContactImpulse>& warm, ContactStage& stage) {
+    stage.problem.dt = dt;
+    addRodBodies(rods, stage);
+    addHostBodies(world, dt, stage);
+    const std::size_t n = stage.candidates.size();
+    stage.problem.contacts.resize(n);
+    stage.work.resize(n);
+    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * n));
+    for (std::size_t i = 0; i < n; ++i) {
+        const contact::Candidate& c = stage.candidates[i];
+        coupleOne(world, rods, dt, ahead, c, stage, stage.work[i], stage.problem.contacts[i]);
+        const auto it = std::lower_bound(warm.begin(), warm.end(), c.id,
+                                         [](const ContactImpulse& a, std::uint64_t id) { return a.id < id; });
+        if (it != warm.end() && it->id == c.id) {
+            stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = it->normal * dt;
+            stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = it->tangent * dt;
+        }
+    }
+}
+
+void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
+                   ContactStage& stage) {
+    if (stage.candidates.empty()) {
+        stage.r.resize(0);
+        stage.report = {};
+        stage.report.converged = true;
+    } else {
+        stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity);
+    }
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        RodWork& w = rods[i];
+        const Eigen::VectorXd& x = w.body >= 0 && !stage.candidates.empty()
+                                       ? stage.velocity[static_cast<std::size_t>(w.body)]
+                                       : w.vFree;
+        if (world.rods[i].quarantined)
+            w.v.setZero(world.rods[i].model.dofs());
+        else if (w.C.rows() == 0)
+            w.v = x;
+        else
+            w.v = w.vp + w.Z * x;
+    }
+}
+
+void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out) {
+    out.clear();
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        const double rn = stage.r[static_cast<Eigen::Index>(2 * i)], rt = stage.r[static_cast<Eigen::Index>(2 * i + 1)];
+        if (rn > 0.0)
+            out.push_back({stage.candidates[i].id, rn / dt, rt / dt});
+    }
+    std::sort(out.begin(), out.end(), [](const ContactImpulse& a, const ContactImpulse& b) { return a.id < b.id; });
+}
+
+} // namespace supercircle::step

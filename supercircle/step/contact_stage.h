@@ -1,0 +1,45 @@
+#pragma once
+// From contact candidates to one Coulomb problem and back (private to step/): stages collide, couple and solve.
+
+#include "supercircle/step/work.h"
+
+namespace supercircle::step {
+
+/// Everything the contacts of one attempt need.
+struct ContactStage {
+    std::vector<contact::Curve> curves;
+    std::vector<contact::Outline> outlines;
+    std::vector<contact::Candidate> candidates; ///< at the linearisation point
+    std::vector<contact::Candidate> after;      ///< at the end of the attempt
+    std::vector<ContactWork> work;
+    std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
+    coulomb::Problem problem;
+    coulomb::Solver solver;
+    coulomb::SolveReport report;
+    contact::Detector detector;
+    Eigen::VectorXd r;                    ///< impulses, 2 per candidate, N s
+    std::vector<Eigen::VectorXd> velocity; ///< per problem body
+};
+
+/// Outlines in the world frame; `ahead` seconds along the bodies' velocities.
+void placeOutlines(const World& world, double ahead, double motionTime, std::vector<contact::Outline>& outlines);
+
+/// Candidates at the given kinematics (one per rod). `range` is how far each rod may move.
+void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
+             double ahead, double motionTime, double margin, ContactStage& stage,
+             std::vector<contact::Candidate>& out);
+
+/// Builds the Coulomb problem of the candidates at the linearisation point; `ahead` is how far in time the outlines
+/// were placed (0 at the start of the step, dt at its end). Warm starts from `world.impulses` or, after the first
+/// solve of an attempt, from the stage's own impulses (matched by id).
+void couple(const World& world, std::vector<RodWork>& rods, double dt, double ahead,
+            const std::vector<ContactImpulse>& warm, ContactStage& stage);
+
+/// Solves, and puts the new velocities into rods (contact-free ones get their free velocity).
+void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
+                   ContactStage& stage);
+
+/// Impulses of the stage by contact id, as mean forces.
+void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out);
+
+} // namespace supercircle::step

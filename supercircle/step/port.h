@@ -1,0 +1,74 @@
+#pragma once
+// The narrow port through which the core sees the rigid world it lives in. The bridge implements it on Box2D, the tests
+// on a fake. Everything crosses it in SI units and double precision; the length scale of the host stays behind it.
+
+#include "supercircle/contact/geometry.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace supercircle::step {
+
+using rod::Vec2;
+
+/// Names a body of the host across steps. Hosts reuse addresses, so an id is never a pointer; 0 is nobody.
+using BodyId = std::uint64_t;
+
+/// Momentary state of a host body.
+struct BodyState {
+    Vec2 centre = Vec2::Zero();   ///< centre of mass, m
+    double angle = 0.0;           ///< rad
+    Vec2 velocity = Vec2::Zero(); ///< of the centre of mass, m/s
+    double spin = 0.0;            ///< rad/s
+    double mass = 0.0;            ///< kg; 0 = infinite (static and kinematic bodies)
+    double inertia = 0.0;         ///< about the centre of mass, kg m^2; 0 = infinite (fixed rotation)
+    double gravityScale = 1.0;    ///< 1
+    double linearDamping = 0.0;   ///< 1/s
+    double angularDamping = 0.0;  ///< 1/s
+    bool awake = true;
+    bool enabled = true;
+    bool moving = false; ///< kinematic or dynamic
+};
+
+/// One solid piece of a host body, in the body's own frame (origin at its centre of mass, unrotated).
+struct BodyOutline {
+    contact::Outline local; ///< `body`, `motion` unused here; `key` is stable for this body, fixture and child
+    BodyId body = 0;
+    double friction = 0.0; ///< of the fixture, 1; mixed with the shell's by sqrt(mu_a mu_b) unless a pair is set
+};
+
+struct Box {
+    Vec2 lower = Vec2::Zero(); ///< m
+    Vec2 upper = Vec2::Zero(); ///< m
+};
+
+class Port {
+public:
+    virtual ~Port() = default;
+    /// Gravity of the host world, m/s^2.
+    [[nodiscard]] virtual Vec2 gravity() const = 0;
+    /// Host length units per metre (only for messages and pictures).
+    [[nodiscard]] virtual double unitsPerMetre() const = 0;
+    /// Appends the outlines whose boxes meet `box` (sensors left out), sorted by (body, key).
+    virtual void query(const Box& box, std::vector<BodyOutline>& out) const = 0;
+    /// False when the body no longer exists.
+    [[nodiscard]] virtual bool state(BodyId body, BodyState& out) const = 0;
+    /// Adds an impulse (N s) and an angular impulse about the centre of mass (N m s); wakes the body.
+    virtual void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) = 0;
+    /// Places a kinematic body for the coming host step: pose at its start and velocity through it.
+    virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
+    /// The body called `name` in the host, 0 if there is none.
+    [[nodiscard]] virtual BodyId find(const std::string& name) const = 0;
+};
+
+/// A host world the program itself owns and advances (the `supercircle` program, tests).
+class HostWorld : public Port {
+public:
+    /// One step of the host's own solver, s.
+    virtual void step(double dt) = 0;
+    /// All outlines of all bodies, for pictures; local frames as in BodyOutline.
+    virtual void everything(std::vector<BodyOutline>& out) const = 0;
+};
+
+} // namespace supercircle::step

@@ -1,0 +1,182 @@
+#include "supercircle/step/rod_stage.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::step {
+
+namespace {
+
+/// Rows and right-hand side of the holds: C v = (target at the end - where C says the point is now) / dt.
+void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
+    const bool closed = rod.model.definition().closed;
+    Eigen::Index rows = closed ? 3 : 0;
+    for (const Hold& h : rod.holds)
+        rows += h.clamped ? 3 : 2;
+    w.C.resize(rows, rod.model.dofs());
+    w.c.resize(rows);
+    if (rows == 0)
+        return;
+    const Eigen::VectorXd moved = w.qk - rod.q;
+    Eigen::Matrix<double, 2, Eigen::Dynamic> pair(2, rod.model.dofs());
+    Eigen::RowVectorXd turn(rod.model.dofs());
+    Eigen::Index row = 0;
+    const auto put = [&](const Eigen::RowVectorXd& line, double missing) {
+        w.C.row(row) = line;
+        w.c[row++] = (missing + line.dot(moved)) / dt;
+    };
+    for (const Hold& h : rod.holds) {
+        const rod::Place at = rod::locate(rod.model, h.s);
+        w.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
+        const Vec2 velocity = h.onMachine ? world.machineVelocity : h.velocity;
+        const Vec2 missing = h.target + dt * velocity - w.kin.point(at);
+        put(pair.row(0), missing.x());
+        put(pair.row(1), missing.y());
+        if (h.clamped) {
+            w.kin.angleRow(rod.model, at, turn);
+            put(turn, h.targetAngle + dt * h.spin - w.kin.angle(at));
+        }
+    }
+    if (closed) { // both ends are one material point
+        const double L = rod.model.definition().length;
+        const rod::Place first = rod::locate(rod.model, 0, 0.0);
+        const rod::Place last = rod::locate(rod.model, rod.model.elements() - 1, L);
+        Eigen::Matrix<double, 2, Eigen::Dynamic> other(2, rod.model.dofs());
+        w.kin.pointRows(rod.model, last, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
+        w.kin.pointRows(rod.model, first, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), other);
+        const Vec2 missing = w.kin.point(first) - w.kin.point(last);
+        put(pair.row(0) - other.row(0), missing.x());
+        put(pair.row(1) - other.row(1), missing.y());
+        Eigen::RowVectorXd otherTurn(rod.model.dofs());
+        w.kin.angleRow(rod.model, last, turn);
+        w.kin.angleRow(rod.model, first, otherTurn);
+        const double total = w.kin.angle(last) - w.kin.angle(first);
+        const double target = 2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
+        put(turn - otherTurn, target - total);
+    }
+}
+
+double meanAngle(const rod::Kinematics& kin) {
+    double sum = 0.0;
+    for (const rod::Arc& a : kin.arcs())
+        sum += a.angle + 0.5 * a.curvature * a.length;
+    return sum / static_cast<double>(kin.arcs().size());
+}
+
+/// Turns the velocities relative to the centre of mass by `angle`.
+void carryAlong(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u) {
+    Vec2 mean = Vec2::Zero();
+    double mass = 0.0;
+    for (std::size_t g = 0; g < u.size(); ++g) {
+        mean += gauss.mass[g] * u[g];
+        mass += gauss.mass[g];
+    }
+    mean /= mass;
+    const double c = std::cos(angle), s = std::sin(angle);
+    for (Vec2& x : u) {
+        const Vec2 d = x - mean;
+        x = mean + Vec2(c * d.x() - s * d.y(), s * d.x() + c * d.y());
+    }
+}
+
+} // namespace
+
+void beginAtPresent(const Rod& rod, RodWork& w) {
+    w.qk = rod.q;
+    w.kin = rod.kin;
+    w.gauss = rod.gauss;
+}
+
+void relineariseAtEnd(const Rod& rod, RodWork& w) {
+    w.qk = w.q1;
+    w.kin = w.kin1;
+    rod::evaluateGauss(rod.model, w.kin, w.gauss);
+}
+
+void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
+    rod::massMatrix(rod.model, w.kin, w.gauss, w.A);
+    const double k = dt * dt * rod::bendingStiffness(rod.model);
+    for (int i = 0; i < rod.model.elements(); ++i)
+        w.A(i, i) += k;
+    rod::momentum(rod.model, w.kin, w.gauss, rod.u, w.p);
+    rod::uniformForce(rod.model, w.kin, w.gauss, world.gravity, w.gravityForce);
+    w.rhs = w.gravityForce;
+    rod::addBendingForce(rod.model, rod.q, w.rhs);
+    w.rhs = w.p + dt * w.rhs;
+    evaluateHolds(world, rod, dt, w);
+}
+
+void predictRod(const Rod& rod, RodWork& w) {
+    const Eigen::Index n = rod.model.dofs(), m = w.C.rows();
+    if (m == 0) {
+        w.llt.compute(w.A);
+        w.vFree = w.llt.solve(w.rhs);
+        return;
+    }
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(w.C.transpose());
+    const Eigen::Index rank = qr.rank(); // redundant holds (two clamps on a straight stiff piece) are dropped
+    const Eigen::MatrixXd Q = qr.householderQ();
+    w.Z = Q.rightCols(n - rank);
+    const Eigen::MatrixXd R = qr.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
+    const Eigen::VectorXd pc = (qr.colsPermutation().transpose() * w.c).head(rank);
+    w.vp = Q.leftCols(rank) * R.transpose().triangularView<Eigen::Lower>().solve(pc);
+    const Eigen::MatrixXd reduced = w.Z.transpose() * w.A * w.Z;
+    w.llt.compute(reduced);
+    w.vFree = w.llt.solve(w.Z.transpose() * (w.rhs - w.A * w.vp));
+}
+
+void advanceRod(const Rod& rod, double dt, RodWork& w) {
+    w.q1 = rod.q + dt * w.v;
+    w.kin1.evaluate(rod.model, w.q1);
+    w.moved = w.shift = 0.0;
+    for (int i = 0; i <= rod.model.elements(); ++i) {
+        w.moved = std::max(w.moved, (w.kin1.node(i) - rod.kin.node(i)).norm());
+        w.shift = std::max(w.shift, (w.kin1.node(i) - w.kin.node(i)).norm());
+    }
+    rod::velocityField(rod.model, w.kin, w.gauss, w.v, w.u1);
+    w.error = 0.0;
+    for (std::size_t g = 0; g < w.u1.size(); ++g)
+        w.error = std::max(w.error, (w.u1[g] - rod.u[g]).squaredNorm());
+    w.error = 0.5 * dt * std::sqrt(w.error);
+}
+
+RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
+    RodBooks books;
+    for (std::size_t g = 0; g < w.u1.size(); ++g) {
+        books.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - rod.u[g].squaredNorm());
+        books.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - rod.u[g]).squaredNorm();
+    }
+    books.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
+    for (int i = 0; i < rod.model.elements(); ++i) {
+        const double step = w.q1[i] - rod.q[i];
+        books.secondOrder += 0.5 * rod::bendingStiffness(rod.model) * step * step;
+    }
+    if (w.C.rows() > 0) {
+        const Eigen::VectorXd force = w.A * w.v - w.rhs - w.push; // = C^T (impulses of the holds)
+        const Eigen::VectorXd impulse = w.C.transpose().colPivHouseholderQr().solve(force);
+        books.holdWork = impulse.dot(w.C * w.v);
+        Eigen::Index row = 0;
+        for (Hold& h : rod.holds) {
+            h.reaction = Vec2(impulse[row], impulse[row + 1]) / dt;
+            row += 2;
+            h.reactionTorque = h.clamped ? impulse[row++] / dt : 0.0;
+            h.target += dt * (h.onMachine ? world.machineVelocity : h.velocity);
+            h.targetAngle += dt * h.spin;
+        }
+    }
+    const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
+    const double turned = meanAngle(w.kin1) - meanAngle(w.kin);
+    rod.u = w.u1;
+    rod.q = w.q1;
+    rod.v = w.v;
+    rod.kin = w.kin1;
+    rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
+    carryAlong(rod.gauss, turned, rod.u);
+    books.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
+    books.secondOrder -= dt * w.v.dot(w.gravityForce) + books.gravityChange;
+    rod.speed = w.moved / dt;
+    return books;
+}
+
+} // namespace supercircle::step

@@ -1,0 +1,29 @@
+#pragma once
+// The part of a step that concerns one rod alone (private to step/): evaluate, predict, advance. Rods are independent
+// of each other here, so these run in parallel with the same digits for any number of threads.
+
+#include "supercircle/step/work.h"
+
+namespace supercircle::step {
+
+/// Sets the linearisation point to the rod's present state.
+void beginAtPresent(const Rod& rod, RodWork& w);
+/// Moves the linearisation point to the end of the attempt just solved.
+void relineariseAtEnd(const Rod& rod, RodWork& w);
+/// A, rhs and hold constraints at the linearisation point (stages evaluate and predict).
+void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w);
+/// Velocity without contacts.
+void predictRod(const Rod& rod, RodWork& w);
+/// New configuration, displacement and local error from w.v.
+void advanceRod(const Rod& rod, double dt, RodWork& w);
+/// Energy the step moved, per rod (see ledger.h).
+struct RodBooks {
+    double kineticChange = 0.0, bendingChange = 0.0, gravityChange = 0.0;
+    double kineticLoss = 0.0;  ///< 1/2 |u_new - u_old|^2
+    double secondOrder = 0.0;  ///< of implicit bending and of gravity
+    double holdWork = 0.0;     ///< work of holds
+};
+/// Accepts the attempt: state, material velocities, hold reactions.
+RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w);
+
+} // namespace supercircle::step

@@ -1,0 +1,70 @@
+#pragma once
+// One implicit step of the shells, and the controller that chooses its size.
+//
+// Scheme (Moreau time stepping, physics section 2). Unknowns: velocities v and impulses r. With J the Jacobian at the
+// linearisation point and u the material velocities the rod has now,
+//     (M + dt^2 K) v = int lambda J^T u + dt F(q) + H^T r + (holds),        q_new = q + dt v.
+// Bending is linear in q and enters exactly; M, J and the contact rows H are re-linearised at q_new as long as a loaded
+// contact's gap is off ("evaluate" to "solve" repeat). What was tried and did not work:
+// - multiplying v by M_old^-1 M (a plain velocity form with a changing mass matrix) explodes in snaps; projecting the
+//   material velocities never lets kinetic energy grow;
+// - keeping u at its old direction while the rod turns damps free spin by (omega dt)^2 / 2 a step; u is therefore carried
+//   along with the rod's mean rotation, which keeps linear momentum and kinetic energy and makes rigid spin exact;
+// - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
+//   1/2 dt |u_new - u_old| of backward Euler, the motion of touching rods, and the true gaps after the step decide.
+
+#include "supercircle/step/world.h"
+
+#include <array>
+#include <functional>
+#include <memory>
+
+namespace supercircle::step {
+
+/// How a frame ended.
+struct FrameOutcome {
+    double advanced = 0.0;  ///< s, may be less than asked for when the observer stopped it or it failed
+    bool stopped = false;   ///< the observer asked to stop
+    std::string failure;    ///< empty unless the simulation cannot go on
+};
+
+/// Wall time per stage, s.
+using StageTimes = std::array<double, static_cast<std::size_t>(Stage::Count)>;
+
+class Stepper {
+public:
+    explicit Stepper(Settings settings);
+    ~Stepper();
+
+    Settings& settings() { return settings_; }
+    [[nodiscard]] const Settings& settings() const { return settings_; }
+
+    /// Advances the world by `frame` seconds in as many steps as it takes. `observer` is called after each accepted step;
+    /// returning true stops there. `port` may be null (no host). Impulses on dynamic bodies are left in World::bodies
+    /// for pushToHost.
+    FrameOutcome advance(World& world, double frame, Port* port, const std::function<bool(const World&)>& observer);
+
+    /// Reads gravity, bodies near the shells and their outlines.
+    void pullFromHost(World& world, const Port& port, double frame) const;
+    /// Hands gathered impulses and driven poses to the host; `advanced` is the time the host is about to step.
+    static void pushToHost(World& world, Port& port, double advanced);
+    /// After the host's own step: learns what its constraints did to the bodies (feed-forward of the next frame).
+    static void learnFromHost(World& world, const Port& port, double advanced);
+
+    [[nodiscard]] const StageTimes& times() const { return times_; }
+    /// The contact problem of the last solve, for dumps.
+    [[nodiscard]] const coulomb::Problem& lastProblem() const;
+    [[nodiscard]] const std::vector<contact::Candidate>& lastCandidates() const;
+    [[nodiscard]] const Eigen::VectorXd& lastImpulses() const;
+    [[nodiscard]] double lastDt() const;
+    /// Called with every contact problem after it was solved (dumps, benchmarks); empty: nobody listens.
+    std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve;
+
+private:
+    struct Work;
+    Settings settings_;
+    std::unique_ptr<Work> work_;
+    StageTimes times_{};
+};
+
+} // namespace supercircle::step

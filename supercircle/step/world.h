@@ -1,0 +1,147 @@
+#pragma once
+// The state of a world of flexible shells and everything a step needs to know about it: plain data. The step itself is
+// in stepper.h; the host's rigid bodies come through port.h.
+
+#include "supercircle/contact/crossing.h"
+#include "supercircle/contact/detection.h"
+#include "supercircle/coulomb/solver.h"
+#include "supercircle/rod/elasticity.h"
+#include "supercircle/rod/inertia.h"
+#include "supercircle/step/ledger.h"
+#include "supercircle/step/port.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supercircle::step {
+
+/// Holds one material point of a rod: position, and direction too when `clamped`.
+struct Hold {
+    double s = 0.0;                     ///< rod arc length, m
+    bool clamped = true;                ///< false: pinned (position only)
+    bool onMachine = false;             ///< carried by the machine: moves with World::machineVelocity
+    Vec2 target = Vec2::Zero();         ///< where the point is to be at the current time, m
+    double targetAngle = 0.0;           ///< rad
+    Vec2 velocity = Vec2::Zero();       ///< of the target when not on the machine, m/s
+    double spin = 0.0;                  ///< rad/s
+    Vec2 reaction = Vec2::Zero();       ///< force on the rod in the last step, N
+    double reactionTorque = 0.0;        ///< N m
+};
+
+/// One shell: constant model, state, and what others need to know about it.
+struct Rod {
+    rod::RodModel model;
+    Eigen::VectorXd q;          ///< layout of rod::RodModel
+    Eigen::VectorXd v;          ///< dq/dt
+    std::vector<Vec2> u;        ///< material velocity at the Gauss points, m/s: the momentum the next step starts from
+    std::vector<Hold> holds;
+    double mu = 0.35;           ///< friction coefficient, 1; pairs use sqrt(mu_a mu_b)
+    std::uint32_t key = 0;      ///< stable identity
+    std::uint16_t category = 1; ///< collision filter, as in Box2D
+    std::uint16_t mask = 0xffff;
+    bool quarantined = false;   ///< had bad numbers: neither moves nor collides any more
+    double speed = 0.0;         ///< largest speed of its points in the last step, m/s
+
+    rod::Kinematics kin;   ///< at q
+    rod::GaussField gauss; ///< at q
+};
+
+/// A rigid body as the shells see it during a step; double precision between two looks at the host.
+struct Body {
+    BodyId id = 0;
+    BodyState state;
+    bool driven = false;          ///< moved by the machine: our pose rules, the host follows
+    bool dynamic = false;         ///< takes part in the contact problem
+    Vec2 impulse = Vec2::Zero();  ///< gathered for the host in this frame, N s
+    double angularImpulse = 0.0;  ///< about the centre of mass, N m s
+    Vec2 feedForward = Vec2::Zero(); ///< mean acceleration the host's own constraints gave it in the last frame, m/s^2
+    double feedForwardSpin = 0.0;    ///< rad/s^2
+    Vec2 expected = Vec2::Zero();    ///< velocity handed to the host plus its free-fall change, m/s
+    double expectedSpin = 0.0;
+    Vec2 force = Vec2::Zero();    ///< from the shells in the last step, N
+};
+
+/// Impulse remembered for warm starting and for pictures.
+struct ContactImpulse {
+    std::uint64_t id = 0;
+    double normal = 0.0;  ///< mean force, N
+    double tangent = 0.0; ///< N
+};
+
+/// Resolution of the numerics. Lengths are relative to the thinnest shell's thickness h, so that a scene scales.
+struct Settings {
+    double dtMax = 4e-3;             ///< s
+    double dtMin = 1e-6;             ///< s
+    double fixedDt = 0.0;            ///< s; > 0 switches the adaptive step off
+    double localError = 0.1;         ///< h, local error of a position per step the controller aims at
+    double motionLimit = 0.6;        ///< h, farthest a touching shell may move in one step
+    double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
+    double relinearise = 0.006;      ///< h, gap error of a loaded contact that asks for another linearisation
+    double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
+    int maxIterations = 4;           ///< linearisations per step
+    coulomb::SolverOptions contact;
+    int threads = 1;
+    bool witness = false;            ///< run the independent crossing check after each accepted step
+};
+
+/// What the steps so far took; counts only grow.
+struct Counters {
+    std::uint64_t steps = 0;
+    std::uint64_t rejected = 0;
+    std::uint64_t solves = 0;
+    std::uint64_t sweeps = 0;
+    std::uint64_t pivots = 0;
+    std::uint64_t unconverged = 0; ///< accepted steps whose contact residual stayed above tolerance
+    std::uint64_t crossings = 0;   ///< found by the witness
+    double etaMax = 0.0;           ///< largest contact residual of an accepted step
+    double penetrationMax = 0.0;   ///< deepest overlap seen after an accepted step, m
+};
+
+/// The ten stages of a step, in order.
+enum class Stage : std::uint8_t { Check, Drive, Pull, Collide, Evaluate, Predict, Couple, Solve, Advance, Push, Count };
+const char* name(Stage stage);
+
+/// All that changes with time: copying it is saving, copying it back is restoring.
+struct World {
+    double time = 0.0; ///< s
+    Vec2 gravity = Vec2::Zero();
+    std::vector<Rod> rods;
+    std::vector<Body> bodies;          ///< sorted by id
+    std::vector<BodyOutline> outlines; ///< of those bodies, as pulled last
+    std::vector<ContactImpulse> impulses; ///< sorted by id
+    Vec2 machineVelocity = Vec2::Zero();  ///< of everything the machine carries, m/s
+    Vec2 machineTravel = Vec2::Zero();    ///< integral of it, m
+    std::vector<BodyId> machineBodies;    ///< kinematic host bodies the machine carries
+    Ledger ledger;
+    Counters counters;
+    /// Contact candidates of the present configuration and how far each rod may move before they must be found anew;
+    /// part of the state so that a restored world replays bit for bit. Empty `range`: not known.
+    std::vector<contact::Candidate> candidates;
+    std::vector<double> range; ///< per rod, m
+    double dt = 0.0;      ///< last accepted step, s
+    double dtNext = 0.0;  ///< what the controller wants next, s
+    std::uint32_t nextKey = 1;
+
+    /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
+    [[nodiscard]] Vec2 machineForce() const;
+};
+
+/// Puts a rod into the world. `q` in the layout of rod::RodModel; material velocities are taken from `v`.
+/// Returns its index; the rod's energy is booked as added.
+std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eigen::VectorXd& q,
+                   const Eigen::VectorXd& v, double mu);
+/// Removes a rod (its energy is booked as removed); contacts forget it.
+void removeRod(World& world, std::size_t index);
+
+/// Re-evaluates geometry and material velocities after q or v were set from outside.
+void refreshRod(Rod& rod);
+
+/// The curve that contact detection sees, at any configuration of the rod.
+void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve);
+
+/// World-frame outline of a body piece at a pose.
+contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double angle);
+
+} // namespace supercircle::step

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# ./test.sh [--all] [ctest options]: installs what is missing, builds everything, runs the tests. Tests labelled `slow`
+# run only with --all. The last line is "N passed, N failed".
+set -euo pipefail
+top=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+me=test.sh
+. "$top/.ci/setup.sh"
+
+selection=(-LE '^slow$')
+if [ "${1:-}" = --all ]; then
+    selection=()
+    shift
+fi
+directory=$top/build/with-tests
+trap 'give_back "$top/build"' EXIT
+install_missing "$top/.ci/packages"
+build "$directory" ON
+
+log=$directory/ctest.log
+code=0
+ctest --test-dir "$directory" -j2 --output-on-failure "${selection[@]}" "$@" 2>&1 | tee "$log" || code=$?
+# ctest's own summary: "100% tests passed, 0 tests failed out of 12"
+read -r failed total < <(sed -nE 's/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p' "$log") || true
+if [ -z "${total:-}" ]; then
+    echo "test.sh: ctest ran no tests; its log is $log" >&2
+    failed=0
+    total=0
+    [ "$code" -ne 0 ] || code=1
+fi
+echo "$((total - failed)) passed, $failed failed"
+exit "$code"

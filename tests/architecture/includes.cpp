@@ -1,0 +1,187 @@
+#include "includes.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace supercircle::architecture {
+
+namespace {
+
+/// What one folder may include: paths from the project root (folders end in '/'), and libraries by their prefix.
+struct Rule {
+    std::string_view folder;
+    std::vector<std::string_view> paths;
+    std::vector<std::string_view> libraries;        ///< in every file
+    std::vector<std::string_view> privateLibraries; ///< in .cpp files only
+    bool system = false;                            ///< C and POSIX headers such as <unistd.h>
+};
+
+const std::vector<Rule>& rules() {
+    // The first folder that fits decides. What stands in none of them (tests, docs) is free.
+    static const std::vector<Rule> kRules = {
+        {"supercircle/rod/", {"supercircle/rod/"}, {"Eigen/"}, {}},
+        {"supercircle/contact/", {"supercircle/contact/", "supercircle/rod/arc.h"}, {"Eigen/"}, {}},
+        {"supercircle/coulomb/", {"supercircle/coulomb/"}, {"Eigen/"}, {}},
+        {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
+        {"supercircle/step/", {"supercircle/"}, {"Eigen/"}, {}},
+        {"supercircle/", {}, {"Eigen/"}, {}},
+        {"bridge/", {"bridge/", "supercircle/"}, {"Eigen/", "box2d/"}, {}},
+        {"plugin/include/", {"plugin/include/"}, {}, {}},
+        {"plugin/scene/",
+         {"plugin/include/", "plugin/scene/", "supercircle/"},
+         {"Eigen/", "spdlog/"},
+         {"nlohmann/", "valijson/", "muParser"},
+         true},
+        {"plugin/record/",
+         {"plugin/include/", "plugin/record/", "supercircle/"},
+         {"Eigen/", "spdlog/"},
+         {"nlohmann/", "valijson/", "muParser"},
+         true},
+        {"plugin/report/",
+         {"plugin/include/", "plugin/report/", "plugin/record/", "plugin/scene/", "plugin/lab/", "supercircle/"},
+         {"Eigen/", "spdlog/"},
+         {"nlohmann/", "valijson/", "muParser", "cairo"},
+         true},
+        {"plugin/diagnosis/", {"plugin/include/", "plugin/diagnosis/"}, {"Eigen/"}, {}},
+        {"plugin/cli/",
+         {"plugin/", "bridge/", "supercircle/"},
+         {"Eigen/", "spdlog/", "CLI/"},
+         {"nlohmann/", "valijson/", "muParser"},
+         true},
+        {"plugin/",
+         {"plugin/include/", "plugin/scene/", "plugin/record/", "plugin/lab/", "plugin/shells/", "supercircle/"},
+         {"Eigen/", "spdlog/", "tbb/"},
+         {},
+         true},
+        {"examples/", {"examples/", "plugin/include/", "bridge/"}, {"Eigen/", "box2d/"}, {}, true},
+    };
+    return kRules;
+}
+
+bool startsWith(std::string_view text, std::string_view prefix) {
+    return text.substr(0, prefix.size()) == prefix;
+}
+
+bool endsWith(std::string_view text, std::string_view suffix) {
+    return text.size() >= suffix.size() && text.substr(text.size() - suffix.size()) == suffix;
+}
+
+bool startsWithOneOf(std::string_view text, const std::vector<std::string_view>& prefixes) {
+    return std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return startsWith(text, p); });
+}
+
+struct Include {
+    std::string path;
+    bool quoted = false;
+};
+
+std::optional<Include> parse(std::string_view line) {
+    std::size_t i = 0;
+    const auto skipBlanks = [&] {
+        while (i < line.size() && (line[i] == ' ' || line[i] == '\t'))
+            ++i;
+    };
+    skipBlanks();
+    if (i >= line.size() || line[i] != '#')
+        return std::nullopt;
+    ++i;
+    skipBlanks();
+    if (!startsWith(line.substr(i), "include"))
+        return std::nullopt;
+    i += std::string_view("include").size();
+    skipBlanks();
+    if (i >= line.size() || (line[i] != '<' && line[i] != '"'))
+        return std::nullopt;
+    const bool quoted = line[i] == '"';
+    const std::size_t end = line.find(quoted ? '"' : '>', i + 1);
+    if (end == std::string_view::npos)
+        return std::nullopt;
+    return Include{std::string(line.substr(i + 1, end - i - 1)), quoted};
+}
+
+bool isProjectPath(std::string_view path) {
+    return startsWithOneOf(path, {"supercircle/", "plugin/", "bridge/", "examples/", "tests/"});
+}
+
+/// Headers of the C++ standard library have neither a dot nor a slash in their names.
+bool isStandard(const Include& include) {
+    return !include.quoted && include.path.find_first_of("./") == std::string::npos;
+}
+
+/// Users reach the public headers as "supercircle/NAME.hpp"; those of the core end in .h.
+bool isPublicHeader(std::string_view path) {
+    return startsWith(path, "supercircle/") && endsWith(path, ".hpp") &&
+           path.find('/', std::string_view("supercircle/").size()) == std::string_view::npos;
+}
+
+std::string checkProjectPath(const Rule& rule, const std::string& path) {
+    if (startsWithOneOf(path, rule.paths))
+        return {};
+    const bool seesPublic = startsWithOneOf("plugin/include/", rule.paths);
+    if (seesPublic && isPublicHeader(path))
+        return {};
+    std::string allowed;
+    for (const std::string_view p : rule.paths)
+        allowed += (allowed.empty() ? "" : ", ") + std::string(p);
+    return "from the project, " + std::string(rule.folder) + " may include only " +
+           (allowed.empty() ? std::string("nothing") : allowed);
+}
+
+std::string checkLibrary(const Rule& rule, const std::string& file, const std::string& path) {
+    std::string lower = path;
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (startsWith(lower, "box2d") && !startsWithOneOf("box2d/", rule.libraries))
+        return "Box2D is included by bridge/ and examples/ only";
+    if (startsWithOneOf(path, rule.libraries))
+        return {};
+    if (startsWithOneOf(path, rule.privateLibraries)) {
+        if (endsWith(file, ".cpp"))
+            return {};
+        return "this library stays private: .cpp files only";
+    }
+    const bool library = path.find('/') != std::string::npos && !startsWith(path, "sys/");
+    // cairo and muParser are the libraries whose headers look like those of the system.
+    if (!library && !startsWithOneOf(path, {"cairo", "muParser"}) && rule.system && endsWith(path, ".h"))
+        return {};
+    return std::string(rule.folder) + " may not use this library";
+}
+
+std::string check(const Rule& rule, const std::string& file, const Include& include) {
+    if (isStandard(include))
+        return {};
+    if (include.path.find("..") != std::string::npos)
+        return "includes are written from the project root, without ..";
+    if (isProjectPath(include.path))
+        return checkProjectPath(rule, include.path);
+    if (include.quoted && include.path.find('/') == std::string::npos) {
+        if (rule.folder == "plugin/include/") // the public headers are also copied elsewhere as one folder
+            return {};
+        return "includes are written from the project root";
+    }
+    return checkLibrary(rule, file, include.path);
+}
+
+} // namespace
+
+std::vector<Offence> checkIncludes(const std::string& file, const std::vector<std::string>& lines) {
+    std::vector<Offence> offences;
+    const auto rule =
+        std::find_if(rules().begin(), rules().end(), [&](const Rule& r) { return startsWith(file, r.folder); });
+    if (rule == rules().end())
+        return offences;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const std::optional<Include> include = parse(lines[i]);
+        if (!include)
+            continue;
+        const std::string why = check(*rule, file, *include);
+        if (!why.empty())
+            offences.push_back({file, static_cast<int>(i) + 1, "includes " + include->path + ": " + why});
+    }
+    return offences;
+}
+
+} // namespace supercircle::architecture

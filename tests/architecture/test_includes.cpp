@@ -1,0 +1,139 @@
+#include "includes.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+using supercircle::architecture::checkIncludes;
+using supercircle::architecture::Offence;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> readLines(const fs::path& path) {
+    std::ifstream in(path);
+    REQUIRE(in);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);)
+        lines.push_back(line);
+    return lines;
+}
+
+/// Paths from the project root of all sources of the project's own folders, sorted.
+std::vector<std::string> sources() {
+    const fs::path top = SC_SOURCE_DIR;
+    std::vector<std::string> found;
+    for (const char* folder : {"supercircle", "bridge", "plugin", "examples", "tests"}) {
+        if (!fs::exists(top / folder))
+            continue;
+        for (const auto& entry : fs::recursive_directory_iterator(top / folder)) {
+            const std::string extension = entry.path().extension().string();
+            if (entry.is_regular_file() && (extension == ".h" || extension == ".hpp" || extension == ".cpp"))
+                found.push_back(fs::relative(entry.path(), top).generic_string());
+        }
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+bool offends(const std::string& file, const std::string& line) {
+    return !checkIncludes(file, {line}).empty();
+}
+
+} // namespace
+
+TEST_CASE("includes follow the arrows of the architecture", "[architecture]") {
+    const std::vector<std::string> files = sources();
+    REQUIRE(files.size() > 10); // the test looks in the right place
+    for (const std::string& file : files) {
+        for (const Offence& o : checkIncludes(file, readLines(fs::path(SC_SOURCE_DIR) / file)))
+            FAIL_CHECK(o.file << ":" << o.line << ": " << o.why);
+    }
+}
+
+TEST_CASE("long files are named", "[architecture]") {
+    for (const std::string& file : sources()) {
+        const std::size_t lines = readLines(fs::path(SC_SOURCE_DIR) / file).size();
+        if (lines > 500)
+            WARN(file << " has " << lines << " lines: split it where two ideas live together");
+    }
+}
+
+TEST_CASE("the include checker reports file and line", "[architecture]") {
+    const auto offences = checkIncludes("supercircle/coulomb/law.cpp", {"// a comment", "#include <vector>", "",
+                                                                        "  #  include \"supercircle/rod/arc.h\"",
+                                                                        "int x;", "#include <box2d/box2d.h>"});
+    REQUIRE(offences.size() == 2);
+    CHECK(offences[0].file == "supercircle/coulomb/law.cpp");
+    CHECK(offences[0].line == 4);
+    CHECK(offences[0].why.find("supercircle/rod/arc.h") != std::string::npos);
+    CHECK(offences[1].line == 6);
+}
+
+TEST_CASE("the include checker lets lawful lines pass", "[architecture]") {
+    CHECK_FALSE(offends("supercircle/rod/arc.h", "#include <Eigen/Core>"));
+    CHECK_FALSE(offends("supercircle/contact/detection.h", "#include \"supercircle/contact/geometry.h\""));
+    CHECK_FALSE(offends("supercircle/contact/geometry.h", "#include \"supercircle/rod/arc.h\""));
+    CHECK_FALSE(offends("supercircle/effects/drag.cpp", "#include \"supercircle/rod/kinematics.h\""));
+    CHECK_FALSE(offends("supercircle/step/world.cpp", "#include \"supercircle/coulomb/solver.h\""));
+    CHECK_FALSE(offends("bridge/box2d_port.cpp", "#include <box2d/box2d.h>"));
+    CHECK_FALSE(offends("plugin/include/supercircle/shells.hpp", "#include \"definitions.hpp\""));
+    CHECK_FALSE(offends("plugin/include/supercircle/shells.hpp", "#include \"supercircle/definitions.hpp\""));
+    CHECK_FALSE(offends("plugin/include/supercircle/shells.hpp", "#include <string>"));
+    CHECK_FALSE(offends("plugin/scene/loader.cpp", "#include <nlohmann/json.hpp>"));
+    CHECK_FALSE(offends("plugin/report/png.cpp", "#include <cairo.h>"));
+    CHECK_FALSE(offends("plugin/report/png.cpp", "#include <cairo/cairo.h>"));
+    CHECK_FALSE(offends("plugin/cli/run.cpp", "#include \"bridge/lab_world.h\""));
+    CHECK_FALSE(offends("plugin/cli/main.cpp", "#include <unistd.h>"));
+    CHECK_FALSE(offends("plugin/diagnosis/fit.cpp", "#include \"plugin/include/supercircle/recording.hpp\""));
+    CHECK_FALSE(offends("tests/bridge/test_port.cpp", "#include <box2d/box2d.h>"));
+    CHECK_FALSE(offends("supercircle/rod/arc.cpp", "// #include <box2d/box2d.h>"));
+}
+
+TEST_CASE("the include checker catches every kind of offence", "[architecture]") {
+    const auto mustOffend = [](const std::string& file, const std::string& line) {
+        INFO(file << " with " << line);
+        CHECK(offends(file, line));
+    };
+    // the core knows Eigen and the standard library
+    mustOffend("supercircle/rod/arc.h", "#include <box2d/b2_math.h>");
+    mustOffend("supercircle/rod/arc.h", "#include <nlohmann/json.hpp>");
+    mustOffend("supercircle/step/world.cpp", "#include <spdlog/spdlog.h>");
+    mustOffend("supercircle/step/world.cpp", "#include <unistd.h>");
+    mustOffend("supercircle/step/world.cpp", "#include \"bridge/box2d_port.h\"");
+    mustOffend("supercircle/step/world.cpp", "#include \"plugin/include/supercircle/definitions.hpp\"");
+    mustOffend("supercircle/new_file.h", "#include \"supercircle/rod/arc.h\"");
+    // its folders stand in an order
+    mustOffend("supercircle/rod/arc.h", "#include \"supercircle/contact/geometry.h\"");
+    mustOffend("supercircle/contact/detection.cpp", "#include \"supercircle/rod/kinematics.h\"");
+    mustOffend("supercircle/contact/detection.cpp", "#include \"supercircle/coulomb/problem.h\"");
+    mustOffend("supercircle/coulomb/law.h", "#include \"supercircle/contact/geometry.h\"");
+    mustOffend("supercircle/effects/drag.h", "#include \"supercircle/coulomb/problem.h\"");
+    mustOffend("supercircle/effects/drag.h", "#include \"supercircle/step/world.h\"");
+    // Box2D behind the bridge
+    mustOffend("bridge/box2d_port.h", "#include \"plugin/include/supercircle/definitions.hpp\"");
+    mustOffend("bridge/box2d_port.h", "#include <nlohmann/json.hpp>");
+    mustOffend("plugin/lab/runner.cpp", "#include <box2d/box2d.h>");
+    mustOffend("plugin/cli/view.cpp", "#include <Box2D/Box2D.h>");
+    mustOffend("plugin/lab/runner.cpp", "#include \"bridge/lab_world.h\"");
+    // the public headers stand alone
+    mustOffend("plugin/include/supercircle/shells.hpp", "#include \"supercircle/step/port.h\"");
+    mustOffend("plugin/include/supercircle/shells.hpp", "#include <Eigen/Core>");
+    mustOffend("plugin/include/supercircle/shells.hpp", "#include <nlohmann/json_fwd.hpp>");
+    mustOffend("plugin/include/supercircle/shells.hpp", "#include \"plugin/scene/scene.h\"");
+    // libraries stay where they belong
+    mustOffend("plugin/scene/loader.h", "#include <nlohmann/json.hpp>");
+    mustOffend("plugin/lab/runner.cpp", "#include <nlohmann/json.hpp>");
+    mustOffend("plugin/scene/loader.cpp", "#include <cairo.h>");
+    mustOffend("plugin/lab/runner.cpp", "#include <muParser.h>");
+    mustOffend("plugin/record/csv.cpp", "#include <CLI/CLI.hpp>");
+    mustOffend("plugin/diagnosis/fit.cpp", "#include \"plugin/lab/runner.h\"");
+    mustOffend("plugin/diagnosis/fit.cpp", "#include \"supercircle/step/world.h\"");
+    mustOffend("examples/game.cpp", "#include \"supercircle/step/world.h\"");
+    // paths from the root
+    mustOffend("supercircle/rod/arc.cpp", "#include \"arc.h\"");
+    mustOffend("supercircle/rod/arc.cpp", "#include \"../rod/arc.h\"");
+}

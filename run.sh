@@ -26,7 +26,7 @@ for argument in "$@"; do
     previous=$argument
 done
 
-trap 'give_back "$top/build" "$top/out" "$out"' EXIT
+trap 'give_back "$top/build" "$top/out"' EXIT
 install_missing "$top/.ci/packages"
 build "$top/build" OFF supercircle
 program=$top/build/plugin/supercircle

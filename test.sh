@@ -20,7 +20,8 @@ log=$directory/ctest.log
 code=0
 ctest --test-dir "$directory" -j2 --output-on-failure "${selection[@]}" "$@" 2>&1 | tee "$log" || code=$?
 # ctest's own summary: "100% tests passed, 0 tests failed out of 12"
-read -r failed total < <(sed -nE 's/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p' "$log") || true
+summary='s/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p'
+read -r failed total < <(sed -nE "$summary" "$log") || true
 if [ -z "${total:-}" ]; then
     echo "test.sh: ctest ran no tests; its log is $log" >&2
     failed=0

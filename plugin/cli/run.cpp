@@ -93,7 +93,7 @@ int run(const RunArguments& a) {
         options.onSolve = [&](const coulomb::Problem& p, const coulomb::SolveReport&) {
             char name[32];
             std::snprintf(name, sizeof name, "/%06llu.fcp", static_cast<unsigned long long>(dumped++));
-            if (const std::string error = coulomb::writeProblem(a.dump + name, p); !error.empty())
+            if (const std::string error = coulomb::writeDump(a.dump + name, p); !error.empty())
                 std::fprintf(stderr, "%s\n", error.c_str());
         };
     }

@@ -36,8 +36,17 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     s.dtMin = scene.numerics.dt_min;
     s.fixedDt = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
+    double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
+    for (const ShellDef& d : scene.shells)
+        thickness = std::min(thickness, d.thickness);
+    if (std::isfinite(thickness) && thickness > 0.0)
+        s.localError = scene.numerics.position_tolerance / thickness;
     s.threads = options.threads;
     s.witness = options.witness;
+    if (getenv("SC_THETA")) s.theta = atof(getenv("SC_THETA"));
+    if (getenv("SC_LE")) s.localError = atof(getenv("SC_LE"));
+    if (getenv("SC_ML")) s.motionLimit = atof(getenv("SC_ML"));
+    if (getenv("SC_RL")) s.relinearise = atof(getenv("SC_RL"));
     shells_.stepper().onSolve = options.onSolve;
     out_.scene = scene.name;
     out_.about = scene.about;

@@ -108,7 +108,8 @@ void drawScaleBar(Canvas& canvas, const Map& map, const Rect& area) {
 
 /// Values below a thousandth of the run's largest are noise to a reader: shown as 0.
 std::string caption(const Recording& recording, const Frame& frame) {
-    if (recording.series.find("force_N") == nullptr || !std::isfinite(frame.displacement) || !std::isfinite(frame.force))
+    if (recording.series.find("force_N") == nullptr || !std::isfinite(frame.displacement) ||
+        !std::isfinite(frame.force))
         return std::isfinite(frame.time) ? "t = " + significant(frame.time, 3) + " s" : std::string{};
     double force = 0.0, travel = 0.0;
     for (const Frame& other : recording.frames) {

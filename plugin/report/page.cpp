@@ -104,7 +104,10 @@ std::string playerSection(const Recording& recording) {
 </div>
 <div class="controls">
 <label>phase <select id="phase"></select></label>
-<label>speed <select id="speed"><option value="0.1">0.1×</option><option value="0.25">0.25×</option><option value="0.5">0.5×</option><option value="1" selected>1×</option><option value="2">2×</option><option value="5">5×</option><option value="10">10×</option></select></label>
+<label>speed <select id="speed">
+<option value="0.1">0.1×</option><option value="0.25">0.25×</option>
+<option value="0.5">0.5×</option><option value="1" selected>1×</option><option value="2">2×</option>
+<option value="5">5×</option><option value="10">10×</option></select></label>
 <label><input id="showContacts" type="checkbox"> contact forces</label>
 <label><input id="colourBend" type="checkbox"> curvature</label>
 <button id="fit" type="button">Fit</button>
@@ -116,7 +119,8 @@ std::string playerSection(const Recording& recording) {
 </dl>
 <div class="key"><i id="keyBar"></i><span id="keyText"></span>
 <span id="keyContacts" hidden>contact forces: dark sticks, orange slips; length grows with the square root</span></div>
-<p class="hint"><kbd>space</kbd> play &nbsp; <kbd>←</kbd> <kbd>→</kbd> one frame, with <kbd>shift</kbd> ten &nbsp; <kbd>ctrl</kbd> + wheel zooms, drag moves &nbsp; click a curve to go there)";
+<p class="hint"><kbd>space</kbd> play &nbsp; <kbd>←</kbd> <kbd>→</kbd> one frame, with <kbd>shift</kbd> ten &nbsp; 
+<kbd>ctrl</kbd> + wheel zooms, drag moves &nbsp; click a curve to go there)";
     if (frames.size() < recording.frames.size())
         html += " &nbsp; (" + std::to_string(frames.size()) + " of " + std::to_string(recording.frames.size()) +
                 " frames; all are in trajectory.json)";
@@ -243,7 +247,7 @@ std::string eventsTable(const Recording& recording) {
         appendFixed(html, event.time, 6);
         html += "\"><td class=\"n\">" + significant(event.time) + "</td><td class=\"n\">" +
                 significant(1e3 * event.displacement) + "</td><td class=\"n\">" + significant(event.force, 3) +
-                "</td><td>" + escaped(kind) + "</td><td>" + escaped(event.text) + "</td></tr>\n";
+                "</td><td class=\"k\">" + escaped(kind) + "</td><td>" + escaped(event.text) + "</td></tr>\n";
     }
     html += "</tbody></table></div>";
     if (recording.events.size() > mostEvents)

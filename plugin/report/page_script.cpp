@@ -16,9 +16,11 @@ const unpack = (name, Type) => {
   for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
   return new Type(bytes.buffer);
 };
-const times = unpack('t', Float32Array), displacements = unpack('d', Float32Array), forces = unpack('f', Float32Array);
+const times = unpack('t', Float32Array), displacements = unpack('d', Float32Array), forces = unpack('f',
+  Float32Array);
 const phases = unpack('phase', Uint16Array), counts = unpack('counts', Uint16Array);
-const poses = unpack('poses', Float32Array), turns = unpack('turns', Int16Array), bodies = unpack('bodies', Float32Array);
+const poses = unpack('poses', Float32Array), turns = unpack('turns', Int16Array), bodies = unpack('bodies',
+  Float32Array);
 const contactCounts = unpack('contactCounts', Uint16Array), contacts = unpack('contacts', Int16Array);
 const frames = times.length;
 if (frames === 0) return;
@@ -36,10 +38,11 @@ for (let i = 0; i < frames; ++i) {
 const byId = id => document.getElementById(id);
 const stage = byId('stage'), context = stage.getContext('2d');
 const ui = {};
-for (const id of ['play', 'back', 'forward', 'scrub', 'speed', 'phase', 'showContacts', 'colourBend', 'fit', 'rTime', 'rMove',
+for (const id of ['play', 'back', 'forward', 'scrub', 'speed', 'phase', 'showContacts', 'colourBend', 'fit',
+  'rTime', 'rMove',
   'rForce', 'rBend', 'rContacts', 'keyBar', 'keyText', 'keyContacts']) ui[id] = byId(id);
 const duration = times[frames - 1] - times[0];
-let now = times[0], playing = false, lastTick = 0, zoom = 1, pan = [0, 0];
+let now = times[0], playing = false, lastTick = -1, zoom = 1, pan = [0, 0];
 
 /// Frame at or before a time, and how far the time is towards the next one.
 const locate = time => {
@@ -116,12 +119,14 @@ const drawShells = (at, pixel) => {
     const w = k < counts[at.next] ? at.w : 0, j = w > 0 ? at.next : at.i;
     const a = poseAt[at.i] + 4 * k, b = poseAt[j] + 4 * k;
     const ta = turnAt[at.i] + before[k], tb = turnAt[j] + before[k];
-    const pen = { x: mix(poses[a], poses[b], w), y: mix(poses[a + 1], poses[b + 1], w), angle: mixAngle(poses[a + 2], poses[b + 2], w) };
+    const pen = { x: mix(poses[a], poses[b], w), y: mix(poses[a + 1], poses[b + 1], w),
+      angle: mixAngle(poses[a + 2], poses[b + 2], w) };
     const stored = mix(poses[a + 3], poses[b + 3], w);
     if (!Number.isFinite(pen.x + pen.y + pen.angle)) continue;
     if (Number.isFinite(stored)) energy += stored;
     context.lineWidth = Math.max(shell.h, 0.9 * pixel);
-    context.strokeStyle = Number.isFinite(stored) ? pick(data.energyColours, data.energyScale > 0 ? stored / data.energyScale : 0) : '#9aa0a6';
+    context.strokeStyle = Number.isFinite(stored) ? pick(data.energyColours, data.energyScale > 0 ?
+      stored / data.energyScale : 0) : '#9aa0a6';
     context.beginPath();
     context.moveTo(pen.x, pen.y);
     for (let e = 0; e < n; ++e) {
@@ -153,7 +158,8 @@ const drawContacts = (frame, pixel, width) => {
       if ((contacts[c] & 1) !== slips) continue;
       const x = x0 + unit * contacts[c], y = y0 + unit * contacts[c + 1];
       // Stored as signed square roots of the share of the largest force.
-      const rx = contacts[c + 2] / 32767, ry = contacts[c + 3] / 32767, fx = rx * Math.abs(rx), fy = ry * Math.abs(ry);
+      const rx = contacts[c + 2] / 32767, ry = contacts[c + 3] / 32767, fx = rx * Math.abs(rx),
+        fy = ry * Math.abs(ry);
       const size = Math.hypot(fx, fy);
       if (size === 0) continue;
       const reach = 0.5 * longest * Math.sqrt(size) / size;
@@ -172,7 +178,8 @@ for (const id of ['force', 'energy']) {
   const svg = byId(id + '-figure');
   if (svg && svg.dataset.plot) {
     const v = svg.dataset.plot.split(' ').map(Number);
-    plots[id] = { svg, x: v[0], y: v[1], w: v[2], h: v[3], x0: v[4], x1: v[5], y0: v[6], y1: v[7], marker: byId(id + '-marker') };
+    plots[id] = { svg, x: v[0], y: v[1], w: v[2], h: v[3], x0: v[4], x1: v[5], y0: v[6], y1: v[7],
+      marker: byId(id + '-marker') };
   }
 }
 const moveMarkers = (displacement, force) => {
@@ -207,8 +214,10 @@ const draw = () => {
   drawBodies(at, pixel);
   const energy = drawShells(at, pixel);
   const nearest = at.w > 0.5 ? at.next : at.i;
-  if (ui.showContacts.checked) drawContacts(nearest, pixel, Math.min(data.view[1] - data.view[0], data.view[3] - data.view[2]));
-  const displacement = mix(displacements[at.i], displacements[at.next], at.w), force = mix(forces[at.i], forces[at.next], at.w);
+  if (ui.showContacts.checked) drawContacts(nearest, pixel, Math.min(data.view[1] - data.view[0],
+    data.view[3] - data.view[2]));
+  const displacement = mix(displacements[at.i], displacements[at.next], at.w), force = mix(forces[at.i],
+    forces[at.next], at.w);
   ui.rTime.textContent = number(now, duration < 1 ? 4 : 2) + ' s';
   ui.rMove.textContent = number(1e3 * displacement, 2) + ' mm';
   ui.rForce.textContent = number(force, 3) + ' N';
@@ -221,7 +230,8 @@ const draw = () => {
 
 const tick = stamp => {
   if (!playing) return;
-  const passed = Math.min((stamp - lastTick) / 1e3, 0.1);
+  // A frame's stamp may lie before the key press that started it: the first one only sets the clock.
+  const passed = lastTick < 0 ? 0 : Math.min(Math.max((stamp - lastTick) / 1e3, 0), 0.1);
   lastTick = stamp;
   now += Number(ui.speed.value) * passed;
   if (now >= times[frames - 1]) {
@@ -237,7 +247,7 @@ const play = wanted => {
   ui.play.textContent = playing ? 'Pause' : 'Play';
   ui.play.setAttribute('aria-pressed', String(playing));
   if (playing) {
-    lastTick = performance.now();
+    lastTick = -1;
     requestAnimationFrame(tick);
   }
 };
@@ -257,7 +267,9 @@ const showKey = () => {
   const bend = ui.colourBend.checked, table = bend ? data.bendColours : data.energyColours;
   ui.keyBar.style.background = 'linear-gradient(to right, ' + table.join(', ') + ')';
   const scale = bend ? data.bendScale : 1e3 * data.energyScale;
-  ui.keyText.textContent = bend ? 'unbent \u2212' + scale.toPrecision(3) + ' \u2026 more bent +' + scale.toPrecision(3) + ' 1/m (change of curvature)'
+  ui.keyText.textContent = bend ?
+    'unbent \u2212' + scale.toPrecision(3) + ' \u2026 more bent +' + scale.toPrecision(3) +
+      ' 1/m (change of curvature)'
     : '0 \u2026 ' + scale.toPrecision(3) + ' mJ bending energy a shell';
   ui.keyBar.hidden = ui.keyText.hidden = !(scale > 0);
   ui.keyContacts.hidden = !ui.showContacts.checked;
@@ -308,7 +320,8 @@ stage.addEventListener('wheel', event => {
   draw();
 }, { passive: false });
 let grip = null;
-stage.addEventListener('pointerdown', event => { if (event.pointerType === 'mouse') { grip = [event.clientX, event.clientY]; stage.setPointerCapture(event.pointerId); } });
+stage.addEventListener('pointerdown', event => { if (event.pointerType === 'mouse') { grip = [event.clientX,
+  event.clientY]; stage.setPointerCapture(event.pointerId); } });
 stage.addEventListener('pointermove', event => {
   if (!grip) return;
   const scale = camera().scale;
@@ -323,7 +336,8 @@ stage.addEventListener('dblclick', () => ui.fit.onclick());
 
 const inPlot = (plot, event) => {
   const box = plot.svg.getBoundingClientRect(), unit = plot.svg.viewBox.baseVal.width / box.width;
-  return [((event.clientX - box.left) * unit - plot.x) / plot.w, 1 - ((event.clientY - box.top) * unit - plot.y) / plot.h];
+  return [((event.clientX - box.left) * unit - plot.x) / plot.w,
+    1 - ((event.clientY - box.top) * unit - plot.y) / plot.h];
 };
 if (plots.energy) plots.energy.svg.addEventListener('click', event => {
   const [u] = inPlot(plots.energy, event);
@@ -339,7 +353,8 @@ if (plots.force) plots.force.svg.addEventListener('click', event => {
   if (best >= 0) { play(false); seek(times[best]); }
 });
 for (const row of document.querySelectorAll('tr[data-time]'))
-  row.addEventListener('click', () => { play(false); seek(Number(row.dataset.time)); stage.scrollIntoView({ block: 'nearest' }); });
+  row.addEventListener('click', () => { play(false); seek(Number(row.dataset.time)); stage.scrollIntoView({
+    block: 'nearest' }); });
 
 const fitStage = () => {
   const aspect = (data.view[3] - data.view[2]) / (data.view[1] - data.view[0]);

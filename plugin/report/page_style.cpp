@@ -15,7 +15,8 @@ header h1 { margin: 0 0 4px; font-size: 28px; line-height: 1.2; letter-spacing: 
 header p { margin: 0 0 4px; max-width: 76ch; }
 header .about { color: var(--muted); }
 h2 { margin: 0 0 10px; font-size: 17px; }
-section { background: var(--paper); border: 1px solid var(--line); border-radius: 10px; padding: 18px 20px; min-width: 0; }
+section { background: var(--paper); border: 1px solid var(--line); border-radius: 10px; padding: 18px 20px;
+  min-width: 0; }
 .grid { display: grid; gap: 18px; margin-top: 18px; grid-template-columns: minmax(0, 1fr); }
 @media (min-width: 1040px) {
   .pair { grid-template-columns: minmax(0, 9fr) minmax(0, 11fr); }
@@ -23,8 +24,10 @@ section { background: var(--paper); border: 1px solid var(--line); border-radius
 }
 .grid .grid { margin-top: 0; }
 .tiles { display: flex; flex-wrap: wrap; gap: 12px; margin-top: 18px; }
-.tile { flex: 1 1 150px; background: var(--paper); border: 1px solid var(--line); border-radius: 10px; padding: 12px 16px; }
-.tile b { display: block; font-size: 24px; font-weight: 600; line-height: 1.25; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.tile { flex: 1 1 150px; background: var(--paper); border: 1px solid var(--line); border-radius: 10px;
+  padding: 12px 16px; }
+.tile b { display: block; font-size: 24px; font-weight: 600; line-height: 1.25; font-variant-numeric: tabular-nums;
+  white-space: nowrap; }
 .tile b small { font-size: 14px; font-weight: 400; color: var(--muted); }
 .tile span { color: var(--muted); font-size: 13px; }
 .scroll { overflow-x: auto; }
@@ -34,29 +37,38 @@ section { background: var(--paper); border: 1px solid var(--line); border-radius
 .views svg, .bar svg { display: block; width: 100%; height: auto; }
 .views > div { max-width: 620px; }
 .bar { max-width: 560px; margin: 12px auto 0; }
-#stage { display: block; width: 100%; touch-action: pan-y; background: #fbfbfc; border: 1px solid var(--line); border-radius: 8px; }
+#stage { display: block; width: 100%; touch-action: pan-y; background: #fbfbfc; border: 1px solid var(--line);
+  border-radius: 8px; }
 .controls { display: flex; flex-wrap: wrap; align-items: center; gap: 8px; margin-top: 10px; }
 .controls input[type=range] { flex: 1 1 160px; min-width: 120px; accent-color: var(--accent); }
-.controls label { display: inline-flex; align-items: center; gap: 5px; font-size: 13px; color: var(--muted); white-space: nowrap; }
-button, select { font: inherit; font-size: 14px; color: var(--ink); background: var(--paper); border: 1px solid #c6ccd3;
+.controls label { display: inline-flex; align-items: center; gap: 5px; font-size: 13px; color: var(--muted);
+  white-space: nowrap; }
+button, select { font: inherit; font-size: 14px; color: var(--ink); background: var(--paper);
+  border: 1px solid #c6ccd3;
   border-radius: 7px; padding: 4px 10px; min-height: 32px; }
 button:hover, select:hover { border-color: #8c959f; }
-button:focus-visible, select:focus-visible, input:focus-visible { outline: 2px solid var(--accent); outline-offset: 1px; }
+button:focus-visible, select:focus-visible, input:focus-visible { outline: 2px solid var(--accent);
+  outline-offset: 1px; }
 #play { min-width: 82px; background: var(--accent); border-color: var(--accent); color: #fff; font-weight: 600; }
-.readout { display: grid; grid-template-columns: repeat(auto-fit, minmax(84px, 1fr)); gap: 2px 10px; margin: 10px 0 0; }
+.readout { display: grid; grid-template-columns: repeat(auto-fit, minmax(84px, 1fr)); gap: 2px 10px;
+  margin: 10px 0 0; }
 .readout div { white-space: nowrap; }
 .readout dt { font-size: 12px; color: var(--muted); }
 .readout dd { margin: 0; font-variant-numeric: tabular-nums; }
-.key { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 10px; font-size: 12px; color: var(--muted); margin-top: 8px; }
+.key { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 10px; font-size: 12px; color: var(--muted);
+  margin-top: 8px; }
 .key i { display: inline-block; width: 120px; height: 9px; border-radius: 2px; }
 .key [hidden] { display: none; }
 .hint { color: var(--muted); font-size: 12.5px; margin: 8px 0 0; }
-kbd { font: 11.5px ui-monospace, Menlo, Consolas, monospace; border: 1px solid var(--line); border-radius: 4px; padding: 0 4px; background: var(--ground); }
+kbd { font: 11.5px ui-monospace, Menlo, Consolas, monospace; border: 1px solid var(--line); border-radius: 4px;
+  padding: 0 4px; background: var(--ground); }
 table { border-collapse: collapse; width: 100%; font-size: 14px; font-variant-numeric: tabular-nums; }
-th { text-align: left; font-weight: 600; font-size: 12.5px; color: var(--muted); border-bottom: 1px solid #c6ccd3; padding: 4px 10px 4px 0; }
+th { text-align: left; font-weight: 600; font-size: 12.5px; color: var(--muted); border-bottom: 1px solid #c6ccd3;
+  padding: 4px 10px 4px 0; }
 td { border-bottom: 1px solid #edf0f2; padding: 5px 10px 5px 0; vertical-align: top; }
 tr:last-child td { border-bottom: 0; }
 th.n, td.n { text-align: right; white-space: nowrap; }
+td.k { white-space: nowrap; }
 td.u { color: var(--muted); white-space: nowrap; }
 td code { font: 12px ui-monospace, Menlo, Consolas, monospace; color: var(--muted); overflow-wrap: anywhere; }
 tr[data-time] { cursor: pointer; }

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t maxFormula = 2000; // characters; enough for any closed form, too little to exhaust a stack
 constexpr std::size_t maxNames = 1000;
+constexpr int maxChain = 50; // formulas of formulas not yet worked out; each level costs stack
 
 double sincFunction(double x) {
     return rod::sinc(x);
@@ -233,13 +234,20 @@ bool Scope::resolve(Context& context, Entry& entry, const Node& at, const std::s
                       "formulas without a circle");
         return false;
     }
+    if (depth_ >= maxChain) {
+        context.error(at, pointer, "too long a chain of definitions still to be worked out",
+                      "at most " + std::to_string(maxChain) + ", or declarations in the order of use");
+        return false;
+    }
     entry.state = Entry::State::Busy;
+    ++depth_;
     std::optional<double> value;
     if (entry.overridden)
         value = entry.overridden;
     else if (entry.valueNode != nullptr)
         value = readNumber(context, *entry.valueNode, entry.pointer + (entry.valueNode != entry.node ? "/value" : ""),
                            anyNumber);
+    --depth_;
     entry.state = value ? Entry::State::Done : Entry::State::Failed;
     entry.parameter.value = value.value_or(0.0);
     // Whatever depends on a value out of range would only repeat the complaint in other words: it stays silent.
@@ -305,7 +313,8 @@ std::optional<double> Scope::evaluate(Context& context, const std::string& formu
     };
     if (formula.size() > maxFormula)
         return fail(0, "the formula is too long", "at most " + std::to_string(maxFormula) + " characters", {});
-    mu::Parser parser;
+    const auto owned = std::make_unique<mu::Parser>(); // kilobytes; formulas of formulas recurse
+    mu::Parser& parser = *owned;
     parser.DefineFun("sinc", sincFunction);
     parser.DefineConst("pi", M_PI);
     for (const NameUse& use : namesIn(formula)) {

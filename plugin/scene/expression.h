@@ -57,6 +57,7 @@ private:
     std::vector<std::unique_ptr<Entry>> entries_;
     std::map<std::string, Entry*> byName_;
     std::unique_ptr<Calculator> calculator_;
+    int depth_ = 0; ///< names being worked out
 };
 
 } // namespace supercircle::scene

@@ -1,7 +1,5 @@
 #include "supercircle/contact/closest.h"
 
-#include <algorithm>
-
 namespace supercircle::contact {
 
 namespace {

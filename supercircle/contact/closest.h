@@ -13,6 +13,7 @@
 
 #include "supercircle/contact/pieces.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace supercircle::contact {

@@ -143,7 +143,9 @@ Frame frameBetween(const std::vector<Place>& before, const std::vector<Place>& a
         const Vec2 shift = after[i].point - before[i].point;
         if (shift.norm() < least) {
             least = shift.norm();
-            frame = {before[i].point, shift, std::remainder(after[i].angle - before[i].angle, 2.0 * M_PI), {}};
+            frame.reference = before[i].point;
+            frame.shift = shift;
+            frame.turn = std::remainder(after[i].angle - before[i].angle, 2.0 * M_PI);
         }
     }
     frame.back = {std::cos(frame.turn), -std::sin(frame.turn)};
@@ -170,7 +172,11 @@ int cuts(double turn) {
 }
 
 void addRods(const std::vector<Curve>& before, const std::vector<Curve>& after, std::vector<Moving>& out) {
-    for (std::size_t r = 0; r < before.size(); ++r) {
+    std::size_t elements = 0;
+    for (const Curve& c : before)
+        elements += c.arcs.size();
+    out.reserve(elements + elements / 8 + 64); // room for some cuts and the outlines
+    for (std::size_t r = 0; r < before.size() && r < after.size(); ++r) {
         const Curve& from = before[r];
         const Curve& to = after[r];
         if (from.arcs.empty() || from.arcs.size() != to.arcs.size())
@@ -180,7 +186,7 @@ void addRods(const std::vector<Curve>& before, const std::vector<Curve>& after, 
             const Arc& arc = from.arcs[e];
             const int n = std::max(cuts(arc.curvature * arc.length), cuts(to.arcs[e].curvature * arc.length));
             for (int i = 0; i < n; ++i) {
-                Moving m;
+                Moving& m = out.emplace_back();
                 m.frame = frame;
                 m.rod = static_cast<std::int32_t>(r);
                 m.element = static_cast<std::int32_t>(e);
@@ -190,7 +196,6 @@ void addRods(const std::vector<Curve>& before, const std::vector<Curve>& after, 
                 const double length = arc.length / n;
                 setWay(m, arc, to.arcs[e], i * length, length);
                 m.s0 = (e < from.nodeS.size() ? from.nodeS[e] : 0.0) + (i + 0.5) * length;
-                out.push_back(m);
             }
         }
     }

@@ -26,7 +26,7 @@ namespace supercircle::coulomb {
 
 namespace {
 
-constexpr std::size_t kMostBorders = 40;
+constexpr std::size_t kMostBorders = 40; // and one more for every 20 unknowns above 320
 constexpr double kFarBack = -20.0;
 
 /// A number in [0.5, 1.5) that depends on contact, use and seed only.
@@ -237,6 +237,10 @@ bool Path::refactor(const Whitened& problem, const PathSettings& settings, PathC
 
 Path::Outcome Path::follow(const Whitened& problem, const PathSettings& settings, PathCounts& counts) {
     tau_ = 0.0;
+    // The cap is meant for one stack of some 150 loaded contacts; longer for larger ones.
+    const double load = static_cast<double>(system_.size()) / 250.0;
+    const int most = static_cast<int>(settings.maxPivots * std::max(1.0, load));
+    const std::size_t borders = kMostBorders + (system_.size() > 320 ? (system_.size() - 320) / 20 : 0);
     double sign = 1.0;
     Breakpoint last;
     for (int pivots = 0;; ++pivots) {
@@ -265,11 +269,11 @@ Path::Outcome Path::follow(const Whitened& problem, const PathSettings& settings
             return Outcome::Solved;
         if (tau_ < kFarBack)
             return Outcome::Wandered;
-        if (pivots >= settings.maxPivots)
+        if (pivots >= most)
             return Outcome::Pivots;
         ++counts.pivots;
         flip(problem, last);
-        if (system_.borders() > kMostBorders && !refactor(problem, settings, counts))
+        if (system_.borders() > borders && !refactor(problem, settings, counts))
             return Outcome::Singular;
     }
 }

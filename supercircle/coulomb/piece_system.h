@@ -6,6 +6,7 @@
 #include "supercircle/coulomb/whitened.h"
 
 #include <Eigen/LU>
+#include <Eigen/SparseLU>
 #include <span>
 #include <vector>
 
@@ -13,9 +14,9 @@ namespace supercircle::coulomb {
 
 /// Finds dr with  (W + eps D) dr = rhs  on the rows the pieces keep closed (u_n for slip, u_n and u_t for stick), dr_t
 /// =
-/// -+mu dr_n where a contact slips and dr = 0 where it is open. D = diag(d_c). One dense LU of the pieces given to
-/// `factor`, bordered by one or two rows and columns for every contact whose piece has changed since.
-/// A contact without friction must be given as Open or SlipPlus.
+/// -+mu dr_n where a contact slips and dr = 0 where it is open. D = diag(d_c). One LU (dense, or sparse when large) of
+/// the pieces given to `factor`, bordered by one or two rows and columns for every contact whose piece has changed
+/// since. A contact without friction must be given as Open or SlipPlus.
 class PieceSystem {
 public:
     /// `contacts` (indices into the problem) and `piece` have one entry a local contact. False if the matrix is
@@ -58,8 +59,11 @@ private:
         double at = 0.0;
     };
 
-    void assembleBase(const Whitened& problem);
-    void assembleBody(const Whitened& problem, std::span<const std::int32_t> members, std::int32_t body);
+    template <class Add>
+    void assembleBase(const Whitened& problem, Add&& add);
+    void fillBodyBlock(const Whitened& problem, std::span<const std::int32_t> members, std::int32_t body);
+    bool factorDense(const Whitened& problem);
+    bool factorSparse(const Whitened& problem);
     void collectNeighbours(const Whitened& problem);
     void addBorder(const Whitened& problem, const Border& border);
     void dropBorder(std::size_t j);
@@ -77,6 +81,10 @@ private:
     Eigen::Index count_ = 0;
     Eigen::MatrixXd base_;
     Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+    bool sparse_ = false; ///< the base is factored by `sparseLu_`
+    std::vector<Eigen::Triplet<double>> triplets_;
+    Eigen::SparseMatrix<double> sparseBase_;
+    Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::AMDOrdering<int>> sparseLu_;
     Eigen::MatrixXd left_, right_, block_; ///< rows and columns of one body
     std::vector<std::int32_t> index_;
     Eigen::MatrixXd rows_;    ///< V, one column a border

@@ -44,14 +44,18 @@ struct Try {
     double eps;
     double slack;
 };
-constexpr std::array kTries{Try{0, 1e-6, 1.0}, Try{30, 1e-5, 1.0}, Try{60, 1e-8, 0.3}, Try{100, 1e-4, 3.0}};
+constexpr std::array kTries{Try{0, 1e-6, 0.3}, Try{0, 1e-8, 1.0}, Try{30, 1e-5, 1.0}, Try{60, 1e-7, 0.3},
+                            Try{100, 1e-4, 3.0}};
 
 /// A strong proximal term makes any problem tame; from its solution down to the wanted one in small steps.
-constexpr std::array kLadder{1.0, 0.3, 0.1, 0.03, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8};
+constexpr std::array kLadder{1.0, 0.3, 0.1, 0.03, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12};
 constexpr int kLadders = 3;
+constexpr std::uint32_t kQuickTries = 2;
 
-/// Above this many loaded contacts in one island the dense factor (cubic) costs more than long accelerated sweeps.
-constexpr std::size_t kDenseLimit = 1200;
+/// Above this many loaded contacts in one island even the sparse factor costs more than long accelerated sweeps.
+constexpr std::size_t kPathLimit = 5000;
+/// All paths of one solve together may take this many times the pivots of one: a problem without solution must end.
+constexpr int kBudget = 5;
 constexpr int kNewtonSteps = 30;
 
 } // namespace
@@ -65,12 +69,15 @@ struct Solver::Impl {
     Iterate x;
     Best best;
     Target target;
+    int pivotsLeft = 0;
 
     void run(const SolverOptions& options, SolveReport& report);
     bool judgeNow(Method method, SolveReport& report);
     void restoreBest();
     double islandError(std::span<const std::int32_t> island) const;
     std::size_t loaded(std::span<const std::int32_t> island) const;
+    std::size_t loaded() const;
+    void runPaths(const PathSettings& settings, SolveReport& report);
     bool tryPath(const Try& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     bool tryLadder(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     bool tryNewton(SolveReport& report);
@@ -107,6 +114,13 @@ std::size_t Solver::Impl::loaded(std::span<const std::int32_t> island) const {
         std::count_if(island.begin(), island.end(), [this](std::int32_t c) { return x.r[2 * c] > 0.0; }));
 }
 
+std::size_t Solver::Impl::loaded() const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < islands.count(); ++i)
+        count += loaded(islands.contacts(i));
+    return count;
+}
+
 /// Visits the islands whose error is above their share of what the target allows, with that share.
 template <class Visit>
 void Solver::Impl::forEachUnsolved(Visit&& visit) {
@@ -117,6 +131,17 @@ void Solver::Impl::forEachUnsolved(Visit&& visit) {
             visit(islands.contacts(i), allowed);
 }
 
+void Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
+    PathCounts counts;
+    forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
+        if (loaded(island) <= kPathLimit && counts.pivots < pivotsLeft)
+            path.run(whitened, island, settings, allowed, x, counts);
+    });
+    pivotsLeft -= counts.pivots;
+    report.pivots += counts.pivots;
+    report.factorisations += counts.factorisations;
+}
+
 bool Solver::Impl::tryPath(const Try& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
     if (settings.sweeps > 0) {
         restoreBest();
@@ -124,40 +149,25 @@ bool Solver::Impl::tryPath(const Try& settings, std::uint32_t seed, const Solver
         if (judgeNow(Method::Accelerated, report))
             return true;
     }
-    PathCounts counts;
-    const PathSettings path_{settings.eps, settings.slack, seed, options.maxPivots, 20};
-    forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
-        if (loaded(island) <= kDenseLimit)
-            path.run(whitened, island, path_, allowed, x, counts);
-    });
-    report.pivots += counts.pivots;
-    report.factorisations += counts.factorisations;
+    runPaths({settings.eps, settings.slack, seed, options.maxPivots, 20}, report);
     return judgeNow(Method::Path, report);
 }
 
 /// Proximal terms from strong to weak, each path starting where the last ended, a few proximal repeats each.
 bool Solver::Impl::tryLadder(std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
     restoreBest();
-    PathCounts counts;
-    bool done = false;
-    for (std::size_t step = 0; step < kLadder.size() && !done; ++step) {
-        const PathSettings rung{kLadder[step], seed % 2 == 0 ? 1.0 : 0.1, seed, options.maxPivots,
-                                kLadder[step] > 1e-5 ? 2 : 12};
-        forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
-            if (loaded(island) <= kDenseLimit)
-                path.run(whitened, island, rung, allowed, x, counts);
-        });
-        done = judgeNow(Method::Path, report);
+    for (const double eps : kLadder) {
+        runPaths({eps, seed % 2 == 0 ? 1.0 : 0.1, seed, options.maxPivots, eps > 1e-5 ? 2 : 12}, report);
+        if (judgeNow(Method::Path, report))
+            return true;
     }
-    report.pivots += counts.pivots;
-    report.factorisations += counts.factorisations;
-    return done;
+    return false;
 }
 
 bool Solver::Impl::tryNewton(SolveReport& report) {
     restoreBest();
     forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
-        if (loaded(island) <= kDenseLimit)
+        if (loaded(island) <= kPathLimit)
             report.factorisations += newton.run(whitened, island, 1e-6, kNewtonSteps, allowed, x);
     });
     return judgeNow(Method::Newton, report);
@@ -190,19 +200,21 @@ void Solver::Impl::run(const SolverOptions& options, SolveReport& report) {
         return;
     }
     islands.split(whitened);
+    pivotsLeft = kBudget * static_cast<int>(options.maxPivots * std::max(1.0, static_cast<double>(loaded()) / 150.0));
     if (options.method == Method::Newton) {
         tryNewton(report);
         return;
     }
-    for (std::uint32_t k = 0; k < kTries.size(); ++k)
-        if (tryPath(kTries[k], k, options, report))
+    // Two quick tries, then a ladder before the slower ones: where the plain path wanders the ladder mostly does not.
+    for (std::uint32_t k = 0; k < kTries.size() && pivotsLeft > 0; ++k)
+        if (tryPath(kTries[k], k, options, report) || (k == kQuickTries - 1 && tryLadder(0, options, report)))
             return;
     if (options.method == Method::Path || tryNewton(report))
         return;
-    for (std::uint32_t k = 0; k < kLadders; ++k)
+    for (std::uint32_t k = 1; k < kLadders && pivotsLeft > 0; ++k)
         if (tryLadder(k, options, report))
             return;
-    if (!tryAccelerated(options.maxSweeps, report))
+    if (!tryAccelerated(options.maxSweeps, report) && pivotsLeft > 0)
         tryPath({0, 1e-6, 1.0}, static_cast<std::uint32_t>(kTries.size()), options, report);
 }
 

@@ -49,7 +49,7 @@ std::uint32_t outlineKey(BodyId body, std::uint32_t piece) {
 Vec2 surfaceVelocity(const Body& body, const Vec2& arm) { return body.state.velocity + body.state.spin * rod::perp(arm); }
 
 /// Rows and bias of one candidate.
-void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double ahead,
+void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double gapAtStart,
                const contact::Candidate& c, ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
     const Vec2 n = c.normal, t = rod::perp(c.normal);
     const auto ia = static_cast<std::size_t>(c.a.rod);
@@ -59,7 +59,6 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     k.bodyB = -1;
     k.surface.setZero();
     surfaceRows(rodA, rods[ia], c.a, c.pointA, n, t, k.Ja);
-    double gapAtStart = c.gap - k.Ja.row(0).dot(rods[ia].qk - rodA.q);
     out.w.setZero();
     out.a = rods[ia].body;
     out.b = -1;
@@ -68,7 +67,6 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     if (c.b.rod >= 0) {
         const auto ib = static_cast<std::size_t>(c.b.rod);
         surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, n, t, k.Jb);
-        gapAtStart += k.Jb.row(0).dot(rods[ib].qk - world.rods[ib].q);
         out.b = rods[ib].body;
         reduce(rods[ib], k.Jb, -1.0, out.w, out.Hb);
         out.mu = mixedFriction(rodA.mu, world.rods[ib].mu);
@@ -76,9 +74,8 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         const BodyOutline& piece = pieceOf(world, c);
         k.bodyB = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
-        k.armB = c.pointB - (body.state.centre + ahead * body.state.velocity);
+        k.armB = c.pointB - (body.state.centre + 0.5 * dt * body.state.velocity);
         const Vec2 velocity = surfaceVelocity(body, k.armB);
-        gapAtStart += ahead * n.dot(velocity);
         out.mu = mixedFriction(rodA.mu, piece.friction);
         out.b = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
         if (out.b >= 0) {
@@ -89,8 +86,7 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
             out.w -= k.surface;
         }
     }
-    k.gapBias = Vec2(gapAtStart / dt, 0.0);
-    out.w += k.gapBias;
+    out.w.x() += gapAtStart / dt;
     out.id = c.id;
 }
 
@@ -179,8 +175,46 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
     stage.detector.detect(stage.curves, stage.outlines, {margin}, out);
 }
 
-void couple(const World& world, std::vector<RodWork>& rods, double dt, double ahead,
-            const std::vector<ContactImpulse>& warm, ContactStage& stage) {
+void frameInMiddle(const World& world, const std::vector<RodWork>& rods,
+                   const std::vector<contact::Candidate>& start, bool addNew, double dt, ContactStage& stage) {
+    placeOutlines(world, 0.5 * dt, 0.0, stage.outlinesMiddle);
+    stage.curvesMiddle.resize(world.rods.size());
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]);
+    stage.candidates = start;
+    stage.gapAtStart.clear();
+    for (const contact::Candidate& c : start)
+        stage.gapAtStart.push_back(c.gap);
+    if (addNew) { // found at the end only: their gap at the start follows from the motion between
+        std::vector<std::uint64_t> known;
+        for (const contact::Candidate& c : start)
+            known.push_back(c.id);
+        std::sort(known.begin(), known.end());
+        Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
+        for (const contact::Candidate& c : stage.after) {
+            if (std::binary_search(known.begin(), known.end(), c.id))
+                continue;
+            const auto ia = static_cast<std::size_t>(c.a.rod);
+            surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
+            double gap = c.gap - rows.row(0).dot(rods[ia].q1 - world.rods[ia].q);
+            if (c.b.rod >= 0) {
+                const auto ib = static_cast<std::size_t>(c.b.rod);
+                surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, c.normal, rod::perp(c.normal), rows);
+                gap += rows.row(0).dot(rods[ib].q1 - world.rods[ib].q);
+            } else {
+                const Body& body =
+                    world.bodies[static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body))];
+                gap += dt * c.normal.dot(surfaceVelocity(body, c.pointB - body.state.centre));
+            }
+            stage.candidates.push_back(c);
+            stage.gapAtStart.push_back(gap);
+        }
+    }
+    for (contact::Candidate& c : stage.candidates)
+        contact::refresh(c, stage.curvesMiddle, stage.outlinesMiddle);
+}
+
+void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm, ContactStage& stage) {
     stage.problem.dt = dt;
     addRodBodies(rods, stage);
     addHostBodies(world, dt, stage);
@@ -190,7 +224,7 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, double ah
     stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * n));
     for (std::size_t i = 0; i < n; ++i) {
         const contact::Candidate& c = stage.candidates[i];
-        coupleOne(world, rods, dt, ahead, c, stage, stage.work[i], stage.problem.contacts[i]);
+        coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
         const auto it = std::lower_bound(warm.begin(), warm.end(), c.id,
                                          [](const ContactImpulse& a, std::uint64_t id) { return a.id < id; });
         if (it != warm.end() && it->id == c.id) {

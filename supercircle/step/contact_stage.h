@@ -7,9 +7,10 @@ namespace supercircle::step {
 
 /// Everything the contacts of one attempt need.
 struct ContactStage {
-    std::vector<contact::Curve> curves;
-    std::vector<contact::Outline> outlines;
-    std::vector<contact::Candidate> candidates; ///< at the linearisation point
+    std::vector<contact::Curve> curves, curvesMiddle;
+    std::vector<contact::Outline> outlines, outlinesMiddle;
+    std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
+    std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
     std::vector<ContactWork> work;
     std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
@@ -29,10 +30,15 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
              double ahead, double motionTime, double margin, ContactStage& stage,
              std::vector<contact::Candidate>& out);
 
-/// Builds the Coulomb problem of the candidates at the linearisation point; `ahead` is how far in time the outlines
-/// were placed (0 at the start of the step, dt at its end). Warm starts from `world.impulses` or, after the first
-/// solve of an attempt, from the stage's own impulses (matched by id).
-void couple(const World& world, std::vector<RodWork>& rods, double dt, double ahead,
+/// Takes `start` (candidates at the start of the step), adds those of stage.after that are new, and refreshes their frames
+/// in the middle of the step. Fills stage.candidates and stage.gapAtStart. The middle is what makes contact second
+/// order: gap(end) - gap(start) = H(middle) (q1 - q) up to third order, so sliding along a curved surface neither sinks
+/// in nor has to be pushed out again.
+void frameInMiddle(const World& world, const std::vector<RodWork>& rods,
+                   const std::vector<contact::Candidate>& start, bool addNew, double dt, ContactStage& stage);
+
+/// Builds the Coulomb problem of the framed candidates. Warm starts from `warm`, matched by id.
+void couple(const World& world, std::vector<RodWork>& rods, double dt,
             const std::vector<ContactImpulse>& warm, ContactStage& stage);
 
 /// Solves, and puts the new velocities into rods (contact-free ones get their free velocity).

@@ -8,7 +8,10 @@ namespace supercircle::step {
 
 namespace {
 
-/// Rows and right-hand side of the holds: C v = (target at the end - where C says the point is now) / dt.
+/// Weight of the error terms that remain when theta = 1/2, relative to those of theta = 1.
+constexpr double kSecondOrderShare = 0.1;
+
+/// Rows (in the middle of the step) and right-hand side of the holds: C v = (target at the end - place at the start) / dt.
 void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     const bool closed = rod.model.definition().closed;
     Eigen::Index rows = closed ? 3 : 0;
@@ -18,24 +21,23 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     w.c.resize(rows);
     if (rows == 0)
         return;
-    const Eigen::VectorXd moved = w.qk - rod.q;
     Eigen::Matrix<double, 2, Eigen::Dynamic> pair(2, rod.model.dofs());
     Eigen::RowVectorXd turn(rod.model.dofs());
     Eigen::Index row = 0;
     const auto put = [&](const Eigen::RowVectorXd& line, double missing) {
         w.C.row(row) = line;
-        w.c[row++] = (missing + line.dot(moved)) / dt;
+        w.c[row++] = missing / dt;
     };
     for (const Hold& h : rod.holds) {
         const rod::Place at = rod::locate(rod.model, h.s);
         w.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
         const Vec2 velocity = h.onMachine ? world.machineVelocity : h.velocity;
-        const Vec2 missing = h.target + dt * velocity - w.kin.point(at);
+        const Vec2 missing = h.target + dt * velocity - rod.kin.point(at);
         put(pair.row(0), missing.x());
         put(pair.row(1), missing.y());
         if (h.clamped) {
             w.kin.angleRow(rod.model, at, turn);
-            put(turn, h.targetAngle + dt * h.spin - w.kin.angle(at));
+            put(turn, h.targetAngle + dt * h.spin - rod.kin.angle(at));
         }
     }
     if (closed) { // both ends are one material point
@@ -45,13 +47,13 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
         Eigen::Matrix<double, 2, Eigen::Dynamic> other(2, rod.model.dofs());
         w.kin.pointRows(rod.model, last, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
         w.kin.pointRows(rod.model, first, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), other);
-        const Vec2 missing = w.kin.point(first) - w.kin.point(last);
+        const Vec2 missing = rod.kin.point(first) - rod.kin.point(last);
         put(pair.row(0) - other.row(0), missing.x());
         put(pair.row(1) - other.row(1), missing.y());
         Eigen::RowVectorXd otherTurn(rod.model.dofs());
         w.kin.angleRow(rod.model, last, turn);
         w.kin.angleRow(rod.model, first, otherTurn);
-        const double total = w.kin.angle(last) - w.kin.angle(first);
+        const double total = rod.kin.angle(last) - rod.kin.angle(first);
         const double target = 2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
         put(turn - otherTurn, target - total);
     }
@@ -82,28 +84,36 @@ void carryAlong(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u
 
 } // namespace
 
-void beginAtPresent(const Rod& rod, RodWork& w) {
-    w.qk = rod.q;
-    w.kin = rod.kin;
-    w.gauss = rod.gauss;
+/// Evaluates everything at the linearisation point w.qk.
+void placeAt(const Rod& rod, RodWork& w) {
+    w.kin.evaluate(rod.model, w.qk);
+    rod::evaluateGauss(rod.model, w.kin, w.gauss);
+    w.u0 = rod.u;
+    carryAlong(w.gauss, meanAngle(w.kin) - meanAngle(rod.kin), w.u0);
 }
 
-void relineariseAtEnd(const Rod& rod, RodWork& w) {
-    w.qk = w.q1;
-    w.kin = w.kin1;
-    rod::evaluateGauss(rod.model, w.kin, w.gauss);
+void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w) {
+    const double share = std::min(1.0, farthest / std::max(0.5 * dt * rod.speed, 1e-300));
+    w.qk = rod.q + (0.5 * dt * share) * rod.v;
+    placeAt(rod, w);
+}
+
+void relineariseInMiddle(const Rod& rod, RodWork& w) {
+    w.qk = 0.5 * (rod.q + w.q1);
+    placeAt(rod, w);
 }
 
 void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
     rod::massMatrix(rod.model, w.kin, w.gauss, w.A);
-    const double k = dt * dt * rod::bendingStiffness(rod.model);
+    w.A /= w.theta;
+    const double k = dt * dt * w.theta * rod::bendingStiffness(rod.model);
     for (int i = 0; i < rod.model.elements(); ++i)
         w.A(i, i) += k;
-    rod::momentum(rod.model, w.kin, w.gauss, rod.u, w.p);
+    rod::momentum(rod.model, w.kin, w.gauss, w.u0, w.p);
     rod::uniformForce(rod.model, w.kin, w.gauss, world.gravity, w.gravityForce);
     w.rhs = w.gravityForce;
     rod::addBendingForce(rod.model, rod.q, w.rhs);
-    w.rhs = w.p + dt * w.rhs;
+    w.rhs = w.p / w.theta + dt * w.rhs;
     evaluateHolds(world, rod, dt, w);
 }
 
@@ -135,22 +145,25 @@ void advanceRod(const Rod& rod, double dt, RodWork& w) {
         w.shift = std::max(w.shift, (w.kin1.node(i) - w.kin.node(i)).norm());
     }
     rod::velocityField(rod.model, w.kin, w.gauss, w.v, w.u1);
-    w.error = 0.0;
-    for (std::size_t g = 0; g < w.u1.size(); ++g)
-        w.error = std::max(w.error, (w.u1[g] - rod.u[g]).squaredNorm());
-    w.error = 0.5 * dt * std::sqrt(w.error);
+    double change = 0.0;
+    for (std::size_t g = 0; g < w.u1.size(); ++g) {
+        const Vec2 jump = (w.u1[g] - w.u0[g]) / w.theta; // v = theta v_end + (1 - theta) v_start
+        w.u1[g] = w.u0[g] + jump;
+        change = std::max(change, jump.squaredNorm());
+    }
+    w.error = (w.theta - 0.5 + kSecondOrderShare) / (0.5 + kSecondOrderShare) * 0.5 * dt * std::sqrt(change);
 }
 
 RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     RodBooks books;
     for (std::size_t g = 0; g < w.u1.size(); ++g) {
-        books.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - rod.u[g].squaredNorm());
-        books.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - rod.u[g]).squaredNorm();
+        books.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - w.u0[g].squaredNorm());
+        books.kineticLoss += (w.theta - 0.5) * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
     }
     books.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
     for (int i = 0; i < rod.model.elements(); ++i) {
         const double step = w.q1[i] - rod.q[i];
-        books.secondOrder += 0.5 * rod::bendingStiffness(rod.model) * step * step;
+        books.secondOrder += (w.theta - 0.5) * rod::bendingStiffness(rod.model) * step * step;
     }
     if (w.C.rows() > 0) {
         const Eigen::VectorXd force = w.A * w.v - w.rhs - w.push; // = C^T (impulses of the holds)
@@ -169,7 +182,7 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     const double turned = meanAngle(w.kin1) - meanAngle(w.kin);
     rod.u = w.u1;
     rod.q = w.q1;
-    rod.v = w.v;
+    rod.v += (w.v - rod.v) / w.theta;
     rod.kin = w.kin1;
     rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
     carryAlong(rod.gauss, turned, rod.u);

@@ -6,10 +6,11 @@
 
 namespace supercircle::step {
 
-/// Sets the linearisation point to the rod's present state.
-void beginAtPresent(const Rod& rod, RodWork& w);
-/// Moves the linearisation point to the end of the attempt just solved.
-void relineariseAtEnd(const Rod& rod, RodWork& w);
+/// Sets the linearisation point to the middle of the step as the present velocity predicts it, at most `farthest` (m)
+/// away.
+void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w);
+/// Moves the linearisation point to the middle of the attempt just solved.
+void relineariseInMiddle(const Rod& rod, RodWork& w);
 /// A, rhs and hold constraints at the linearisation point (stages evaluate and predict).
 void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w);
 /// Velocity without contacts.
@@ -19,7 +20,7 @@ void advanceRod(const Rod& rod, double dt, RodWork& w);
 /// Energy the step moved, per rod (see ledger.h).
 struct RodBooks {
     double kineticChange = 0.0, bendingChange = 0.0, gravityChange = 0.0;
-    double kineticLoss = 0.0;  ///< 1/2 |u_new - u_old|^2
+    double kineticLoss = 0.0;  ///< (theta - 1/2) |u_new - u_old|^2
     double secondOrder = 0.0;  ///< of implicit bending and of gravity
     double holdWork = 0.0;     ///< work of holds
 };

@@ -205,6 +205,34 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
 
 namespace {
 
+/// First linearisation of an attempt: in the predicted middle of the step. Rods about to hit something are stepped fully
+/// implicitly (theta = 1), which makes the impact perfectly plastic.
+void begin(Attempt& t, double h) {
+    World& world = t.world;
+    const auto n = static_cast<int>(world.rods.size());
+    std::vector<char> near(world.rods.size(), 0);
+    for (const contact::Candidate& c : world.candidates) {
+        near[static_cast<std::size_t>(c.a.rod)] = 1;
+        if (c.b.rod >= 0)
+            near[static_cast<std::size_t>(c.b.rod)] = 1;
+    }
+    parallelFor(n, t.settings.threads, [&](std::size_t i) {
+        beginAtPredictedMiddle(world.rods[i], t.dt, near[i] ? 0.25 * h : std::numeric_limits<double>::infinity(),
+                               t.rods[i]);
+        t.rods[i].theta = t.settings.theta;
+    });
+    frameInMiddle(world, t.rods, world.candidates, false, t.dt, t.stage);
+    for (std::size_t i = 0; i < t.stage.candidates.size(); ++i) {
+        const contact::Candidate& c = t.stage.candidates[i];
+        const double atEnd = 2.0 * c.gap - t.stage.gapAtStart[i]; // as the present velocities would have it
+        if (atEnd < -t.settings.impactDepth * h && atEnd < t.stage.gapAtStart[i]) {
+            t.rods[static_cast<std::size_t>(c.a.rod)].theta = 1.0;
+            if (c.b.rod >= 0)
+                t.rods[static_cast<std::size_t>(c.b.rod)].theta = 1.0;
+        }
+    }
+}
+
 /// Solves one linearisation after another until the gaps hold; leaves the result in rods and stage.
 Verdict attempt(Attempt& t, std::vector<const rod::Kinematics*>& kin, std::vector<double>& nextRange,
                 std::vector<ContactImpulse>& warm, double& error, double& movedMost,
@@ -216,23 +244,21 @@ Verdict attempt(Attempt& t, std::vector<const rod::Kinematics*>& kin, std::vecto
     const double before = deepest(world.candidates);
     const double fall = world.gravity.norm() * dt * dt;
     const auto n = static_cast<int>(world.rods.size());
-    parallelFor(n, s.threads, [&](int i) { beginAtPresent(world.rods[i], t.rods[i]); });
-    t.stage.candidates = world.candidates;
-    warm = world.impulses;
-    double ahead = 0.0;
+        warm = world.impulses;
     int widened = 0;
+    begin(t, h);
     for (int iteration = 0;;) {
         {
             Timer timer(t.times, Stage::Evaluate);
-            parallelFor(n, s.threads, [&](int i) { evaluateRod(world, world.rods[i], dt, t.rods[i]); });
+            parallelFor(n, s.threads, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, t.rods[i]); });
         }
         {
             Timer timer(t.times, Stage::Predict);
-            parallelFor(n, s.threads, [&](int i) { predictRod(world.rods[i], t.rods[i]); });
+            parallelFor(n, s.threads, [&](std::size_t i) { predictRod(world.rods[i], t.rods[i]); });
         }
         {
             Timer timer(t.times, Stage::Couple);
-            couple(world, t.rods, dt, ahead, warm, t.stage);
+            couple(world, t.rods, dt, warm, t.stage);
         }
         {
             Timer timer(t.times, Stage::Solve);
@@ -247,7 +273,7 @@ Verdict attempt(Attempt& t, std::vector<const rod::Kinematics*>& kin, std::vecto
         for (const RodWork& w : t.rods)
             if (!w.v.allFinite())
                 return Verdict::Smaller;
-        parallelFor(n, s.threads, [&](int i) { advanceRod(world.rods[i], dt, t.rods[i]); });
+        parallelFor(n, s.threads, [&](std::size_t i) { advanceRod(world.rods[i], dt, t.rods[i]); });
         markTouching(t.rods, t.stage);
         error = movedMost = 0.0;
         bool outOfRange = false;
@@ -263,13 +289,13 @@ Verdict attempt(Attempt& t, std::vector<const rod::Kinematics*>& kin, std::vecto
         }
         if (free && (movedMost > s.motionLimit * h || error > 2.0 * s.localError * h))
             return Verdict::Smaller;
-        if (outOfRange && ahead == 0.0 && widened < 4) { // moved farther than the candidates reach: look farther
+        if (outOfRange && iteration == 0 && widened < 4) { // moved farther than the candidates reach: look farther
             ++widened;
             kin.resize(world.rods.size());
             for (int i = 0; i < n; ++i)
                 kin[static_cast<std::size_t>(i)] = &world.rods[static_cast<std::size_t>(i)].kin;
             collide(world, kin, world.range, 0.0, 2.0 * dt, s.margin * h, t.stage, world.candidates);
-            t.stage.candidates = world.candidates;
+            begin(t, h);
             continue;
         }
         if (outOfRange && widened >= 4)
@@ -292,13 +318,12 @@ Verdict attempt(Attempt& t, std::vector<const rod::Kinematics*>& kin, std::vecto
                 return Verdict::Smaller;
             return Verdict::Accept;
         }
-        // the last linearisation becomes the next one's start
-        parallelFor(n, s.threads, [&](int i) { relineariseAtEnd(world.rods[i], t.rods[i]); });
-        t.stage.candidates = t.stage.after;
+        // once more, in the middle of the attempt
+        parallelFor(n, s.threads, [&](std::size_t i) { relineariseInMiddle(world.rods[i], t.rods[i]); });
+        frameInMiddle(world, t.rods, world.candidates, true, dt, t.stage);
         for (int i = 0; i < n; ++i)
             world.range[static_cast<std::size_t>(i)] = std::max(world.range[static_cast<std::size_t>(i)],
                                                                 nextRange[static_cast<std::size_t>(i)]);
-        ahead = dt;
     }
 }
 

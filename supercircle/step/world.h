@@ -80,6 +80,8 @@ struct Settings {
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
     double relinearise = 0.006;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
+    double theta = 1.0;              ///< implicitness of rods that do not hit anything, 1/2 < theta <= 1
+    double impactDepth = 0.002;      ///< h, how deep the present velocities may lead before a rod counts as hitting
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;

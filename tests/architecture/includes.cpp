@@ -26,7 +26,7 @@ const std::vector<Rule>& rules() {
         {"supercircle/contact/", {"supercircle/contact/", "supercircle/rod/arc.h"}, {"Eigen/"}, {}},
         {"supercircle/coulomb/", {"supercircle/coulomb/"}, {"Eigen/"}, {}},
         {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
-        {"supercircle/step/", {"supercircle/"}, {"Eigen/"}, {}},
+        {"supercircle/step/", {"supercircle/"}, {"Eigen/", "tbb/"}, {}},
         {"supercircle/", {}, {"Eigen/"}, {}},
         {"bridge/", {"bridge/", "supercircle/"}, {"Eigen/", "box2d/"}, {}},
         {"plugin/include/", {"plugin/include/"}, {}, {}},

@@ -1,4 +1,4 @@
-#include "generator.h"
+#include "tests/coulomb/generator.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

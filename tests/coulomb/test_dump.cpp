@@ -1,7 +1,7 @@
 // FCP2D files: round trip to the bit, and no file, however broken, gets further than a message.
 
-#include "generator.h"
 #include "supercircle/coulomb/dump.h"
+#include "tests/coulomb/generator.h"
 
 #include <catch2/catch.hpp>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // The closed-form law of one contact against enumeration of its pieces.
 
-#include "generator.h"
 #include "supercircle/coulomb/law.h"
+#include "tests/coulomb/generator.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,8 +1,8 @@
 // Mechanics with closed forms, stepped with the solver: v+ = v_free + A^-1 H^T r, nothing else.
 
-#include "generator.h"
 #include "supercircle/coulomb/residual.h"
 #include "supercircle/coulomb/solver.h"
+#include "tests/coulomb/generator.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

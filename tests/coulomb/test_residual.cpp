@@ -1,7 +1,7 @@
 // The judge: its projection, its definition on a problem solved by hand, and the cases its formula leaves open.
 
-#include "generator.h"
 #include "supercircle/coulomb/residual.h"
+#include "tests/coulomb/generator.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

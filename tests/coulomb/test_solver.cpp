@@ -1,8 +1,8 @@
 // Every method against the independent judge, on generated problems that are known to have a solution.
 
-#include "generator.h"
 #include "supercircle/coulomb/residual.h"
 #include "supercircle/coulomb/solver.h"
+#include "tests/coulomb/generator.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -19,6 +19,12 @@
 #include "plugin/report/report.h"
 #include "tests/report/synthetic.h"
 
+// Fontconfig keeps its configuration until the process ends; the leak checker of sanitizer builds is told so.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() {
+    return "leak:libfontconfig\n";
+}
+
 using namespace supercircle;
 using namespace supercircle::report;
 namespace fs = std::filesystem;

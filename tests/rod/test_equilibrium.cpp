@@ -116,6 +116,27 @@ TEST_CASE("an open arc is welded into a ring; a straight one too, through large 
     }
 }
 
+TEST_CASE("Newton converges quadratically, so its stiffness is the exact derivative", "[equilibrium]") {
+    // Stressed joint, tilted holds, offset force and gravity at once: every term of the stiffness takes part. From an
+    // error of 1e-3 the residuals go 1e-6, 1e-12; a wrong term would make it linear and take a dozen iterations.
+    RodDefinition d = rod(16, 2.0).definition();
+    d.closed = true;
+    const RodModel model(d);
+    EquilibriumProblem problem;
+    problem.holds = {clamp(0.9, Vec2(0.1, 0.2), 0.4)};
+    problem.gravity = Vec2(1.0, -4.0);
+    problem.forces = {{0.2, Vec2(2.0, -6.0), Vec2(0.03, 0.05)}, {1.2, Vec2(-5.0, 3.0), Vec2(0.0, 0.02)}};
+    const Equilibrium far = solveEquilibrium(model, problem, naturalShape(model));
+    INFO(far.failure);
+    REQUIRE(far.converged());
+    CHECK(far.joint.force.norm() > 1.0); // otherwise the joint's own stiffness is not tested
+    problem.forces[0].force *= 1.001;
+    const Equilibrium near = solveEquilibrium(model, problem, far.q);
+    REQUIRE(near.converged());
+    CHECK(near.loadSteps == 1);
+    CHECK(near.iterations <= 4);
+}
+
 TEST_CASE("heavy loads far from the start are reached by ramping", "[equilibrium]") {
     const RodModel model = rod(31, 0.0);
     EquilibriumProblem problem;

@@ -27,7 +27,7 @@ TEST_CASE("validate accepts a good definition and names what is wrong with a bad
         CHECK_THAT(message([&](RodDefinition& d) { d.linearMass = bad; }), Catch::Contains("mass"));
         CHECK_THAT(message([&](RodDefinition& d) { d.bendingModulus = bad; }), Catch::Contains("modulus"));
     }
-    CHECK_THAT(message([&](RodDefinition& d) { d.thickness = 1.0; }), Catch::Contains("thickness"));
+    CHECK_THAT(message([&](RodDefinition& d) { d.thickness = d.length; }), Catch::Contains("thickness"));
     CHECK_THAT(message([&](RodDefinition& d) { d.naturalCurvature[3] = nan; }), Catch::Contains("curvature"));
     CHECK_THAT(message([&](RodDefinition& d) { d.naturalCurvature[14] = -infinite; }), Catch::Contains("curvature"));
     CHECK(message([](RodDefinition& d) { d.naturalCurvature.assign(1, 0.0); }).empty());

@@ -122,12 +122,23 @@ TEST_CASE("unknown names and circles are reported") {
         REQUIRE(circle.size() == 1);
         CHECK(contains(circle[0].what, "in terms of itself"));
     }
-    // A long chain is no circle, and does not exhaust the stack.
-    std::string chain = "{\"constants\": {\"a0\": {\"expr\": \"1\"}";
-    for (int i = 1; i < 1000; ++i)
-        chain = "{\"constants\": {\"a" + std::to_string(i) + "\": {\"expr\": \"a" + std::to_string(i - 1) +
-                " + 1\"}, " + chain.substr(15);
-    CHECK(goodText(chain + "}, \"duration\": {\"param\": \"a999\"}}").duration == 1000.0);
+}
+
+TEST_CASE("a long chain of definitions is no circle, and never exhausts the stack") {
+    const auto chain = [](int length, bool backwards) {
+        std::string all;
+        for (int i = 0; i < length; ++i) {
+            const std::string before = i == 0 ? "0" : "a" + std::to_string(i - 1);
+            const std::string one = "\"a" + std::to_string(i) + "\": {\"expr\": \"" + before + " + 1\"}";
+            all = backwards ? one + (i == 0 ? "" : ", ") + all : all + (i == 0 ? "" : ", ") + one;
+        }
+        return "{\"constants\": {" + all + "}, \"duration\": {\"param\": \"a" + std::to_string(length - 1) + "\"}}";
+    };
+    CHECK(goodText(chain(1000, false)).duration == 1000.0);
+    CHECK(goodText(chain(40, true)).duration == 40.0);
+    const auto errors = bad(chain(1000, true));
+    REQUIRE(errors.size() == 1);
+    CHECK(contains(errors[0].what, "too long a chain"));
 }
 
 TEST_CASE("formulas") {

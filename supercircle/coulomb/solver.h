@@ -26,7 +26,7 @@ struct SolverOptions {
                                     ///< solved even if eta's denominator vanishes
     int maxSweeps = 1000;           ///< cap of one Gauss-Seidel run
     int firstSweeps = 40;           ///< Gauss-Seidel sweeps before the path is entered (Cascade)
-    int maxPivots = 600;            ///< cap of one path
+    int maxPivots = 600; ///< cap of one path; more in proportion above 250 unknowns; all paths of a solve: 5 times this
 };
 
 /// What happened; every field is filled for every method.

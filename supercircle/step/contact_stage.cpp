@@ -1,5 +1,7 @@
 #include "supercircle/step/contact_stage.h"
 
+#include "supercircle/contact/identity.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -35,6 +37,14 @@ int bodyIndex(const World& world, BodyId id) {
     const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
                                      [](const Body& b, BodyId want) { return b.id < want; });
     return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
+}
+
+constexpr double kFlatness = 0.0025; ///< h, see collectRolling
+
+const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id) {
+    const auto it = std::lower_bound(list.begin(), list.end(), id,
+                                     [](const ContactImpulse& a, std::uint64_t want) { return a.id < want; });
+    return it != list.end() && it->id == id ? &*it : nullptr;
 }
 
 constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20 bits for an outline
@@ -214,6 +224,60 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods,
         contact::refresh(c, stage.curvesMiddle, stage.outlinesMiddle);
 }
 
+void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
+                    bool firstIteration, const ContactStage& stage) {
+    for (RodWork& w : rods)
+        w.rolling.clear();
+    Eigen::RowVectorXd tau;
+    for (const contact::Candidate& c : stage.candidates) {
+        const contact::Feature kind = contact::featureOf(c.id);
+        if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
+            continue;
+        const ContactImpulse* known = findImpulse(warm, c.id);
+        if (!known || known->normal <= 0.0)
+            continue;
+        const auto ia = static_cast<std::size_t>(c.a.rod);
+        const auto side = [&](std::size_t i, const contact::RodPoint& at, double outward) {
+            const rod::RodModel& model = world.rods[i].model;
+            const rod::Place place = rod::locate(model, at.element, at.s);
+            const double angle = rods[i].kin.angle(place);
+            const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
+                             c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
+            return k / (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
+        };
+        double curvature = side(ia, c.a, 1.0);
+        if (c.b.rod >= 0)
+            curvature += side(static_cast<std::size_t>(c.b.rod), c.b, -1.0);
+        else if (pieceOf(world, c).local.kind == contact::OutlineKind::Circle)
+            curvature += 1.0 / pieceOf(world, c).local.radius;
+        // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away further.
+        const rod::RodModel& model = world.rods[ia].model;
+        const double length = model.elementLength();
+        curvature = std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
+        const double strength = known->normal * dt / curvature;
+        const auto add = [&](std::size_t i, const contact::RodPoint& at) -> Rolling& {
+            tau.resize(world.rods[i].model.dofs());
+            rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), tau);
+            rods[i].rolling.push_back({tau.transpose(), strength, 0.0});
+            return rods[i].rolling.back();
+        };
+        const auto turned = [&](std::size_t i, const Rolling& r) { // of the other side since the linearisation point
+            const Eigen::VectorXd& v = firstIteration ? world.rods[i].v : rods[i].v;
+            return r.tau.dot(0.5 * dt * v - (rods[i].qk - world.rods[i].q));
+        };
+        if (c.b.rod >= 0) {
+            const auto ib = static_cast<std::size_t>(c.b.rod);
+            Rolling& a = add(ia, c.a);
+            Rolling& b = add(ib, c.b);
+            const double turnA = turned(ia, a), turnB = turned(ib, b);
+            (ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a).lag = turnB;
+            b.lag = turnA;
+        } else {
+            add(ia, c.a);
+        }
+    }
+}
+
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm, ContactStage& stage) {
     stage.problem.dt = dt;
     addRodBodies(rods, stage);
@@ -225,9 +289,7 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     for (std::size_t i = 0; i < n; ++i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
-        const auto it = std::lower_bound(warm.begin(), warm.end(), c.id,
-                                         [](const ContactImpulse& a, std::uint64_t id) { return a.id < id; });
-        if (it != warm.end() && it->id == c.id) {
+        if (const ContactImpulse* it = findImpulse(warm, c.id)) {
             stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = it->normal * dt;
             stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = it->tangent * dt;
         }

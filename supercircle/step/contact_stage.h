@@ -37,6 +37,10 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods,
                    const std::vector<contact::Candidate>& start, bool addNew, double dt, ContactStage& stage);
 
+/// Fills RodWork::rolling from the framed candidates and the normal forces known so far (`warm`).
+void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
+                    bool firstIteration, const ContactStage& stage);
+
 /// Builds the Coulomb problem of the framed candidates. Warm starts from `warm`, matched by id.
 void couple(const World& world, std::vector<RodWork>& rods, double dt,
             const std::vector<ContactImpulse>& warm, ContactStage& stage);

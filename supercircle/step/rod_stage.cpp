@@ -114,6 +114,10 @@ void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
     w.rhs = w.gravityForce;
     rod::addBendingForce(rod.model, rod.q, w.rhs);
     w.rhs = w.p / w.theta + dt * w.rhs;
+    for (const Rolling& roll : w.rolling) {
+        w.A.noalias() += (0.5 * dt * roll.c) * roll.tau * roll.tau.transpose();
+        w.rhs += roll.c * (roll.tau.dot(w.qk - rod.q) + roll.lag) * roll.tau;
+    }
     evaluateHolds(world, rod, dt, w);
 }
 
@@ -164,6 +168,10 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     for (int i = 0; i < rod.model.elements(); ++i) {
         const double step = w.q1[i] - rod.q[i];
         books.secondOrder += (w.theta - 0.5) * rod::bendingStiffness(rod.model) * step * step;
+    }
+    for (const Rolling& roll : w.rolling) {
+        const double rate = roll.tau.dot(w.v);
+        books.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lag);
     }
     if (w.C.rows() > 0) {
         const Eigen::VectorXd force = w.A * w.v - w.rhs - w.push; // = C^T (impulses of the holds)

@@ -250,6 +250,7 @@ Verdict attempt(Attempt& t, std::vector<const rod::Kinematics*>& kin, std::vecto
     for (int iteration = 0;;) {
         {
             Timer timer(t.times, Stage::Evaluate);
+            collectRolling(world, t.rods, dt, warm, iteration == 0, t.stage);
             parallelFor(n, s.threads, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, t.rods[i]); });
         }
         {
@@ -343,6 +344,7 @@ void accept(World& world, std::vector<RodWork>& rods, ContactStage& stage, doubl
         l.impact += impact;
         l.numerical += b.kineticLoss - impact + b.secondOrder;
         l.work += b.holdWork;
+        l.pushOut -= b.rollingWork;
     }
     advanceBodies(world, stage, dt);
     world.impulses = impulses;

@@ -7,6 +7,16 @@
 
 namespace supercircle::step {
 
+/// The contact point of two smooth surfaces rolls along them by (relative rotation) / (relative curvature). Where the
+/// surfaces are nearly conformal - an arc pressed flat, nested shells - it runs far, and a normal force N that follows it
+/// only from step to step is an explicit spring of stiffness N / curvature on the rotation: it flutters. This term makes
+/// it implicit: impulse -c tau [tau . (dt v / 2 - (q_k - q)) - lag] on the rod.
+struct Rolling {
+    Eigen::VectorXd tau; ///< rotation of the rod's section at the contact, d theta / dq
+    double c = 0.0;      ///< N dt / relative curvature, N s m
+    double lag = 0.0;    ///< rotation of the other side since the linearisation point, as far as known, rad
+};
+
 /// One rod inside an attempt.
 struct RodWork {
     rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
@@ -27,6 +37,7 @@ struct RodWork {
     Eigen::VectorXd q1;    ///< new configuration
     rod::Kinematics kin1;  ///< at q1
     std::vector<Vec2> u1;  ///< new material velocities at the linearisation point
+    std::vector<Rolling> rolling;
     double moved = 0.0;    ///< largest node displacement over the step, m
     double shift = 0.0;    ///< largest node distance between the linearisation point and the end, m
     double error = 0.0;    ///< estimate of the local error, m

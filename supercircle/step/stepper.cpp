@@ -100,7 +100,7 @@ void collidePresent(World& world, const Settings& s, ContactStage& stage, std::v
     const double fall = world.gravity.norm() * dt * dt;
     bool known = world.range.size() == world.rods.size();
     for (std::size_t i = 0; known && i < world.rods.size(); ++i)
-        known = world.range[i] >= world.rods[i].speed * dt + fall;
+        known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
     if (known)
         return;
     world.range.resize(world.rods.size());
@@ -305,7 +305,8 @@ Verdict attempt(Attempt& t, std::vector<const rod::Kinematics*>& kin, std::vecto
         nextRange.resize(world.rods.size());
         for (int i = 0; i < n; ++i) {
             kin[static_cast<std::size_t>(i)] = &t.rods[static_cast<std::size_t>(i)].kin1;
-            nextRange[static_cast<std::size_t>(i)] = 3.0 * t.rods[static_cast<std::size_t>(i)].moved + 8.0 * fall;
+            const RodWork& w = t.rods[static_cast<std::size_t>(i)]; // the next step is at most twice as long
+            nextRange[static_cast<std::size_t>(i)] = 2.0 * w.moved + (w.touching ? 0.0 : 4.0 * fall);
         }
         collide(world, kin, nextRange, dt, 4.0 * dt, s.margin * h, t.stage, t.stage.after);
         gather(t.stage, dt, warm);

@@ -1,12 +1,39 @@
 #include "plugin/cli/input.h"
 
+#include "bridge/lab_world.h"
+#include "plugin/scene/document.h"
+
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 
 namespace supercircle::cli {
 
-std::optional<scene::Scene> loadScene(const std::string& file, const std::vector<std::string>& parameters) {
-    std::vector<scene::Override> overrides;
+namespace {
+
+/// What else of ours a file may be; empty if it looks like a scene (or like nothing, which the loader then explains).
+/// Told by its schema, or without one by keys that scenes do not have.
+std::string otherKind(const scene::Node& root) {
+    const scene::Node* schema = root.find("schema");
+    const std::string name = schema != nullptr ? schema->text : "";
+    const auto startsWith = [&](const char* prefix) { return name.rfind(prefix, 0) == 0; };
+    if (startsWith("supercircle-scene/"))
+        return {};
+    if (startsWith("rod-recordings/"))
+        return "an experiment (schema \"" + name + "\")";
+    if (startsWith("supercircle-sweep/"))
+        return "a sweep (schema \"" + name + "\")";
+    const bool rigid = root.find("body") != nullptr || root.find("shell") != nullptr || root.find("drop") != nullptr;
+    if (rigid || schema != nullptr)
+        return {};
+    if (root.find("runs") != nullptr && root.find("specimens") != nullptr)
+        return "an experiment";
+    if (root.find("scene") != nullptr && (root.find("sweep") != nullptr || root.find("parameters") != nullptr))
+        return "a sweep";
+    return {};
+}
+
+bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene::Override>& overrides) {
     for (const std::string& p : parameters) {
         const std::size_t eq = p.find('=');
         double value = 0.0;
@@ -15,18 +42,48 @@ std::optional<scene::Scene> loadScene(const std::string& file, const std::vector
         if (first < last && *first == '+')
             ++first;
         const auto [end, error] = std::from_chars(first, last, value);
-        if (eq == std::string::npos || eq == 0 || error != std::errc{} || end != last) {
-            std::fprintf(stderr, "--param %s: expected NAME=VALUE with a number, for example mu=0.35\n", p.c_str());
-            return std::nullopt;
+        if (eq == std::string::npos || eq == 0 || error != std::errc{} || end != last || !std::isfinite(value)) {
+            std::fprintf(stderr, "--param %s: expected NAME=VALUE with a finite number, for example mu=0.35\n",
+                         p.c_str());
+            return false;
         }
         overrides.push_back({p.substr(0, eq), value});
     }
+    return true;
+}
+
+} // namespace
+
+std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet) {
+    std::vector<scene::Override> overrides;
+    if (!readOverrides(parameters, overrides))
+        return std::nullopt;
     std::vector<scene::Problem> problems;
-    auto loaded = scene::load(file, overrides, problems);
-    for (const scene::Problem& p : problems)
-        std::fprintf(stderr, "%s%s\n", p.severity == scene::Problem::Severity::Note ? "note: " : "",
-                     p.toString().c_str());
-    return loaded;
+    std::optional<scene::Scene> loaded;
+    if (const auto text = scene::readFile(file, problems)) {
+        std::vector<scene::Problem> ignored; // the loader finds them again
+        const auto document = scene::parseDocument(*text, file, ignored);
+        if (const std::string kind = document ? otherKind(document->root) : ""; !kind.empty()) {
+            std::fprintf(stderr, "%s:1:1: /schema: this is %s; this version reads scenes only\n", file.c_str(),
+                         kind.c_str());
+            return std::nullopt;
+        }
+        loaded = scene::loadText(*text, file, overrides, problems);
+    }
+    for (const scene::Problem& p : problems) {
+        const bool note = p.severity == scene::Problem::Severity::Note;
+        if (!note || !quiet)
+            std::fprintf(stderr, "%s%s\n", note ? "note: " : "", p.toString().c_str());
+    }
+    if (!loaded)
+        return std::nullopt;
+    std::string why;
+    std::shared_ptr<step::HostWorld> host = bridge::makeWorld(loaded->rigid, why);
+    if (!host) {
+        std::fprintf(stderr, "%s: %s\n", file.c_str(), why.c_str());
+        return std::nullopt;
+    }
+    return Input{std::move(*loaded), std::move(host)};
 }
 
 } // namespace supercircle::cli

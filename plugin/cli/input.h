@@ -2,14 +2,22 @@
 // Reading a scene for a verb: overrides from NAME=VALUE, problems printed where a user looks.
 
 #include "plugin/scene/loader.h"
+#include "supercircle/step/port.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace supercircle::cli {
 
-/// Loads and checks; prints every problem to stderr. Empty: exit 2.
-std::optional<scene::Scene> loadScene(const std::string& file, const std::vector<std::string>& parameters);
+/// A scene that can be started.
+struct Input {
+    scene::Scene scene;
+    std::shared_ptr<step::HostWorld> host; ///< built from scene.rigid
+};
+
+/// Loads, checks and builds the rigid world; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
+std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet = false);
 
 } // namespace supercircle::cli

@@ -1,8 +1,11 @@
 #include "plugin/cli/verbs.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <exception>
+#include <new>
 
 namespace supercircle::cli {
 std::atomic<bool> interrupted{false};
@@ -10,62 +13,112 @@ std::atomic<bool> interrupted{false};
 
 namespace {
 
-void onInterrupt(int) {
+void onInterrupt(int signal) {
     supercircle::cli::interrupted = true;
-    std::signal(SIGINT, SIG_DFL); // a second Ctrl-C ends the program at once
+    std::signal(signal, SIG_DFL); // a second Ctrl-C ends the program at once
+}
+
+void listenToSignals() {
+    std::signal(SIGINT, onInterrupt);
+    std::signal(SIGTERM, onInterrupt);
+    std::signal(SIGHUP, onInterrupt);
+    // A full disk, a file-size limit or a closed pipe is answered by the failing write, which can say what is wrong.
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+const char* const kParameterHelp = "NAME=VALUE: set a parameter of the scene (repeatable)";
+
+/// One NAME=VALUE after each --param: a greedy option would swallow the scene that follows it.
+void addParameters(CLI::App& verb, std::vector<std::string>& parameters) {
+    verb.add_option("--param", parameters, kParameterHelp)
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+std::string wholeFromZero(const std::string& text) {
+    std::int64_t value = 0;
+    const bool good = CLI::detail::lexical_cast(text, value) && value >= 0;
+    return good ? "" : text + " is not a whole number from 0 to 9223372036854775807";
+}
+
+std::string positive(const std::string& text) {
+    double value = 0.0;
+    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+    return good ? "" : text + " is not a positive number";
+}
+
+CLI::App* describeRun(CLI::App& app, supercircle::cli::RunArguments& a) {
+    CLI::App* run = app.add_subcommand("run", "simulate a scene and write summary, series, pictures and report");
+    run->add_option("scene", a.scene, "scene file (JSON)")->required()->type_name("SCENE.json");
+    addParameters(*run, a.parameters);
+    run->add_option("--seed", a.seed, "seed of everything random, a whole number from 0")
+        ->check(wholeFromZero)
+        ->type_name("N")
+        ->capture_default_str();
+    run->add_option("--out", a.out, "folder for the results (default: out/<name of the scene file>)")->type_name("DIR");
+    run->add_option("--threads", a.threads, "threads, 1 to 256; the digits do not depend on it")
+        ->check(CLI::Range(1, 256).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    run->add_option("--fixed-dt", a.fixedDt, "fixed time step instead of the adaptive one")
+        ->check(positive)
+        ->type_name("SECONDS");
+    run->add_flag("--no-report", a.noReport, "no pictures and no page, only the data");
+    run->add_flag("--quiet", a.quiet, "print nothing but errors");
+    run->add_option("--dump", a.dump, "folder that receives every contact problem as an FCP2D file")->type_name("DIR");
+    run->footer("Exit codes: 0 done; 2 bad input; 3 the simulation could not go on; 4 output could not be written;\n"
+                "130 interrupted. After 3 and 130 what is done is written.");
+    return run;
+}
+
+/// Parses, and runs what was asked for.
+int dispatch(int argc, char** argv) {
+    using namespace supercircle::cli;
+    CLI::App app{"Supercircle: flexible open shells in 2D physics", "supercircle"};
+    app.set_version_flag("--version", SC_VERSION);
+    app.require_subcommand(1);
+    app.failure_message(CLI::FailureMessage::simple);
+
+    RunArguments runArguments;
+    CLI::App* run = describeRun(app, runArguments);
+
+    std::string file;
+    std::vector<std::string> parameters;
+    CLI::App* check = app.add_subcommand("check", "validate a scene without running it, and list its parameters");
+    check->add_option("file", file, "scene file (JSON)")->required()->type_name("SCENE.json");
+    addParameters(*check, parameters);
+
+    std::string filter, json;
+    CLI::App* bench = app.add_subcommand("bench", "measure speed and memory");
+    bench->add_option("--filter", filter, "only benchmarks whose name contains this")->type_name("NAME");
+    bench->add_option("--json", json, "write the figures to this file")->type_name("FILE");
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? kDone : kBadInput; // help and version come here too, with 0
+    }
+    if (run->parsed())
+        return supercircle::cli::run(runArguments);
+    if (check->parsed())
+        return supercircle::cli::check(file, parameters);
+    if (bench->parsed())
+        return supercircle::cli::bench(filter, json);
+    return kBadInput;
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    using namespace supercircle::cli;
-    CLI::App app{"Supercircle: flexible open shells in 2D physics"};
-    app.set_version_flag("--version", SC_VERSION);
-    app.require_subcommand(1);
-
-    RunArguments run_;
-    CLI::App* run = app.add_subcommand("run", "simulate a scene and write summary, series, pictures and report");
-    run->add_option("scene", run_.scene, "scene file (JSON)")->required();
-    run->add_option("--param", run_.parameters, "NAME=VALUE: set a parameter of the scene (repeatable)")->take_all();
-    run->add_option("--seed", run_.seed, "seed of everything random")->capture_default_str();
-    run->add_option("--out", run_.out, "folder for the results (default: out/<scene>)");
-    run->add_option("--threads", run_.threads, "threads; the digits do not depend on it")
-        ->check(CLI::Range(1, 256))
-        ->capture_default_str();
-    run->add_option("--fixed-dt", run_.fixedDt, "fixed time step in seconds instead of the adaptive one")
-        ->check(CLI::PositiveNumber);
-    run->add_flag("--no-report", run_.noReport, "summary.json and series.csv only");
-    run->add_flag("--quiet", run_.quiet, "no progress");
-    run->add_option("--dump", run_.dump, "folder that receives the contact problems as FCP2D files");
-
-    std::string file;
-    std::vector<std::string> parameters;
-    CLI::App* check = app.add_subcommand("check", "validate a scene without running it");
-    check->add_option("file", file, "scene file (JSON)")->required();
-    check->add_option("--param", parameters, "NAME=VALUE")->take_all();
-
-    std::string filter, json;
-    CLI::App* bench = app.add_subcommand("bench", "measure speed and memory");
-    bench->add_option("--filter", filter, "only benchmarks whose name contains this");
-    bench->add_option("--json", json, "write the figures to this file");
-
+    listenToSignals();
     try {
-        app.parse(argc, argv);
-    } catch (const CLI::CallForHelp& e) {
-        return app.exit(e);
-    } catch (const CLI::CallForAllHelp& e) {
-        return app.exit(e);
-    } catch (const CLI::CallForVersion& e) {
-        return app.exit(e);
-    } catch (const CLI::ParseError& e) {
-        app.exit(e);
-        return kBadInput;
+        return dispatch(argc, argv);
+    } catch (const std::bad_alloc&) {
+        std::fprintf(stderr, "supercircle: out of memory\n");
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "supercircle: stopped by an error of its own, please report it: %s\n", e.what());
     }
-    std::signal(SIGINT, onInterrupt);
-    std::signal(SIGTERM, onInterrupt);
-    if (run->parsed())
-        return supercircle::cli::run(run_);
-    if (check->parsed())
-        return supercircle::cli::check(file, parameters);
-    return supercircle::cli::bench(filter, json);
+    return supercircle::cli::kCannotGoOn;
 }

@@ -1,33 +1,69 @@
 #include "plugin/cli/progress.h"
 
+#include <cmath>
 #include <cstdio>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace supercircle::cli {
+
+namespace {
+
+constexpr double kTerminalInterval = 0.1; ///< s
+constexpr double kPlainInterval = 5.0;    ///< s
+
+/// Columns of the terminal: a longer line would wrap and could not be overwritten.
+std::size_t terminalWidth() {
+    winsize size{};
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+} // namespace
+
+std::string duration(double seconds) {
+    const long long s = std::llround(std::min(std::max(0.0, seconds), 1e9));
+    char text[64];
+    if (s < 100)
+        std::snprintf(text, sizeof text, "%lld s", s);
+    else if (s < 3600)
+        std::snprintf(text, sizeof text, "%lld min %02lld s", s / 60, s % 60);
+    else
+        std::snprintf(text, sizeof text, "%lld h %02lld min", s / 3600, s % 3600 / 60);
+    return text;
+}
 
 ProgressLine::ProgressLine(bool quiet)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()), last_(start_) {}
 
 ProgressLine::~ProgressLine() {
+    clear();
+}
+
+void ProgressLine::clear() {
     if (dirty_)
         std::fprintf(stderr, "\r\033[K");
+    dirty_ = false;
 }
 
 void ProgressLine::show(const lab::Progress& p) {
     if (quiet_)
         return;
     const auto now = std::chrono::steady_clock::now();
-    const double since = std::chrono::duration<double>(now - last_).count();
-    if (since < (terminal_ ? 0.1 : 5.0))
+    if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? kTerminalInterval : kPlainInterval))
         return;
     last_ = now;
     const double spent = std::chrono::duration<double>(now - start_).count();
-    char left[32] = "";
-    if (p.fraction > 0.02)
-        std::snprintf(left, sizeof left, ", about %.0f s left", spent * (1.0 - p.fraction) / p.fraction);
-    std::fprintf(stderr, "%s%3.0f %%  %-10s t = %.2f s  F = %.3f N  travel = %.1f mm%s%s", terminal_ ? "\r\033[K" : "",
-                 100.0 * p.fraction, p.phase.c_str(), p.simulated, p.force, 1e3 * p.displacement, left,
-                 terminal_ ? "" : "\n");
+    const std::string left =
+        p.fraction > 0.02 ? ", about " + duration(spent * (1.0 - p.fraction) / p.fraction) + " left" : "";
+    char text[160];
+    std::snprintf(text, sizeof text, "%3.0f %%  %-9s t = %.2f s  F = %.3f N  travel = %.1f mm%s", 100.0 * p.fraction,
+                  p.phase.c_str(), p.simulated, p.force, 1e3 * p.displacement, left.c_str());
+    std::string line = text;
+    if (terminal_)
+        line = "\r\033[K" + line.substr(0, terminalWidth() - 1);
+    else
+        line += '\n';
+    std::fputs(line.c_str(), stderr);
     std::fflush(stderr);
     dirty_ = terminal_;
 }

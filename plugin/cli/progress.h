@@ -4,8 +4,12 @@
 #include "plugin/lab/runner.h"
 
 #include <chrono>
+#include <string>
 
 namespace supercircle::cli {
+
+/// "12 s", "3 min 20 s", "2 h 05 min".
+std::string duration(double seconds);
 
 class ProgressLine {
 public:
@@ -14,6 +18,8 @@ public:
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
     void show(const lab::Progress& p);
+    /// Takes the living line away before something else is printed.
+    void clear();
 
 private:
     bool quiet_;

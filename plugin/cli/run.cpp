@@ -1,16 +1,16 @@
 #include "plugin/cli/input.h"
+#include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/verbs.h"
 
-#include "bridge/lab_world.h"
 #include "plugin/lab/runner.h"
 #include "plugin/record/writer.h"
 #include "plugin/report/report.h"
 #include "supercircle/coulomb/dump.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <unistd.h>
 
 namespace supercircle::cli {
 
@@ -18,24 +18,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Makes the folder and proves that it can be written, before any work is done.
-std::string prepareFolder(const std::string& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error)
-        return "cannot make the folder " + folder + ": " + error.message();
-    if (!fs::is_directory(folder))
-        return folder + " is not a folder";
-    if (access(folder.c_str(), W_OK) != 0)
-        return "the folder " + folder + " is not writable; choose another with --out";
-    const fs::path probe = fs::path(folder) / ".supercircle-write-test";
-    std::FILE* f = std::fopen(probe.c_str(), "w");
-    if (!f)
-        return "cannot write into " + folder + "; choose another with --out";
-    std::fclose(f);
-    fs::remove(probe, error);
-    return {};
+int cannotWrite(const std::string& error) {
+    std::fprintf(stderr, "%s\n", error.c_str());
+    return kCannotWrite;
 }
+
+/// Every contact problem of the run as a file. The first one that cannot be written stops the run.
+class Dump {
+public:
+    explicit Dump(std::string path) : folder_(std::move(path)) {}
+
+    std::string prepare() { return folder_.prepare(); }
+    [[nodiscard]] const std::string& error() const { return error_; }
+
+    void write(const coulomb::Problem& problem) {
+        if (!error_.empty())
+            return;
+        char name[32];
+        std::snprintf(name, sizeof name, "/%06llu.fcp", count_++);
+        const std::string path = folder_.path() + name;
+        error_ = coulomb::writeDump(path, problem);
+        if (error_.empty())
+            return;
+        std::error_code ignored; // half a problem is worse than none
+        fs::remove(path, ignored);
+        interrupted = true;
+    }
+
+private:
+    Folder folder_;
+    std::string error_;
+    unsigned long long count_ = 0;
+};
 
 std::string text(const record::Value& v) {
     if (const auto* d = std::get_if<double>(&v)) {
@@ -56,67 +70,71 @@ void printSummary(const record::Recording& r, const std::string& folder, bool pi
             std::printf("  %-26s %s\n", key.c_str(), text(value).c_str());
     std::printf("results: %s/summary.json, series.csv\n", folder.c_str());
     if (pictures)
-        std::printf("pictures: %s/report.html (or overview.png, force.png)\n", folder.c_str());
+        std::printf("pictures: %s/report.html (without a browser: overview.png)\n", folder.c_str());
+}
+
+/// All files or none; without a report, that of an earlier run goes.
+std::string writeAll(const record::Recording& recording, const std::string& folder, bool report) {
+    auto files = record::recordingFiles(recording);
+    if (!files)
+        return files.error;
+    std::string noReport;
+    if (report) {
+        auto pictures = report::reportFiles(recording);
+        noReport = pictures.error;
+        std::move(pictures.value.begin(), pictures.value.end(), std::back_inserter(files.value));
+    }
+    if (const std::string error = record::writeAtomically(folder, files.value); !error.empty())
+        return error;
+    const std::string old = report::removeOldReport(folder, files.value);
+    return noReport.empty() ? old : noReport;
 }
 
 } // namespace
 
 int run(const RunArguments& a) {
-    const auto scene = loadScene(a.scene, a.parameters);
-    if (!scene)
+    const auto input = loadScene(a.scene, a.parameters, a.quiet);
+    if (!input)
         return kBadInput;
-    std::string why;
-    std::shared_ptr<step::HostWorld> host = bridge::makeWorld(scene->rigid, why);
-    if (!host) {
-        std::fprintf(stderr, "%s: %s\n", a.scene.c_str(), why.c_str());
-        return kBadInput;
-    }
-    const std::string folder = a.out.empty() ? "out/" + fs::path(a.scene).stem().string() : a.out;
-    if (const std::string error = prepareFolder(folder); !error.empty()) {
-        std::fprintf(stderr, "%s\n", error.c_str());
-        return kCannotWrite;
-    }
+    Folder folder(a.out.empty() ? "out/" + fs::path(a.scene).stem().string() : a.out);
+    if (const std::string error = folder.prepare(); !error.empty())
+        return cannotWrite(error);
+    Dump dump(a.dump);
+    if (!a.dump.empty())
+        if (const std::string error = dump.prepare(); !error.empty())
+            return cannotWrite(error);
     ProgressLine line(a.quiet);
     lab::Options options;
-    options.seed = a.seed;
+    options.seed = static_cast<std::uint64_t>(a.seed);
     options.threads = a.threads;
     options.fixedDt = a.fixedDt;
-    options.frames = !a.noReport;
     options.interrupt = &interrupted;
     options.progress = [&](const lab::Progress& p) { line.show(p); };
-    std::uint64_t dumped = 0;
-    if (!a.dump.empty()) {
-        if (const std::string error = prepareFolder(a.dump); !error.empty()) {
-            std::fprintf(stderr, "%s\n", error.c_str());
-            return kCannotWrite;
-        }
-        options.onSolve = [&](const coulomb::Problem& p, const coulomb::SolveReport&) {
-            char name[32];
-            std::snprintf(name, sizeof name, "/%06llu.fcp", static_cast<unsigned long long>(dumped++));
-            if (const std::string error = coulomb::writeDump(a.dump + name, p); !error.empty())
-                std::fprintf(stderr, "%s\n", error.c_str());
-        };
-    }
-    const lab::Outcome out = lab::run(*scene, host, options);
+    if (!a.dump.empty())
+        options.onSolve = [&](const coulomb::Problem& p, const coulomb::SolveReport&) { dump.write(p); };
+    const lab::Outcome out = lab::run(input->scene, input->host, options);
+    line.clear();
     if (out.end == lab::End::BadScene) {
         std::fprintf(stderr, "%s: %s\n", a.scene.c_str(), out.message.c_str());
         return kBadInput;
     }
-    std::string error = record::writeFiles(out.recording, folder);
-    if (error.empty() && !a.noReport)
-        error = report::writeReport(out.recording, folder);
-    if (!error.empty()) {
-        std::fprintf(stderr, "%s\n", error.c_str());
-        return kCannotWrite;
-    }
+    if (const std::string error = writeAll(out.recording, folder.path(), !a.noReport); !error.empty())
+        return cannotWrite(error);
+    if (!dump.error().empty())
+        return cannotWrite(dump.error());
     if (!a.quiet)
-        printSummary(out.recording, folder, !a.noReport);
+        printSummary(out.recording, folder.path(), !a.noReport);
+    const bool arrived = printed();
     if (out.end == lab::End::Failed) {
         std::fprintf(stderr, "the simulation could not go on: %s; the last good state is in %s\n", out.message.c_str(),
-                     folder.c_str());
+                     folder.path().c_str());
         return kCannotGoOn;
     }
-    return out.end == lab::End::Interrupted ? kInterrupted : kDone;
+    if (out.end == lab::End::Interrupted) {
+        std::fprintf(stderr, "interrupted; what is done is in %s\n", folder.path().c_str());
+        return kInterrupted;
+    }
+    return arrived ? kDone : kCannotWrite;
 }
 
 } // namespace supercircle::cli

@@ -16,17 +16,20 @@ extern std::atomic<bool> interrupted;
 struct RunArguments {
     std::string scene;
     std::vector<std::string> parameters; ///< NAME=VALUE
-    std::uint64_t seed = 1;
-    std::string out;
+    std::int64_t seed = 1;               ///< not negative
+    std::string out;                     ///< folder; empty: out/<name of the scene file>
     int threads = 1;
-    double fixedDt = 0.0;
+    double fixedDt = 0.0; ///< s, 0: adaptive
     bool noReport = false;
     bool quiet = false;
     std::string dump; ///< folder for FCP2D problems, empty: none
 };
 
+/// Simulates a scene and writes what came out. Returns the exit code, as all verbs do.
 int run(const RunArguments& arguments);
+/// Says whether a scene can be started, without running it.
 int check(const std::string& file, const std::vector<std::string>& parameters);
+/// Measures the benchmarks whose name contains `filter`; `json` is a file for the figures, empty: none.
 int bench(const std::string& filter, const std::string& json);
 
 } // namespace supercircle::cli

@@ -312,6 +312,10 @@ bool Session::settle(double speed, double longest) {
 
 void Session::drop() {
     const scene::Drop& d = *scene_.drop;
+    // A random start needs no trajectory to the micrometre: while the shells rain down the local error may be larger.
+    step::Settings& settings = shells_.stepper().settings();
+    const double measured = settings.localError;
+    settings.localError = std::max(measured, 0.1);
     for (int i = 0; i < d.count && end_ == End::Done; ++i) {
         phase_ = "drop " + std::to_string(i + 1);
         ShellDef def = d.shell;
@@ -343,6 +347,7 @@ void Session::drop() {
         report(0.3 * i / d.count);
         settle(d.settle_speed, i + 1 < d.count ? d.settle_time : d.final_settle_time);
     }
+    settings.localError = measured;
 }
 
 } // namespace supercircle::lab

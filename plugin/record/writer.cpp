@@ -257,20 +257,28 @@ std::string trajectoryJson(const Recording& recording) {
     return std::move(json.text);
 }
 
-std::string writeFiles(const Recording& recording, const std::string& directory) noexcept {
+Result<std::vector<NamedText>> recordingFiles(const Recording& recording) noexcept {
+    using Files = Result<std::vector<NamedText>>;
     try {
         Result<std::string> summary = summaryJson(recording);
         if (!summary)
-            return summary.error;
+            return Files::fail(summary.error);
         Result<std::string> series = csvText(recording.series);
         if (!series)
-            return series.error;
-        return writeAtomically(directory, {{"series.csv", std::move(series.value)},
-                                           {"trajectory.json", trajectoryJson(recording)},
-                                           {"summary.json", std::move(summary.value)}});
+            return Files::fail(series.error);
+        Files files;
+        files.value.emplace_back("series.csv", std::move(series.value));
+        files.value.emplace_back("trajectory.json", trajectoryJson(recording));
+        files.value.emplace_back("summary.json", std::move(summary.value));
+        return files;
     } catch (const std::exception& exception) {
-        return std::string("cannot write the recording: ") + exception.what();
+        return Files::fail(std::string("cannot write the recording: ") + exception.what());
     }
+}
+
+std::string writeFiles(const Recording& recording, const std::string& directory) noexcept {
+    const Result<std::vector<NamedText>> files = recordingFiles(recording);
+    return files ? writeAtomically(directory, files.value) : files.error;
 }
 
 } // namespace supercircle::record

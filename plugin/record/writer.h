@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "plugin/record/files.h"
 #include "plugin/record/recording.h"
 #include "plugin/record/result.h"
 
@@ -15,6 +16,9 @@ namespace supercircle::record {
 /// Everything needed to play the motion again: shells, outlines, phases, frames, events, key frames, scales. Times,
 /// machine values and events are exact; poses, curvatures and contact forces are rounded to float (7 digits).
 [[nodiscard]] std::string trajectoryJson(const Recording& recording);
+
+/// The three files by name and content, to be written together with others (see writeAtomically()). Never throws.
+[[nodiscard]] Result<std::vector<NamedText>> recordingFiles(const Recording& recording) noexcept;
 
 /// Writes the three files into `directory` (made if missing), all of them or none, see writeAtomically().
 /// @return empty, or why not. Never throws.

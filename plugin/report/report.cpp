@@ -90,7 +90,7 @@ void addOverview(std::vector<NamedText>& files, const Recording& recording, cons
     });
 }
 
-std::string write(const Recording& recording, const std::string& directory) {
+std::vector<NamedText> draw(const Recording& recording) {
     std::vector<NamedText> files;
     addPicture(files, "force.png", 960.0, 600.0, 4.0 / 3.0, [&](Canvas& canvas) {
         return drawForce(canvas, recording, {0.0, 0.0, 960.0, 600.0}, titleOf(recording, "force against displacement"))
@@ -103,28 +103,43 @@ std::string write(const Recording& recording, const std::string& directory) {
     addConfigurations(files, recording, views);
     addOverview(files, recording, views);
     files.emplace_back("report.html", pageHtml(recording));
-    if (std::string message = record::writeAtomically(directory, files); !message.empty())
-        return message;
-    // A force curve of yesterday's run beside today's page would be believed.
-    for (const char* name :
-         {"force.png", "energy.png", "before.png", "peak.png", "after.png", "start.png", "end.png", "overview.png"})
-        if (std::none_of(files.begin(), files.end(), [&](const NamedText& file) { return file.first == name; })) {
+    return files;
+}
+
+} // namespace
+
+record::Result<std::vector<NamedText>> reportFiles(const Recording& recording) noexcept {
+    using Files = record::Result<std::vector<NamedText>>;
+    try {
+        return Files{draw(recording), {}};
+    } catch (const std::exception& exception) {
+        return Files::fail(std::string("cannot make the report: ") + exception.what());
+    }
+}
+
+std::string removeOldReport(const std::string& directory, const std::vector<NamedText>& files) noexcept {
+    try {
+        for (const char* name : {"report.html", "force.png", "energy.png", "before.png", "peak.png", "after.png",
+                                 "start.png", "end.png", "overview.png"}) {
+            if (std::any_of(files.begin(), files.end(), [&](const NamedText& file) { return file.first == name; }))
+                continue;
             std::error_code error;
             std::filesystem::remove(std::filesystem::path(directory) / name, error);
             if (error)
                 return "cannot remove the old " + directory + "/" + name + ": " + error.message();
         }
-    return {};
+        return {};
+    } catch (const std::exception& exception) {
+        return std::string("cannot remove the old report: ") + exception.what();
+    }
 }
 
-} // namespace
-
 std::string writeReport(const Recording& recording, const std::string& directory) noexcept {
-    try {
-        return write(recording, directory);
-    } catch (const std::exception& exception) {
-        return std::string("cannot make the report: ") + exception.what();
-    }
+    const auto files = reportFiles(recording);
+    if (!files)
+        return files.error;
+    const std::string error = record::writeAtomically(directory, files.value);
+    return error.empty() ? removeOldReport(directory, files.value) : error;
 }
 
 } // namespace supercircle::report

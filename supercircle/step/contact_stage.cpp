@@ -267,11 +267,16 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
         };
         if (c.b.rod >= 0) {
             const auto ib = static_cast<std::size_t>(c.b.rod);
+            rods[ib].rolling.reserve(rods[ib].rolling.size() + 2);
             Rolling& a = add(ia, c.a);
             Rolling& b = add(ib, c.b);
-            const double turnA = turned(ia, a), turnB = turned(ib, b);
-            (ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a).lag = turnB;
-            b.lag = turnA;
+            Rolling& first = ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a; // push_back may have moved it
+            // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
+            // force against a steady common rotation, and stable however stiff (once the stiffness about the other side's
+            // lagged rotation would be a Jacobi splitting that flips sign every step without decay).
+            const double mean = 0.5 * (turned(ia, first) + turned(ib, b));
+            first.c = b.c = 2.0 * strength;
+            first.lag = b.lag = mean;
         } else {
             add(ia, c.a);
         }

@@ -1,0 +1,54 @@
+#pragma once
+// Starts the built program the way a shell does, and looks at what it leaves behind.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace supercircle::test {
+
+/// How the program ended.
+struct Ending {
+    int code = -1; ///< exit code; 128 + signal if a signal ended it
+    std::string out;
+    std::string err;
+};
+
+/// What is different from an ordinary start.
+struct Start {
+    std::string directory;      ///< working directory; empty: ours
+    long fileSizeLimit = -1;    ///< bytes, RLIMIT_FSIZE; -1: none
+    std::string standardOutput; ///< file that takes stdout, such as /dev/full; empty: captured
+    bool terminal = false;      ///< stderr is a terminal
+    int signal = 0;             ///< sent once the program printed something or `signalAfter` has passed
+    double signalAfter = 0.3;   ///< s
+};
+
+/// Runs the program with these arguments to its end.
+Ending start(const std::vector<std::string>& arguments, const Start& how = {});
+
+/// Path of a scene of the project.
+std::string scene(const std::string& name);
+
+/// A directory of its own that goes away.
+class Folder {
+public:
+    Folder();
+    ~Folder();
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    [[nodiscard]] std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+    [[nodiscard]] const std::string& path() const { return path_; }
+    /// Writes a file and returns its path.
+    std::string write(const std::string& name, const std::string& text) const;
+    /// Names of everything in it, whatever the depth, sorted.
+    [[nodiscard]] std::vector<std::string> entries() const;
+
+private:
+    std::string path_;
+};
+
+/// Content of a file; fails the test if there is none.
+std::string contentOf(const std::string& path);
+
+} // namespace supercircle::test

@@ -1,5 +1,7 @@
 #include "plugin/cli/verbs.h"
 
+#include "plugin/scene/problem.h"
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <csignal>
@@ -47,6 +49,15 @@ std::string positive(const std::string& text) {
     double value = 0.0;
     const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
     return good ? "" : text + " is not a positive number";
+}
+
+void unknownVerb(const CLI::App& app, const std::string& word) {
+    std::vector<std::string> verbs;
+    for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+        verbs.push_back(verb->get_name());
+    const std::string nearest = supercircle::scene::nearestName(word, verbs);
+    std::fprintf(stderr, "there is no verb \"%s\"%s\nRun with --help for more information.\n", word.c_str(),
+                 nearest.empty() ? "" : ("; did you mean \"" + nearest + "\"?").c_str());
 }
 
 CLI::App* describeRun(CLI::App& app, supercircle::cli::RunArguments& a) {
@@ -97,6 +108,13 @@ int dispatch(int argc, char** argv) {
 
     try {
         app.parse(argc, argv);
+    } catch (const CLI::RequiredError& e) {
+        if (argc > 1 && app.get_subcommands().empty()) { // CLI11 would say that one is required, not that it is unknown
+            unknownVerb(app, argv[1]);
+            return kBadInput;
+        }
+        app.exit(e);
+        return kBadInput;
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? kDone : kBadInput; // help and version come here too, with 0
     }

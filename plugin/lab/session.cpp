@@ -43,12 +43,6 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
         s.localError = scene.numerics.position_tolerance / thickness;
     s.threads = options.threads;
     s.witness = options.witness;
-    if (getenv("SC_THETA")) s.theta = atof(getenv("SC_THETA"));
-    if (getenv("SC_FS")) s.contact.firstSweeps = atoi(getenv("SC_FS"));
-    if (getenv("SC_DM")) s.dtMax = atof(getenv("SC_DM"));
-    if (getenv("SC_LE")) s.localError = atof(getenv("SC_LE"));
-    if (getenv("SC_ML")) s.motionLimit = atof(getenv("SC_ML"));
-    if (getenv("SC_RL")) s.relinearise = atof(getenv("SC_RL"));
     shells_.stepper().onSolve = options.onSolve;
     out_.scene = scene.name;
     out_.about = scene.about;

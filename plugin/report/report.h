@@ -10,8 +10,7 @@
 namespace supercircle::report {
 
 /// report.html and its pictures by name and content, drawn but not written. Never throws.
-[[nodiscard]] record::Result<std::vector<record::NamedText>>
-reportFiles(const record::Recording& recording) noexcept;
+[[nodiscard]] record::Result<std::vector<record::NamedText>> reportFiles(const record::Recording& recording) noexcept;
 
 /// Removes from `directory` what an earlier report left there and `files` did not replace: a force curve of yesterday's
 /// run beside today's page would be believed.

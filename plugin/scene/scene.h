@@ -70,7 +70,7 @@ struct Numerics {
     double dt_min = 1e-6;             ///< s
     double fixed_dt = 0.0;            ///< s; > 0 switches adaptivity off
     double tolerance = 1e-8;          ///< contact residual eta, 1
-    double position_tolerance = 1e-5; ///< m, local error aimed at per step
+    double position_tolerance = 5e-6; ///< m, local error aimed at per step
 };
 
 /// Which numbers the summary reports beside the common ones.

@@ -47,6 +47,42 @@ const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::
     return it != list.end() && it->id == id ? &*it : nullptr;
 }
 
+std::vector<std::uint64_t> sortedIds(const std::vector<contact::Candidate>& candidates) {
+    std::vector<std::uint64_t> ids;
+    ids.reserve(candidates.size());
+    for (const contact::Candidate& c : candidates)
+        ids.push_back(c.id);
+    std::sort(ids.begin(), ids.end());
+    return ids;
+}
+
+/// Force a candidate carried before. The minimum of two elements that rolled over a joint is a new feature of the same
+/// contact: it inherits the force of neighbouring minima that are no longer there. Without that, a nearly conformal
+/// contact that sits at a joint starts each step without its rolling stiffness and hops to and fro for ever.
+ContactImpulse forceBefore(const std::vector<ContactImpulse>& list, const std::vector<std::uint64_t>& present,
+                           const contact::Candidate& c) {
+    if (const ContactImpulse* own = findImpulse(list, c.id))
+        return *own;
+    ContactImpulse sum;
+    const contact::Feature kind = contact::featureOf(c.id);
+    if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
+        return sum;
+    const auto first = static_cast<std::int64_t>((c.id >> 11U) & 0x3ffu), second = static_cast<std::int64_t>((c.id >> 1U) & 0x3ffu);
+    const std::int64_t reach = kind == contact::Feature::Interior ? 1 : 0; // faces do not join smoothly
+    for (std::int64_t i = first - 1; i <= first + 1; ++i)
+        for (std::int64_t j = second - reach; j <= second + reach; ++j)
+            for (std::uint64_t part = 0; part < 2 && i >= 0 && j >= 0; ++part) {
+                const std::uint64_t id = (c.id & ~std::uint64_t{0x1fffff}) | (static_cast<std::uint64_t>(i) << 11U) |
+                                         (static_cast<std::uint64_t>(j) << 1U) | part;
+                const ContactImpulse* other = findImpulse(list, id);
+                if (other && !std::binary_search(present.begin(), present.end(), id)) {
+                    sum.normal += other->normal;
+                    sum.tangent += other->tangent;
+                }
+            }
+    return sum;
+}
+
 constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20 bits for an outline
 
 /// Key of a body's piece that stays the same while other bodies come and go: 10 bits each, folded.
@@ -228,13 +264,14 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
                     bool firstIteration, const ContactStage& stage) {
     for (RodWork& w : rods)
         w.rolling.clear();
+    const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
     Eigen::RowVectorXd tau;
     for (const contact::Candidate& c : stage.candidates) {
         const contact::Feature kind = contact::featureOf(c.id);
         if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
             continue;
-        const ContactImpulse* known = findImpulse(warm, c.id);
-        if (!known || known->normal <= 0.0)
+        const double normal = forceBefore(warm, present, c).normal;
+        if (normal <= 0.0)
             continue;
         const auto ia = static_cast<std::size_t>(c.a.rod);
         const auto side = [&](std::size_t i, const contact::RodPoint& at, double outward) {
@@ -254,7 +291,7 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
         const rod::RodModel& model = world.rods[ia].model;
         const double length = model.elementLength();
         curvature = std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
-        const double strength = known->normal * dt / curvature;
+        const double strength = normal * dt / curvature;
         const auto add = [&](std::size_t i, const contact::RodPoint& at) -> Rolling& {
             tau.resize(world.rods[i].model.dofs());
             rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), tau);
@@ -291,13 +328,13 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     stage.problem.contacts.resize(n);
     stage.work.resize(n);
     stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * n));
+    const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
     for (std::size_t i = 0; i < n; ++i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
-        if (const ContactImpulse* it = findImpulse(warm, c.id)) {
-            stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = it->normal * dt;
-            stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = it->tangent * dt;
-        }
+        const ContactImpulse before = forceBefore(warm, present, c);
+        stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
+        stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     }
 }
 

@@ -16,12 +16,12 @@ struct Ending {
 
 /// What is different from an ordinary start.
 struct Start {
-    std::string directory;      ///< working directory; empty: ours
-    long fileSizeLimit = -1;    ///< bytes, RLIMIT_FSIZE; -1: none
-    std::string standardOutput; ///< file that takes stdout, such as /dev/full; empty: captured
-    bool terminal = false;      ///< stderr is a terminal
-    int signal = 0;             ///< sent once the program printed something or `signalAfter` has passed
-    double signalAfter = 0.3;   ///< s
+    std::string directory{};      ///< working directory; empty: ours
+    long fileSizeLimit = -1;      ///< bytes, RLIMIT_FSIZE; -1: none
+    std::string standardOutput{}; ///< file that takes stdout, such as /dev/full; empty: captured
+    bool terminal = false;        ///< stderr is a terminal
+    int signal = 0;               ///< sent once the program printed something or `signalAfter` has passed
+    double signalAfter = 0.3;     ///< s
 };
 
 /// Runs the program with these arguments to its end.

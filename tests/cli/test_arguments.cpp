@@ -43,7 +43,8 @@ TEST_CASE("arguments that make no sense are exit 2 and leave nothing behind") {
     };
     const std::string good = scene("shell_on_cylinder");
     refused({}, "subcommand");
-    refused({"fly"}, "fly");
+    refused({"fly"}, "there is no verb \"fly\"");
+    refused({"chek", "file"}, "did you mean \"check\"");
     refused({"run"}, "scene");
     refused({"run", good, "--wings"}, "--wings");
     refused({"run", good, "--seed", "-1"}, "--seed: -1 is not a whole number");
@@ -91,9 +92,9 @@ TEST_CASE("a file that is no good scene is exit 2 with its place, and nothing is
     refused("[]", "bad.json:1:1:");
     refused("{ \"shel\": [] }", "/shel: ");
     refused("{ \"shel\": [] }", "did you mean \"shell\"");
-    refused("{ \"shell\": [ { \"radius\": -1 } ], \"duration\": 1 }", "bad.json:1:28: /shell/0/radius");
-    refused("{ \"shell\": [ { \"radius\": NaN } ], \"duration\": 1 }", "bad.json:1:28:");
-    refused("{ \"shell\": [ { \"radius\": 1e999 } ], \"duration\": 1 }", "bad.json:1:28:");
+    refused("{ \"shell\": [ { \"radius\": -1 } ], \"duration\": 1 }", "bad.json:1:26: /shell/0/radius");
+    refused("{ \"shell\": [ { \"radius\": NaN } ], \"duration\": 1 }", "bad.json:1:26:");
+    refused("{ \"shell\": [ { \"radius\": 1e999 } ], \"duration\": 1 }", "bad.json:1:26:");
     refused("{ \"duration\": 1, \"shell\": [ {}, { \"position\": { \"x\": 0.001, \"y\": 0 } } ] }", "at the start");
     refused("{ \"schema\": \"supercircle-scene/99\" }", "/schema");
 }

@@ -11,8 +11,8 @@ double workOf(std::span<const double> displacement, std::span<const double> forc
     return sum;
 }
 
-std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::span<const double> force,
-                                  double threshold, double within) {
+std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::span<const double> force, double threshold,
+                                  double within) {
     std::vector<ForceDrop> out;
     if (force.empty())
         return out;

@@ -19,7 +19,7 @@ struct ForceDrop {
 
 /// Drops of at least `threshold` (N); smaller wiggles in between are ignored (hysteresis, as in rainflow counting).
 /// The drop must happen within `within` of displacement (m): slow softening is no snap-fit.
-std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::span<const double> force,
-                                  double threshold, double within);
+std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::span<const double> force, double threshold,
+                                  double within);
 
 } // namespace supercircle::lab

@@ -45,6 +45,7 @@ void Session::play(const scene::Move& move, std::size_t number) {
                  : (move.kind == scene::Move::Kind::Hold ? "hold" : "settle");
     const std::size_t firstRow = out_.series.rows();
     const double start = shells_.time();
+    const double travelAtStart = travel();
     bool done = false;
     const auto reachedForce = [&] { return done = force() >= move.until.force; };
     const std::size_t total = std::max<std::size_t>(1, p.moves.size());
@@ -54,9 +55,9 @@ void Session::play(const scene::Move& move, std::size_t number) {
         double left = move.until.time - (shells_.time() - start);
         if (speed != 0.0 && std::isfinite(move.until.displacement))
             left = std::min(left, (move.until.displacement - travel()) / speed);
-        if (left <= 1e-12)
+        if (left <= 1e-6 * dt)
             break;
-        if (left < dt * (1.0 + 1e-9)) // the last frame ends where the move does
+        if (left < dt * (1.0 + 1e-6)) // the last frame ends where the move does; no sliver of a frame is left over
             dt = left;
         if (!frame(dt, std::isfinite(move.until.force) ? std::function<bool()>(reachedForce) : nullptr))
             break;
@@ -67,9 +68,11 @@ void Session::play(const scene::Move& move, std::size_t number) {
             if (fastest < 1e-4 && shells_.time() - start > 0.05)
                 break;
         }
-        if (++count % 25 == 0)
-            report(0.3 + 0.7 * (static_cast<double>(number) + std::min(1.0, travel() / (5.0 * out_.R))) /
-                             static_cast<double>(total));
+        if (++count % 25 == 0) {
+            const double part =
+                speed >= 0.0 ? travel() / (5.0 * out_.R) : 1.0 - travel() / std::max(travelAtStart, 1e-9);
+            report(0.3 + 0.7 * (static_cast<double>(number) + std::clamp(part, 0.0, 1.0)) / static_cast<double>(total));
+        }
     }
     legs_.emplace_back(firstRow, out_.series.rows());
     legMove_.push_back(static_cast<int>(number));

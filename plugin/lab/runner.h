@@ -16,20 +16,20 @@ namespace supercircle::lab {
 /// Where a run stands, for progress lines.
 struct Progress {
     std::string phase;
-    double fraction = 0.0; ///< of the whole run, 0 to 1, an estimate
-    double simulated = 0.0; ///< s
-    double force = 0.0;     ///< N
+    double fraction = 0.0;     ///< of the whole run, 0 to 1, an estimate
+    double simulated = 0.0;    ///< s
+    double force = 0.0;        ///< N
     double displacement = 0.0; ///< m
 };
 
 struct Options {
     std::uint64_t seed = 1;
     int threads = 1;
-    double fixedDt = 0.0;     ///< s; > 0 overrides the scene's
-    bool witness = true;      ///< independent crossing check after each step
-    bool frames = true;       ///< keep the motion for the player
-    std::function<void(const Progress&)> progress;  ///< called now and then
-    const std::atomic<bool>* interrupt = nullptr;    ///< becomes true: stop and keep what is done
+    double fixedDt = 0.0;                          ///< s; > 0 overrides the scene's
+    bool witness = true;                           ///< independent crossing check after each step
+    bool frames = true;                            ///< keep the motion for the player
+    std::function<void(const Progress&)> progress; ///< called now and then
+    const std::atomic<bool>* interrupt = nullptr;  ///< becomes true: stop and keep what is done
     std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve; ///< every contact problem
 };
 

@@ -54,9 +54,9 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
         out_.B = bendingModulus(scene.drop->shell);
     for (const scene::Parameter& p : scene.parameters)
         out_.parameters.emplace_back(p.name, p.value);
-    out_.series.names = {"time_s",       "displacement_m", "force_N",     "work_in_J",   "bending_J", "gravity_J",
-                         "kinetic_J",    "friction_J",     "impact_J",    "numerical_J", "push_out_J",
-                         "effects_J",    "residual_J",     "dt_s",        "contact_residual"};
+    out_.series.names = {"time_s",     "displacement_m", "force_N",    "work_in_J", "bending_J",
+                         "gravity_J",  "kinetic_J",      "friction_J", "impact_J",  "numerical_J",
+                         "push_out_J", "effects_J",      "residual_J", "dt_s",      "contact_residual"};
     out_.series.columns.resize(out_.series.names.size());
 }
 
@@ -93,8 +93,10 @@ std::string Session::populate() {
         step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
     for (const step::BodyOutline& o : w.outlines)
         for (const step::Body& b : w.bodies)
-            if (b.id == o.body)
+            if (b.id == o.body) {
                 outlines.push_back(step::placed(o, b.state.centre, b.state.angle));
+                outlines.back().key = static_cast<std::uint32_t>(outlines.size() - 1);
+            }
     std::vector<contact::Crossing> crossings;
     contact::findCrossings(curves, outlines, crossings);
     contact::Detector detector;
@@ -110,8 +112,9 @@ std::string Session::populate() {
                " at the start; move it away";
     for (const contact::Candidate& c : near)
         if (c.gap < -0.01 * curves[static_cast<std::size_t>(c.a.rod)].halfThickness)
-            return shellName(c.a.rod) + " overlaps " + (c.b.rod >= 0 ? shellName(c.b.rod) : std::string("a rigid body")) +
-                   " by " + std::to_string(-c.gap * 1e6) + " um at the start; start from a touching or free state";
+            return shellName(c.a.rod) + " overlaps " +
+                   (c.b.rod >= 0 ? shellName(c.b.rod) : std::string("a rigid body")) + " by " +
+                   std::to_string(-c.gap * 1e6) + " um at the start; start from a touching or free state";
     return {};
 }
 
@@ -132,6 +135,8 @@ void Session::describeOutlines() {
         for (const Vec2& p : o.local.points)
             info.points.push_back({p.x(), p.y()});
         info.radius = o.local.radius;
+        for (const step::Body& b : shells_.world().bodies)
+            info.driven = info.driven || (b.id == o.body && b.driven);
         info.body = static_cast<std::int32_t>(std::lower_bound(ids.begin(), ids.end(), o.body) - ids.begin());
         out_.outlines.push_back(std::move(info));
     }
@@ -194,7 +199,7 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
     const FrameReport r = shells_.pre_step(dt, [&] {
         sample();
         keep(false);
-        return stop && stop();
+        return (options_.interrupt && options_.interrupt->load()) || (stop && stop());
     });
     if (r.advanced > 0.0) {
         host_->step(r.advanced);

@@ -35,7 +35,7 @@ private:
     void describeOutlines();
     void report(double fraction);
     [[nodiscard]] double frameLength() const;
-    [[nodiscard]] double pileTop() const;   ///< highest point of the shells' surfaces, m
+    [[nodiscard]] double pileTop() const;       ///< highest point of the shells' surfaces, m
     [[nodiscard]] double machineBottom() const; ///< lowest point of the carried bodies, m
     [[nodiscard]] double force() const;
     [[nodiscard]] double travel() const; ///< m since touch
@@ -55,7 +55,7 @@ private:
     double pileHeight_ = 0.0; ///< H0, m
     double nextFrameTime_ = 0.0;
     double nextSampleTime_ = 0.0;
-    step::Ledger atStart_{};  ///< books when the protocol began
+    step::Ledger atStart_{};                                ///< books when the protocol began
     std::vector<std::pair<std::size_t, std::size_t>> legs_; ///< rows of the series per move
     std::vector<int> legMove_;
     double creepStart_ = -1.0;

@@ -50,7 +50,8 @@ void Session::summarise(record::Recording& out) {
     if (!message_.empty())
         put("message", message_);
     put("simulated_s", w.time);
-    put("wall_s", std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count() - wallStart_);
+    put("wall_s",
+        std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count() - wallStart_);
     put("steps", static_cast<std::int64_t>(w.counters.steps));
     put("threads", static_cast<std::int64_t>(options_.threads));
     double friction = 0.0;
@@ -79,8 +80,8 @@ void Session::summarise(record::Recording& out) {
             if (n > 1 && std::isfinite(move.until.force) && leg.force[n - 1] > move.until.force &&
                 leg.force[n - 2] < move.until.force)
                 delta = leg.displacement[n - 2] + (leg.displacement[n - 1] - leg.displacement[n - 2]) *
-                                                       (move.until.force - leg.force[n - 2]) /
-                                                       (leg.force[n - 1] - leg.force[n - 2]);
+                                                      (move.until.force - leg.force[n - 2]) /
+                                                      (leg.force[n - 1] - leg.force[n - 2]);
             c.delta_max_over_R = delta / R;
             for (const ForceDrop& d : forceDrops(leg.displacement, leg.force, 0.1 * unit, 0.25 * R)) {
                 ++c.snap_fits;

@@ -80,6 +80,10 @@ Unit readableUnit(double largest, const std::string& unit) {
     const double size = std::abs(largest);
     if (!std::isfinite(size) || size == 0.0)
         return {1.0, unit};
+    if (size < 0.9e-12)
+        return {1e15, "f" + unit};
+    if (size < 0.9e-9)
+        return {1e12, "p" + unit};
     if (size < 0.9e-6)
         return {1e9, "n" + unit};
     if (size < 0.9e-3)

@@ -150,6 +150,10 @@ View viewOf(const Recording& recording, const std::vector<std::size_t>& frames) 
                 continue;
             if (shells) { // a floor of ten metres must not make the shells invisible; small things nearby are part of
                           // it
+                const double away =
+                    std::max({o.lo_x - near.hi_x, near.lo_x - o.hi_x, o.lo_y - near.hi_y, near.lo_y - o.hi_y});
+                if (away > 0.25 * near.size()) // a plate parked high above until it is needed
+                    continue;
                 const bool whole = outline.driven || o.size() < 0.6 * near.size();
                 const double reach = (whole ? 1.0 : 0.05) * near.size();
                 o.lo_x = std::max(o.lo_x, near.lo_x - reach);

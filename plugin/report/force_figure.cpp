@@ -106,7 +106,11 @@ std::vector<Mark> marksOf(const Recording& recording, const Plot& plot, const Cu
     std::vector<Mark> marks;
     bool peak = false;
     int snaps = 0;
+    const auto* time = recording.series.find("time_s");
+    const double end = time != nullptr && !time->empty() ? time->back() : std::numeric_limits<double>::infinity();
     for (const Event& event : recording.events) {
+        if (event.kind == "reversal" && event.time >= end) // the machine stops there, it does not turn back
+            continue;
         const bool snap = event.kind == "snap_fit";
         snaps += snap ? 1 : 0;
         if (!std::isfinite(event.displacement) || !std::isfinite(event.force) || event.displacement < plot.x.lo ||

@@ -4,7 +4,9 @@
 
 namespace supercircle {
 
-double shellLength(const ShellDef& d) { return d.length != 0.0 ? d.length : 2.0 * M_PI * d.phi_bar * d.radius; }
+double shellLength(const ShellDef& d) {
+    return d.length != 0.0 ? d.length : 2.0 * M_PI * d.phi_bar * d.radius;
+}
 
 namespace {
 

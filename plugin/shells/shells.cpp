@@ -67,8 +67,12 @@ bool Shells::destroy(ShellHandle shell) {
     return true;
 }
 
-std::size_t Shells::size() const { return impl_->world.rods.size(); }
-bool Shells::valid(ShellHandle shell) const { return impl_->find(shell) >= 0; }
+std::size_t Shells::size() const {
+    return impl_->world.rods.size();
+}
+bool Shells::valid(ShellHandle shell) const {
+    return impl_->find(shell) >= 0;
+}
 
 Result<int> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind kind, bool on_machine) {
     const int i = impl_->find(shell);
@@ -96,7 +100,9 @@ bool Shells::carry(const std::string& body_name) {
     return true;
 }
 
-void Shells::set_machine_velocity(Point velocity) { impl_->world.machineVelocity = {velocity.x, velocity.y}; }
+void Shells::set_machine_velocity(Point velocity) {
+    impl_->world.machineVelocity = {velocity.x, velocity.y};
+}
 
 Point Shells::machine_force() const {
     const rod::Vec2 f = impl_->world.machineForce();
@@ -107,8 +113,8 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
     const step::Counters before = impl_->world.counters;
     try {
-        const step::FrameOutcome out =
-            impl_->stepper.advance(impl_->world, dt, impl_->port.get(), [&](const step::World&) { return observer && observer(); });
+        const step::FrameOutcome out = impl_->stepper.advance(
+            impl_->world, dt, impl_->port.get(), [&](const step::World&) { return observer && observer(); });
         report.advanced = out.advanced;
         report.stopped = out.stopped;
         report.failure = out.failure;
@@ -146,9 +152,17 @@ EnergyBooks Shells::books() const {
             l.impact,  l.numerical, l.pushOut, l.effects, l.toBodies, l.residual()};
 }
 
-double Shells::time() const { return impl_->world.time; }
-step::World& Shells::world() { return impl_->world; }
-const step::World& Shells::world() const { return impl_->world; }
-step::Stepper& Shells::stepper() { return impl_->stepper; }
+double Shells::time() const {
+    return impl_->world.time;
+}
+step::World& Shells::world() {
+    return impl_->world;
+}
+const step::World& Shells::world() const {
+    return impl_->world;
+}
+step::Stepper& Shells::stepper() {
+    return impl_->stepper;
+}
 
 } // namespace supercircle

@@ -1,5 +1,6 @@
 #pragma once
-// Bending: E_b = 1/2 B sum_i l_i (kappa_i - kappa0_i)^2, exact for arcs and linear in the curvatures (physics: Kirchhoff rod).
+// Bending: E_b = 1/2 B sum_i l_i (kappa_i - kappa0_i)^2, exact for arcs and linear in the curvatures (physics:
+// Kirchhoff rod).
 
 #include "supercircle/rod/model.h"
 

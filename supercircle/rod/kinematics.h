@@ -11,7 +11,8 @@
 
 namespace supercircle::rod {
 
-/// A material point: which side and segment of the model it lies on and its signed arc length from that segment's inner end.
+/// A material point: which side and segment of the model it lies on and its signed arc length from that segment's inner
+/// end.
 struct Place {
     int side = 0;
     int segment = 0;
@@ -56,9 +57,9 @@ private:
     Vec2 middle_ = Vec2::Zero();
     Vec2 lastNode_ = Vec2::Zero();
     std::vector<Arc> arcs_;
-    std::vector<Arc> segments_[2];    ///< start at the inner end, run with signed length
-    std::vector<Vec2> tangents_[2];   ///< at the inner ends
-    std::vector<Vec2> centroids_[2];  ///< of the whole segment
+    std::vector<Arc> segments_[2];   ///< start at the inner end, run with signed length
+    std::vector<Vec2> tangents_[2];  ///< at the inner ends
+    std::vector<Vec2> centroids_[2]; ///< of the whole segment
 };
 
 } // namespace supercircle::rod

@@ -15,12 +15,12 @@ namespace supercircle::rod {
 
 /// What a rod is made of; SI units.
 struct RodDefinition {
-    double length = 0.09;                  ///< arc length L, m
-    double thickness = 5e-4;               ///< h, m
-    double linearMass = 6.35e-3;           ///< lambda = rho w h, kg/m
-    double bendingModulus = 2.2917e-4;     ///< B = E w h^3 / 12, N m^2
-    std::vector<double> naturalCurvature;  ///< per element, 1/m; its size is the number of elements N
-    bool closed = false;                   ///< ends welded into a ring
+    double length = 0.09;                 ///< arc length L, m
+    double thickness = 5e-4;              ///< h, m
+    double linearMass = 6.35e-3;          ///< lambda = rho w h, kg/m
+    double bendingModulus = 2.2917e-4;    ///< B = E w h^3 / 12, N m^2
+    std::vector<double> naturalCurvature; ///< per element, 1/m; its size is the number of elements N
+    bool closed = false;                  ///< ends welded into a ring
 };
 
 /// Empty if the definition can be simulated, else what is wrong with it.
@@ -39,8 +39,8 @@ public:
     /// Gauss points per segment: exact to round-off for arcs of up to about half a radian.
     static constexpr int kGauss = 5;
     /// Nodes (fraction of the segment from its inner end) and weights of the rule.
-    static constexpr double kGaussNode[kGauss] = {0.046910077030668004, 0.230765344947158454, 0.5,
-                                                  0.769234655052841546, 0.953089922969331996};
+    static constexpr double kGaussNode[kGauss] = {0.046910077030668004, 0.230765344947158454, 0.5, 0.769234655052841546,
+                                                  0.953089922969331996};
     static constexpr double kGaussWeight[kGauss] = {0.118463442528094544, 0.239314335249683234, 0.284444444444444444,
                                                     0.239314335249683234, 0.118463442528094544};
 
@@ -58,9 +58,7 @@ public:
     [[nodiscard]] double mass() const { return definition_.linearMass * definition_.length; }
     /// side 0: towards the last tip (s > mid), side 1: towards the first tip.
     [[nodiscard]] const std::vector<Segment>& side(int which) const { return sides_[which]; }
-    [[nodiscard]] int gaussPoints() const {
-        return kGauss * static_cast<int>(sides_[0].size() + sides_[1].size());
-    }
+    [[nodiscard]] int gaussPoints() const { return kGauss * static_cast<int>(sides_[0].size() + sides_[1].size()); }
 
 private:
     RodDefinition definition_;

@@ -9,7 +9,9 @@ namespace supercircle::step {
 
 namespace {
 
-double mixedFriction(double a, double b) { return std::sqrt(std::max(0.0, a) * std::max(0.0, b)); }
+double mixedFriction(double a, double b) {
+    return std::sqrt(std::max(0.0, a) * std::max(0.0, b));
+}
 
 /// Row matrix of a rod's surface point in (n, t).
 void surfaceRows(const Rod& rod, const RodWork& w, const contact::RodPoint& at, const Vec2& surface, const Vec2& n,
@@ -67,7 +69,8 @@ ContactImpulse forceBefore(const std::vector<ContactImpulse>& list, const std::v
     const contact::Feature kind = contact::featureOf(c.id);
     if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
         return sum;
-    const auto first = static_cast<std::int64_t>((c.id >> 11U) & 0x3ffu), second = static_cast<std::int64_t>((c.id >> 1U) & 0x3ffu);
+    const auto first = static_cast<std::int64_t>((c.id >> 11U) & 0x3ffu),
+               second = static_cast<std::int64_t>((c.id >> 1U) & 0x3ffu);
     const std::int64_t reach = kind == contact::Feature::Interior ? 1 : 0; // faces do not join smoothly
     for (std::int64_t i = first - 1; i <= first + 1; ++i)
         for (std::int64_t j = second - reach; j <= second + reach; ++j)
@@ -92,7 +95,9 @@ std::uint32_t outlineKey(BodyId body, std::uint32_t piece) {
 }
 
 /// Velocity of a body's surface point.
-Vec2 surfaceVelocity(const Body& body, const Vec2& arm) { return body.state.velocity + body.state.spin * rod::perp(arm); }
+Vec2 surfaceVelocity(const Body& body, const Vec2& arm) {
+    return body.state.velocity + body.state.spin * rod::perp(arm);
+}
 
 /// Rows and bias of one candidate.
 void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double gapAtStart,
@@ -193,8 +198,8 @@ void placeOutlines(const World& world, double ahead, double motionTime, std::vec
         const BodyOutline& piece = world.outlines[i];
         const int index = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(index)];
-        outlines[i] = placed(piece, body.state.centre + ahead * body.state.velocity,
-                             body.state.angle + ahead * body.state.spin);
+        outlines[i] =
+            placed(piece, body.state.centre + ahead * body.state.velocity, body.state.angle + ahead * body.state.spin);
         outlines[i].body = static_cast<std::uint32_t>(index);
         outlines[i].key = outlineKey(piece.body, piece.local.key);
         for (std::size_t k = 0; k < i; ++k) // rare: two pieces fold onto one key; the later one moves on
@@ -221,8 +226,8 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
     stage.detector.detect(stage.curves, stage.outlines, {margin}, out);
 }
 
-void frameInMiddle(const World& world, const std::vector<RodWork>& rods,
-                   const std::vector<contact::Candidate>& start, bool addNew, double dt, ContactStage& stage) {
+void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
+                   bool addNew, double dt, ContactStage& stage) {
     placeOutlines(world, 0.5 * dt, 0.0, stage.outlinesMiddle);
     stage.curvesMiddle.resize(world.rods.size());
     for (std::size_t i = 0; i < world.rods.size(); ++i)
@@ -248,8 +253,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods,
                 surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, c.normal, rod::perp(c.normal), rows);
                 gap += rows.row(0).dot(rods[ib].q1 - world.rods[ib].q);
             } else {
-                const Body& body =
-                    world.bodies[static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body))];
+                const Body& body = world.bodies[static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body))];
                 gap += dt * c.normal.dot(surfaceVelocity(body, c.pointB - body.state.centre));
             }
             stage.candidates.push_back(c);
@@ -280,14 +284,16 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
             const double angle = rods[i].kin.angle(place);
             const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
                              c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
-            return k / (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
+            return k /
+                   (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
         };
         double curvature = side(ia, c.a, 1.0);
         if (c.b.rod >= 0)
             curvature += side(static_cast<std::size_t>(c.b.rod), c.b, -1.0);
         else if (pieceOf(world, c).local.kind == contact::OutlineKind::Circle)
             curvature += 1.0 / pieceOf(world, c).local.radius;
-        // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away further.
+        // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away
+        // further.
         const rod::RodModel& model = world.rods[ia].model;
         const double length = model.elementLength();
         curvature = std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
@@ -307,10 +313,11 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
             rods[ib].rolling.reserve(rods[ib].rolling.size() + 2);
             Rolling& a = add(ia, c.a);
             Rolling& b = add(ib, c.b);
-            Rolling& first = ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a; // push_back may have moved it
+            Rolling& first =
+                ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a; // push_back may have moved it
             // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
-            // force against a steady common rotation, and stable however stiff (once the stiffness about the other side's
-            // lagged rotation would be a Jacobi splitting that flips sign every step without decay).
+            // force against a steady common rotation, and stable however stiff (once the stiffness about the other
+            // side's lagged rotation would be a Jacobi splitting that flips sign every step without decay).
             const double mean = 0.5 * (turned(ia, first) + turned(ib, b));
             first.c = b.c = 2.0 * strength;
             first.lag = b.lag = mean;
@@ -320,7 +327,8 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
     }
 }
 
-void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm, ContactStage& stage) {
+void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
+            ContactStage& stage) {
     stage.problem.dt = dt;
     addRodBodies(rods, stage);
     addHostBodies(world, dt, stage);
@@ -349,9 +357,8 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
     }
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
-        const Eigen::VectorXd& x = w.body >= 0 && !stage.candidates.empty()
-                                       ? stage.velocity[static_cast<std::size_t>(w.body)]
-                                       : w.vFree;
+        const Eigen::VectorXd& x =
+            w.body >= 0 && !stage.candidates.empty() ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
         if (world.rods[i].quarantined)
             w.v.setZero(world.rods[i].model.dofs());
         else if (w.C.rows() == 0)

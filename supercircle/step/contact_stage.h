@@ -18,7 +18,7 @@ struct ContactStage {
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;
-    Eigen::VectorXd r;                    ///< impulses, 2 per candidate, N s
+    Eigen::VectorXd r;                     ///< impulses, 2 per candidate, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
 };
 
@@ -27,23 +27,22 @@ void placeOutlines(const World& world, double ahead, double motionTime, std::vec
 
 /// Candidates at the given kinematics (one per rod). `range` is how far each rod may move.
 void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
-             double ahead, double motionTime, double margin, ContactStage& stage,
-             std::vector<contact::Candidate>& out);
+             double ahead, double motionTime, double margin, ContactStage& stage, std::vector<contact::Candidate>& out);
 
-/// Takes `start` (candidates at the start of the step), adds those of stage.after that are new, and refreshes their frames
-/// in the middle of the step. Fills stage.candidates and stage.gapAtStart. The middle is what makes contact second
-/// order: gap(end) - gap(start) = H(middle) (q1 - q) up to third order, so sliding along a curved surface neither sinks
-/// in nor has to be pushed out again.
-void frameInMiddle(const World& world, const std::vector<RodWork>& rods,
-                   const std::vector<contact::Candidate>& start, bool addNew, double dt, ContactStage& stage);
+/// Takes `start` (candidates at the start of the step), adds those of stage.after that are new, and refreshes their
+/// frames in the middle of the step. Fills stage.candidates and stage.gapAtStart. The middle is what makes contact
+/// second order: gap(end) - gap(start) = H(middle) (q1 - q) up to third order, so sliding along a curved surface
+/// neither sinks in nor has to be pushed out again.
+void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
+                   bool addNew, double dt, ContactStage& stage);
 
 /// Fills RodWork::rolling from the framed candidates and the normal forces known so far (`warm`).
 void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
                     bool firstIteration, const ContactStage& stage);
 
 /// Builds the Coulomb problem of the framed candidates. Warm starts from `warm`, matched by id.
-void couple(const World& world, std::vector<RodWork>& rods, double dt,
-            const std::vector<ContactImpulse>& warm, ContactStage& stage);
+void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
+            ContactStage& stage);
 
 /// Solves, and puts the new velocities into rods (contact-free ones get their free velocity).
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,

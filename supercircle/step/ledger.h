@@ -1,7 +1,8 @@
 #pragma once
 // The energy books: every cause on its own account, and a residual that closes them.
 //
-//   (kinetic + bending + gravity) - added = work - friction - impact - numerical - pushOut - effects - toBodies + residual
+//   (kinetic + bending + gravity) - added = work - friction - impact - numerical - pushOut - effects - toBodies +
+//   residual
 //
 // How a step is split (all from the implicit step itself, nothing is inferred from the residual). With v the new
 // velocity, u and u_old the new and old material velocities, the discrete balance multiplied by v gives exactly
@@ -11,7 +12,8 @@
 // - impact: the part of 1/2 |u - u_old|^2 that contact impulses caused, 1/2 r . (u_rel - u_rel,old), the loss of a
 //   perfectly plastic impact (restitution 0), kept within [0, that square];
 // - numerical: the rest of the square, plus the two second-order terms of implicit bending and gravity.
-// Impact is physics (Moreau's law), numerical dissipation and push-out are artefacts and must stay small beside friction.
+// Impact is physics (Moreau's law), numerical dissipation and push-out are artefacts and must stay small beside
+// friction.
 
 namespace supercircle::step {
 

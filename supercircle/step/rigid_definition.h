@@ -19,7 +19,8 @@ enum class ShapeKind : std::uint8_t { Circle, Polygon, Chain, Loop };
 struct FixtureDefinition {
     std::string name;
     ShapeKind shape = ShapeKind::Polygon;
-    std::vector<Vec2> vertices; ///< m, body frame; polygon: convex, 3 to 8, counter-clockwise; chain, loop: solid on the right
+    std::vector<Vec2>
+        vertices; ///< m, body frame; polygon: convex, 3 to 8, counter-clockwise; chain, loop: solid on the right
     bool twoSided = false;      ///< chain of two vertices that is solid from both sides (an edge of R.U.B.E.)
     Vec2 centre = Vec2::Zero(); ///< m, circle
     double radius = 0.0;        ///< m, circle
@@ -34,9 +35,9 @@ struct FixtureDefinition {
 
 /// Mass data that replaces what the fixtures' densities give (`massData-*` of b2dJson).
 struct MassData {
-    double mass = 0.0;            ///< kg
-    Vec2 centre = Vec2::Zero();   ///< m, body frame
-    double inertia = 0.0;         ///< kg m^2, about the body *origin*, as Box2D has it
+    double mass = 0.0;          ///< kg
+    Vec2 centre = Vec2::Zero(); ///< m, body frame
+    double inertia = 0.0;       ///< kg m^2, about the body *origin*, as Box2D has it
 };
 
 struct BodyDefinition {
@@ -68,8 +69,8 @@ struct JointDefinition {
     Vec2 anchorA = Vec2::Zero(); ///< m, frame of A
     Vec2 anchorB = Vec2::Zero(); ///< m, frame of B
     Vec2 localAxisA = Vec2::UnitX();
-    double refAngle = 0.0;   ///< rad
-    double length = 0.0;     ///< m, distance joint
+    double refAngle = 0.0; ///< rad
+    double length = 0.0;   ///< m, distance joint
     bool collideConnected = false;
     bool enableLimit = false;
     double lowerLimit = 0.0; ///< rad or m

@@ -8,10 +8,8 @@ namespace supercircle::step {
 
 namespace {
 
-/// Weight of the error terms that remain when theta = 1/2, relative to those of theta = 1.
-constexpr double kSecondOrderShare = 0.1;
-
-/// Rows (in the middle of the step) and right-hand side of the holds: C v = (target at the end - place at the start) / dt.
+/// Rows (in the middle of the step) and right-hand side of the holds: C v = (target at the end - place at the start) /
+/// dt.
 void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     const bool closed = rod.model.definition().closed;
     Eigen::Index rows = closed ? 3 : 0;
@@ -54,7 +52,8 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
         w.kin.angleRow(rod.model, last, turn);
         w.kin.angleRow(rod.model, first, otherTurn);
         const double total = rod.kin.angle(last) - rod.kin.angle(first);
-        const double target = 2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
+        const double target =
+            2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
         put(turn - otherTurn, target - total);
     }
 }
@@ -105,15 +104,14 @@ void relineariseInMiddle(const Rod& rod, RodWork& w) {
 
 void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
     rod::massMatrix(rod.model, w.kin, w.gauss, w.A);
-    w.A /= w.theta;
-    const double k = dt * dt * w.theta * rod::bendingStiffness(rod.model);
+    const double k = dt * dt * rod::bendingStiffness(rod.model);
     for (int i = 0; i < rod.model.elements(); ++i)
         w.A(i, i) += k;
     rod::momentum(rod.model, w.kin, w.gauss, w.u0, w.p);
     rod::uniformForce(rod.model, w.kin, w.gauss, world.gravity, w.gravityForce);
     w.rhs = w.gravityForce;
     rod::addBendingForce(rod.model, rod.q, w.rhs);
-    w.rhs = w.p / w.theta + dt * w.rhs;
+    w.rhs = w.p + dt * w.rhs;
     for (const Rolling& roll : w.rolling) {
         w.A.noalias() += (0.5 * dt * roll.c) * roll.tau * roll.tau.transpose();
         w.rhs += roll.c * (roll.tau.dot(w.qk - rod.q) + roll.lag) * roll.tau;
@@ -150,24 +148,21 @@ void advanceRod(const Rod& rod, double dt, RodWork& w) {
     }
     rod::velocityField(rod.model, w.kin, w.gauss, w.v, w.u1);
     double change = 0.0;
-    for (std::size_t g = 0; g < w.u1.size(); ++g) {
-        const Vec2 jump = (w.u1[g] - w.u0[g]) / w.theta; // v = theta v_end + (1 - theta) v_start
-        w.u1[g] = w.u0[g] + jump;
-        change = std::max(change, jump.squaredNorm());
-    }
-    w.error = (w.theta - 0.5 + kSecondOrderShare) / (0.5 + kSecondOrderShare) * 0.5 * dt * std::sqrt(change);
+    for (std::size_t g = 0; g < w.u1.size(); ++g)
+        change = std::max(change, (w.u1[g] - w.u0[g]).squaredNorm());
+    w.error = 0.5 * dt * std::sqrt(change);
 }
 
 RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     RodBooks books;
     for (std::size_t g = 0; g < w.u1.size(); ++g) {
         books.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - w.u0[g].squaredNorm());
-        books.kineticLoss += (w.theta - 0.5) * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
+        books.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
     }
     books.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
     for (int i = 0; i < rod.model.elements(); ++i) {
         const double step = w.q1[i] - rod.q[i];
-        books.secondOrder += (w.theta - 0.5) * rod::bendingStiffness(rod.model) * step * step;
+        books.secondOrder += 0.5 * rod::bendingStiffness(rod.model) * step * step;
     }
     for (const Rolling& roll : w.rolling) {
         const double rate = roll.tau.dot(w.v);
@@ -190,13 +185,14 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     const double turned = meanAngle(w.kin1) - meanAngle(w.kin);
     rod.u = w.u1;
     rod.q = w.q1;
-    rod.v += (w.v - rod.v) / w.theta;
+    rod.v = w.v;
     rod.kin = w.kin1;
     rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
     carryAlong(rod.gauss, turned, rod.u);
     books.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
     books.secondOrder -= dt * w.v.dot(w.gravityForce) + books.gravityChange;
     rod.speed = w.moved / dt;
+    rod.qGood = rod.q;
     return books;
 }
 

@@ -20,10 +20,10 @@ void advanceRod(const Rod& rod, double dt, RodWork& w);
 /// Energy the step moved, per rod (see ledger.h).
 struct RodBooks {
     double kineticChange = 0.0, bendingChange = 0.0, gravityChange = 0.0;
-    double kineticLoss = 0.0;  ///< (theta - 1/2) |u_new - u_old|^2
-    double secondOrder = 0.0;  ///< of implicit bending and of gravity
-    double holdWork = 0.0;     ///< work of holds
-    double rollingWork = 0.0;  ///< of normal forces while their contact points roll (see Rolling)
+    double kineticLoss = 0.0; ///< 1/2 |u_new - u_old|^2
+    double secondOrder = 0.0; ///< of implicit bending and of gravity
+    double holdWork = 0.0;    ///< work of holds
+    double rollingWork = 0.0; ///< of normal forces while their contact points roll (see Rolling)
 };
 /// Accepts the attempt: state, material velocities, hold reactions.
 RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w);

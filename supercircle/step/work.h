@@ -8,9 +8,9 @@
 namespace supercircle::step {
 
 /// The contact point of two smooth surfaces rolls along them by (relative rotation) / (relative curvature). Where the
-/// surfaces are nearly conformal - an arc pressed flat, nested shells - it runs far, and a normal force N that follows it
-/// only from step to step is an explicit spring of stiffness N / curvature on the rotation: it flutters. This term makes
-/// it implicit: impulse -c tau [tau . (dt v / 2 - (q_k - q)) - lag] on the rod.
+/// surfaces are nearly conformal - an arc pressed flat, nested shells - it runs far, and a normal force N that follows
+/// it only from step to step is an explicit spring of stiffness N / curvature on the rotation: it flutters. This term
+/// makes it implicit: impulse -c tau [tau . (dt v / 2 - (q_k - q)) - lag] on the rod.
 struct Rolling {
     Eigen::VectorXd tau; ///< rotation of the rod's section at the contact, d theta / dq
     double c = 0.0;      ///< N dt / relative curvature, N s m
@@ -22,27 +22,26 @@ struct RodWork {
     rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
     rod::GaussField gauss; ///< at the linearisation point
     Eigen::VectorXd qk;    ///< linearisation point
-    double theta = 1.0;    ///< implicitness of this rod in this attempt, see stepper.h
     std::vector<Vec2> u0;  ///< material velocities at the start, carried to the linearisation point
-    Eigen::MatrixXd A;     ///< M / theta + dt^2 theta K
+    Eigen::MatrixXd A;     ///< M + dt^2 K + rolling
     Eigen::VectorXd p;     ///< int lambda J^T u0
-    Eigen::VectorXd rhs;   ///< p / theta + dt F(q)
+    Eigen::VectorXd rhs;   ///< p + dt F(q) + rolling
     Eigen::VectorXd gravityForce;
-    Eigen::MatrixXd C;     ///< hold rows, m x n (empty: free)
-    Eigen::VectorXd c;     ///< C v = c
-    Eigen::MatrixXd Z;     ///< basis of C Z = 0, n x (n - m)
-    Eigen::VectorXd vp;    ///< particular solution of C v = c
-    Eigen::VectorXd push;  ///< sum of H^T r, n
-    Eigen::VectorXd v;     ///< mean velocity of the step, (q1 - q) / dt
-    Eigen::VectorXd q1;    ///< new configuration
-    rod::Kinematics kin1;  ///< at q1
-    std::vector<Vec2> u1;  ///< new material velocities at the linearisation point
+    Eigen::MatrixXd C;    ///< hold rows, m x n (empty: free)
+    Eigen::VectorXd c;    ///< C v = c
+    Eigen::MatrixXd Z;    ///< basis of C Z = 0, n x (n - m)
+    Eigen::VectorXd vp;   ///< particular solution of C v = c
+    Eigen::VectorXd push; ///< sum of H^T r, n
+    Eigen::VectorXd v;    ///< mean velocity of the step, (q1 - q) / dt
+    Eigen::VectorXd q1;   ///< new configuration
+    rod::Kinematics kin1; ///< at q1
+    std::vector<Vec2> u1; ///< new material velocities at the linearisation point
     std::vector<Rolling> rolling;
-    double moved = 0.0;    ///< largest node displacement over the step, m
-    double shift = 0.0;    ///< largest node distance between the linearisation point and the end, m
-    double error = 0.0;    ///< estimate of the local error, m
+    double moved = 0.0;       ///< largest node displacement over the step, m
+    double shift = 0.0;       ///< largest node distance between the linearisation point and the end, m
+    double error = 0.0;       ///< local error of backward Euler, m
     double impactShare = 0.0; ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
-    int body = -1;         ///< index into the contact problem, -1: no candidates
+    int body = -1;            ///< index into the contact problem, -1: no candidates
     bool touching = false;
     Eigen::VectorXd vFree;
     Eigen::LLT<Eigen::MatrixXd> llt; ///< of A, used where the rod has no contact
@@ -51,9 +50,9 @@ struct RodWork {
 /// One contact inside an attempt: what the problem does not carry.
 struct ContactWork {
     Eigen::Matrix<double, 2, Eigen::Dynamic> Ja, Jb; ///< full (unreduced) rows of rod a and rod b
-    Vec2 surface = Vec2::Zero();  ///< (n, t) velocity of a fixed or kinematic surface, m/s
+    Vec2 surface = Vec2::Zero();                     ///< (n, t) velocity of a fixed or kinematic surface, m/s
     int rodA = -1, rodB = -1;
-    int bodyB = -1; ///< index into World::bodies
+    int bodyB = -1;           ///< index into World::bodies
     Vec2 armB = Vec2::Zero(); ///< contact point minus body centre at the linearisation point
 };
 

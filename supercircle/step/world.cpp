@@ -52,7 +52,7 @@ void book(World& world, const Rod& rod, double sign) {
 
 std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eigen::VectorXd& q,
                    const Eigen::VectorXd& v, double mu) {
-    Rod rod{rod::RodModel(definition), q, v, {}, {}, mu, world.nextKey++, 1, 0xffff, false, 0.0, {}, {}};
+    Rod rod{rod::RodModel(definition), q, v, q, {}, {}, mu, world.nextKey++, 1, 0xffff, false, 0.0, {}, {}};
     refreshRod(rod);
     book(world, rod, 1.0);
     world.rods.push_back(std::move(rod));

@@ -19,30 +19,31 @@ namespace supercircle::step {
 
 /// Holds one material point of a rod: position, and direction too when `clamped`.
 struct Hold {
-    double s = 0.0;                     ///< rod arc length, m
-    bool clamped = true;                ///< false: pinned (position only)
-    bool onMachine = false;             ///< carried by the machine: moves with World::machineVelocity
-    Vec2 target = Vec2::Zero();         ///< where the point is to be at the current time, m
-    double targetAngle = 0.0;           ///< rad
-    Vec2 velocity = Vec2::Zero();       ///< of the target when not on the machine, m/s
-    double spin = 0.0;                  ///< rad/s
-    Vec2 reaction = Vec2::Zero();       ///< force on the rod in the last step, N
-    double reactionTorque = 0.0;        ///< N m
+    double s = 0.0;               ///< rod arc length, m
+    bool clamped = true;          ///< false: pinned (position only)
+    bool onMachine = false;       ///< carried by the machine: moves with World::machineVelocity
+    Vec2 target = Vec2::Zero();   ///< where the point is to be at the current time, m
+    double targetAngle = 0.0;     ///< rad
+    Vec2 velocity = Vec2::Zero(); ///< of the target when not on the machine, m/s
+    double spin = 0.0;            ///< rad/s
+    Vec2 reaction = Vec2::Zero(); ///< force on the rod in the last step, N
+    double reactionTorque = 0.0;  ///< N m
 };
 
 /// One shell: constant model, state, and what others need to know about it.
 struct Rod {
     rod::RodModel model;
-    Eigen::VectorXd q;          ///< layout of rod::RodModel
-    Eigen::VectorXd v;          ///< dq/dt
-    std::vector<Vec2> u;        ///< material velocity at the Gauss points, m/s: the momentum the next step starts from
+    Eigen::VectorXd q;     ///< layout of rod::RodModel
+    Eigen::VectorXd v;     ///< dq/dt
+    Eigen::VectorXd qGood; ///< last accepted q: where a rod with bad numbers is left
+    std::vector<Vec2> u;   ///< material velocity at the Gauss points, m/s: the momentum the next step starts from
     std::vector<Hold> holds;
     double mu = 0.35;           ///< friction coefficient, 1; pairs use sqrt(mu_a mu_b)
     std::uint32_t key = 0;      ///< stable identity
     std::uint16_t category = 1; ///< collision filter, as in Box2D
     std::uint16_t mask = 0xffff;
-    bool quarantined = false;   ///< had bad numbers: neither moves nor collides any more
-    double speed = 0.0;         ///< largest speed of its points in the last step, m/s
+    bool quarantined = false; ///< had bad numbers: neither moves nor collides any more
+    double speed = 0.0;       ///< largest speed of its points in the last step, m/s
 
     rod::Kinematics kin;   ///< at q
     rod::GaussField gauss; ///< at q
@@ -52,15 +53,15 @@ struct Rod {
 struct Body {
     BodyId id = 0;
     BodyState state;
-    bool driven = false;          ///< moved by the machine: our pose rules, the host follows
-    bool dynamic = false;         ///< takes part in the contact problem
-    Vec2 impulse = Vec2::Zero();  ///< gathered for the host in this frame, N s
-    double angularImpulse = 0.0;  ///< about the centre of mass, N m s
+    bool driven = false;             ///< moved by the machine: our pose rules, the host follows
+    bool dynamic = false;            ///< takes part in the contact problem
+    Vec2 impulse = Vec2::Zero();     ///< gathered for the host in this frame, N s
+    double angularImpulse = 0.0;     ///< about the centre of mass, N m s
     Vec2 feedForward = Vec2::Zero(); ///< mean acceleration the host's own constraints gave it in the last frame, m/s^2
     double feedForwardSpin = 0.0;    ///< rad/s^2
     Vec2 expected = Vec2::Zero();    ///< velocity handed to the host plus its free-fall change, m/s
     double expectedSpin = 0.0;
-    Vec2 force = Vec2::Zero();    ///< from the shells in the last step, N
+    Vec2 force = Vec2::Zero(); ///< from the shells in the last step, N
 };
 
 /// Impulse remembered for warm starting and for pictures.
@@ -80,12 +81,10 @@ struct Settings {
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
     double relinearise = 0.006;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
-    double theta = 1.0;              ///< implicitness of rods that do not hit anything, 1/2 < theta <= 1
-    double impactDepth = 0.002;      ///< h, how deep the present velocities may lead before a rod counts as hitting
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
-    bool witness = false;            ///< run the independent crossing check after each accepted step
+    bool witness = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
 /// What the steps so far took; counts only grow.
@@ -96,7 +95,8 @@ struct Counters {
     std::uint64_t sweeps = 0;
     std::uint64_t pivots = 0;
     std::uint64_t unconverged = 0; ///< accepted steps whose contact residual stayed above tolerance
-    std::uint64_t crossings = 0;   ///< found by the witness
+    std::uint64_t crossings = 0;   ///< found by the witness in accepted steps
+    std::uint64_t quarantined = 0; ///< rods taken out because of bad numbers
     double etaMax = 0.0;           ///< largest contact residual of an accepted step
     double penetrationMax = 0.0;   ///< deepest overlap seen after an accepted step, m
 };
@@ -110,8 +110,8 @@ struct World {
     double time = 0.0; ///< s
     Vec2 gravity = Vec2::Zero();
     std::vector<Rod> rods;
-    std::vector<Body> bodies;          ///< sorted by id
-    std::vector<BodyOutline> outlines; ///< of those bodies, as pulled last
+    std::vector<Body> bodies;             ///< sorted by id
+    std::vector<BodyOutline> outlines;    ///< of those bodies, as pulled last
     std::vector<ContactImpulse> impulses; ///< sorted by id
     Vec2 machineVelocity = Vec2::Zero();  ///< of everything the machine carries, m/s
     Vec2 machineTravel = Vec2::Zero();    ///< integral of it, m
@@ -122,8 +122,8 @@ struct World {
     /// part of the state so that a restored world replays bit for bit. Empty `range`: not known.
     std::vector<contact::Candidate> candidates;
     std::vector<double> range; ///< per rod, m
-    double dt = 0.0;      ///< last accepted step, s
-    double dtNext = 0.0;  ///< what the controller wants next, s
+    double dt = 0.0;           ///< last accepted step, s
+    double dtNext = 0.0;       ///< what the controller wants next, s
     std::uint32_t nextKey = 1;
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).

@@ -209,3 +209,14 @@ TEST_CASE("progress lives on one line of a terminal, with the time left") {
             CHECK(line.size() < 60);
     }
 }
+
+TEST_CASE("a simulation that cannot go on is exit 3, says what and when, and keeps what was good") {
+    const Folder folder;
+    // A speed whose kinetic energy is beyond double precision: no step, however small, has finite numbers.
+    const std::string file =
+        folder.write("fast.json", "{ \"shell\": [ { \"velocity\": { \"x\": 1e200, \"y\": 0 } } ], \"duration\": 0.1 }");
+    const Ending ending = start({"run", file, "--out", folder / "out", "--quiet"});
+    CHECK(ending.code == 3);
+    CHECK_THAT(ending.err, Contains("could not go on") && Contains("at t =") && Contains(folder / "out"));
+    CHECK_THAT(contentOf(folder / "out/summary.json"), Contains("\"status\": \"failed\""));
+}

@@ -190,3 +190,31 @@ TEST_CASE("contact problems are dumped, one file each") {
     }
     CHECK(files == summary["contact_solves"]);
 }
+
+TEST_CASE("benchmarks print a table and the same figures as JSON") {
+    const Folder folder;
+    const Ending ending = start({"bench", "--filter", "rod_evaluate", "--json", folder / "bench.json"});
+    CHECK(ending.code == 0);
+    CHECK_THAT(ending.out, Contains("median ms") && Contains("rod_evaluate") && Contains("peak memory"));
+    const json figures = json::parse(contentOf(folder / "bench.json"));
+    REQUIRE(figures["benchmarks"].size() == 1);
+    CHECK(figures["benchmarks"][0]["name"] == "rod_evaluate");
+    CHECK(figures["benchmarks"][0]["median_ms"] > 0.0);
+    CHECK(figures["peak_memory_MB"] > 0.0);
+    const Ending unknown = start({"bench", "--filter", "zork"});
+    CHECK(unknown.code == 2);
+    CHECK_THAT(unknown.err, Contains("zork") && Contains("shell_on_cylinder") && Contains("stack30"));
+    CHECK(start({"bench", "--filter", "rod_evaluate", "--json", "/proc/none/bench.json"}).code == 4);
+}
+
+TEST_CASE("contact solvers are measured on problems recorded on the spot") {
+    const Folder folder;
+    const Ending ending = start({"bench", "--filter", "contact/cascade", "--json", folder / "bench.json"});
+    REQUIRE(ending.code == 0);
+    const json figures = json::parse(contentOf(folder / "bench.json"));
+    REQUIRE(figures["benchmarks"].size() == 2); // 1e-6 and 1e-8
+    for (const json& row : figures["benchmarks"]) {
+        CHECK(row["samples"] >= 100);
+        CHECK(row["reached"] == 1.0); // the default method is there to reach the tolerance
+    }
+}

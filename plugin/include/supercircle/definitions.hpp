@@ -15,23 +15,24 @@ struct Point {
 /// A flexible open shell: an inextensible elastic rod of circular arcs. The default is the paper's shell
 /// (PET-G, R = 19.2 mm, h = 0.5 mm, w = 10 mm) with phi_bar = 0.75.
 struct ShellDef {
-    Point position{};                     ///< of the middle of the shell, m
-    double angle = 0.0;                   ///< tangent direction at the middle, rad; pi with positive curvature is a dome opening downwards
-    double length = 0.0;                  ///< arc length, m; 0: opening angle times natural radius
-    double phi_bar = 0.75;                ///< opening angle / 2 pi, used when length is 0
-    double radius = 0.0192;               ///< natural radius, m (natural curvature is 1/radius); infinite: a straight strip
+    Point position{}; ///< of the middle of the shell, m
+    double angle =
+        0.0; ///< tangent direction at the middle, rad; pi with positive curvature is a dome opening downwards
+    double length = 0.0;    ///< arc length, m; 0: opening angle times natural radius
+    double phi_bar = 0.75;  ///< opening angle / 2 pi, used when length is 0
+    double radius = 0.0192; ///< natural radius, m (natural curvature is 1/radius); infinite: a straight strip
     std::vector<double> natural_curvature; ///< per element, 1/m; empty: 1/radius everywhere
     std::vector<double> curvature;         ///< initial, per element, 1/m; empty: the natural one
-    double thickness = 0.0005;            ///< m
-    double width = 0.010;                 ///< m
-    double density = 1270.0;              ///< kg/m^3
-    double young_modulus = 2.2e9;         ///< Pa
-    double mu = 0.35;                     ///< friction coefficient, 1
-    int elements = 15;                    ///< number of arcs
-    bool closed = false;                  ///< ends welded into a ring
-    Point velocity{};                     ///< m/s
-    double spin = 0.0;                    ///< rad/s
-    std::uint16_t category = 1;           ///< collision filter as in Box2D
+    double thickness = 0.0005;             ///< m
+    double width = 0.010;                  ///< m
+    double density = 1270.0;               ///< kg/m^3
+    double young_modulus = 2.2e9;          ///< Pa
+    double mu = 0.35;                      ///< friction coefficient, 1
+    int elements = 15;                     ///< number of arcs
+    bool closed = false;                   ///< ends welded into a ring
+    Point velocity{};                      ///< m/s
+    double spin = 0.0;                     ///< rad/s
+    std::uint16_t category = 1;            ///< collision filter as in Box2D
     std::uint16_t mask = 0xffff;
     std::uint64_t user_data = 0;
     std::string name;
@@ -49,10 +50,10 @@ enum class HoldKind : std::uint8_t {
 
 /// Holds one point of a shell, on the ground or on the machine that the protocol drives.
 struct HoldDef {
-    std::string shell;          ///< name of the shell
-    double arc_fraction = 0.5;  ///< place along the shell, 0 = first end, 1 = last end
+    std::string shell;         ///< name of the shell
+    double arc_fraction = 0.5; ///< place along the shell, 0 = first end, 1 = last end
     HoldKind kind = HoldKind::Clamp;
-    bool on_machine = false;    ///< carried by the machine head instead of the ground
+    bool on_machine = false; ///< carried by the machine head instead of the ground
 };
 
 } // namespace supercircle

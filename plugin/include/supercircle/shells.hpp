@@ -103,8 +103,8 @@ public:
     /// Force of the shells on the machine in the last step, N.
     [[nodiscard]] Point machine_force() const;
 
-    /// Advances the shells by dt (s), in as many inner steps as they need, and hands impulses to the host. Call before the
-    /// host's own step. `observer` sees each inner step; returning true ends the frame there (then step the host by
+    /// Advances the shells by dt (s), in as many inner steps as they need, and hands impulses to the host. Call before
+    /// the host's own step. `observer` sees each inner step; returning true ends the frame there (then step the host by
     /// FrameReport::advanced).
     FrameReport pre_step(double dt, const std::function<bool()>& observer = {});
     /// Call after the host's own step.

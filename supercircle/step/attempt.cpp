@@ -1,0 +1,212 @@
+#include "supercircle/step/attempt.h"
+
+#include "supercircle/step/parallel.h"
+#include "supercircle/step/rod_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supercircle::step {
+
+double deepest(const std::vector<contact::Candidate>& list) {
+    double depth = 0.0;
+    for (const contact::Candidate& c : list)
+        depth = std::max(depth, -c.gap);
+    return depth;
+}
+
+namespace {
+
+int count(const World& world) {
+    return static_cast<int>(world.rods.size());
+}
+
+struct GapErrors {
+    double loaded = 0.0;  ///< largest |gap| of a loaded contact after the step, m
+    double deepest = 0.0; ///< deepest overlap after the step, m
+};
+
+GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>& loaded) {
+    GapErrors e;
+    e.deepest = deepest(stage.after);
+    for (const contact::Candidate& c : stage.after) {
+        const auto it = std::lower_bound(loaded.begin(), loaded.end(), c.id,
+                                         [](const ContactImpulse& a, std::uint64_t id) { return a.id < id; });
+        if (it != loaded.end() && it->id == c.id)
+            e.loaded = std::max(e.loaded, std::abs(c.gap));
+    }
+    return e;
+}
+
+void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
+    for (RodWork& w : rods)
+        w.touching = w.C.rows() > 0;
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i)
+        if (stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) {
+            rods[static_cast<std::size_t>(stage.candidates[i].a.rod)].touching = true;
+            if (stage.candidates[i].b.rod >= 0)
+                rods[static_cast<std::size_t>(stage.candidates[i].b.rod)].touching = true;
+        }
+}
+
+} // namespace
+
+void Attempt::collidePresent(World& world, const Settings& settings) {
+    bool known = world.range.size() == world.rods.size();
+    for (std::size_t i = 0; known && i < world.rods.size(); ++i)
+        known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
+    if (known)
+        return;
+    const double fall = world.gravity.norm() * dt * dt;
+    world.range.resize(world.rods.size());
+    kin.resize(world.rods.size());
+    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+        world.range[i] = 1.5 * world.rods[i].speed * dt + 2.0 * fall;
+        kin[i] = &world.rods[i].kin;
+    }
+    collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
+}
+
+/// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
+/// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
+void Attempt::begin(const World& world, const Settings& settings) {
+    std::vector<char> near(world.rods.size(), 0);
+    for (const contact::Candidate& c : world.candidates) {
+        near[static_cast<std::size_t>(c.a.rod)] = 1;
+        if (c.b.rod >= 0)
+            near[static_cast<std::size_t>(c.b.rod)] = 1;
+    }
+    parallelFor(count(world), settings.threads, [&](std::size_t i) {
+        const double farthest = near[i] ? 0.25 * h : std::numeric_limits<double>::infinity();
+        beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
+    });
+    frameInMiddle(world, rods, world.candidates, false, dt, stage);
+}
+
+/// Stages evaluate, predict, couple and solve at the present linearisation, and the motion that follows.
+void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& times, bool first) {
+    const int n = count(world);
+    {
+        StageTimer timer(times, Stage::Evaluate);
+        collectRolling(world, rods, dt, impulses, first, stage);
+        parallelFor(n, settings.threads, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, rods[i]); });
+    }
+    {
+        StageTimer timer(times, Stage::Predict);
+        parallelFor(n, settings.threads, [&](std::size_t i) { predictRod(world.rods[i], rods[i]); });
+    }
+    {
+        StageTimer timer(times, Stage::Couple);
+        couple(world, rods, dt, impulses, stage);
+    }
+    {
+        StageTimer timer(times, Stage::Solve);
+        solveContacts(world, rods, settings.contact, stage);
+        ++world.counters.solves;
+        world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
+        world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
+    }
+    StageTimer timer(times, Stage::Advance);
+    parallelFor(n, settings.threads, [&](std::size_t i) { advanceRod(world.rods[i], dt, rods[i]); });
+    markTouching(rods, stage);
+}
+
+/// How far everything moved, and whether the candidates reached that far; if not, the world's range is widened.
+Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& widened, bool first) {
+    error = moved = 0.0;
+    bool outOfRange = false;
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        const RodWork& w = rods[i];
+        error = std::max(error, w.error);
+        if (w.touching)
+            moved = std::max(moved, w.moved);
+        if (w.shift > world.range[i] + 0.4 * settings.margin * h) {
+            outOfRange = true;
+            world.range[i] = 1.5 * w.shift;
+        }
+    }
+    if (!outOfRange)
+        return Reach::Enough;
+    if (!first)
+        return Reach::Enough; // relinearised: new candidates come from the end of the last attempt
+    return ++widened > 4 ? Reach::Never : Reach::Wider;
+}
+
+/// Candidates at the end of the attempt: what judges it, and what the next step starts from (at most twice as long).
+void Attempt::collideEnd(const World& world, const Settings& settings) {
+    const double fall = world.gravity.norm() * dt * dt;
+    kin.resize(rods.size());
+    nextRange.resize(rods.size());
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        kin[i] = &rods[i].kin1;
+        nextRange[i] = 2.0 * rods[i].moved + (rods[i].touching ? 0.0 : 4.0 * fall);
+    }
+    collide(world, kin, nextRange, dt, 4.0 * dt, settings.margin * h, stage, stage.after);
+}
+
+/// The independent check of the way from start to end.
+void Attempt::witness(const World& world) {
+    placeOutlines(world, 0.0, 0.0, outlinesBefore);
+    curvesBefore.resize(world.rods.size());
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]);
+    contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings);
+}
+
+Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times,
+                       const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve) {
+    const bool adaptive = settings.fixedDt <= 0.0;
+    const double before = deepest(world.candidates);
+    crossings.clear();
+    rejectedBeforeEnd = true;
+    rods.resize(world.rods.size());
+    impulses = world.impulses;
+    begin(world, settings);
+    int widened = 0;
+    for (int iteration = 0;;) {
+        solveOnce(world, settings, times, iteration == 0);
+        if (onSolve && !stage.candidates.empty())
+            onSolve(stage.problem, stage.report);
+        for (const RodWork& w : rods)
+            if (!w.v.allFinite())
+                return Verdict::Smaller;
+        const Reach reach = measure(world, settings, widened, iteration == 0);
+        const bool tooFar = adaptive && (moved > settings.motionLimit * h || error > 2.0 * settings.localError * h);
+        if (tooFar && dt > 2.0 * settings.dtMin)
+            return Verdict::Smaller;
+        if (reach == Reach::Never)
+            return Verdict::Smaller;
+        StageTimer timer(times, Stage::Collide);
+        if (reach == Reach::Wider) {
+            kin.resize(rods.size());
+            for (std::size_t i = 0; i < rods.size(); ++i)
+                kin[i] = &world.rods[i].kin;
+            collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
+            begin(world, settings);
+            continue;
+        }
+        collideEnd(world, settings);
+        gather(stage, dt, impulses);
+        const GapErrors e = gapErrors(stage, impulses);
+        const double reject = settings.rejectPenetration * h, tolerance = settings.relinearise * h;
+        const bool deeper = e.deepest > reject && e.deepest > before + 0.1 * reject;
+        const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);
+        if ((deeper || off) && ++iteration < settings.maxIterations) {
+            parallelFor(count(world), settings.threads,
+                        [&](std::size_t i) { relineariseInMiddle(world.rods[i], rods[i]); });
+            frameInMiddle(world, rods, world.candidates, true, dt, stage);
+            for (std::size_t i = 0; i < rods.size(); ++i)
+                world.range[i] = std::max(world.range[i], nextRange[i]);
+            continue;
+        }
+        rejectedBeforeEnd = false;
+        if (deeper && (adaptive || e.deepest > 0.25 * h))
+            return Verdict::Smaller;
+        if (settings.witness)
+            witness(world);
+        return crossings.empty() ? Verdict::Accept : Verdict::Smaller;
+    }
+}
+
+} // namespace supercircle::step

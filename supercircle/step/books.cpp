@@ -1,0 +1,108 @@
+// What an accepted attempt moves: state, energy books (ledger.h), bodies.
+
+#include "supercircle/step/attempt.h"
+#include "supercircle/step/rod_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::step {
+
+namespace {
+
+/// Contact terms of the energy books and the forces on bodies; uses the rods' old velocities, so before acceptRods.
+void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage, double dt) {
+    for (Body& b : world.bodies)
+        b.force.setZero();
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        rods[i].impactShare = 0.0;
+        rods[i].push.setZero(world.rods[i].model.dofs());
+    }
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * i));
+        if (r.isZero(0.0))
+            continue;
+        const contact::Candidate& c = stage.candidates[i];
+        const ContactWork& k = stage.work[i];
+        RodWork& a = rods[static_cast<std::size_t>(k.rodA)];
+        Vec2 u = k.Ja * a.v - k.surface;
+        a.push += k.Ja.transpose() * r;
+        a.impactShare += 0.5 * r.dot(k.Ja * (a.v - world.rods[static_cast<std::size_t>(k.rodA)].v));
+        const Vec2 force = (c.normal * r.x() + rod::perp(c.normal) * r.y()) / dt;
+        if (k.rodB >= 0) {
+            RodWork& b = rods[static_cast<std::size_t>(k.rodB)];
+            u -= k.Jb * b.v;
+            b.push -= k.Jb.transpose() * r;
+            b.impactShare -= 0.5 * r.dot(k.Jb * (b.v - world.rods[static_cast<std::size_t>(k.rodB)].v));
+        } else {
+            Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
+            body.force -= force;
+            const int index = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+            if (index >= 0) {
+                const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
+                u += ub;
+                world.ledger.toBodies += r.dot(ub);
+                body.impulse -= force * dt;
+                body.angularImpulse -= rod::cross(k.armB, force * dt);
+            } else {
+                world.ledger.work += r.dot(k.surface);
+            }
+        }
+        world.ledger.friction -= r.y() * u.y();
+        world.ledger.pushOut -= r.x() * u.x();
+    }
+}
+
+void advanceBodies(World& world, const ContactStage& stage, double dt) {
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        Body& b = world.bodies[i];
+        const int index = stage.bodyProblemIndex.size() == world.bodies.size() ? stage.bodyProblemIndex[i] : -1;
+        if (index >= 0) {
+            const Eigen::VectorXd& v = stage.velocity[static_cast<std::size_t>(index)];
+            b.state.velocity = v.head<2>();
+            b.state.spin = v[2];
+        } else if (b.dynamic) {
+            b.state.velocity += dt * (b.state.gravityScale * world.gravity + b.feedForward);
+            b.state.spin += dt * b.feedForwardSpin;
+        }
+        b.state.centre += dt * b.state.velocity;
+        b.state.angle += dt * b.state.spin;
+    }
+    world.machineTravel += dt * world.machineVelocity;
+}
+
+} // namespace
+
+void accept(World& world, Attempt& t) {
+    std::vector<RodWork>& rods = t.rods;
+    ContactStage& stage = t.stage;
+    const double dt = t.dt;
+    bookContacts(world, rods, stage, dt);
+    Ledger& l = world.ledger;
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        if (world.rods[i].quarantined)
+            continue;
+        const RodBooks b = acceptRod(world, world.rods[i], dt, rods[i]);
+        const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
+        l.kinetic += b.kineticChange;
+        l.bending += b.bendingChange;
+        l.gravity += b.gravityChange;
+        l.impact += impact;
+        l.numerical += b.kineticLoss - impact + b.secondOrder;
+        l.work += b.holdWork;
+        l.pushOut -= b.rollingWork;
+    }
+    advanceBodies(world, stage, dt);
+    world.impulses = t.impulses;
+    world.candidates = stage.after;
+    world.range = t.nextRange;
+    world.dt = dt;
+    ++world.counters.steps;
+    world.counters.crossings += t.crossings.size();
+    world.counters.etaMax = std::max(world.counters.etaMax, stage.report.eta);
+    if (!stage.report.converged)
+        ++world.counters.unconverged;
+    world.counters.penetrationMax = std::max(world.counters.penetrationMax, deepest(world.candidates));
+}
+
+} // namespace supercircle::step

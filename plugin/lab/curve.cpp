@@ -1,5 +1,6 @@
 #include "plugin/lab/curve.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace supercircle::lab {
@@ -39,6 +40,20 @@ std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::spa
     }
     if (falling && std::abs(displacement[bottom] - displacement[top]) <= within)
         out.push_back({top, bottom, force[top] - force[bottom]});
+    return out;
+}
+
+std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, const std::vector<ForceDrop>& drops,
+                                  double apart) {
+    std::vector<ForceDrop> out;
+    for (const ForceDrop& d : drops) {
+        if (out.empty() || std::abs(displacement[d.top] - displacement[out.back().bottom]) > apart) {
+            out.push_back(d);
+            continue;
+        }
+        out.back().size = std::max(out.back().size, d.size);
+        out.back().bottom = d.bottom;
+    }
     return out;
 }
 

@@ -22,4 +22,8 @@ struct ForceDrop {
 std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::span<const double> force, double threshold,
                                   double within);
 
+/// Drops whose tops lie within `apart` (m) of the end of the one before are one event: the force rings after a snap.
+std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, const std::vector<ForceDrop>& drops,
+                                  double apart);
+
 } // namespace supercircle::lab

@@ -3,9 +3,20 @@
 #include "plugin/shells/from_definition.h"
 #include "supercircle/step/stepper.h"
 
+#include <atomic>
 #include <cmath>
 
 namespace supercircle {
+
+namespace {
+
+/// A number per Shells of this process; it only tells handles apart and touches no result.
+std::uint32_t nextTag() {
+    static std::atomic<std::uint32_t> last{0};
+    return ++last;
+}
+
+} // namespace
 
 struct Shells::Impl {
     std::shared_ptr<step::Port> port;
@@ -17,10 +28,12 @@ struct Shells::Impl {
     };
     std::vector<Slot> slots;
     double advanced = 0.0;
+    std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
 
     /// Index of the rod in the world, or -1.
     [[nodiscard]] int find(ShellHandle h) const {
-        if (h.null() || h.index >= slots.size() || slots[h.index].generation != h.generation || slots[h.index].key == 0)
+        if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
+            slots[h.index].key == 0)
             return -1;
         for (std::size_t i = 0; i < world.rods.size(); ++i)
             if (world.rods[i].key == slots[h.index].key)
@@ -54,7 +67,7 @@ Result<ShellHandle> Shells::create(const ShellDef& definition) {
         impl_->slots.emplace_back();
     impl_->slots[slot].generation++;
     impl_->slots[slot].key = w.rods[index].key;
-    return ShellHandle{slot, impl_->slots[slot].generation};
+    return ShellHandle{slot, impl_->slots[slot].generation, impl_->tag};
 }
 
 bool Shells::destroy(ShellHandle shell) {

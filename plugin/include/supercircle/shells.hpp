@@ -28,6 +28,7 @@ class Stepper;
 struct ShellHandle {
     std::uint32_t index = 0;
     std::uint32_t generation = 0;
+    std::uint32_t world = 0; ///< which Shells it belongs to
     [[nodiscard]] bool null() const { return generation == 0; }
     friend bool operator==(const ShellHandle&, const ShellHandle&) = default;
 };

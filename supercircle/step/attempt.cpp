@@ -31,9 +31,7 @@ GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>
     GapErrors e;
     e.deepest = deepest(stage.after);
     for (const contact::Candidate& c : stage.after) {
-        const auto it = std::lower_bound(loaded.begin(), loaded.end(), c.id,
-                                         [](const ContactImpulse& a, std::uint64_t id) { return a.id < id; });
-        if (it != loaded.end() && it->id == c.id)
+        if (findImpulse(loaded, c.id))
             e.loaded = std::max(e.loaded, std::abs(c.gap));
     }
     return e;
@@ -168,6 +166,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         solveOnce(world, settings, times, iteration == 0);
         if (onSolve && !stage.candidates.empty())
             onSolve(stage.problem, stage.report);
+        if (!stage.report.error.empty()) // the solver refused the problem: nothing here was solved
+            return Verdict::Smaller;
         for (const RodWork& w : rods)
             if (!w.v.allFinite())
                 return Verdict::Smaller;

@@ -98,7 +98,6 @@ void accept(World& world, Attempt& t) {
     world.range = t.nextRange;
     world.dt = dt;
     ++world.counters.steps;
-    world.counters.crossings += t.crossings.size();
     world.counters.etaMax = std::max(world.counters.etaMax, stage.report.eta);
     if (!stage.report.converged)
         ++world.counters.unconverged;

@@ -43,12 +43,6 @@ int bodyIndex(const World& world, BodyId id) {
 
 constexpr double kFlatness = 0.0025; ///< h, see collectRolling
 
-const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id) {
-    const auto it = std::lower_bound(list.begin(), list.end(), id,
-                                     [](const ContactImpulse& a, std::uint64_t want) { return a.id < want; });
-    return it != list.end() && it->id == id ? &*it : nullptr;
-}
-
 std::vector<std::uint64_t> sortedIds(const std::vector<contact::Candidate>& candidates) {
     std::vector<std::uint64_t> ids;
     ids.reserve(candidates.size());
@@ -191,6 +185,12 @@ void addHostBodies(const World& world, double dt, ContactStage& stage) {
 }
 
 } // namespace
+
+const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id) {
+    const auto it = std::lower_bound(list.begin(), list.end(), id,
+                                     [](const ContactImpulse& a, std::uint64_t want) { return a.id < want; });
+    return it != list.end() && it->id == id ? &*it : nullptr;
+}
 
 void placeOutlines(const World& world, double ahead, double motionTime, std::vector<contact::Outline>& outlines) {
     outlines.resize(world.outlines.size());

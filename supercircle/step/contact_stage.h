@@ -48,6 +48,9 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage);
 
+/// Entry of contact `id` in a list sorted by id, nullptr if there is none.
+const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id);
+
 /// Impulses of the stage by contact id, as mean forces.
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out);
 

@@ -139,9 +139,11 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
         }
         const bool finite = std::all_of(attempt.rods.begin(), attempt.rods.end(),
                                         [](const RodWork& w) { return w.v.allFinite() && w.q1.allFinite(); });
-        if (!finite || attempt.rejectedBeforeEnd) {
-            out.failure = finite ? "the step size fell to its minimum without an acceptable step"
-                                 : "the contact solver returned numbers that are not finite";
+        if (!finite || attempt.rejectedBeforeEnd || !attempt.crossings.empty()) {
+            world.counters.crossings += attempt.crossings.size();
+            out.failure = !finite                     ? "the contact solver returned numbers that are not finite"
+                          : attempt.rejectedBeforeEnd ? "the step size fell to its minimum without an acceptable step"
+                                                      : "shells would cross even at the smallest step";
             break;
         }
         {

@@ -95,7 +95,7 @@ struct Counters {
     std::uint64_t sweeps = 0;
     std::uint64_t pivots = 0;
     std::uint64_t unconverged = 0; ///< accepted steps whose contact residual stayed above tolerance
-    std::uint64_t crossings = 0;   ///< found by the witness in accepted steps
+    std::uint64_t crossings = 0;   ///< found by the witness in a step that could not be cut further (it ends the run)
     std::uint64_t quarantined = 0; ///< rods taken out because of bad numbers
     double etaMax = 0.0;           ///< largest contact residual of an accepted step
     double penetrationMax = 0.0;   ///< deepest overlap seen after an accepted step, m

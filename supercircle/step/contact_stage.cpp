@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace supercircle::step {
 
@@ -77,6 +78,50 @@ ContactImpulse forceBefore(const std::vector<ContactImpulse>& list, const std::v
                     sum.tangent += other->tangent;
                 }
             }
+    return sum;
+}
+
+/// A loaded contact point on the lower-numbered rod of its pair.
+struct LoadedPoint {
+    std::int32_t first = -1; ///< rod
+    std::int32_t other = -1; ///< rod, or -2 - outline
+    double s = 0.0;          ///< on `first`, m
+    double normal = 0.0;     ///< N
+    bool operator<(const LoadedPoint& p) const { return std::tie(first, other, s) < std::tie(p.first, p.other, p.s); }
+};
+
+LoadedPoint pointOf(const contact::Candidate& c) {
+    if (c.b.rod < 0)
+        return {c.a.rod, -2 - c.outline, c.a.s, 0.0};
+    return c.a.rod <= c.b.rod ? LoadedPoint{c.a.rod, c.b.rod, c.a.s, 0.0} : LoadedPoint{c.b.rod, c.a.rod, c.b.s, 0.0};
+}
+
+/// Sampled points (nodes, corners) that carried force in the last step, sorted.
+std::vector<LoadedPoint> loadedSamples(const std::vector<contact::Candidate>& candidates,
+                                       const std::vector<ContactImpulse>& warm) {
+    std::vector<LoadedPoint> list;
+    for (const contact::Candidate& c : candidates) {
+        const contact::Feature kind = contact::featureOf(c.id);
+        if (kind == contact::Feature::Interior || kind == contact::Feature::InteriorOutline)
+            continue;
+        if (const ContactImpulse* before = findImpulse(warm, c.id)) {
+            list.push_back(pointOf(c));
+            list.back().normal = before->normal;
+        }
+    }
+    std::sort(list.begin(), list.end());
+    return list;
+}
+
+/// Force of the sampled points around a minimum, weighted by a hat as wide as an element.
+double forceAround(const std::vector<LoadedPoint>& samples, const contact::Candidate& c, double width) {
+    LoadedPoint from = pointOf(c);
+    const double s = from.s;
+    from.s -= width;
+    double sum = 0.0;
+    for (auto it = std::lower_bound(samples.begin(), samples.end(), from);
+         it != samples.end() && it->first == from.first && it->other == from.other && it->s < s + width; ++it)
+        sum += it->normal * (1.0 - std::abs(it->s - s) / width);
     return sum;
 }
 
@@ -269,15 +314,17 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
     for (RodWork& w : rods)
         w.rolling.clear();
     const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
+    const std::vector<LoadedPoint> samples = loadedSamples(stage.candidates, warm);
     Eigen::RowVectorXd tau;
     for (const contact::Candidate& c : stage.candidates) {
         const contact::Feature kind = contact::featureOf(c.id);
         if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
             continue;
-        const double normal = forceBefore(warm, present, c).normal;
+        const auto ia = static_cast<std::size_t>(c.a.rod);
+        const double normal =
+            forceBefore(warm, present, c).normal + forceAround(samples, c, world.rods[ia].model.elementLength(c.a.element));
         if (normal <= 0.0)
             continue;
-        const auto ia = static_cast<std::size_t>(c.a.rod);
         const auto side = [&](std::size_t i, const contact::RodPoint& at, double outward) {
             const rod::RodModel& model = world.rods[i].model;
             const rod::Place place = rod::locate(model, at.element, at.s);
@@ -295,7 +342,7 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
         // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away
         // further.
         const rod::RodModel& model = world.rods[ia].model;
-        const double length = model.elementLength();
+        const double length = model.elementLength(c.a.element);
         curvature = std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
         const double strength = normal * dt / curvature;
         const auto add = [&](std::size_t i, const contact::RodPoint& at) -> Rolling& {

@@ -14,7 +14,7 @@ Box reach(const World& world, double frame) {
     box.lower.setConstant(std::numeric_limits<double>::infinity());
     box.upper.setConstant(-std::numeric_limits<double>::infinity());
     for (const Rod& r : world.rods) {
-        const double pad = 2.0 * frame * (r.speed + frame * world.gravity.norm()) + r.model.elementLength();
+        const double pad = 2.0 * frame * (r.speed + frame * world.gravity.norm()) + r.model.longestElement();
         for (int i = 0; i <= r.model.elements(); ++i) {
             box.lower = box.lower.cwiseMin(r.kin.node(i) - Vec2::Constant(pad));
             box.upper = box.upper.cwiseMax(r.kin.node(i) + Vec2::Constant(pad));

@@ -58,10 +58,12 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     }
 }
 
-double meanAngle(const rod::Kinematics& kin) {
+/// Mean tangent angle of the rod's material.
+double meanAngle(const rod::RodModel& model, const rod::Kinematics& kin) {
+    const double mean = model.definition().length / model.elements();
     double sum = 0.0;
     for (const rod::Arc& a : kin.arcs())
-        sum += a.angle + 0.5 * a.curvature * a.length;
+        sum += (a.length / mean) * (a.angle + 0.5 * a.curvature * a.length);
     return sum / static_cast<double>(kin.arcs().size());
 }
 
@@ -88,7 +90,7 @@ void placeAt(const Rod& rod, RodWork& w) {
     w.kin.evaluate(rod.model, w.qk);
     rod::evaluateGauss(rod.model, w.kin, w.gauss);
     w.u0 = rod.u;
-    carryAlong(w.gauss, meanAngle(w.kin) - meanAngle(rod.kin), w.u0);
+    carryAlong(w.gauss, meanAngle(rod.model, w.kin) - meanAngle(rod.model, rod.kin), w.u0);
 }
 
 void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w) {
@@ -104,9 +106,8 @@ void relineariseInMiddle(const Rod& rod, RodWork& w) {
 
 void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
     rod::massMatrix(rod.model, w.kin, w.gauss, w.A);
-    const double k = dt * dt * rod::bendingStiffness(rod.model);
     for (int i = 0; i < rod.model.elements(); ++i)
-        w.A(i, i) += k;
+        w.A(i, i) += dt * dt * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i));
     rod::momentum(rod.model, w.kin, w.gauss, w.u0, w.p);
     rod::uniformForce(rod.model, w.kin, w.gauss, world.gravity, w.gravityForce);
     w.rhs = w.gravityForce;
@@ -162,7 +163,7 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     books.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
     for (int i = 0; i < rod.model.elements(); ++i) {
         const double step = w.q1[i] - rod.q[i];
-        books.secondOrder += 0.5 * rod::bendingStiffness(rod.model) * step * step;
+        books.secondOrder += 0.5 * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * step * step;
     }
     for (const Rolling& roll : w.rolling) {
         const double rate = roll.tau.dot(w.v);
@@ -182,7 +183,7 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         }
     }
     const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
-    const double turned = meanAngle(w.kin1) - meanAngle(w.kin);
+    const double turned = meanAngle(rod.model, w.kin1) - meanAngle(rod.model, w.kin);
     rod.u = w.u1;
     rod.q = w.q1;
     rod.v = w.v;

@@ -69,7 +69,7 @@ void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve) 
     const int N = rod.model.elements();
     curve.nodeS.resize(static_cast<std::size_t>(N) + 1);
     for (int i = 0; i <= N; ++i)
-        curve.nodeS[static_cast<std::size_t>(i)] = i * rod.model.elementLength();
+        curve.nodeS[static_cast<std::size_t>(i)] = rod.model.nodeS(i);
     curve.halfThickness = 0.5 * rod.model.definition().thickness;
     curve.midS = rod.model.midS();
     curve.closed = rod.model.definition().closed;

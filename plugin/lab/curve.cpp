@@ -57,4 +57,25 @@ std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, const st
     return out;
 }
 
+Extremes averagedExtremes(std::span<const double> time, std::span<const double> displacement,
+                          std::span<const double> force, double window) {
+    Extremes out;
+    double impulse = 0.0; // of rows (first, last]
+    std::size_t first = 0;
+    for (std::size_t last = 1; last < time.size(); ++last) {
+        impulse += force[last] * (time[last] - time[last - 1]);
+        // As short as possible, but no shorter than the window.
+        while (first + 1 < last && std::abs(displacement[last] - displacement[first + 1]) >= window) {
+            impulse -= force[first + 1] * (time[first + 1] - time[first]);
+            ++first;
+        }
+        const double duration = time[last] - time[first];
+        if (duration <= 0.0 || std::abs(displacement[last] - displacement[first]) < window)
+            continue;
+        out.peak = std::max(out.peak, impulse / duration);
+        out.pull = std::min(out.pull, impulse / duration);
+    }
+    return out;
+}
+
 } // namespace supercircle::lab

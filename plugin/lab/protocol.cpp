@@ -27,10 +27,11 @@ void Session::touch() {
     // the pile may still breathe by a few micrometres: creep until the first force
     const double creep = p.approach_speed > 0.0 ? p.approach_speed : 1e-3;
     shells_.set_machine_velocity({creep * p.direction.x, creep * p.direction.y});
+    pace(10.0 * creep); // finely, so that the height at first touch is sharp
     bool touched = false;
     const double start = shells_.time();
     while (!touched && shells_.time() - start < 1.0 + (p.touch_gap + 1e-3) / creep)
-        if (!frame(frameLength(), [&] { return touched = force() > 0.0; }))
+        if (!frame(frame_, [&] { return touched = force() > 0.0; }))
             return;
     shells_.set_machine_velocity({0.0, 0.0});
     pileHeight_ = machineBottom();
@@ -40,6 +41,7 @@ void Session::play(const scene::Move& move, std::size_t number) {
     const scene::Protocol& p = *scene_.protocol;
     const double speed = move.kind == scene::Move::Kind::Travel ? move.speed : 0.0;
     shells_.set_machine_velocity({speed * p.direction.x, speed * p.direction.y});
+    pace(speed);
     phase_ = move.kind == scene::Move::Kind::Travel
                  ? (speed > 0.0 ? "load " : "unload ") + std::to_string(std::max(1, move.cycle))
                  : (move.kind == scene::Move::Kind::Hold ? "hold" : "settle");
@@ -51,7 +53,7 @@ void Session::play(const scene::Move& move, std::size_t number) {
     const std::size_t total = std::max<std::size_t>(1, p.moves.size());
     int count = 0;
     while (!done) {
-        double dt = frameLength();
+        double dt = frame_;
         double left = move.until.time - (shells_.time() - start);
         if (speed != 0.0 && std::isfinite(move.until.displacement))
             left = std::min(left, (move.until.displacement - travel()) / speed);
@@ -99,7 +101,7 @@ void Session::protocol() {
         const double start = shells_.time();
         int count = 0;
         while (scene_.duration - (shells_.time() - start) > 1e-12) {
-            if (!frame(std::min(frameLength(), scene_.duration - (shells_.time() - start)), {}))
+            if (!frame(std::min(frame_, scene_.duration - (shells_.time() - start)), {}))
                 return;
             if (creepStart_ < 0.0 && shells_.time() - start > 0.25 * scene_.duration) {
                 creepStart_ = shells_.time();

@@ -12,6 +12,8 @@ namespace {
 
 using rod::Vec2;
 
+constexpr double kFreeFrame = 4e-3; ///< s, longest step where no machine moves
+
 double wallClock() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -32,13 +34,13 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
       wallStart_(wallClock()) {
     step::Settings& s = shells_.stepper().settings();
-    s.dtMax = scene.numerics.dt_max;
     s.dtMin = scene.numerics.dt_min;
-    s.fixedDt = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
+    fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
     double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
     for (const ShellDef& d : scene.shells)
         thickness = std::min(thickness, d.thickness);
+    pace(0.0);
     if (std::isfinite(thickness) && thickness > 0.0)
         s.localError = scene.numerics.position_tolerance / thickness;
     s.threads = options.threads;
@@ -60,9 +62,16 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     out_.series.columns.resize(out_.series.names.size());
 }
 
-double Session::frameLength() const {
-    const step::Settings& s = const_cast<Session*>(this)->shells_.stepper().settings();
-    return s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
+/// Quasi-static experiments cost what their travel costs, however slow the machine is: the longest step is a length of
+/// travel. It is R / 500 because a loading branch is to have at least 500 samples; accuracy is the controller's
+/// business.
+void Session::pace(double speed) {
+    step::Settings& s = shells_.stepper().settings();
+    s.fixedDt = fixedDt_;
+    s.dtMax = scene_.numerics.dt_max;
+    if (s.dtMax <= 0.0)
+        s.dtMax = speed == 0.0 ? kFreeFrame : std::clamp(scene_.report.R / (500.0 * std::abs(speed)), 1e-3, 1.0);
+    frame_ = s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
 }
 
 std::string Session::populate() {
@@ -85,7 +94,7 @@ std::string Session::populate() {
     if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.carry(scene_.protocol->body))
         return "protocol: the host has no body called \"" + scene_.protocol->body + "\"";
     step::World& w = shells_.world();
-    shells_.stepper().pullFromHost(w, *host_, frameLength());
+    shells_.stepper().pullFromHost(w, *host_, frame_);
     describeOutlines();
     std::vector<contact::Curve> curves(w.rods.size());
     std::vector<contact::Outline> outlines;
@@ -150,7 +159,8 @@ void Session::addShellInfo(std::size_t rod) {
     info.thickness = m.definition().thickness;
     info.bending_modulus = m.definition().bendingModulus;
     info.closed = m.definition().closed;
-    info.element_length.assign(static_cast<std::size_t>(m.elements()), m.elementLength());
+    for (int i = 0; i < m.elements(); ++i)
+        info.element_length.push_back(m.elementLength(i));
     info.natural_curvature = m.definition().naturalCurvature;
     out_.shells.push_back(std::move(info));
 }
@@ -298,7 +308,7 @@ void Session::report(double fraction) {
 bool Session::settle(double speed, double longest) {
     const double start = shells_.time();
     while (shells_.time() - start < longest) {
-        if (!frame(frameLength(), {}))
+        if (!frame(frame_, {}))
             return false;
         double fastest = 0.0;
         for (const step::Rod& r : shells_.world().rods)
@@ -314,7 +324,11 @@ void Session::drop() {
     // A random start needs no trajectory to the micrometre: while the shells rain down the local error may be larger.
     step::Settings& settings = shells_.stepper().settings();
     const double measured = settings.localError;
-    settings.localError = std::max(measured, 0.1);
+    settings.localError = std::max(measured, 0.3);
+    const double motion = settings.motionLimit;
+    settings.motionLimit = 2.0 * motion;
+    if (d.adaptive)
+        settings.fixedDt = 0.0, frame_ = settings.dtMax;
     for (int i = 0; i < d.count && end_ == End::Done; ++i) {
         phase_ = "drop " + std::to_string(i + 1);
         ShellDef def = d.shell;
@@ -344,9 +358,14 @@ void Session::drop() {
             addShellInfo(shells_.size() - 1);
         keep(true);
         report(0.3 * i / d.count);
-        settle(d.settle_speed, i + 1 < d.count ? d.settle_time : d.final_settle_time);
+        if (i + 1 < d.count)
+            settle(d.settle_speed, d.settle_time);
+        else
+            settle(d.final_settle_speed, d.final_settle_time);
     }
     settings.localError = measured;
+    settings.motionLimit = motion;
+    pace(0.0);
 }
 
 } // namespace supercircle::lab

@@ -34,8 +34,8 @@ private:
     void addShellInfo(std::size_t rod);
     void describeOutlines();
     void report(double fraction);
-    [[nodiscard]] double frameLength() const;
-    [[nodiscard]] double pileTop() const;       ///< highest point of the shells' surfaces, m
+    void pace(double speed);              ///< how long steps and frames may be while the machine moves at `speed` m/s
+    [[nodiscard]] double pileTop() const; ///< highest point of the shells' surfaces, m
     [[nodiscard]] double machineBottom() const; ///< lowest point of the carried bodies, m
     [[nodiscard]] double force() const;
     [[nodiscard]] double travel() const; ///< m since touch
@@ -55,6 +55,8 @@ private:
     double pileHeight_ = 0.0; ///< H0, m
     double nextFrameTime_ = 0.0;
     double nextSampleTime_ = 0.0;
+    double fixedDt_ = 0.0;                                  ///< s, wanted by options or scene
+    double frame_ = 4e-3;                                   ///< s, one call of pre_step
     step::Ledger atStart_{};                                ///< books when the protocol began
     std::vector<std::pair<std::size_t, std::size_t>> legs_; ///< rows of the series per move
     std::vector<int> legMove_;

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <span>
 
 namespace supercircle::lab {
 
 namespace {
+
+constexpr double kAverage = 1e-3; ///< R, travel over which a reported force is averaged
 
 /// Inextensibility, measured and not assumed: arc length of each element from its chord and turning angle against l.
 double lengthError(const step::World& w) {
@@ -20,7 +23,7 @@ double lengthError(const step::World& w) {
             const double chord = (r.kin.node(i + 1) - r.kin.node(i)).norm();
             const double half = 0.5 * a.curvature * a.length;
             const double length = chord / rod::sinc(half);
-            worst = std::max(worst, std::abs(length / r.model.elementLength() - 1.0));
+            worst = std::max(worst, std::abs(length / r.model.elementLength(i) - 1.0));
         }
     return worst;
 }
@@ -60,10 +63,18 @@ void Session::summarise(record::Recording& out) {
         const auto& travelled = out.series.columns[1];
         int snaps = 0;
         double deltaMax = 0.0, area = 0.0, peak = 0.0, pull = 0.0;
-        for (double f : force) {
-            peak = std::max(peak, f);
-            pull = std::min(pull, f);
-        }
+        const double instant = force.empty() ? 0.0 : *std::max_element(force.begin(), force.end());
+        if (scene_.report.kind == "stack")
+            peak = std::max(0.0, instant);
+        for (const auto& [from, to] : legs_)
+            if (scene_.report.kind != "stack" && to > from) {
+                const auto part = [&](std::size_t column) {
+                    return std::span<const double>(out.series.columns[column]).subspan(from, to - from);
+                };
+                const Extremes e = averagedExtremes(part(0), part(1), part(2), kAverage * R);
+                peak = std::max(peak, e.peak);
+                pull = std::min(pull, e.pull);
+            }
         for (std::size_t i = 0; i < legs_.size(); ++i) {
             const scene::Move& move = scene_.protocol->moves[static_cast<std::size_t>(legMove_[i])];
             const Leg leg = legOf(out.series, legs_[i]);
@@ -114,6 +125,7 @@ void Session::summarise(record::Recording& out) {
         put("peak_force_N", peak);
         put("peak_force_R2_over_B", peak / unit);
         put("pull_force_R2_over_B", pull / unit);
+        put("instant_force_N", instant); // largest of any step: rings after a snap
         if (scene_.report.kind == "snap")
             put("snap_type", std::string(peak > 1.5 * unit ? "II" : pull < 0.0 || peak > 0.0 ? "I" : "none"));
         const auto top = std::max_element(force.begin(), force.end());

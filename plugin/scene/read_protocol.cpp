@@ -193,12 +193,14 @@ void readNumerics(Context& context, ObjectReader& top, Numerics& out) {
         return;
     ObjectReader reader(context, *node, "/numerics");
     out.dt_max = reader.number("dt_max", out.dt_max, positive);
-    out.dt_min = reader.number("dt_min", std::min(out.dt_min, out.dt_max), positive);
+    if (out.dt_max > 0.0)
+        out.dt_min = std::min(out.dt_min, out.dt_max);
+    out.dt_min = reader.number("dt_min", out.dt_min, positive);
     out.fixed_dt = reader.number("fixed_dt", out.fixed_dt, notNegative);
     out.tolerance = reader.number("tolerance", out.tolerance, positive);
     out.position_tolerance = reader.number("position_tolerance", out.position_tolerance, positive);
     reader.finish();
-    if (out.dt_min > out.dt_max)
+    if (out.dt_max > 0.0 && out.dt_min > out.dt_max)
         context.error(*node, "/numerics", "the range of steps is empty", "dt_min <= dt_max");
 }
 

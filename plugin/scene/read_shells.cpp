@@ -1,4 +1,5 @@
 #include "plugin/scene/sections.h"
+#include "supercircle/rod/model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,9 +47,10 @@ double lengthOf(const ShellDef& d) {
 std::vector<Eigen::Vector2d> nodesOf(const ShellDef& d) {
     const auto& curvature = d.curvature.empty() ? d.natural_curvature : d.curvature;
     std::vector<Eigen::Vector2d> nodes{Eigen::Vector2d::Zero()};
+    const std::vector<double> lengths = rod::gradedLengths(lengthOf(d), d.elements, d.tip_refinement);
     rod::Arc arc;
-    arc.length = lengthOf(d) / d.elements;
     for (int i = 0; i < d.elements; ++i) {
+        arc.length = lengths[static_cast<std::size_t>(i)];
         arc.start = nodes.back();
         arc.curvature = curvature.empty() ? 1.0 / d.radius : curvature[static_cast<std::size_t>(i)];
         nodes.push_back(arc.pointAt(arc.length));
@@ -107,6 +109,7 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
     d.radius = readRadius(context, reader, d.radius);
     readMaterial(reader, d);
     d.elements = static_cast<int>(reader.integer("elements", d.elements, 1, maxElements));
+    d.tip_refinement = reader.number("tip_refinement", d.tip_refinement, {0.01, 100.0});
     d.natural_curvature = readCurvatures(context, reader, "natural_curvature", d.elements);
     d.curvature = readCurvatures(context, reader, "curvature", d.elements);
     d.category = static_cast<std::uint16_t>(reader.integer("category", d.category, 0, 65535));
@@ -181,7 +184,9 @@ void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out) {
     drop.clearance = reader.number("clearance", drop.clearance, notNegative);
     drop.settle_speed = reader.number("settle_speed", drop.settle_speed, positive);
     drop.settle_time = reader.number("settle_time", drop.settle_time, positive);
+    drop.final_settle_speed = reader.number("final_settle_speed", drop.final_settle_speed, positive);
     drop.final_settle_time = reader.number("final_settle_time", drop.final_settle_time, notNegative);
+    drop.adaptive = reader.boolean("adaptive", drop.adaptive);
     reader.finish();
     out = std::move(drop);
 }

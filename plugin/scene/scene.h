@@ -31,9 +31,11 @@ struct Drop {
     double x_min = 0.0;             ///< m, range of the middle of the shell's bounding circle
     double x_max = 0.0;             ///< m
     double clearance = 0.005;       ///< m, free height between the pile's top and the lowest point of the new shell
-    double settle_speed = 5e-3;     ///< m/s, the next one falls when no point moves faster than this ...
-    double settle_time = 0.6;       ///< s, ... or when this long has passed
-    double final_settle_time = 2.0; ///< s, longest wait after the last one
+    double settle_speed = 5e-3;       ///< m/s, the next one falls when no point moves faster than this ...
+    double settle_time = 0.6;         ///< s, ... or when this long has passed
+    double final_settle_speed = 2e-4; ///< m/s, the pile is at rest when no point moves faster than this ...
+    double final_settle_time = 2.0;   ///< s, ... or when this long has passed since the last shell
+    bool adaptive = false;            ///< a fixed step of the numerics counts from the protocol on only
 };
 
 /// What ends a move; whichever comes first. Unset ones are infinite.
@@ -66,7 +68,7 @@ struct Protocol {
 
 /// Resolution of the numerics; the defaults are the laboratory's.
 struct Numerics {
-    double dt_max = 4e-3;             ///< s
+    double dt_max = 0.0;              ///< s; 0: by the machine's speed (R / 500 of travel), 4 ms where none moves
     double dt_min = 1e-6;             ///< s
     double fixed_dt = 0.0;            ///< s; > 0 switches adaptivity off
     double tolerance = 1e-8;          ///< contact residual eta, 1

@@ -27,6 +27,8 @@ std::string checkNumbers(const ShellDef& d) {
     for (double x : {d.position.x, d.position.y, d.angle, d.velocity.x, d.velocity.y, d.spin})
         if (!std::isfinite(x))
             return "position, angle, velocity and spin must be finite";
+    if (!(d.tip_refinement >= 0.01 && d.tip_refinement <= 100.0))
+        return "tip_refinement must lie between 0.01 and 100";
     const auto count = static_cast<std::size_t>(d.elements);
     if ((!d.natural_curvature.empty() && d.natural_curvature.size() != count) ||
         (!d.curvature.empty() && d.curvature.size() != count))
@@ -46,6 +48,8 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     r.linearMass = d.density * d.width * d.thickness;
     r.bendingModulus = bendingModulus(d);
     r.closed = d.closed;
+    if (d.tip_refinement != 1.0)
+        r.elementLength = rod::gradedLengths(r.length, d.elements, d.tip_refinement);
     r.naturalCurvature = d.natural_curvature;
     if (r.naturalCurvature.empty())
         r.naturalCurvature.assign(count, std::isinf(d.radius) ? 0.0 : 1.0 / d.radius);

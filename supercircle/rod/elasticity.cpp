@@ -5,7 +5,7 @@ namespace supercircle::rod {
 double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q, int element) {
     const double strain =
         q[model.dofOfElement(element)] - model.definition().naturalCurvature[static_cast<std::size_t>(element)];
-    return 0.5 * bendingStiffness(model) * strain * strain;
+    return 0.5 * bendingStiffness(model, element) * strain * strain;
 }
 
 double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q) {
@@ -16,10 +16,10 @@ double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q) {
 }
 
 void addBendingForce(const RodModel& model, const Eigen::VectorXd& q, Eigen::VectorXd& force) {
-    const double k = bendingStiffness(model);
     for (int i = 0; i < model.elements(); ++i) {
         const int d = model.dofOfElement(i);
-        force[d] -= k * (q[d] - model.definition().naturalCurvature[static_cast<std::size_t>(i)]);
+        force[d] -=
+            bendingStiffness(model, i) * (q[d] - model.definition().naturalCurvature[static_cast<std::size_t>(i)]);
     }
 }
 

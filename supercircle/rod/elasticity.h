@@ -14,9 +14,9 @@ double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q);
 double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q, int element);
 /// Adds the bending force -dE/dq to `force` (n entries).
 void addBendingForce(const RodModel& model, const Eigen::VectorXd& q, Eigen::VectorXd& force);
-/// Diagonal of d2E/dq2 for a curvature dof: B l, N m^3.
-inline double bendingStiffness(const RodModel& model) {
-    return model.definition().bendingModulus * model.elementLength();
+/// Diagonal entry of d2E/dq2 of an element's curvature: B l, N m^3.
+inline double bendingStiffness(const RodModel& model, int element) {
+    return model.definition().bendingModulus * model.elementLength(element);
 }
 
 } // namespace supercircle::rod

@@ -107,7 +107,7 @@ public:
         const int n = model_.dofs();
         Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
         for (int i = 0; i < model_.elements(); ++i)
-            K(i, i) += bendingStiffness(model_);
+            K(i, i) += bendingStiffness(model_, model_.elementOfDof(i));
         if (!problem_.gravity.isZero())
             addUniformStiffness(model_, kin_, field_, t * problem_.gravity, K);
         for (const PointForce& f : problem_.forces) {

@@ -1,7 +1,5 @@
 #include "supercircle/rod/kinematics.h"
 
-#include <algorithm>
-
 namespace supercircle::rod {
 
 Place locate(const RodModel& model, int element, double s) {
@@ -23,8 +21,7 @@ Place locate(const RodModel& model, int element, double s) {
 }
 
 Place locate(const RodModel& model, double s) {
-    const int element = std::clamp(static_cast<int>(s / model.elementLength()), 0, model.elements() - 1);
-    return locate(model, element, s);
+    return locate(model, model.elementAt(s), s);
 }
 
 void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
@@ -58,9 +55,9 @@ void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
             tangent += x * (sine * normal - rise * tangent);
             Arc& full = arcs_[static_cast<std::size_t>(seg.element)];
             if (side == 1)
-                full = {point, angle, arc.curvature, model.elementLength()};
-            else if (seg.signedLength == model.elementLength()) // not the half of the middle element
-                full = {arc.start, arc.angle, arc.curvature, model.elementLength()};
+                full = {point, angle, arc.curvature, model.elementLength(seg.element)};
+            else if (k > 0 || model.elements() % 2 == 0) // not the half of the middle element
+                full = {arc.start, arc.angle, arc.curvature, model.elementLength(seg.element)};
         }
         if (side == 0)
             lastNode_ = point;

@@ -1,9 +1,38 @@
 #include "supercircle/rod/model.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace supercircle::rod {
+
+namespace {
+
+/// Lengths that are meant to be mirrored, or to add up, may differ by this share of the rod's length.
+constexpr double kLengthTolerance = 1e-9;
+constexpr double kShortest = 1e-6; ///< element, as a share of the rod
+
+std::string checkLengths(const RodDefinition& d) {
+    const std::size_t n = d.elementLength.size();
+    if (n == 0)
+        return {};
+    if (n != d.naturalCurvature.size())
+        return "element lengths need one value per element (" + std::to_string(d.naturalCurvature.size()) + ")";
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!std::isfinite(d.elementLength[i]) || !(d.elementLength[i] >= kShortest * d.length))
+            return "element lengths must be finite and at least a millionth of the rod";
+        if (std::abs(d.elementLength[i] - d.elementLength[n - 1 - i]) > kLengthTolerance * d.length)
+            return "element lengths must be mirrored about the middle";
+        sum += d.elementLength[i];
+    }
+    if (std::abs(sum - d.length) > kLengthTolerance * d.length)
+        return "element lengths must add up to the length of the rod";
+    return {};
+}
+
+} // namespace
 
 std::string validate(const RodDefinition& d) {
     const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
@@ -22,23 +51,84 @@ std::string validate(const RodDefinition& d) {
     for (double k : d.naturalCurvature)
         if (!std::isfinite(k))
             return "natural curvature must be finite";
-    return {};
+    return checkLengths(d);
+}
+
+std::vector<double> gradedLengths(double length, int elements, double tipRefinement) {
+    const auto n = static_cast<std::size_t>(std::max(elements, 1));
+    std::vector<double> lengths(n, length / static_cast<double>(n));
+    if (elements <= 2 || tipRefinement == 1.0)
+        return lengths;
+    const int steps = (elements - 1) / 2; // from the middle element, or pair, to a tip
+    double sum = 0.0;
+    for (int i = 0; i < elements; ++i) {
+        const int fromTip = std::min(i, elements - 1 - i);
+        const double outward = 1.0 - static_cast<double>(fromTip) / steps;
+        sum += lengths[static_cast<std::size_t>(i)] = std::pow(tipRefinement, -outward);
+    }
+    for (double& l : lengths)
+        l *= length / sum;
+    return lengths;
 }
 
 RodModel::RodModel(RodDefinition definition) : definition_(std::move(definition)) {
     elements_ = static_cast<int>(definition_.naturalCurvature.size());
-    elementLength_ = definition_.length / elements_;
     const int half = elements_ / 2;
     const double mid = midS();
     const bool odd = elements_ % 2 == 1;
+    layLengths();
+    longest_ = *std::max_element(lengths_.begin(), lengths_.end());
     if (odd) {
-        sides_[0].push_back({half, dofOfElement(half), mid, 0.5 * elementLength_});
-        sides_[1].push_back({half, dofOfElement(half), mid, -0.5 * elementLength_});
+        sides_[0].push_back({half, dofOfElement(half), mid, 0.5 * elementLength(half)});
+        sides_[1].push_back({half, dofOfElement(half), mid, -0.5 * elementLength(half)});
     }
     for (int i = odd ? half + 1 : half; i < elements_; ++i)
-        sides_[0].push_back({i, dofOfElement(i), i * elementLength_, elementLength_});
+        sides_[0].push_back({i, dofOfElement(i), nodeS(i), elementLength(i)});
     for (int i = half - 1; i >= 0; --i)
-        sides_[1].push_back({i, dofOfElement(i), (i + 1) * elementLength_, -elementLength_});
+        sides_[1].push_back({i, dofOfElement(i), nodeS(i + 1), -elementLength(i)});
+}
+
+void RodModel::layLengths() {
+    lengths_ = definition_.elementLength;
+    equal_ = lengths_.empty();
+    const auto n = static_cast<std::size_t>(elements_);
+    if (equal_)
+        lengths_.assign(n, definition_.length / elements_);
+    nodeS_.resize(n + 1);
+    if (equal_) {
+        for (int i = 0; i <= elements_; ++i)
+            nodeS_[static_cast<std::size_t>(i)] = i * lengths_.front();
+        return;
+    }
+    // From the tips inwards, so that both halves mirror each other and the middle is where it should be, to the last
+    // bit.
+    const double scale = definition_.length / std::accumulate(lengths_.begin(), lengths_.end(), 0.0);
+    nodeS_.front() = 0.0;
+    nodeS_.back() = definition_.length;
+    for (std::size_t i = 1; i <= n / 2; ++i) {
+        lengths_[i - 1] *= scale;
+        lengths_[n - i] = lengths_[i - 1];
+        nodeS_[i] = nodeS_[i - 1] + lengths_[i - 1];
+        nodeS_[n - i] = definition_.length - nodeS_[i];
+    }
+    if (n % 2 == 1)
+        lengths_[n / 2] = nodeS_[n / 2 + 1] - nodeS_[n / 2];
+    else
+        nodeS_[n / 2] = midS();
+}
+
+int RodModel::elementAt(double s) const {
+    if (equal_)
+        return std::clamp(static_cast<int>(s / lengths_.front()), 0, elements_ - 1);
+    const auto after = std::upper_bound(nodeS_.begin(), nodeS_.end(), s);
+    return std::clamp(static_cast<int>(after - nodeS_.begin()) - 1, 0, elements_ - 1);
+}
+
+int RodModel::elementOfDof(int dof) const {
+    const int half = elements_ / 2;
+    if (elements_ % 2 == 0 || dof < half)
+        return dof;
+    return dof == elements_ - 1 ? half : dof + 1;
 }
 
 int RodModel::dofOfElement(int element) const {

@@ -1,5 +1,7 @@
 #include "supercircle/step/attempt.h"
 
+#include "supercircle/step/contact_memory.h"
+#include "supercircle/step/contact_stiffness.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
 
@@ -88,6 +90,7 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     {
         StageTimer timer(times, Stage::Evaluate);
         collectRolling(world, rods, dt, impulses, first, stage);
+        collectAxial(world, rods, impulses, stage);
         parallelFor(n, settings.threads, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, rods[i]); });
     }
     {

@@ -1,10 +1,9 @@
 #include "supercircle/step/contact_stage.h"
 
-#include "supercircle/contact/identity.h"
+#include "supercircle/step/contact_memory.h"
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace supercircle::step {
 
@@ -40,89 +39,6 @@ int bodyIndex(const World& world, BodyId id) {
     const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
                                      [](const Body& b, BodyId want) { return b.id < want; });
     return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
-}
-
-constexpr double kFlatness = 0.0025; ///< h, see collectRolling
-
-std::vector<std::uint64_t> sortedIds(const std::vector<contact::Candidate>& candidates) {
-    std::vector<std::uint64_t> ids;
-    ids.reserve(candidates.size());
-    for (const contact::Candidate& c : candidates)
-        ids.push_back(c.id);
-    std::sort(ids.begin(), ids.end());
-    return ids;
-}
-
-/// Force a candidate carried before. The minimum of two elements that rolled over a joint is a new feature of the same
-/// contact: it inherits the force of neighbouring minima that are no longer there. Without that, a nearly conformal
-/// contact that sits at a joint starts each step without its rolling stiffness and hops to and fro for ever.
-ContactImpulse forceBefore(const std::vector<ContactImpulse>& list, const std::vector<std::uint64_t>& present,
-                           const contact::Candidate& c) {
-    if (const ContactImpulse* own = findImpulse(list, c.id))
-        return *own;
-    ContactImpulse sum;
-    const contact::Feature kind = contact::featureOf(c.id);
-    if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
-        return sum;
-    const auto first = static_cast<std::int64_t>((c.id >> 11U) & 0x3ffu),
-               second = static_cast<std::int64_t>((c.id >> 1U) & 0x3ffu);
-    const std::int64_t reach = kind == contact::Feature::Interior ? 1 : 0; // faces do not join smoothly
-    for (std::int64_t i = first - 1; i <= first + 1; ++i)
-        for (std::int64_t j = second - reach; j <= second + reach; ++j)
-            for (std::uint64_t part = 0; part < 2 && i >= 0 && j >= 0; ++part) {
-                const std::uint64_t id = (c.id & ~std::uint64_t{0x1fffff}) | (static_cast<std::uint64_t>(i) << 11U) |
-                                         (static_cast<std::uint64_t>(j) << 1U) | part;
-                const ContactImpulse* other = findImpulse(list, id);
-                if (other && !std::binary_search(present.begin(), present.end(), id)) {
-                    sum.normal += other->normal;
-                    sum.tangent += other->tangent;
-                }
-            }
-    return sum;
-}
-
-/// A loaded contact point on the lower-numbered rod of its pair.
-struct LoadedPoint {
-    std::int32_t first = -1; ///< rod
-    std::int32_t other = -1; ///< rod, or -2 - outline
-    double s = 0.0;          ///< on `first`, m
-    double normal = 0.0;     ///< N
-    bool operator<(const LoadedPoint& p) const { return std::tie(first, other, s) < std::tie(p.first, p.other, p.s); }
-};
-
-LoadedPoint pointOf(const contact::Candidate& c) {
-    if (c.b.rod < 0)
-        return {c.a.rod, -2 - c.outline, c.a.s, 0.0};
-    return c.a.rod <= c.b.rod ? LoadedPoint{c.a.rod, c.b.rod, c.a.s, 0.0} : LoadedPoint{c.b.rod, c.a.rod, c.b.s, 0.0};
-}
-
-/// Sampled points (nodes, corners) that carried force in the last step, sorted.
-std::vector<LoadedPoint> loadedSamples(const std::vector<contact::Candidate>& candidates,
-                                       const std::vector<ContactImpulse>& warm) {
-    std::vector<LoadedPoint> list;
-    for (const contact::Candidate& c : candidates) {
-        const contact::Feature kind = contact::featureOf(c.id);
-        if (kind == contact::Feature::Interior || kind == contact::Feature::InteriorOutline)
-            continue;
-        if (const ContactImpulse* before = findImpulse(warm, c.id)) {
-            list.push_back(pointOf(c));
-            list.back().normal = before->normal;
-        }
-    }
-    std::sort(list.begin(), list.end());
-    return list;
-}
-
-/// Force of the sampled points around a minimum, weighted by a hat as wide as an element.
-double forceAround(const std::vector<LoadedPoint>& samples, const contact::Candidate& c, double width) {
-    LoadedPoint from = pointOf(c);
-    const double s = from.s;
-    from.s -= width;
-    double sum = 0.0;
-    for (auto it = std::lower_bound(samples.begin(), samples.end(), from);
-         it != samples.end() && it->first == from.first && it->other == from.other && it->s < s + width; ++it)
-        sum += it->normal * (1.0 - std::abs(it->s - s) / width);
-    return sum;
 }
 
 constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20 bits for an outline
@@ -231,12 +147,6 @@ void addHostBodies(const World& world, double dt, ContactStage& stage) {
 
 } // namespace
 
-const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id) {
-    const auto it = std::lower_bound(list.begin(), list.end(), id,
-                                     [](const ContactImpulse& a, std::uint64_t want) { return a.id < want; });
-    return it != list.end() && it->id == id ? &*it : nullptr;
-}
-
 void placeOutlines(const World& world, double ahead, double motionTime, std::vector<contact::Outline>& outlines) {
     outlines.resize(world.outlines.size());
     for (std::size_t i = 0; i < outlines.size(); ++i) {
@@ -307,71 +217,6 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
     }
     for (contact::Candidate& c : stage.candidates)
         contact::refresh(c, stage.curvesMiddle, stage.outlinesMiddle);
-}
-
-void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-                    bool firstIteration, const ContactStage& stage) {
-    for (RodWork& w : rods)
-        w.rolling.clear();
-    const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
-    const std::vector<LoadedPoint> samples = loadedSamples(stage.candidates, warm);
-    Eigen::RowVectorXd tau;
-    for (const contact::Candidate& c : stage.candidates) {
-        const contact::Feature kind = contact::featureOf(c.id);
-        if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
-            continue;
-        const auto ia = static_cast<std::size_t>(c.a.rod);
-        const double normal =
-            forceBefore(warm, present, c).normal + forceAround(samples, c, world.rods[ia].model.elementLength(c.a.element));
-        if (normal <= 0.0)
-            continue;
-        const auto side = [&](std::size_t i, const contact::RodPoint& at, double outward) {
-            const rod::RodModel& model = world.rods[i].model;
-            const rod::Place place = rod::locate(model, at.element, at.s);
-            const double angle = rods[i].kin.angle(place);
-            const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
-                             c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
-            return k /
-                   (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
-        };
-        double curvature = side(ia, c.a, 1.0);
-        if (c.b.rod >= 0)
-            curvature += side(static_cast<std::size_t>(c.b.rod), c.b, -1.0);
-        else if (pieceOf(world, c).local.kind == contact::OutlineKind::Circle)
-            curvature += 1.0 / pieceOf(world, c).local.radius;
-        // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away
-        // further.
-        const rod::RodModel& model = world.rods[ia].model;
-        const double length = model.elementLength(c.a.element);
-        curvature = std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
-        const double strength = normal * dt / curvature;
-        const auto add = [&](std::size_t i, const contact::RodPoint& at) -> Rolling& {
-            tau.resize(world.rods[i].model.dofs());
-            rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), tau);
-            rods[i].rolling.push_back({tau.transpose(), strength, 0.0});
-            return rods[i].rolling.back();
-        };
-        const auto turned = [&](std::size_t i, const Rolling& r) { // of the other side since the linearisation point
-            const Eigen::VectorXd& v = firstIteration ? world.rods[i].v : rods[i].v;
-            return r.tau.dot(0.5 * dt * v - (rods[i].qk - world.rods[i].q));
-        };
-        if (c.b.rod >= 0) {
-            const auto ib = static_cast<std::size_t>(c.b.rod);
-            rods[ib].rolling.reserve(rods[ib].rolling.size() + 2);
-            Rolling& a = add(ia, c.a);
-            Rolling& b = add(ib, c.b);
-            Rolling& first =
-                ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a; // push_back may have moved it
-            // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
-            // force against a steady common rotation, and stable however stiff (once the stiffness about the other
-            // side's lagged rotation would be a Jacobi splitting that flips sign every step without decay).
-            const double mean = 0.5 * (turned(ia, first) + turned(ib, b));
-            first.c = b.c = 2.0 * strength;
-            first.lag = b.lag = mean;
-        } else {
-            add(ia, c.a);
-        }
-    }
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,

@@ -36,10 +36,6 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage);
 
-/// Fills RodWork::rolling from the framed candidates and the normal forces known so far (`warm`).
-void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-                    bool firstIteration, const ContactStage& stage);
-
 /// Builds the Coulomb problem of the framed candidates. Warm starts from `warm`, matched by id.
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
             ContactStage& stage);
@@ -47,9 +43,6 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
 /// Solves, and puts the new velocities into rods (contact-free ones get their free velocity).
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage);
-
-/// Entry of contact `id` in a list sorted by id, nullptr if there is none.
-const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id);
 
 /// Impulses of the stage by contact id, as mean forces.
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out);

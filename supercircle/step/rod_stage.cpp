@@ -117,6 +117,10 @@ void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
         w.A.noalias() += (0.5 * dt * roll.c) * roll.tau * roll.tau.transpose();
         w.rhs += roll.c * (roll.tau.dot(w.qk - rod.q) + roll.lag) * roll.tau;
     }
+    if (w.loaded) {
+        w.A += (0.5 * dt * dt) * w.axial;
+        w.rhs += dt * (w.axial * (w.qk - rod.q));
+    }
     evaluateHolds(world, rod, dt, w);
 }
 
@@ -169,6 +173,8 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         const double rate = roll.tau.dot(w.v);
         books.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lag);
     }
+    if (w.loaded)
+        books.rollingWork -= dt * w.v.dot(w.axial * (0.5 * dt * w.v - (w.qk - rod.q)));
     if (w.C.rows() > 0) {
         const Eigen::VectorXd force = w.A * w.v - w.rhs - w.push; // = C^T (impulses of the holds)
         const Eigen::VectorXd impulse = w.C.transpose().colPivHouseholderQr().solve(force);

@@ -23,7 +23,7 @@ struct RodBooks {
     double kineticLoss = 0.0; ///< 1/2 |u_new - u_old|^2
     double secondOrder = 0.0; ///< of implicit bending and of gravity
     double holdWork = 0.0;    ///< work of holds
-    double rollingWork = 0.0; ///< of normal forces while their contact points roll (see Rolling)
+    double rollingWork = 0.0; ///< of contact forces while their points roll and turn (contact_stiffness.h)
 };
 /// Accepts the attempt: state, material velocities, hold reactions.
 RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w);

@@ -23,9 +23,9 @@ struct RodWork {
     rod::GaussField gauss; ///< at the linearisation point
     Eigen::VectorXd qk;    ///< linearisation point
     std::vector<Vec2> u0;  ///< material velocities at the start, carried to the linearisation point
-    Eigen::MatrixXd A;     ///< M + dt^2 K + rolling
+    Eigen::MatrixXd A;     ///< M + dt^2 K + rolling + axial
     Eigen::VectorXd p;     ///< int lambda J^T u0
-    Eigen::VectorXd rhs;   ///< p + dt F(q) + rolling
+    Eigen::VectorXd rhs;   ///< p + dt F(q) + rolling + axial
     Eigen::VectorXd gravityForce;
     Eigen::MatrixXd C;    ///< hold rows, m x n (empty: free)
     Eigen::VectorXd c;    ///< C v = c
@@ -37,11 +37,15 @@ struct RodWork {
     rod::Kinematics kin1; ///< at q1
     std::vector<Vec2> u1; ///< new material velocities at the linearisation point
     std::vector<Rolling> rolling;
-    double moved = 0.0;       ///< largest node displacement over the step, m
-    double shift = 0.0;       ///< largest node distance between the linearisation point and the end, m
-    double error = 0.0;       ///< local error of backward Euler, m
-    double impactShare = 0.0; ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
-    int body = -1;            ///< index into the contact problem, -1: no candidates
+    bool loaded = false;            ///< has point forces, so that `axial` counts
+    std::vector<Vec2> beyond[2];    ///< per side and segment: force that pulls at it from the tip's side, N
+    std::vector<double> tension[2]; ///< per side and segment: axial force times length where in tension, else 0, N m
+    Eigen::MatrixXd axial;          ///< geometric stiffness of those, n x n
+    double moved = 0.0;             ///< largest node displacement over the step, m
+    double shift = 0.0;             ///< largest node distance between the linearisation point and the end, m
+    double error = 0.0;             ///< local error of backward Euler, m
+    double impactShare = 0.0;       ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
+    int body = -1;                  ///< index into the contact problem, -1: no candidates
     bool touching = false;
     Eigen::VectorXd vFree;
     Eigen::LLT<Eigen::MatrixXd> llt; ///< of A, used where the rod has no contact

@@ -79,7 +79,7 @@ struct Settings {
     double localError = 0.1;         ///< h, local error of a position per step the controller aims at
     double motionLimit = 0.6;        ///< h, farthest a touching shell may move in one step
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
-    double relinearise = 0.006;      ///< h, gap error of a loaded contact that asks for another linearisation
+    double relinearise = 0.001;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;

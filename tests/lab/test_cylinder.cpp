@@ -53,32 +53,33 @@ TEST_CASE("a thin shell on a cylinder follows the solved curves", "[lab]") {
 }
 
 TEST_CASE("a deep rough shell sticks, coils and unfolds abruptly", "[lab]") {
-    // T2: unfolding of the rolling branch at f = 3.375 / 5.281 / 7.526 for mu 0.1 / 0.3 / 0.5; the parabola through
-    // them gives 5.81 at 0.35
-    double error[2];
-    const double elements[] = {15, 31};
-    for (int i = 0; i < 2; ++i) {
-        INFO("elements " << elements[i]);
+    // T2, rolling branch: friction gives way at f = 5.816 for mu 0.35 (5.280 at 0.3, 6.371 at 0.4), crown at 1.2978 R.
+    // The force of the rolling branch grows up to there and falls after; then the shell snaps and the force rings to
+    // and fro by several B / R^2 within a tenth of a millisecond. Unfolding is the highest force before the first loss
+    // of a tenth of it: any force met later (the first abrupt drop between two rows was tried: 46 % too high) belongs
+    // to the ringing.
+    const double exact = 5.816, drop = 1.0 - 2.0 * std::cos(0.9 * M_PI) - 1.2978;
+    for (const double elements : {15.0, 31.0}) {
+        INFO("elements " << elements);
         scene::Scene s = loadScene(
             "shell_on_cylinder",
-            {{"phi_bar", 0.9}, {"mu", 0.35}, {"thickness", 5e-5}, {"elements", elements[i]}, {"travel_over_R", 1.7}});
+            {{"phi_bar", 0.9}, {"mu", 0.35}, {"thickness", 5e-5}, {"elements", elements}, {"travel_over_R", 1.7}});
         keepFrequencies(s, 5e-5);
         const lab::Outcome out = play(s);
         const auto [load, pull] = legs(out.recording);
         CHECK(word(out.recording, "snap_type") == "II");
-        CHECK(load.top() > 3.0);
-        std::size_t first = 0; // the first abrupt drop: what follows is dynamics
-        while (first + 1 < load.f.size() && !(load.f[first] > 1.0 && load.f[first + 1] < 0.8 * load.f[first]))
-            ++first;
-        CAPTURE(load.top(), load.d[first], load.f[first]);
-        error[i] = load.f[first] / 5.81 - 1.0;
+        std::size_t top = 0;
+        for (std::size_t i = 0; i < load.f.size(); ++i) {
+            if (load.f[i] > load.f[top])
+                top = i;
+            if (load.f[top] > 1.0 && load.f[i] < 0.9 * load.f[top])
+                break;
+        }
+        // Static elements alone (tests/rod/test_unfolding.cpp): force within 3.3 and 0.8 %, place 4 and 0.7 % early.
+        CHECK(load.f[top] == Approx(exact).epsilon(elements < 20 ? 0.04 : 0.01));
+        CHECK(load.d[top] == Approx(drop).epsilon(elements < 20 ? 0.05 : 0.01));
         checkInvariants(out.recording);
     }
-    // The contact rolls along the coiled tip, from one arc of finite curvature to the next: first order in 1 /
-    // elements, and never early, because a coarse shell is too stiff there.
-    CHECK(error[1] > -0.02);
-    CHECK(error[1] < 0.15);
-    CHECK(error[1] < 0.5 * error[0]);
 }
 
 TEST_CASE("the boundary between smooth and abrupt snap-fit lies where theory puts it", "[lab]") {

@@ -12,14 +12,27 @@ namespace supercircle::rod::shapes {
 inline const std::vector<int> kElementCounts = {1, 2, 3, 5, 15, 16, 31};
 
 /// A rod of length 1.3, thickness 0.01, linear mass 0.7 and modulus 0.4: no two numbers alike, none of them one.
-inline RodModel rod(int elements, double naturalCurvature = 0.6) {
+inline RodModel rod(int elements, double naturalCurvature = 0.6, double tipRefinement = 1.0) {
     RodDefinition d;
     d.length = 1.3;
+    if (tipRefinement != 1.0)
+        d.elementLength = gradedLengths(d.length, elements, tipRefinement);
     d.thickness = 0.01;
     d.linearMass = 0.7;
     d.bendingModulus = 0.4;
     d.naturalCurvature.assign(static_cast<std::size_t>(elements), naturalCurvature);
     return RodModel(d);
+}
+
+/// Equal arcs, and arcs that shorten towards the tips or the middle.
+inline std::vector<RodModel> models(double naturalCurvature = 0.6) {
+    std::vector<RodModel> list;
+    for (const int n : kElementCounts)
+        list.push_back(rod(n, naturalCurvature));
+    for (const int n : {3, 4, 5, 31, 32}) // an arc of the long ones turns no further than one of 15 equal ones
+        list.push_back(rod(n, naturalCurvature, 3.0));
+    list.push_back(rod(31, naturalCurvature, 0.4));
+    return list;
 }
 
 struct Shape {
@@ -54,7 +67,7 @@ inline std::vector<Place> placesOf(const RodModel& model) {
     std::vector<Place> places;
     for (int i = 0; i < model.elements(); ++i)
         for (double t : {0.0, 0.3, 0.5, 0.8, 1.0})
-            places.push_back(locate(model, i, (i + t) * model.elementLength()));
+            places.push_back(locate(model, i, model.nodeS(i) + t * model.elementLength(i)));
     return places;
 }
 

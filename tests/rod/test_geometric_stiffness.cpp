@@ -55,8 +55,8 @@ TEST_CASE("the chord's second derivative equals differences and its limits", "[s
 
 TEST_CASE("stiffness of a dead point force equals differences of J^T f", "[stiffness]") {
     const Vec2 f(1.3, -0.7);
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model))
             for (const Vec2& section : {Vec2(0.0, 0.0), Vec2(0.02, -0.05)}) {
                 const Kinematics kin = at(model, shape.q);
@@ -79,8 +79,8 @@ TEST_CASE("stiffness of a dead point force equals differences of J^T f", "[stiff
 
 TEST_CASE("stiffness of a uniform acceleration equals differences of uniformForce", "[stiffness]") {
     const Vec2 a(1.7, -9.81);
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model)) {
             INFO("N = " << n << ", " << shape.name);
             const Kinematics kin = at(model, shape.q);

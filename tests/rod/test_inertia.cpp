@@ -53,8 +53,8 @@ double scaledDifference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
 } // namespace
 
 TEST_CASE("the mass matrix equals the brute-force integral of J^T J", "[inertia]") {
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model)) {
             const Kinematics kin = at(model, shape.q);
             double turn = 0.0;
@@ -72,8 +72,8 @@ TEST_CASE("the mass matrix equals the brute-force integral of J^T J", "[inertia]
 }
 
 TEST_CASE("the mass matrix is symmetric and positive definite with the closed-form rigid block", "[inertia]") {
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model)) {
             INFO("N = " << n << ", " << shape.name);
             const Eigen::MatrixXd M = massOf(model, at(model, shape.q));
@@ -120,8 +120,8 @@ TEST_CASE("the condition number leaves digits to spare", "[inertia]") {
 }
 
 TEST_CASE("velocity field, momentum and mass matrix are one quadrature", "[inertia]") {
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         const Eigen::VectorXd v = velocity(model);
         for (const Shape& shape : shapesOf(model)) {
             INFO("N = " << n << ", " << shape.name);
@@ -170,8 +170,8 @@ TEST_CASE("velocity field, momentum and mass matrix are one quadrature", "[inert
 TEST_CASE("uniform force equals the momentum of a uniform field and minus the gradient of the height energy",
           "[inertia]") {
     const Vec2 a(1.7, -9.81);
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model)) {
             INFO("N = " << n << ", " << shape.name);
             const auto evaluate = [&](const Eigen::VectorXd& q, GaussField& field) {

@@ -27,8 +27,8 @@ Vec2 marched(const RodModel& model, const Eigen::VectorXd& q, double s) {
         const double from = std::min(sigma, model.midS());
         const double to = std::max(sigma, model.midS());
         for (int i = 0; i < model.elements(); ++i) {
-            const double a = std::max(from, i * model.elementLength());
-            const double b = std::min(to, (i + 1) * model.elementLength());
+            const double a = std::max(from, model.nodeS(i));
+            const double b = std::min(to, model.nodeS(i + 1));
             if (b > a)
                 angle += (sigma > model.midS() ? 1.0 : -1.0) * (b - a) * q[model.dofOfElement(i)];
         }
@@ -40,8 +40,8 @@ Vec2 marched(const RodModel& model, const Eigen::VectorXd& q, double s) {
     const double from = std::min(s, model.midS());
     const double to = std::max(s, model.midS());
     for (int i = 0; i < model.elements(); ++i) {
-        const double a = std::max(from, i * model.elementLength());
-        const double b = std::min(to, (i + 1) * model.elementLength());
+        const double a = std::max(from, model.nodeS(i));
+        const double b = std::min(to, model.nodeS(i + 1));
         if (b <= a)
             continue;
         const int panels = 200;
@@ -59,8 +59,8 @@ Vec2 marched(const RodModel& model, const Eigen::VectorXd& q, double s) {
 } // namespace
 
 TEST_CASE("the curve is the integral of its tangent", "[kinematics]") {
-    for (const int n : {1, 2, 3, 15, 16}) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model)) {
             INFO("N = " << n << ", " << shape.name);
             const Kinematics kin = at(model, shape.q);
@@ -74,8 +74,8 @@ TEST_CASE("the curve is the integral of its tangent", "[kinematics]") {
 }
 
 TEST_CASE("the frame sits at mid-length, and nodes, arcs and segments agree", "[kinematics]") {
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model)) {
             INFO("N = " << n << ", " << shape.name);
             const Kinematics kin = at(model, shape.q);
@@ -90,7 +90,7 @@ TEST_CASE("the frame sits at mid-length, and nodes, arcs and segments agree", "[
                 CHECK(arc.curvature == shape.q[model.dofOfElement(i)]);
                 CHECK((arc.start - kin.node(i)).norm() <= round);
                 CHECK((arc.pointAt(arc.length) - kin.node(i + 1)).norm() <= round);
-                const Vec2 inside = kin.point(locate(model, i, (i + 0.4) * model.elementLength()));
+                const Vec2 inside = kin.point(locate(model, i, model.nodeS(i) + 0.4 * model.elementLength(i)));
                 CHECK((arc.pointAt(0.4 * arc.length) - inside).norm() <= round);
             }
             for (int side = 0; side < 2; ++side)
@@ -104,11 +104,11 @@ TEST_CASE("the frame sits at mid-length, and nodes, arcs and segments agree", "[
 }
 
 TEST_CASE("locate finds the same material point from either side of a boundary", "[kinematics]") {
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         const Kinematics kin = at(model, shapesOf(model)[3].q);
         for (int i = 1; i < n; ++i) {
-            const double s = i * model.elementLength();
+            const double s = model.nodeS(i);
             CHECK((kin.point(locate(model, i - 1, s)) - kin.point(locate(model, i, s))).norm() < 1e-14);
         }
         CHECK((kin.point(locate(model, 0.0)) - kin.node(0)).norm() < 1e-14);
@@ -119,8 +119,8 @@ TEST_CASE("locate finds the same material point from either side of a boundary",
 TEST_CASE("Jacobian rows equal central differences, with and without offset", "[kinematics]") {
     const Vec2 first(0.6, 0.8);
     const Vec2 second(-0.3, 0.9); // neither orthogonal nor unit: the rows must not assume it
-    for (const int n : kElementCounts) {
-        const RodModel model = rod(n);
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         for (const Shape& shape : shapesOf(model))
             for (const Vec2& section : {Vec2(0.0, 0.0), Vec2(0.02, -0.05)}) {
                 INFO("N = " << n << ", " << shape.name << ", offset " << section.transpose());

@@ -34,9 +34,9 @@ TEST_CASE("validate accepts a good definition and names what is wrong with a bad
 }
 
 TEST_CASE("the coordinates are a permutation and the sides tile the rod", "[model]") {
-    for (const int n : kElementCounts) {
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         INFO("N = " << n);
-        const RodModel model = rod(n);
         CHECK(model.dofs() == n + 3);
         std::set<int> used{model.dofX(), model.dofY(), model.dofTheta()};
         for (int i = 0; i < n; ++i)
@@ -58,9 +58,9 @@ TEST_CASE("the coordinates are a permutation and the sides tile the rod", "[mode
 }
 
 TEST_CASE("bending energy is zero at the natural shape, exact for arcs, and the force is its gradient", "[model]") {
-    for (const int n : kElementCounts) {
+    for (const RodModel& model : models()) {
+        const int n = model.elements();
         INFO("N = " << n);
-        const RodModel model = rod(n, 0.6);
         const double length = model.definition().length, B = model.definition().bendingModulus;
         Eigen::VectorXd q = Eigen::VectorXd::Constant(model.dofs(), 0.6);
         Eigen::VectorXd force = Eigen::VectorXd::Zero(model.dofs());

@@ -2,6 +2,7 @@
 // references: B = 1 and R = 1 or L = 1. What is left is the error of N uniform-curvature elements, of second order.
 
 #include "reference.h"
+#include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/equilibrium.h"
 #include "supercircle/rod/inertia.h"
 
@@ -89,7 +90,7 @@ Eigen::VectorXd frequencies(const RodModel& model, bool clamped) {
     massMatrix(model, kin, field, M);
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(model.dofs(), model.dofs()); // no stress, no geometric stiffness
     for (int i = 0; i < model.elements(); ++i)
-        K(i, i) = model.definition().bendingModulus * model.elementLength();
+        K(i, i) = bendingStiffness(model, model.elementOfDof(i));
     Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(model.dofs(), model.dofs());
     if (clamped) {
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, model.dofs());

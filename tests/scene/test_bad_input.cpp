@@ -161,6 +161,8 @@ TEST_CASE("impossible shells are refused") {
         {"\"young_modulus\": -2", "/shell/0/young_modulus"},
         {"\"mu\": -0.1", "/shell/0/mu"},
         {"\"elements\": 0", "/shell/0/elements"},
+        {"\"tip_refinement\": 0", "/shell/0/tip_refinement"},
+        {"\"tip_refinement\": 200", "/shell/0/tip_refinement"},
         {"\"elements\": 2.5", "/shell/0/elements"},
         {"\"elements\": -3", "/shell/0/elements"},
         {"\"elements\": 1000000000", "/shell/0/elements"},

@@ -101,6 +101,8 @@ TEST_CASE("absent values are the definitions' own defaults") {
     CHECK(s.shells[0].radius == d.radius);
     CHECK(s.shells[0].young_modulus == d.young_modulus);
     CHECK(s.shells[0].elements == d.elements);
+    CHECK(s.shells[0].tip_refinement == 1.0);
+    CHECK(goodText(R"({"shell": [{"tip_refinement": 3}], "duration": 1})").shells[0].tip_refinement == 3.0);
     CHECK(s.numerics.dt_max == Numerics{}.dt_max);
     CHECK(s.rigid.gravity == step::RigidWorldDefinition{}.gravity);
     CHECK(s.name == "text");

@@ -29,6 +29,7 @@ struct ShellDef {
     double young_modulus = 2.2e9;          ///< Pa
     double mu = 0.35;                      ///< friction coefficient, 1
     int elements = 15;                     ///< number of arcs
+    double tip_refinement = 1.0;           ///< length of the middle arcs over that of the tip arcs; 1: all alike
     bool closed = false;                   ///< ends welded into a ring
     Point velocity{};                      ///< m/s
     double spin = 0.0;                     ///< rad/s

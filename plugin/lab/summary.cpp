@@ -12,7 +12,13 @@ namespace supercircle::lab {
 
 namespace {
 
-constexpr double kAverage = 1e-3; ///< R, travel over which a reported force is averaged
+/// Travel (m) over which a reported force is averaged: that of 5 ms, as for a load cell with a bandwidth of some 100
+/// Hz, but at least R / 1000 (slow machines need no more) and at most R / 50 (fast ones would smear the curve).
+double averagingWindow(std::span<const double> time, std::span<const double> displacement, double R) {
+    const double duration = time.back() - time.front();
+    const double speed = duration > 0.0 ? std::abs(displacement.back() - displacement.front()) / duration : 0.0;
+    return std::clamp(5e-3 * speed, 1e-3 * R, 2e-2 * R);
+}
 
 /// Inextensibility, measured and not assumed: arc length of each element from its chord and turning angle against l.
 double lengthError(const step::World& w) {
@@ -71,7 +77,7 @@ void Session::summarise(record::Recording& out) {
                 const auto part = [&](std::size_t column) {
                     return std::span<const double>(out.series.columns[column]).subspan(from, to - from);
                 };
-                const Extremes e = averagedExtremes(part(0), part(1), part(2), kAverage * R);
+                const Extremes e = averagedExtremes(part(0), part(1), part(2), averagingWindow(part(0), part(1), R));
                 peak = std::max(peak, e.peak);
                 pull = std::min(pull, e.pull);
             }

@@ -110,12 +110,15 @@ int bench(const std::string& filter, const std::string& json) {
     std::vector<Benchmark> all;
     addPartBenchmarks(all);
     addContactBenchmarks(all);
+    addSolverBenchmarks(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;
     bool any = false;
     for (const Benchmark& b : all) {
         const auto wanted = [&](const std::string& name) {
-            return !interrupted && (b.onRequest ? filter == name : name.find(filter) != std::string::npos);
+            if (interrupted || filter.rfind(b.prefix, 0) != 0)
+                return false;
+            return (b.onRequest ? filter == name : name.find(filter) != std::string::npos);
         };
         if (std::none_of(b.names.begin(), b.names.end(), wanted))
             continue;
@@ -134,12 +137,23 @@ int bench(const std::string& filter, const std::string& json) {
     }
     if (!any && !interrupted) {
         std::fprintf(stderr, "no benchmark is called \"%s\"; there are:\n", filter.c_str());
-        for (const Benchmark& b : all)
+        for (const Benchmark& b : all) {
+            if (!b.prefix.empty()) {
+                std::fprintf(stderr, "  %s (%zu, only with a --filter that begins so)\n", b.prefix.c_str(),
+                             b.names.size());
+                continue;
+            }
             for (const std::string& name : b.names)
                 std::fprintf(stderr, "  %s%s\n", name.c_str(), b.onRequest ? " (only with --filter and its name)" : "");
+        }
         return kBadInput;
     }
     std::printf("peak memory %.1f MB\n", peakMemory());
+    for (const Benchmark& b : all)
+        if (const std::string error = b.finish ? b.finish(rows, json) : ""; !error.empty()) {
+            std::fprintf(stderr, "%s\n", error.c_str());
+            return kCannotWrite;
+        }
     if (const std::string error = json.empty() ? "" : writeJson(json, rows, filter); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

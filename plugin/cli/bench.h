@@ -28,6 +28,10 @@ struct Benchmark {
     std::function<std::string(const std::function<bool(const std::string&)>& wanted,
                               const std::function<void(Measurement)>& done)>
         measure;
+    std::string prefix = {}; ///< not empty: runs only when the filter begins with this
+    /// Called once with all rows of the run and the JSON file ("" if none): further tables and pictures.
+    /// @return empty, or why something could not be written
+    std::function<std::string(const std::vector<Measurement>& rows, const std::string& json)> finish = {};
 };
 
 /// Median, 95 % quantile and best of the samples, ms.
@@ -44,6 +48,8 @@ Measurement repeat(std::string name, const std::function<void()>& work);
 void addPartBenchmarks(std::vector<Benchmark>& all);
 /// Contact problems recorded from a small stack on the fly, every method, two tolerances.
 void addContactBenchmarks(std::vector<Benchmark>& all);
+/// Every method on stacks of 3 to 2100 shells: only when asked for.
+void addSolverBenchmarks(std::vector<Benchmark>& all);
 /// Whole runs of the project's scenes.
 void addSceneBenchmarks(std::vector<Benchmark>& all);
 

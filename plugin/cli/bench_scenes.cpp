@@ -60,7 +60,8 @@ std::string runScene(const std::string& name, const std::vector<std::string>& pa
     const auto input = loadScene(file, parameters, true);
     if (!input)
         return "the benchmark scene " + file + " cannot be read";
-    options.interrupt = &interrupted;
+    if (options.interrupt == nullptr)
+        options.interrupt = &interrupted;
     options.frames = false;
     out = lab::run(input->scene, input->host, options);
     if (out.end == lab::End::BadScene || out.end == lab::End::Failed)

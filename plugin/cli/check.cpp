@@ -2,7 +2,10 @@
 #include "plugin/cli/output.h"
 #include "plugin/cli/verbs.h"
 
+#include "plugin/experiment/load.h"
 #include "plugin/lab/runner.h"
+#include "plugin/replay/parameters.h"
+#include "plugin/scene/document.h"
 
 #include <cmath>
 #include <cstdio>
@@ -24,9 +27,49 @@ std::string range(const scene::Parameter& p) {
     return text;
 }
 
+/// Whether a file calls itself an experiment.
+bool isExperiment(const std::string& file) {
+    std::vector<scene::Problem> ignored; // whoever loads it finds them again
+    const auto text = scene::readFile(file, ignored);
+    const auto document = text ? scene::parseDocument(*text, file, ignored) : std::nullopt;
+    const scene::Node* schema = document ? document->root.find("schema") : nullptr;
+    return schema != nullptr && schema->text.rfind("rod-recordings/", 0) == 0;
+}
+
+int checkExperiment(const std::string& file, const std::vector<std::string>& parameters) {
+    std::vector<scene::Problem> problems;
+    const auto loaded = experiment::load(file, problems);
+    for (const scene::Problem& p : problems)
+        std::fprintf(stderr, "%s\n", p.toString().c_str());
+    if (!loaded)
+        return kBadInput;
+    replay::Parameters values = replay::nominal(*loaded);
+    std::vector<scene::Override> overrides;
+    if (!readOverrides(parameters, overrides))
+        return kBadInput;
+    for (const scene::Override& o : overrides)
+        if (const std::string why = replay::set(values, *loaded, o.name, o.value); !why.empty()) {
+            std::fprintf(stderr, "--param %s=%.10g: %s\n", o.name.c_str(), o.value, why.c_str());
+            return kBadInput;
+        }
+    std::printf("%s: a good experiment (%s, %zu specimens, %zu runs, %zu markers)\n", file.c_str(),
+                experiment::name(loaded->protocol), loaded->specimens.size(), loaded->runs.size(),
+                loaded->markers.size());
+    for (const experiment::Run& run : loaded->runs)
+        std::printf("  %-16s %zu samples, %g s%s\n", run.file.c_str(), run.readings.time.size(),
+                    run.driveTime.back() - run.driveTime.front(), run.markers.time.empty() ? "" : ", with markers");
+    for (const replay::ParameterInfo& p : replay::parameterList(*loaded))
+        std::printf("  %-20s %-12.6g +- %-10.3g %-6s %s\n", p.name.c_str(),
+                    replay::get(values, *loaded, p.name).value_or(0.0), p.stated.halfWidth, p.unit.c_str(),
+                    p.about.c_str());
+    return printed() ? kDone : kCannotWrite;
+}
+
 } // namespace
 
 int check(const std::string& file, const std::vector<std::string>& parameters) {
+    if (isExperiment(file))
+        return checkExperiment(file, parameters);
     const auto input = loadScene(file, parameters);
     if (!input)
         return kBadInput;

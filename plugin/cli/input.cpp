@@ -33,6 +33,8 @@ std::string otherKind(const scene::Node& root) {
     return {};
 }
 
+} // namespace
+
 bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene::Override>& overrides) {
     for (const std::string& p : parameters) {
         const std::size_t eq = p.find('=');
@@ -51,8 +53,6 @@ bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene
     }
     return true;
 }
-
-} // namespace
 
 std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet) {
     std::vector<scene::Override> overrides;

@@ -17,6 +17,9 @@ struct Input {
     std::shared_ptr<step::HostWorld> host; ///< built from scene.rigid
 };
 
+/// Reads NAME=VALUE texts; false after a message.
+bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene::Override>& overrides);
+
 /// Loads, checks and builds the rigid world; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
 std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet = false);
 

@@ -31,9 +31,11 @@ void listenToSignals() {
 
 const char* const kParameterHelp = "NAME=VALUE: set a parameter of the scene (repeatable)";
 
+const char* const kExperimentParameterHelp = "NAME=VALUE: set a physical parameter of the experiment (repeatable)";
+
 /// One NAME=VALUE after each --param: a greedy option would swallow the scene that follows it.
-void addParameters(CLI::App& verb, std::vector<std::string>& parameters) {
-    verb.add_option("--param", parameters, kParameterHelp)
+void addParameters(CLI::App& verb, std::vector<std::string>& parameters, const char* help = kParameterHelp) {
+    verb.add_option("--param", parameters, help)
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -84,6 +86,41 @@ CLI::App* describeRun(CLI::App& app, supercircle::cli::RunArguments& a) {
     return run;
 }
 
+CLI::App* describeReplay(CLI::App& app, supercircle::cli::ReplayArguments& a) {
+    CLI::App* replay = app.add_subcommand("replay", "simulate a recorded experiment and show what differs");
+    replay->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
+    addParameters(*replay, a.parameters, kExperimentParameterHelp);
+    replay->add_option("--out", a.out, "folder for the results (default: out/<name of the experiment's folder>_replay)")
+        ->type_name("DIR");
+    replay->add_option("--elements", a.elements, "arcs per specimen, 2 to 500 (default: as the resolution has it)")
+        ->check(CLI::Range(2, 500).description(""))
+        ->type_name("N");
+    replay->add_flag("--coarse", a.coarse, "the quick resolution instead of the full one");
+    replay->add_flag("--quiet", a.quiet, "print nothing but errors");
+    replay->footer(
+        "`supercircle check EXPERIMENT.json` lists the parameters. Exit codes: 0 done; 2 bad input; 3 a run\n"
+        "could not go on; 4 output could not be written; 130 interrupted.");
+    return replay;
+}
+
+CLI::App* describeValidate(CLI::App& app, supercircle::cli::ValidateArguments& a) {
+    a.data = SC_REFERENCE_DIR;
+    CLI::App* validate =
+        app.add_subcommand("validate", "compare the laboratory with every solved reference; writes one page");
+    validate->add_option("--data", a.data, "folder of the reference curves (default: the project's)")->type_name("DIR");
+    validate->add_option("--out", a.out, "folder for the page and its pictures")
+        ->type_name("DIR")
+        ->capture_default_str();
+    validate->add_option("--filter", a.filter, "only experiments whose name contains this, for example T2")
+        ->type_name("NAME");
+    validate->add_flag("--quick", a.quick, "a subset that takes seconds");
+    validate->add_option("--jobs", a.jobs, "experiments at a time, 1 to 64; the digits do not depend on it")
+        ->check(CLI::Range(1, 64).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    return validate;
+}
+
 /// Parses, and runs what was asked for.
 int dispatch(int argc, char** argv) {
     using namespace supercircle::cli;
@@ -95,11 +132,18 @@ int dispatch(int argc, char** argv) {
     RunArguments runArguments;
     CLI::App* run = describeRun(app, runArguments);
 
+    ReplayArguments replayArguments;
+    CLI::App* replay = describeReplay(app, replayArguments);
+
     std::string file;
     std::vector<std::string> parameters;
-    CLI::App* check = app.add_subcommand("check", "validate a scene without running it, and list its parameters");
-    check->add_option("file", file, "scene file (JSON)")->required()->type_name("SCENE.json");
+    CLI::App* check =
+        app.add_subcommand("check", "validate a scene or an experiment without running it, and list its parameters");
+    check->add_option("file", file, "scene or experiment file (JSON)")->required()->type_name("FILE.json");
     addParameters(*check, parameters);
+
+    ValidateArguments validateArguments;
+    CLI::App* validate = describeValidate(app, validateArguments);
 
     std::string filter, json;
     CLI::App* bench = app.add_subcommand("bench", "measure speed and memory");
@@ -120,8 +164,12 @@ int dispatch(int argc, char** argv) {
     }
     if (run->parsed())
         return supercircle::cli::run(runArguments);
+    if (replay->parsed())
+        return supercircle::cli::replay(replayArguments);
     if (check->parsed())
         return supercircle::cli::check(file, parameters);
+    if (validate->parsed())
+        return supercircle::cli::validate(validateArguments);
     if (bench->parsed())
         return supercircle::cli::bench(filter, json);
     return kBadInput;

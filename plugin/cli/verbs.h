@@ -25,10 +25,31 @@ struct RunArguments {
     std::string dump; ///< folder for FCP2D problems, empty: none
 };
 
+struct ReplayArguments {
+    std::string file;
+    std::vector<std::string> parameters; ///< NAME=VALUE
+    std::string out;                     ///< folder; empty: out/<name of the experiment's folder>_replay
+    int elements = 0;                    ///< arcs per specimen, 0: as the resolution has it
+    bool coarse = false;                 ///< the quick resolution
+    bool quiet = false;
+};
+
+struct ValidateArguments {
+    std::string data;   ///< folder of the reference curves
+    std::string out = "out/validation";
+    std::string filter; ///< only experiments whose id or title contains it
+    bool quick = false;
+    int jobs = 1;
+};
+
 /// Simulates a scene and writes what came out. Returns the exit code, as all verbs do.
 int run(const RunArguments& arguments);
 /// Says whether a scene can be started, without running it.
 int check(const std::string& file, const std::vector<std::string>& parameters);
+/// Simulates a recorded experiment and writes what differs.
+int replay(const ReplayArguments& arguments);
+/// Compares the laboratory with every solved reference and writes one page about it.
+int validate(const ValidateArguments& arguments);
 /// Measures the benchmarks whose name contains `filter`; `json` is a file for the figures, empty: none.
 int bench(const std::string& filter, const std::string& json);
 

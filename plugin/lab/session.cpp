@@ -327,6 +327,8 @@ void Session::drop() {
     settings.localError = std::max(measured, 0.3);
     const double motion = settings.motionLimit;
     settings.motionLimit = 2.0 * motion;
+    const double restSpeed = settings.restSpeed;
+    settings.restSpeed = std::getenv("SC_REST") ? std::atof(std::getenv("SC_REST")) : 0.4 * d.settle_speed;
     if (d.adaptive)
         settings.fixedDt = 0.0, frame_ = settings.dtMax;
     for (int i = 0; i < d.count && end_ == End::Done; ++i) {
@@ -360,8 +362,10 @@ void Session::drop() {
         report(0.3 * i / d.count);
         if (i + 1 < d.count)
             settle(d.settle_speed, d.settle_time);
-        else
+        else {
+            settings.restSpeed = restSpeed; // all wake
             settle(d.final_settle_speed, d.final_settle_time);
+        }
     }
     settings.localError = measured;
     settings.motionLimit = motion;

@@ -1,0 +1,163 @@
+#include "plugin/replay/parameters.h"
+
+#include "plugin/scene/problem.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace supercircle::replay {
+
+namespace {
+
+using experiment::Experiment;
+using experiment::Specimen;
+using experiment::Stated;
+
+/// What a specimen has: how it is called, where it is stored, what the experiment says about it.
+struct Property {
+    const char* name;
+    const char* unit;
+    const char* about;
+    double SpecimenParameters::*value;
+    Stated Specimen::*stated;
+    bool positive;
+};
+
+const Property kProperties[] = {
+    {"bending_modulus", "N m^2", "bending modulus B = E w h^3 / 12", &SpecimenParameters::bendingModulus,
+     &Specimen::bendingModulus, true},
+    {"natural_curvature", "1/m", "curvature of the unloaded specimen", &SpecimenParameters::naturalCurvature,
+     &Specimen::naturalCurvature, false},
+    {"thickness", "m", "thickness as contacts see it", &SpecimenParameters::thickness, &Specimen::thickness, true},
+    {"linear_mass", "kg/m", "mass per length", &SpecimenParameters::linearMass, &Specimen::linearMass, true},
+};
+
+Stated exact(double value, double halfWidth = 0.0) {
+    return {value, halfWidth};
+}
+
+/// A strip pressed lengthwise shortens by this per newton, m/N.
+double stretch(const Experiment& e) {
+    if (e.protocol != experiment::Protocol::StripOnRigidFloor || e.specimens.empty() ||
+        e.specimens.front().stretchModulus <= 0.0)
+        return 0.0;
+    return e.specimens.front().length / e.specimens.front().stretchModulus;
+}
+
+/// What the surroundings have.
+struct Surrounding {
+    const char* name;
+    const char* unit;
+    const char* about;
+    double& (*value)(Parameters&);
+    Stated (*stated)(const Experiment&);
+    bool notNegative;
+    double most = std::numeric_limits<double>::infinity();
+};
+
+const Surrounding kSurroundings[] = {
+    {"friction", "1", "friction coefficient of all contacts", [](Parameters& p) -> double& { return p.friction; },
+     [](const Experiment& e) { return e.friction; }, true},
+    {"gap_shift", "m", "the head stands this much higher at displacement 0 than stated",
+     [](Parameters& p) -> double& { return p.gapShift; },
+     [](const Experiment& e) { return exact(0.0, e.initialGapHalfWidth); }, false},
+    {"gravity_x", "m/s^2", "gravity to the right", [](Parameters& p) -> double& { return p.gravity.x; },
+     [](const Experiment& e) { return exact(e.gravity.x); }, false},
+    {"gravity_y", "m/s^2", "gravity upwards", [](Parameters& p) -> double& { return p.gravity.y; },
+     [](const Experiment& e) { return exact(e.gravity.y); }, false},
+    {"contact_arm", "1", "where obstacles push on the section: 0 centre line, 1 surface",
+     [](Parameters& p) -> double& { return p.contactArm; }, [](const Experiment&) { return exact(0.0); }, true, 1.0},
+    {"series_compliance", "m/N", "give in series with the specimen",
+     [](Parameters& p) -> double& { return p.seriesCompliance; }, [](const Experiment& e) { return exact(stretch(e)); },
+     true},
+};
+
+/// Where a name leads: the values it sets, and whether a value is acceptable.
+struct Target {
+    std::vector<double*> values;
+    bool positive = false;
+    bool notNegative = false;
+    double most = std::numeric_limits<double>::infinity();
+};
+
+Target find(Parameters& p, const Experiment& e, const std::string& name) {
+    for (const Surrounding& s : kSurroundings)
+        if (name == s.name)
+            return {{&s.value(p)}, false, s.notNegative, s.most};
+    for (const Property& property : kProperties)
+        for (std::size_t i = 0; i < p.specimens.size(); ++i)
+            if (name == property.name) {
+                Target all{{}, property.positive, false};
+                for (SpecimenParameters& s : p.specimens)
+                    all.values.push_back(&(s.*property.value));
+                return all;
+            } else if (i < e.specimens.size() && name == property.name + ("." + e.specimens[i].id)) {
+                return {{&(p.specimens[i].*property.value)}, property.positive, false};
+            }
+    return {};
+}
+
+} // namespace
+
+Parameters nominal(const Experiment& e) {
+    Parameters p;
+    for (const Specimen& s : e.specimens)
+        p.specimens.push_back(
+            {s.bendingModulus.value, s.naturalCurvature.value, s.thickness.value, s.linearMass.value});
+    p.friction = e.friction.value;
+    p.gravity = e.gravity;
+    p.seriesCompliance = stretch(e);
+    return p;
+}
+
+std::vector<ParameterInfo> parameterList(const Experiment& e) {
+    std::vector<ParameterInfo> all;
+    for (const Property& property : kProperties)
+        if (!e.specimens.empty())
+            all.push_back({property.name, property.unit, property.about, e.specimens.front().*property.stated});
+    for (const Surrounding& s : kSurroundings)
+        all.push_back({s.name, s.unit, s.about, s.stated(e)});
+    for (const Specimen& specimen : e.specimens)
+        for (const Property& property : kProperties)
+            if (e.specimens.size() > 1)
+                all.push_back({property.name + ("." + specimen.id), property.unit,
+                               std::string(property.about) + ", of specimen " + specimen.id,
+                               specimen.*property.stated});
+    return all;
+}
+
+std::string set(Parameters& parameters, const Experiment& experiment, const std::string& name, double value) {
+    const Target target = find(parameters, experiment, name);
+    if (target.values.empty()) {
+        std::vector<std::string> names;
+        std::string all;
+        for (const ParameterInfo& info : parameterList(experiment)) {
+            names.push_back(info.name);
+            all += (all.empty() ? "" : ", ") + info.name;
+        }
+        const std::string near = scene::nearestName(name, names);
+        return "there is no parameter \"" + name + "\"; expected one of " + all +
+               (near.empty() ? "" : "; did you mean \"" + near + "\"?");
+    }
+    char shown[32];
+    std::snprintf(shown, sizeof shown, "%.10g", value);
+    if (!std::isfinite(value) || (target.positive && value <= 0.0) || (target.notNegative && value < 0.0) ||
+        value > target.most)
+        return "parameter " + name + ": " + shown + " is out of range; expected a finite number" +
+               (target.positive      ? " > 0"
+                : target.notNegative ? " >= 0"
+                                     : "") +
+               (std::isfinite(target.most) ? " and at most 1" : "");
+    for (double* v : target.values)
+        *v = value;
+    return {};
+}
+
+std::optional<double> get(const Parameters& parameters, const Experiment& experiment, const std::string& name) {
+    Parameters copy = parameters;
+    const Target target = find(copy, experiment, name);
+    return target.values.empty() ? std::nullopt : std::optional<double>(*target.values.front());
+}
+
+} // namespace supercircle::replay

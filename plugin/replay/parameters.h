@@ -1,0 +1,56 @@
+#pragma once
+// The physical numbers of a replay: the experiment's nominal ones unless set otherwise, reachable by name for command
+// lines and fits.
+
+#include "plugin/experiment/experiment.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supercircle::replay {
+
+struct SpecimenParameters {
+    double bendingModulus = 0.0;   ///< N m^2
+    double naturalCurvature = 0.0; ///< 1/m
+    double thickness = 0.0;        ///< m
+    double linearMass = 0.0;       ///< kg/m
+};
+
+struct Parameters {
+    std::vector<SpecimenParameters> specimens; ///< as Experiment::specimens
+    double friction = 0.0;                     ///< coefficient of all contacts, 1
+    double gapShift = 0.0;                     ///< the head stands this much higher at displacement 0 than stated, m
+    Point gravity{};                           ///< m/s^2
+    /// Where on the section the force of a rigid obstacle attacks, as a share of half the thickness: 1 is the surface
+    /// (a sticking round end rolls, friction has the arm h/2), 0 the centre line. The gap is the same.
+    double contactArm = 0.0;
+    /// Give of everything in series with the specimen, m/N: the head goes this much less far per newton of force. The
+    /// rods are inextensible, so the stretch L / EA of a strip pressed lengthwise stands here too (the nominal value).
+    double seriesCompliance = 0.0;
+};
+
+/// What a name stands for.
+struct ParameterInfo {
+    std::string name;
+    std::string unit;
+    std::string about;
+    experiment::Stated stated; ///< nominal value and half-width of its interval (0: taken as exact)
+};
+
+/// The nominal parameters of an experiment.
+Parameters nominal(const experiment::Experiment& experiment);
+
+/// All names: shared ones ("friction", "bending_modulus", ...: all specimens at once) and, where there are several
+/// specimens, one per specimen ("bending_modulus.B"). The stated interval of a shared name is the first specimen's.
+std::vector<ParameterInfo> parameterList(const experiment::Experiment& experiment);
+
+/// Sets a parameter by name; empty, or why not (unknown name with the nearest known one, value out of physical range).
+std::string set(Parameters& parameters, const experiment::Experiment& experiment, const std::string& name,
+                double value);
+
+/// Value by name (of the first specimen for shared names); empty: no such name.
+std::optional<double> get(const Parameters& parameters, const experiment::Experiment& experiment,
+                          const std::string& name);
+
+} // namespace supercircle::replay

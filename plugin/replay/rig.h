@@ -1,0 +1,60 @@
+#pragma once
+// The simulated set-up: specimens, clamps, obstacles and the machine head (private to replay/).
+//
+// No host world stands behind it. Obstacles are rigid and either rest or ride on the head, so the core's own list of
+// bodies says all there is to say; a rigid-body engine would add nothing but single precision.
+
+#include "plugin/replay/simulate.h"
+#include "supercircle/step/stepper.h"
+
+namespace supercircle::replay {
+
+class Rig {
+public:
+    /// Specimens in equilibrium under gravity, everything at displacement 0.
+    Rig(const experiment::Experiment& experiment, const Parameters& parameters, const Resolution& resolution);
+
+    /// Empty, or why the set-up cannot be simulated.
+    [[nodiscard]] const std::string& failure() const { return failure_; }
+
+    /// Moves the head by `displacement` (m, downwards) in `duration` (s), evenly; `observe` sees each accepted step and
+    /// may stop by returning true. False when stopped or failed.
+    bool move(double displacement, double duration, const std::function<bool()>& observe);
+
+    /// Time since the set-up stood ready, s.
+    [[nodiscard]] double time() const { return world_.time - start_; }
+    /// Way of the head since then, positive downwards, m.
+    [[nodiscard]] double displacement() const { return -world_.machineTravel.y(); }
+    /// Force of the specimen on the head at the end of the last step, positive upwards, N; first order in the step.
+    [[nodiscard]] double force() const { return world_.machineForce().y(); }
+    /// Mean force over the last step without what the step itself lost (see the essay in rig.cpp), and whether it could
+    /// be told; where not, force() is all there is.
+    struct MeanForce {
+        bool known = false;
+        double force = 0.0; ///< N
+    };
+    [[nodiscard]] const MeanForce& meanForce() const { return mean_; }
+    /// Point of the centre line, m.
+    [[nodiscard]] rod::Vec2 point(std::size_t specimen, double arcFraction) const;
+    [[nodiscard]] const step::Counters& counters() const { return world_.counters; }
+
+private:
+    void addSpecimen(const experiment::Specimen& specimen, const SpecimenParameters& own, const Parameters& p,
+                     double arm);
+    void addObstacle(const experiment::Obstacle& obstacle, const Parameters& p, double skin, double extent);
+    void chooseSettings(const Parameters& p, double arm);
+    void settle();
+    void readMeanForce();
+
+    Resolution resolution_;
+    step::World world_;
+    step::Stepper stepper_;
+    std::string failure_;
+    MeanForce mean_;
+    step::Ledger books_;            ///< at the end of the last step
+    double lastDisplacement_ = 0.0; ///< m
+    double forceScale_ = 0.0;       ///< largest mean force so far, N
+    double start_ = 0.0;
+};
+
+} // namespace supercircle::replay

@@ -1,0 +1,269 @@
+// Cost and accuracy (measured on six noise-free recordings of another simulator, one core).
+//
+// | resolution | arcs | CPU a run | force against 121 arcs and finer steps, rms outside of jumps, share of the peak |
+// |---|---|---|---|
+// | coarse | 15 | 0.01 - 0.06 s | sliding shells 0.25 %, arch 0.4 %, strips 0.5 - 0.8 %, coiled shell (Type II) 2.1 % |
+// | full | 31 | 0.05 - 0.3 s | sliding shells 0.04 - 0.06 %, arch 0.08 %, strips 0.1 - 0.2 %, coiled shell 0.45 % |
+// | full | 61 | 0.15 - 1.2 s | 0.02 - 0.03 %, 0.04 %, 0.05 - 0.06 %, 0.09 % |
+//
+// Steps are limited by travel, not by time: quasi-static runs at different speeds are cut alike, and dwells take dtMax.
+// Readings are interpolated linearly between steps: with the longest travel a of a step the error is a^2 F'' / 8, below
+// 1e-5 of the peak outside of jumps. Within a jump (snap, slip-off, first touch of a strip) a sample may fall anywhere
+// between the two forces.
+//
+// Where further physics belongs: material, load and contact effects go into the world (rig.cpp, where specimens and
+// obstacles are built); apparatus effects between the commanded motion and the head (class Player, where
+// seriesCompliance is); sensor effects between the trace and the readings (function read). Their parameters go into
+// Parameters and, to be reachable by name, into the tables of parameters.cpp.
+
+#include "plugin/replay/simulate.h"
+
+#include "plugin/replay/rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <utility>
+
+namespace supercircle::replay {
+
+namespace {
+
+using experiment::Experiment;
+using experiment::Run;
+using rod::Vec2;
+
+double cpuClock() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// What happens at every accepted step. Forces have times of their own: means belong to the middles of steps.
+struct Trace {
+    std::vector<double> forceTime;          ///< s
+    std::vector<double> force;              ///< on the head, upwards, N
+    std::vector<double> time;               ///< of the markers, s
+    std::vector<std::vector<Vec2>> markers; ///< per marker, m
+
+    void addForce(double at, double value) {
+        forceTime.push_back(at);
+        force.push_back(value);
+    }
+    void addMarkers(const Rig& rig, const Experiment& e, double at) {
+        time.push_back(at);
+        markers.resize(e.markers.size());
+        for (std::size_t m = 0; m < e.markers.size(); ++m)
+            markers[m].push_back(rig.point(e.markers[m].specimen, e.markers[m].arcFraction));
+    }
+};
+
+/// Rows of a trace and weights for linear interpolation at given times; times past the end are left out.
+struct Weights {
+    std::vector<std::size_t> row; ///< interpolate between row and row + 1
+    std::vector<double> share;
+
+    Weights(const std::vector<double>& trace, const std::vector<double>& at) {
+        std::size_t i = 0;
+        for (const double t : at) {
+            if (trace.size() < 2 || t > trace.back() + 1e-9)
+                return;
+            while (i + 2 < trace.size() && trace[i + 1] < t)
+                ++i;
+            row.push_back(i);
+            share.push_back(std::clamp((t - trace[i]) / std::max(trace[i + 1] - trace[i], 1e-300), 0.0, 1.0));
+        }
+    }
+    template <class Value>
+    [[nodiscard]] double at(std::size_t k, Value&& value) const {
+        return (1.0 - share[k]) * value(row[k]) + share[k] * value(row[k] + 1);
+    }
+};
+
+std::vector<double> evenTimes(const Run& run, double rate) {
+    std::vector<double> times;
+    const double span = run.driveTime.back() - run.driveTime.front();
+    for (std::size_t i = 0; rate > 0.0 && static_cast<double>(i) / rate < span - 1e-9; ++i)
+        times.push_back(run.driveTime.front() + static_cast<double>(i) / rate);
+    return times;
+}
+
+double commanded(const Run& run, double t) {
+    const auto after = std::upper_bound(run.driveTime.begin() + 1, run.driveTime.end() - 1, t);
+    const std::size_t i = static_cast<std::size_t>(after - run.driveTime.begin());
+    const double share = std::clamp((t - run.driveTime[i - 1]) / (run.driveTime[i] - run.driveTime[i - 1]), 0.0, 1.0);
+    return (1.0 - share) * run.driveDisplacement[i - 1] + share * run.driveDisplacement[i];
+}
+
+/// Plays the commanded motion. With something soft in series the commanded motion is head plus give, d = x + c F, and
+/// it is d that keeps time: the head is moved at the commanded speed and the clock is read off d. That is exact for
+/// slow motion, implicit (stiff specimens do no harm), and where a snap lets d jump back the clock stands still.
+class Player {
+public:
+    Player(Rig& rig, const Experiment& e, const Run& run, double give, const Options& options)
+        : rig_(rig), e_(e), run_(run), give_(give), options_(options), clock_(run.driveTime.front()) {}
+
+    Trace play() {
+        if (run_.driveDisplacement.front() != 0.0) // the head comes from displacement 0 to where the run starts
+            rig_.move(run_.driveDisplacement.front(), 1.0, {});
+        trace_.addForce(clock_, rig_.force());
+        trace_.addMarkers(rig_, e_, clock_);
+        lastDisplacement_ = rig_.displacement();
+        pressing_ = rig_.force();
+        for (std::size_t i = 1; i < run_.driveTime.size() && rig_.failure().empty() && !stopped_; ++i)
+            leg(run_.driveTime[i - 1], run_.driveTime[i], run_.driveDisplacement[i - 1], run_.driveDisplacement[i]);
+        return std::move(trace_);
+    }
+    [[nodiscard]] bool stopped() const { return stopped_; }
+
+private:
+    [[nodiscard]] double position() const { return rig_.displacement() + give_ * pressing_; }
+
+    /// The force that compresses what is in series: smoothed over 2 um of travel, which hides the one-step spikes with
+    /// which an inextensible strip meets the floor (60 N for a microsecond) and shifts d by less than a nanometre.
+    void press() {
+        constexpr double kSmooth = 2e-6; // m
+        const double moved = std::abs(rig_.displacement() - lastDisplacement_);
+        lastDisplacement_ = rig_.displacement();
+        pressing_ += (rig_.force() - pressing_) * -std::expm1(-moved / kSmooth);
+    }
+
+    void leg(double t0, double t1, double from, double to) {
+        const double speed = (to - from) / (t1 - t0);
+        const double begin = rig_.time();
+        bool arrived = false;
+        const auto observe = [&] {
+            press();
+            const bool byDisplacement = give_ > 0.0 && speed != 0.0;
+            const double now = byDisplacement ? t0 + (position() - from) / speed : t0 + rig_.time() - begin;
+            const double before = std::exchange(clock_, std::clamp(now, clock_, t1));
+            readForce(0.5 * (before + clock_));
+            trace_.addMarkers(rig_, e_, clock_);
+            if (options_.progress)
+                options_.progress((clock_ - run_.driveTime.front()) / (run_.driveTime.back() - run_.driveTime.front()));
+            stopped_ = options_.interrupt != nullptr && options_.interrupt->load();
+            arrived = byDisplacement && now >= t1;
+            return stopped_ || arrived;
+        };
+        means_ = 0;
+        started_ = false;
+        if (give_ <= 0.0 || speed == 0.0) {
+            rig_.move(to - from, t1 - t0, observe);
+            finishLeg();
+            return;
+        }
+        // The way left shrinks as the force grows: what is left is gone in parts, so that the head never overshoots.
+        constexpr double kNear = 1e-7, kPart = 0.8; // m, 1
+        for (int i = 0; i < 40 && !arrived && !stopped_ && rig_.failure().empty(); ++i) {
+            const double left = to - position();
+            if (left * speed <= kNear * std::abs(speed))
+                break;
+            rig_.move(kPart * left, kPart * left / speed, observe);
+        }
+        clock_ = stopped_ ? clock_ : t1;
+        finishLeg();
+    }
+
+    /// The first step of a leg changes the velocity at once; its inertia, m v / dt, is a matter of the step size and no
+    /// load cell is that quick, so it is passed over.
+    void readForce(double middle) {
+        if (!std::exchange(started_, true))
+            return;
+        const Rig::MeanForce& mean = rig_.meanForce();
+        means_ = mean.known ? means_ + 1 : 0;
+        trace_.addForce(mean.known ? middle : clock_, mean.known ? mean.force : rig_.force());
+    }
+
+    /// The force at the very end of a leg, where its slope may turn: carried on from the last two means.
+    void finishLeg() {
+        if (clock_ > trace_.time.back())
+            trace_.addMarkers(rig_, e_, clock_);
+        const double t2 = trace_.forceTime.back(), f2 = trace_.force.back();
+        if (clock_ <= t2)
+            return;
+        double end = rig_.force();
+        if (const std::size_t n = trace_.force.size(); means_ >= 2 && t2 > trace_.forceTime[n - 2])
+            end = f2 + (f2 - trace_.force[n - 2]) * (clock_ - t2) / (t2 - trace_.forceTime[n - 2]);
+        trace_.addForce(clock_, end);
+    }
+
+    Rig& rig_;
+    const Experiment& e_;
+    const Run& run_;
+    double give_;
+    const Options& options_;
+    double clock_;                  ///< of the recording, s
+    bool started_ = false;          ///< the leg has had its first step
+    int means_ = 0;                 ///< readings in a row that are means
+    double pressing_ = 0.0;         ///< N
+    double lastDisplacement_ = 0.0; ///< m
+    bool stopped_ = false;
+    Trace trace_;
+};
+
+void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& out) {
+    const std::vector<double>& times = run.readings.time.empty() ? evenTimes(run, run.samplingRate) : run.readings.time;
+    const Weights at(trace.forceTime, times);
+    experiment::Readings& r = out.readings;
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < at.row.size(); ++k) {
+        r.time.push_back(times[k]);
+        r.displacement.push_back(commanded(run, times[k]));
+        r.force.push_back(at.at(k, [&](std::size_t i) { return trace.force[i]; }));
+        if (times[k] < times.front() + e.sensors.forceZeroWindow) {
+            sum += r.force.back();
+            ++count;
+        }
+    }
+    out.forceZero = count > 0 ? sum / static_cast<double>(count) : 0.0;
+    for (double& f : r.force)
+        f -= out.forceZero;
+    const std::vector<double> markerTimes =
+        run.markers.time.empty() ? evenTimes(run, run.markersSamplingRate) : run.markers.time;
+    const Weights seen(trace.time, markerTimes);
+    out.markers.time.assign(markerTimes.begin(), markerTimes.begin() + static_cast<std::ptrdiff_t>(seen.row.size()));
+    for (const std::vector<Vec2>& marker : trace.markers) {
+        out.markers.x.emplace_back();
+        out.markers.y.emplace_back();
+        for (std::size_t k = 0; k < seen.row.size(); ++k) {
+            out.markers.x.back().push_back(seen.at(k, [&](std::size_t i) { return marker[i].x(); }));
+            out.markers.y.back().push_back(seen.at(k, [&](std::size_t i) { return marker[i].y(); }));
+        }
+    }
+}
+
+} // namespace
+
+Resolution Resolution::full() {
+    return {};
+}
+
+Resolution Resolution::coarse() {
+    return {15, 1e-6, 5e-5, 0.5};
+}
+
+Simulated simulate(const Experiment& e, std::size_t run, const Parameters& parameters, const Resolution& resolution,
+                   const Options& options) {
+    Simulated out;
+    const double begin = cpuClock();
+    if (run >= e.runs.size()) {
+        out.failure = "there is no run " + std::to_string(run + 1);
+        return out;
+    }
+    Rig rig(e, parameters, resolution);
+    if (rig.failure().empty()) {
+        Player player(rig, e, e.runs[run], parameters.seriesCompliance, options);
+        const Trace trace = player.play();
+        out.stopped = player.stopped();
+        read(trace, e, e.runs[run], out);
+    }
+    out.failure = rig.failure();
+    out.steps = rig.counters().steps;
+    out.rejected = rig.counters().rejected;
+    out.unconverged = rig.counters().unconverged;
+    out.cpuSeconds = cpuClock() - begin;
+    return out;
+}
+
+} // namespace supercircle::replay

@@ -319,53 +319,92 @@ bool Session::settle(double speed, double longest) {
     return true;
 }
 
-void Session::drop() {
+namespace {
+
+/// Room that shells of one batch take while they fall: circles in rows, none above another one's row before its turn.
+class Rows {
+public:
+    Rows(double bottom, double height) : bottom_(bottom), height_(height) {}
+    /// Lowest free height (m, of the shell's lowest point) for a shell between x - reach and x + reach.
+    double place(double x, double reach) {
+        std::size_t row = 0;
+        const auto clear = [&](const std::pair<double, double>& other) {
+            return std::abs(x - other.first) > reach + other.second;
+        };
+        while (row < rows_.size() && !std::all_of(rows_[row].begin(), rows_[row].end(), clear))
+            ++row;
+        if (row == rows_.size())
+            rows_.emplace_back();
+        rows_[row].emplace_back(x, reach);
+        return bottom_ + static_cast<double>(row) * height_;
+    }
+
+private:
+    double bottom_, height_;
+    std::vector<std::vector<std::pair<double, double>>> rows_;
+};
+
+} // namespace
+
+/// Drops `count` shells side by side, in rows above the pile. Empty or why it cannot.
+std::string Session::dropBatch(int count) {
     const scene::Drop& d = *scene_.drop;
-    // A random start needs no trajectory to the micrometre: while the shells rain down the local error may be larger.
-    step::Settings& settings = shells_.stepper().settings();
-    const double measured = settings.localError;
-    settings.localError = std::max(measured, 0.3);
-    const double motion = settings.motionLimit;
-    settings.motionLimit = 2.0 * motion;
-    const double restSpeed = settings.restSpeed;
-    settings.restSpeed = std::getenv("SC_REST") ? std::atof(std::getenv("SC_REST")) : 0.4 * d.settle_speed;
-    if (d.adaptive)
-        settings.fixedDt = 0.0, frame_ = settings.dtMax;
-    for (int i = 0; i < d.count && end_ == End::Done; ++i) {
-        phase_ = "drop " + std::to_string(i + 1);
+    step::World& w = shells_.world();
+    const double pad = 0.5 * d.shell.thickness;
+    double top = 0.0;
+    for (const step::Rod& r : w.rods)
+        walk(r, [&](const Vec2& p) { top = std::max(top, p.y() + pad); });
+    Rows rows(top + d.clearance, 2.2 * (d.shell.radius + pad));
+    for (int i = 0; i < count; ++i) {
         ShellDef def = d.shell;
         def.angle = random_.uniform(-M_PI, M_PI);
         def.position = {0.0, 0.0};
         const auto probe = shells_.create(def); // built at the origin to learn its extent, then put in place
-        if (!probe) {
-            end_ = End::BadScene;
-            message_ = "drop: " + probe.error();
-            return;
-        }
-        step::World& w = shells_.world();
-        step::Rod& rod = w.rods.back();
+        if (!probe)
+            return probe.error();
         Vec2 lower = Vec2::Constant(1e300), upper = -lower;
-        walk(rod, [&](const Vec2& p) {
+        walk(w.rods.back(), [&](const Vec2& p) {
             lower = lower.cwiseMin(p);
             upper = upper.cwiseMax(p);
         });
-        const double pad = 0.5 * def.thickness;
-        const double x = random_.uniform(d.x_min, d.x_max) - 0.5 * (lower.x() + upper.x());
-        double top = 0.0;
-        for (std::size_t k = 0; k + 1 < w.rods.size(); ++k)
-            walk(w.rods[k], [&](const Vec2& p) { top = std::max(top, p.y() + pad); });
-        def.position = {x, top + d.clearance - lower.y() + pad};
+        const double x = random_.uniform(d.x_min, d.x_max);
+        def.position = {x - 0.5 * (lower.x() + upper.x()),
+                        rows.place(x, 0.55 * (upper.x() - lower.x()) + pad) - lower.y() + pad};
         shells_.destroy(*probe);
-        if (const auto made = shells_.create(def); made)
-            addShellInfo(shells_.size() - 1);
-        keep(true);
-        report(0.3 * i / d.count);
-        if (i + 1 < d.count)
-            settle(d.settle_speed, d.settle_time);
-        else {
-            settings.restSpeed = restSpeed; // all wake
-            settle(d.final_settle_speed, d.final_settle_time);
+        const auto made = shells_.create(def);
+        if (!made)
+            return made.error();
+        addShellInfo(shells_.size() - 1);
+    }
+    keep(true);
+    return {};
+}
+
+void Session::drop() {
+    const scene::Drop& d = *scene_.drop;
+    // A random start needs no trajectory to the micrometre: while the shells rain down steps may be coarser.
+    step::Settings& settings = shells_.stepper().settings();
+    const double measured = settings.localError, motion = settings.motionLimit;
+    settings.localError = std::max(measured, 0.3);
+    settings.motionLimit = 2.0 * motion;
+    if (d.adaptive) {
+        settings.fixedDt = 0.0;
+        frame_ = settings.dtMax;
+    }
+    for (int done = 0; done < d.count && end_ == End::Done;) {
+        const int count = std::min(d.together, d.count - done);
+        phase_ = "drop " + std::to_string(done + 1);
+        if (const std::string error = dropBatch(count); !error.empty()) {
+            end_ = End::BadScene;
+            message_ = "drop: " + error;
+            return;
         }
+        report(0.3 * done / d.count);
+        done += count;
+        if (done < d.count)
+            settle(d.settle_speed, d.settle_time);
+        else
+            settle(d.final_settle_speed, d.final_settle_time);
     }
     settings.localError = measured;
     settings.motionLimit = motion;

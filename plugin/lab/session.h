@@ -34,6 +34,7 @@ private:
     void addShellInfo(std::size_t rod);
     void describeOutlines();
     void report(double fraction);
+    std::string dropBatch(int count);
     void pace(double speed);              ///< how long steps and frames may be while the machine moves at `speed` m/s
     [[nodiscard]] double pileTop() const; ///< highest point of the shells' surfaces, m
     [[nodiscard]] double machineBottom() const; ///< lowest point of the carried bodies, m

@@ -177,6 +177,7 @@ void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out) {
     const std::size_t before = context.problems.size();
     reader.require("x_min", "a number, m");
     reader.require("x_max", "a number, m");
+    drop.together = static_cast<int>(reader.integer("together", drop.together, 1, 100000));
     drop.x_min = reader.number("x_min", drop.x_min);
     drop.x_max = reader.number("x_max", drop.x_max);
     if (context.problems.size() == before && drop.x_min > drop.x_max)

@@ -28,11 +28,12 @@ struct Parameter {
 struct Drop {
     ShellDef shell; ///< template of every dropped shell
     int count = 30;
-    double x_min = 0.0;             ///< m, range of the middle of the shell's bounding circle
-    double x_max = 0.0;             ///< m
-    double clearance = 0.005;       ///< m, free height between the pile's top and the lowest point of the new shell
-    double settle_speed = 5e-3;       ///< m/s, the next one falls when no point moves faster than this ...
-    double settle_time = 0.6;         ///< s, ... or when this long has passed
+    int together = 1;           ///< how many fall at a time, side by side: big piles would take for ever one by one
+    double x_min = 0.0;         ///< m, range of the middle of the shell's bounding circle
+    double x_max = 0.0;         ///< m
+    double clearance = 0.005;   ///< m, free height between the pile's top and the lowest point of the new shell
+    double settle_speed = 5e-3; ///< m/s, the next one falls when no point moves faster than this ...
+    double settle_time = 0.6;   ///< s, ... or when this long has passed
     double final_settle_speed = 2e-4; ///< m/s, the pile is at rest when no point moves faster than this ...
     double final_settle_time = 2.0;   ///< s, ... or when this long has passed since the last shell
     bool adaptive = false;            ///< a fixed step of the numerics counts from the protocol on only

@@ -48,7 +48,7 @@ Measurement repeat(std::string name, const std::function<void()>& work);
 void addPartBenchmarks(std::vector<Benchmark>& all);
 /// Contact problems recorded from a small stack on the fly, every method, two tolerances.
 void addContactBenchmarks(std::vector<Benchmark>& all);
-/// Every method on stacks of 3 to 2100 shells: only when asked for.
+/// Every method on stacks of 3 to 1350 shells: only when asked for.
 void addSolverBenchmarks(std::vector<Benchmark>& all);
 /// Whole runs of the project's scenes.
 void addSceneBenchmarks(std::vector<Benchmark>& all);

@@ -54,15 +54,16 @@ Measurement measureRod() {
     });
 }
 
-/// Thirty shells in a box: ten columns of three, nested with their surfaces a few micrometres apart.
+/// Shells in a box: columns of three, nested with their surfaces a few micrometres apart.
 struct Pile {
-    Pile() {
+    explicit Pile(std::uint32_t count = 30) {
+        const std::uint32_t columns = count / 3;
         const ShellDef shell;
         const double h = shell.thickness, R = shell.radius;
-        for (std::uint32_t i = 0; i < 30; ++i) {
+        for (std::uint32_t i = 0; i < count; ++i) {
             const double radius = R * (1.0 + 0.01 * ((i * 7) % 5) - 0.02);
             const double opening = 2.0 * M_PI * shell.phi_bar, first = 0.5 * (M_PI - opening);
-            const Vec2 centre((i % 10) * (2.0 * R + 1.05 * h), (i / 10) * 1.02 * h + 0.001 * (i % 3));
+            const Vec2 centre((i % columns) * (2.0 * R + 1.05 * h), (i / columns) * 1.02 * h + 0.001 * (i % 3));
             contact::Curve curve;
             curve.key = i;
             curve.halfThickness = 0.5 * h;
@@ -77,7 +78,8 @@ struct Pile {
             curve.midS = 0.5 * curve.nodeS.back();
             curves.push_back(std::move(curve));
         }
-        const Vec2 corners[] = {{-0.03, 0.5}, {-0.03, -0.02}, {0.5, -0.02}, {0.5, 0.5}};
+        const double right = 0.05 * columns;
+        const Vec2 corners[] = {{-0.03, 0.5}, {-0.03, -0.02}, {right, -0.02}, {right, 0.5}};
         for (std::uint32_t i = 0; i < 3; ++i) {
             contact::Outline wall;
             wall.key = i;
@@ -85,10 +87,12 @@ struct Pile {
             outlines.push_back(std::move(wall));
         }
     }
-    /// A step of the pile: neighbours slide past each other, back and forth.
+    /// A step of the pile: neighbours slide past each other, back and forth; who rests, stays.
     void step(double distance) {
         direction = -direction;
         for (std::size_t i = 0; i < curves.size(); ++i) {
+            if (curves[i].resting)
+                continue;
             curves[i].motion = distance;
             for (rod::Arc& arc : curves[i].arcs)
                 arc.start += distance * direction * Vec2(i % 2 == 0 ? 0.6 : -0.6, 0.4);
@@ -99,31 +103,64 @@ struct Pile {
     double direction = 1.0;
 };
 
-Measurement measureDetection(bool warm) {
-    Pile pile;
+Measurement measureDetection(const std::string& name, std::uint32_t shells, bool warm, std::uint32_t awake) {
+    Pile pile(shells);
+    for (std::uint32_t i = awake; i < shells; ++i)
+        pile.curves[i].resting = true;
     std::vector<contact::Candidate> found;
     contact::Detector kept;
-    Measurement m = repeat(warm ? "detection_warm" : "detection_cold", [&] {
+    Measurement m = repeat(name, [&] {
         contact::Detector fresh;
         pile.step(1e-5);
         (warm ? kept : fresh).detect(pile.curves, pile.outlines, {}, found);
+    });
+    m.more = {{"shells", shells}, {"awake", awake}, {"candidates", static_cast<double>(found.size())}};
+    return m;
+}
+
+Measurement measureRefresh() {
+    Pile pile;
+    std::vector<contact::Candidate> found;
+    contact::Detector().detect(pile.curves, pile.outlines, {}, found);
+    Measurement m = repeat("refresh", [&] {
+        pile.step(1e-6);
+        for (contact::Candidate& c : found)
+            contact::refresh(c, pile.curves, pile.outlines);
     });
     m.more = {{"shells", 30.0}, {"candidates", static_cast<double>(found.size())}};
     return m;
 }
 
-Measurement measureWitness(bool swept) {
-    Pile pile;
+Measurement measureWitness(const std::string& name, std::uint32_t shells, bool swept, std::uint32_t awake) {
+    Pile pile(shells);
+    for (std::uint32_t i = awake; i < shells; ++i)
+        pile.curves[i].resting = true;
     const Pile before = pile;
     pile.step(1e-5);
     std::vector<contact::Crossing> found;
-    Measurement m = repeat(swept ? "crossing_witness_swept" : "crossing_witness", [&] {
+    Measurement m = repeat(name, [&] {
         if (swept)
             contact::findCrossingsSwept(before.curves, pile.curves, before.outlines, pile.outlines, found);
         else
             contact::findCrossings(pile.curves, pile.outlines, found);
     });
-    m.more = {{"shells", 30.0}};
+    m.more = {{"shells", shells}, {"awake", awake}};
+    return m;
+}
+
+/// A thousand sines and cosines, as elements' tangents need them.
+Measurement measureSines() {
+    std::vector<double> angles;
+    for (int i = 0; i < 1000; ++i)
+        angles.push_back(0.31 * i - 155.0);
+    double sum = 0.0;
+    Measurement m = repeat("sine_cosine_1000", [&] {
+        for (const double angle : angles) {
+            const rod::SinCos a = rod::sinCos(angle);
+            sum += a.sine + a.cosine;
+        }
+    });
+    m.more = {{"mean", sum / static_cast<double>(angles.size() * m.samples)}}; // keeps the work from being left out
     return m;
 }
 
@@ -138,10 +175,24 @@ void addPartBenchmarks(std::vector<Benchmark>& all) {
                        }});
     };
     add("rod_evaluate", measureRod);
-    add("detection_cold", [] { return measureDetection(false); });
-    add("detection_warm", [] { return measureDetection(true); });
-    add("crossing_witness", [] { return measureWitness(false); });
-    add("crossing_witness_swept", [] { return measureWitness(true); });
+    add("sine_cosine_1000", measureSines);
+    const auto detection = [&](const std::string& name, std::uint32_t shells, bool warm, std::uint32_t awake) {
+        add(name, [=] { return measureDetection(name, shells, warm, awake); });
+    };
+    detection("detection_cold", 30, false, 30);
+    detection("detection_warm", 30, true, 30);
+    detection("detection_warm_300", 300, true, 300);
+    detection("detection_warm_1200", 1200, true, 1200);
+    detection("detection_warm_300_asleep", 300, true, 10);
+    add("refresh", measureRefresh);
+    const auto witness = [&](const std::string& name, std::uint32_t shells, bool swept, std::uint32_t awake) {
+        add(name, [=] { return measureWitness(name, shells, swept, awake); });
+    };
+    witness("crossing_witness", 30, false, 30);
+    witness("crossing_witness_swept", 30, true, 30);
+    witness("crossing_witness_swept_300", 300, true, 300);
+    witness("crossing_witness_swept_1200", 1200, true, 1200);
+    witness("crossing_witness_swept_300_asleep", 300, true, 10);
 }
 
 } // namespace supercircle::cli

@@ -25,7 +25,7 @@ namespace {
 using coulomb::Problem;
 
 constexpr std::array kStacks{3, 10, 30};     ///< shells, simulated
-constexpr std::array kCopies{3, 10, 23, 70}; ///< of the largest
+constexpr std::array kCopies{3, 10, 23, 45}; ///< of the largest
 constexpr std::size_t kProblems = 16;        ///< of a simulated set
 constexpr int kLinks = 20;                   ///< contacts between two neighbouring stacks of a row
 constexpr double kLoaded = 3.0;              ///< N, a nest is loaded beyond this

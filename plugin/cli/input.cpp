@@ -64,8 +64,10 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
         std::vector<scene::Problem> ignored; // the loader finds them again
         const auto document = scene::parseDocument(*text, file, ignored);
         if (const std::string kind = document ? otherKind(document->root) : ""; !kind.empty()) {
-            std::fprintf(stderr, "%s:1:1: /schema: this is %s; this version reads scenes only\n", file.c_str(),
-                         kind.c_str());
+            const bool experiment = kind.find("experiment") != std::string::npos;
+            std::fprintf(stderr, "%s:1:1: /schema: this is %s, not a scene; %s\n", file.c_str(), kind.c_str(),
+                         experiment ? "`supercircle replay` simulates one whose \"schema\" says rod-recordings/1"
+                                    : "this version has no sweeps");
             return std::nullopt;
         }
         loaded = scene::loadText(*text, file, overrides, problems);

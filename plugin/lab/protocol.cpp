@@ -41,7 +41,11 @@ void Session::play(const scene::Move& move, std::size_t number) {
     const scene::Protocol& p = *scene_.protocol;
     const double speed = move.kind == scene::Move::Kind::Travel ? move.speed : 0.0;
     shells_.set_machine_velocity({speed * p.direction.x, speed * p.direction.y});
-    pace(speed);
+    double branch =
+        std::isfinite(move.until.displacement) ? std::abs(move.until.displacement - travel()) : 0.25 * pileHeight_;
+    if (std::isfinite(move.until.time))
+        branch = std::min(branch, std::abs(speed) * move.until.time);
+    pace(speed, branch > 0.0 ? branch : scene_.report.R);
     phase_ = move.kind == scene::Move::Kind::Travel
                  ? (speed > 0.0 ? "load " : "unload ") + std::to_string(std::max(1, move.cycle))
                  : (move.kind == scene::Move::Kind::Hold ? "hold" : "settle");
@@ -92,6 +96,8 @@ void Session::play(const scene::Move& move, std::size_t number) {
 }
 
 void Session::protocol() {
+    cpuProtocol_ = cpuClock();
+    countProtocol_ = shells_.world().counters;
     if (!scene_.protocol) {
         phase_ = "free";
         inProtocol_ = true;

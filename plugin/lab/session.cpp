@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 namespace supercircle::lab {
 
@@ -17,6 +18,15 @@ constexpr double kFreeFrame = 4e-3; ///< s, longest step where no machine moves
 double wallClock() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
+
+} // namespace
+
+/// Processor time of the whole process, s.
+double cpuClock() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+namespace {
 
 /// Arcs of a rod in steps of about 0.05 rad: extreme points to far better than a micrometre.
 template <class Visit>
@@ -32,7 +42,7 @@ void walk(const step::Rod& rod, Visit&& visit) {
 
 Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options)
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
-      wallStart_(wallClock()) {
+      wallStart_(wallClock()), cpuStart_(cpuClock()) {
     step::Settings& s = shells_.stepper().settings();
     s.dtMin = scene.numerics.dt_min;
     fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
@@ -63,14 +73,15 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
 }
 
 /// Quasi-static experiments cost what their travel costs, however slow the machine is: the longest step is a length of
-/// travel. It is R / 500 because a loading branch is to have at least 500 samples; accuracy is the controller's
-/// business.
-void Session::pace(double speed) {
+/// travel. It is R / 500, or less where the branch (m of travel, as far as known) is short, because a loading branch is
+/// to have at least 500 samples; accuracy is the controller's business.
+void Session::pace(double speed, double branch) {
     step::Settings& s = shells_.stepper().settings();
     s.fixedDt = fixedDt_;
     s.dtMax = scene_.numerics.dt_max;
+    const double travel = std::min(scene_.report.R, 0.8 * branch) / 500.0;
     if (s.dtMax <= 0.0)
-        s.dtMax = speed == 0.0 ? kFreeFrame : std::clamp(scene_.report.R / (500.0 * std::abs(speed)), 1e-3, 1.0);
+        s.dtMax = speed == 0.0 ? kFreeFrame : std::clamp(travel / std::abs(speed), 1e-3, 1.0);
     frame_ = s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
 }
 

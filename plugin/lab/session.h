@@ -6,7 +6,12 @@
 #include "plugin/lab/runner.h"
 #include "supercircle/step/stepper.h"
 
+#include <limits>
+
 namespace supercircle::lab {
+
+/// Processor time of the process so far, s.
+double cpuClock();
 
 class Session {
 public:
@@ -35,8 +40,9 @@ private:
     void describeOutlines();
     void report(double fraction);
     std::string dropBatch(int count);
-    void pace(double speed);              ///< how long steps and frames may be while the machine moves at `speed` m/s
-    [[nodiscard]] double pileTop() const; ///< highest point of the shells' surfaces, m
+    /// How long steps and frames may be while the machine moves at `speed` m/s for `branch` m.
+    void pace(double speed, double branch = std::numeric_limits<double>::infinity());
+    [[nodiscard]] double pileTop() const;       ///< highest point of the shells' surfaces, m
     [[nodiscard]] double machineBottom() const; ///< lowest point of the carried bodies, m
     [[nodiscard]] double force() const;
     [[nodiscard]] double travel() const; ///< m since touch
@@ -64,6 +70,9 @@ private:
     double creepStart_ = -1.0;
     std::vector<rod::Vec2> creepFrom_;
     double wallStart_ = 0.0;
+    double cpuStart_ = 0.0;          ///< s of processor time when the session began ...
+    double cpuProtocol_ = -1.0;      ///< ... and when the protocol did
+    step::Counters countProtocol_{}; ///< counters then
     double expectedTime_ = 0.0;
 };
 

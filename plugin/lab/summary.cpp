@@ -61,6 +61,16 @@ void Session::summarise(record::Recording& out) {
     put("simulated_s", w.time);
     put("wall_s",
         std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count() - wallStart_);
+    const double cpu = cpuClock();
+    put("cpu_s", cpu - cpuStart_);
+    if (cpuProtocol_ >= 0.0) {
+        put("protocol_cpu_s", cpu - cpuProtocol_);
+        put("protocol_steps", static_cast<std::int64_t>(w.counters.steps - countProtocol_.steps));
+        put("protocol_solves", static_cast<std::int64_t>(w.counters.solves - countProtocol_.solves));
+        put("protocol_pivots", static_cast<std::int64_t>(w.counters.pivots - countProtocol_.pivots));
+    }
+    put("contacts_max", static_cast<std::int64_t>(w.counters.contactsMax));
+    put("loaded_contacts_max", static_cast<std::int64_t>(w.counters.loadedMax));
     put("steps", static_cast<std::int64_t>(w.counters.steps));
     put("threads", static_cast<std::int64_t>(options_.threads));
     double friction = 0.0;

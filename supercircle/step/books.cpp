@@ -99,6 +99,8 @@ void accept(World& world, Attempt& t) {
     world.dt = dt;
     ++world.counters.steps;
     world.counters.etaMax = std::max(world.counters.etaMax, stage.report.eta);
+    world.counters.contactsMax = std::max<std::uint64_t>(world.counters.contactsMax, stage.candidates.size());
+    world.counters.loadedMax = std::max<std::uint64_t>(world.counters.loadedMax, t.impulses.size());
     if (!stage.report.converged)
         ++world.counters.unconverged;
     world.counters.penetrationMax = std::max(world.counters.penetrationMax, deepest(world.candidates));

@@ -98,6 +98,8 @@ struct Counters {
     std::uint64_t crossings = 0;   ///< found by the witness in a step that could not be cut further (it ends the run)
     std::uint64_t quarantined = 0; ///< rods taken out because of bad numbers
     double etaMax = 0.0;           ///< largest contact residual of an accepted step
+    std::uint64_t contactsMax = 0; ///< most candidates in one problem
+    std::uint64_t loadedMax = 0;   ///< most contacts that carried force at once
     double penetrationMax = 0.0;   ///< deepest overlap seen after an accepted step, m
 };
 

@@ -101,15 +101,18 @@ TEST_CASE("a file that is no good scene is exit 2 with its place, and nothing is
 
 TEST_CASE("experiments and sweeps are recognised and refused by name") {
     const Folder folder;
-    const auto refused = [&](const std::string& text, const std::string& kind) {
+    const auto refused = [&](const std::string& text, const std::string& kind,
+                             const std::vector<std::string>& verbs = {"check", "run"}) {
         const std::string file = folder.write("other.json", text);
-        for (const char* verb : {"check", "run"}) {
+        for (const std::string& verb : verbs) {
             const Ending ending = start({verb, file}, {.directory = folder.path()});
             CHECK(ending.code == 2);
-            CHECK_THAT(ending.err, Contains(kind) && Contains("this version reads scenes only"));
+            CHECK_THAT(ending.err, Contains(kind) && Contains("not a scene"));
         }
     };
-    refused("{ \"schema\": \"rod-recordings/1\", \"runs\": [] }", "this is an experiment");
+    refused("{ \"schema\": \"rod-recordings/1\", \"runs\": [] }", "this is an experiment", {"run"});
+    CHECK_THAT(start({"check", folder.write("other.json", "{ \"schema\": \"rod-recordings/1\", \"runs\": [] }")}).err,
+               Contains("\"protocol\" is missing")); // check knows experiments, and says what this one lacks
     refused("{ \"specimens\": [], \"runs\": [] }", "this is an experiment");
     refused("{ \"schema\": \"supercircle-sweep/1\" }", "this is a sweep");
     refused("{ \"scene\": \"stack30.json\", \"parameters\": { \"mu\": [ 0.1, 0.2 ] } }", "this is a sweep");

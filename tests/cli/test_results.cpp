@@ -96,8 +96,7 @@ TEST_CASE("a squeezed stack reports its cycles, and its series are theirs") {
     CHECK(travel.front() == Approx(0.0).margin(1e-12));
     CHECK(std::is_sorted(travel.begin(), travel.begin() + top));
     const double turn = summary["delta_max_over_R"].get<double>() * 0.0192;
-    CHECK(travel[static_cast<std::size_t>(top)] ==
-          Approx(turn).margin(2.5e-5)); // one step of the plate: 4 ms at 5 mm/s
+    CHECK(travel[static_cast<std::size_t>(top)] == Approx(turn).margin(4e-5)); // one step of the plate: R / 500
 }
 
 TEST_CASE("a snap reports peak, pull and type") {
@@ -109,7 +108,10 @@ TEST_CASE("a snap reports peak, pull and type") {
     const record::Series series = seriesOf(folder / "snap/series.csv");
     CHECK(series.rows() >= 500);
     const auto& force = *series.find("force_N");
-    CHECK(*std::max_element(force.begin(), force.end()) == summary["peak_force_N"].get<double>());
+    CHECK(*std::max_element(force.begin(), force.end()) == summary["instant_force_N"].get<double>());
+    // The reported peak is a mean over a short travel: a Type I curve is smooth, so hardly less.
+    CHECK(summary["peak_force_N"].get<double>() <= summary["instant_force_N"].get<double>());
+    CHECK(summary["peak_force_N"].get<double>() == Approx(summary["instant_force_N"].get<double>()).epsilon(5e-3));
 
     const std::string page = contentOf(folder / "snap/report.html");
     CHECK_THAT(page, Contains("<svg") && Contains("</html>"));

@@ -35,7 +35,7 @@ struct ReplayArguments {
 };
 
 struct ValidateArguments {
-    std::string data;   ///< folder of the reference curves
+    std::string data; ///< folder of the reference curves
     std::string out = "out/validation";
     std::string filter; ///< only experiments whose id or title contains it
     bool quick = false;

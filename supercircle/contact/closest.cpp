@@ -90,8 +90,9 @@ bool lowestPoint(const Piece& piece, const Vec2& up, double depth, Foot& foot) {
 
 Foot pointOnPiece(const Piece& piece, double s) {
     const double half = 0.5 * piece.curvature * s;
-    const double c = std::cos(half);
-    const double e = std::sin(half);
+    const rod::SinCos turned = rod::sinCosSmall(half);
+    const double c = turned.cosine;
+    const double e = turned.sine;
     const Vec2 n0 = rod::perp(piece.t0);
     const Vec2 middle = c * piece.t0 + e * n0;
     Foot foot;

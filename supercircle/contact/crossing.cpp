@@ -9,18 +9,18 @@
 //
 // What is not seen or counted more strictly than the eye would:
 // - Neighbouring elements of a rod are not tested against each other: circles that touch at a common tangent meet
-// nowhere
-//   else. An element that turns by 2 pi overlaps itself and counts.
+//   nowhere else. An element that turns by 2 pi overlaps itself and counts.
 // - One-sided edges count from either side when a centre line crosses them; element ends and middles also count when
-// they
-//   lie behind an edge's own stretch by less than the rod's thickness (deeper, a rod is taken to live behind the edge).
-//   Two antiparallel edges closer than that thickness would accuse each other's visitors.
+//   they lie behind an edge's own stretch by less than the rod's thickness (deeper, a rod is taken to live behind the
+//   edge). Two antiparallel edges closer than that thickness would accuse each other's visitors.
 // - Pairs whose filters exclude each other may cross as they like.
 // - A pair of rods, or rod and outline, is reported once a configuration pair by the swept test.
+// - Two rods marked as resting that are the same in both configurations are not tested by the swept test, nor one with
+//   an outline that is.
 
 #include "supercircle/contact/crossing.h"
 
-#include "supercircle/contact/crossing_piece.h"
+#include "supercircle/contact/crossing_way.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,256 +31,199 @@ namespace supercircle::contact {
 
 namespace {
 
+using witness::AlignedBox;
+using witness::ElementBoxes;
 using witness::Meeting;
+using witness::Moving;
 using witness::Piece;
+using witness::RodWay;
+using witness::Ways;
 
-struct AlignedBox {
-    Vec2 lower = Vec2::Constant(INFINITY);
-    Vec2 upper = Vec2::Constant(-INFINITY);
-    void include(const Vec2& p) {
-        lower = lower.cwiseMin(p);
-        upper = upper.cwiseMax(p);
-    }
-    void include(const Piece& p) {
-        include(p.start);
-        include(p.end);
-        include(p.apex);
-    }
-    void include(const AlignedBox& b) {
-        lower = lower.cwiseMin(b.lower);
-        upper = upper.cwiseMax(b.upper);
-    }
-    [[nodiscard]] bool meets(const AlignedBox& b) const {
-        return lower.x() <= b.upper.x() && b.lower.x() <= upper.x() && lower.y() <= b.upper.y() &&
-               b.lower.y() <= upper.y();
-    }
-};
-
-/// The rigid part of a way: `reference` moves straight by `shift` while the rest turns about it by `turn`.
-struct Frame {
-    Vec2 reference = Vec2::Zero();
-    Vec2 shift = Vec2::Zero();
-    double turn = 0.0;
-    Vec2 back{1.0, 0.0}; ///< cosine and sine of -turn
-};
-
-Vec2 rotated(const Vec2& v, double angle) {
-    return std::cos(angle) * v + std::sin(angle) * rod::perp(v);
-}
-
-/// A piece on its way from one configuration to the next.
-struct Moving {
-    Piece before;
-    Frame frame;
-    Vec2 arm = Vec2::Zero();   ///< from the frame's reference to the middle, before, m
-    Vec2 drift = Vec2::Zero(); ///< change of the arm in the frame, m
-    Vec2 shift = Vec2::Zero(); ///< of the middle, from first to last, m
-    double angle = 0.0;        ///< before, at the middle, rad
-    double turn = 0.0;         ///< rad
-    double bend = 0.0;         ///< change of curvature, 1/m
-    double swing = 0.0;        ///< bound on any point's path beyond the middle's mean motion, m
-    double gap = 0.0;          ///< bound on how far an end strays from its neighbour's on the way, m
-    AlignedBox box;            ///< of the whole way
-    double s0 = 0.0;           ///< arc length on the rod at the middle
-    std::int32_t rod = -1;
-    std::int32_t element = -1;
-    std::int32_t outline = -1;
-    double halfThickness = 0.0;
-    std::uint32_t category = 1;
-    std::uint32_t mask = 0xffffffffu;
-
-    [[nodiscard]] Piece at(double lambda) const {
-        const Vec2 mid = frame.reference + lambda * frame.shift + rotated(arm + lambda * drift, lambda * frame.turn);
-        return witness::makePiece(mid, angle + lambda * turn, before.curvature + lambda * bend, before.half);
-    }
-};
-
-bool filtersAgree(const Moving& a, const Moving& b) {
+template <class A, class B>
+bool filtersAgree(const A& a, const B& b) {
     return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
-/// Sets the way from arc `from` to arc `to`, both cut to [s, s + length].
-void setWay(Moving& m, const Arc& from, const Arc& to, double s, double length) {
-    const double mid = s + 0.5 * length;
-    const auto startOf = [s](const Arc& arc) { return s == 0.0 ? arc.start : arc.pointAt(s); };
-    m.angle = from.angleAt(mid);
-    m.before = witness::makePieceFrom(startOf(from), m.angle, from.curvature, 0.5 * length);
-    m.arm = m.before.mid - m.frame.reference;
-    const bool moves = from.start != to.start || from.angle != to.angle || from.curvature != to.curvature;
-    m.box.include(m.before);
-    double stray = 0.0; // bound on the second derivative of any point's way
-    if (moves) {
-        const Piece last = witness::makePieceFrom(startOf(to), to.angleAt(mid), to.curvature, 0.5 * length);
-        const Vec2 turned = last.mid - m.frame.reference - m.frame.shift;
-        m.drift = m.frame.back.x() * turned + m.frame.back.y() * rod::perp(turned) - m.arm;
-        m.shift = last.mid - m.before.mid;
-        m.turn = std::remainder(to.angleAt(mid) - m.angle, 2.0 * M_PI);
-        m.bend = to.curvature - from.curvature;
-        const double half = m.before.half;
-        const double omega = std::abs(m.frame.turn);
-        const double pull = omega * omega * (m.arm.norm() + m.drift.norm()) + 2.0 * omega * m.drift.norm();
-        const double rate = std::abs(m.turn) + half * std::abs(m.bend);
-        const double ownRate = std::abs(m.turn - m.frame.turn) + half * std::abs(m.bend);
-        stray = pull + half * rate * rate;
-        m.swing = half * std::abs(m.turn) + 0.5 * half * half * std::abs(m.bend) + 0.5 * pull;
-        m.gap = 0.125 * half * ownRate * ownRate; // a way leaves its chord by at most an eighth of that bound
-        m.box.include(last);
-    }
-    const Vec2 pad = Vec2::Constant(0.125 * stray + m.gap + 1e-3 * m.halfThickness + 1e-12);
-    m.box.lower -= pad;
-    m.box.upper += pad;
+bool neighbours(std::size_t a, std::size_t b, const Curve& c) {
+    const std::size_t apart = a < b ? b - a : a - b;
+    return apart <= 1 || (c.closed && apart + 1 == c.arcs.size());
 }
 
-struct Place {
-    Vec2 point = Vec2::Zero();
-    double angle = 0.0;
+/// The search for pairs whose boxes meet: rods by a sweep, their elements all against all. Storage is kept.
+class PairSearch {
+public:
+    PairSearch(Ways& ways, const std::vector<Curve>& curves, bool skipStill)
+        : ways_(ways), curves_(curves), skipStill_(skipStill) {}
+
+    /// Calls test(a, b) for all pairs that involve a rod (as a); order depends on geometry only.
+    template <class Test>
+    void rodPairs(Test test);
+    /// `outlineMoves[o]` tells whether an outline moves; a rod at rest meets only those.
+    template <class Test>
+    void outlinePairs(const std::vector<Outline>& outlines, const std::vector<char>& outlineMoves, Test test);
+
+private:
+    struct Item {
+        double low, high;
+        std::uint32_t rod;
+        bool operator<(const Item& o) const { return low != o.low ? low < o.low : rod < o.rod; }
+    };
+    struct Scratch {
+        std::vector<Item> items;
+        std::vector<std::uint32_t> elements;
+        ElementBoxes boxes;
+        std::vector<double> gaps;
+    };
+    static Scratch& scratch() {
+        static thread_local Scratch kept;
+        return kept;
+    }
+    void sweepItems(std::vector<Item>& items, int& across) const;
+    /// Elements of a rod whose boxes meet `box`, into `elements`.
+    void near(const RodWay& rod, const AlignedBox& box, std::vector<std::uint32_t>& elements) const;
+    template <class Test>
+    void elementPairs(std::size_t a, std::size_t b, Test test);
+    template <class Test>
+    void piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test);
+
+    Ways& ways_;
+    const std::vector<Curve>& curves_;
+    bool skipStill_;
 };
 
-Frame frameBetween(const std::vector<Place>& before, const std::vector<Place>& after) {
-    Frame frame;
-    double least = INFINITY;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-        const Vec2 shift = after[i].point - before[i].point;
-        if (shift.norm() < least) {
-            least = shift.norm();
-            frame.reference = before[i].point;
-            frame.shift = shift;
-            frame.turn = std::remainder(after[i].angle - before[i].angle, 2.0 * M_PI);
-        }
+/// Rods by the lower ends of their boxes, in the direction in which they are spread widest.
+void PairSearch::sweepItems(std::vector<Item>& items, int& across) const {
+    Vec2 spread = Vec2::Zero(), sizes = Vec2::Zero();
+    AlignedBox all;
+    for (const RodWay& rod : ways_.rods) {
+        if (rod.count == 0)
+            continue;
+        all.include(rod.box.lower);
+        all.include(rod.box.upper);
+        sizes += rod.box.upper - rod.box.lower;
     }
-    frame.back = {std::cos(frame.turn), -std::sin(frame.turn)};
-    return frame;
-}
-
-/// Ends and middle of a rod.
-std::vector<Place> places(const Curve& c) {
-    const auto at = [](const Arc& arc, double s) { return Place{arc.pointAt(s), arc.angleAt(s)}; };
-    return {at(c.arcs.front(), 0.0), at(c.arcs[c.arcs.size() / 2], 0.0), at(c.arcs.back(), c.arcs.back().length)};
-}
-
-/// Corners of an outline with the direction of its first edge.
-std::vector<Place> places(const Outline& o) {
-    std::vector<Place> out;
-    const Vec2 edge = o.points.size() > 1 ? Vec2(o.points[1] - o.points[0]) : Vec2(1.0, 0.0);
-    for (const Vec2& p : o.points)
-        out.push_back({p, std::atan2(edge.y(), edge.x())});
-    return out;
-}
-
-int cuts(double turn) {
-    return std::max(1, static_cast<int>(std::ceil(std::abs(turn) / witness::kMaxTurn)));
-}
-
-void addRods(const std::vector<Curve>& before, const std::vector<Curve>& after, std::vector<Moving>& out) {
-    std::size_t elements = 0;
-    for (const Curve& c : before)
-        elements += c.arcs.size();
-    out.reserve(elements + elements / 8 + 64); // room for some cuts and the outlines
-    for (std::size_t r = 0; r < before.size() && r < after.size(); ++r) {
-        const Curve& from = before[r];
-        const Curve& to = after[r];
-        if (from.arcs.empty() || from.arcs.size() != to.arcs.size())
-            continue;
-        const Frame frame = frameBetween(places(from), places(to));
-        for (std::size_t e = 0; e < from.arcs.size(); ++e) {
-            const Arc& arc = from.arcs[e];
-            const int n = std::max(cuts(arc.curvature * arc.length), cuts(to.arcs[e].curvature * arc.length));
-            for (int i = 0; i < n; ++i) {
-                Moving& m = out.emplace_back();
-                m.frame = frame;
-                m.rod = static_cast<std::int32_t>(r);
-                m.element = static_cast<std::int32_t>(e);
-                m.halfThickness = from.halfThickness;
-                m.category = from.category;
-                m.mask = from.mask;
-                const double length = arc.length / n;
-                setWay(m, arc, to.arcs[e], i * length, length);
-                m.s0 = (e < from.nodeS.size() ? from.nodeS[e] : 0.0) + (i + 0.5) * length;
-            }
-        }
+    spread = all.upper - all.lower;
+    const int axis = spread.x() * sizes.y() >= spread.y() * sizes.x() ? 0 : 1;
+    across = 1 - axis;
+    items.clear();
+    for (std::size_t r = 0; r < ways_.rods.size(); ++r) {
+        const RodWay& rod = ways_.rods[r];
+        if (rod.count > 0)
+            items.push_back({rod.box.lower[axis], rod.box.upper[axis], static_cast<std::uint32_t>(r)});
     }
+    std::sort(items.begin(), items.end());
 }
 
-Arc straight(const Vec2& a, const Vec2& b) {
-    Arc arc;
-    arc.start = a;
-    arc.angle = std::atan2(b.y() - a.y(), b.x() - a.x());
-    arc.length = (b - a).norm();
-    return arc;
-}
-
-void addOutlines(const std::vector<Outline>& before, const std::vector<Outline>& after, std::vector<Moving>& out) {
-    for (std::size_t o = 0; o < before.size() && o < after.size(); ++o) {
-        const Outline& from = before[o];
-        const Outline& to = after[o];
-        Moving m;
-        m.outline = static_cast<std::int32_t>(o);
-        m.category = from.category;
-        m.mask = from.mask;
-        if (from.points.empty() || to.points.size() != from.points.size())
-            continue;
-        if (from.kind == OutlineKind::Circle && from.radius <= 0.0)
-            continue;
-        m.frame = frameBetween(places(from), places(to));
-        if (from.kind == OutlineKind::Circle) {
-            for (int i = 0; i < 4; ++i) {
-                Moving quarter = m;
-                Arc arc;
-                arc.curvature = 1.0 / from.radius;
-                arc.length = 0.5 * M_PI * from.radius;
-                arc.angle = 0.5 * M_PI * (i + 1);
-                const Vec2 radius = from.radius * Vec2(std::cos(0.5 * M_PI * i), std::sin(0.5 * M_PI * i));
-                arc.start = from.points[0] + radius;
-                Arc moved = arc;
-                moved.start = to.points[0] + radius;
-                setWay(quarter, arc, moved, 0.0, arc.length);
-                out.push_back(quarter);
-            }
-            continue;
-        }
-        const std::size_t n = from.points.size();
-        const std::size_t edges = from.kind == OutlineKind::Polygon ? n : n - 1;
-        for (std::size_t i = 0; i < edges; ++i) {
-            Moving edge = m;
-            const Arc arc = straight(from.points[i], from.points[(i + 1) % n]);
-            setWay(edge, arc, straight(to.points[i], to.points[(i + 1) % n]), 0.0, arc.length);
-            out.push_back(edge);
-        }
-    }
-}
-
-bool neighbours(const Moving& a, const Moving& b, const std::vector<Curve>& curves) {
-    const std::int32_t apart = std::abs(a.element - b.element);
-    if (apart <= 1)
-        return true;
-    const Curve& c = curves[static_cast<std::size_t>(a.rod)];
-    return c.closed && apart + 1 == static_cast<std::int32_t>(c.arcs.size());
-}
-
-/// Calls test(a, b) for all pairs that involve a rod (as a) and whose boxes meet; order depends on geometry only.
 template <class Test>
-void forPairs(const std::vector<Moving>& pieces, const std::vector<Curve>& curves, Test test) {
-    struct Entry { // what the sweep reads, close together
-        AlignedBox box;
-        std::uint32_t index = 0;
-    };
-    std::vector<Entry> order(pieces.size());
-    for (std::size_t i = 0; i < order.size(); ++i)
-        order[i] = {pieces[i].box, static_cast<std::uint32_t>(i)};
-    std::sort(order.begin(), order.end(), [](const Entry& a, const Entry& b) {
-        return a.box.lower.x() != b.box.lower.x() ? a.box.lower.x() < b.box.lower.x() : a.index < b.index;
-    });
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const AlignedBox box = order[i].box;
-        for (std::size_t j = i + 1; j < order.size() && order[j].box.lower.x() <= box.upper.x(); ++j) {
-            if (order[j].box.lower.y() > box.upper.y() || order[j].box.upper.y() < box.lower.y())
+void PairSearch::rodPairs(Test test) {
+    std::vector<Item>& items = scratch().items;
+    int across = 1;
+    sweepItems(items, across);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const std::size_t a = items[i].rod;
+        const RodWay& rodA = ways_.rods[a];
+        const bool still = skipStill_ && rodA.still;
+        if (!still && filtersAgree(curves_[a], curves_[a]))
+            elementPairs(a, a, test);
+        for (std::size_t j = i + 1; j < items.size() && items[j].low <= items[i].high; ++j) {
+            const std::size_t b = items[j].rod;
+            const RodWay& rodB = ways_.rods[b];
+            if (rodB.box.lower[across] > rodA.box.upper[across] || rodB.box.upper[across] < rodA.box.lower[across])
                 continue;
-            // Rods come before outlines in `pieces`, so the lower index is a rod if there is one.
-            const Moving& a = pieces[std::min(order[i].index, order[j].index)];
-            const Moving& b = pieces[std::max(order[i].index, order[j].index)];
-            if (a.rod < 0 || !filtersAgree(a, b) || (a.rod == b.rod && neighbours(a, b, curves)))
+            if ((still && rodB.still) || !filtersAgree(curves_[a], curves_[b]))
                 continue;
-            test(a, b);
+            elementPairs(std::min(a, b), std::max(a, b), test);
+        }
+    }
+}
+
+void PairSearch::near(const RodWay& rod, const AlignedBox& box, std::vector<std::uint32_t>& elements) const {
+    const ElementBoxes& all = ways_.boxes;
+    elements.clear();
+    for (std::size_t e = 0; e < rod.count; ++e) {
+        const std::size_t i = rod.first + e;
+        if (all.lowX[i] <= box.upper.x() && all.highX[i] >= box.lower.x() && all.lowY[i] <= box.upper.y() &&
+            all.highY[i] >= box.lower.y())
+            elements.push_back(static_cast<std::uint32_t>(e));
+    }
+}
+
+template <class Test>
+void PairSearch::elementPairs(std::size_t a, std::size_t b, Test test) {
+    const RodWay& rodA = ways_.rods[a];
+    const RodWay& rodB = ways_.rods[b];
+    const ElementBoxes& all = ways_.boxes;
+    Scratch& s = scratch();
+    near(rodB, rodA.box, s.elements);
+    const std::size_t n = s.elements.size();
+    if (n == 0)
+        return;
+    s.boxes.resize(n);
+    s.gaps.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t i = rodB.first + s.elements[k];
+        s.boxes.lowX[k] = all.lowX[i];
+        s.boxes.lowY[k] = all.lowY[i];
+        s.boxes.highX[k] = all.highX[i];
+        s.boxes.highY[k] = all.highY[i];
+    }
+    const double *lowX = s.boxes.lowX.data(), *lowY = s.boxes.lowY.data();
+    const double *highX = s.boxes.highX.data(), *highY = s.boxes.highY.data();
+    double* gaps = s.gaps.data();
+    for (std::size_t e = 0; e < rodA.count; ++e) {
+        const std::size_t i = rodA.first + e;
+        const double x0 = all.lowX[i], y0 = all.lowY[i], x1 = all.highX[i], y1 = all.highY[i];
+        if (x0 > rodB.box.upper.x() || x1 < rodB.box.lower.x() || y0 > rodB.box.upper.y() || y1 < rodB.box.lower.y())
+            continue;
+        for (std::size_t k = 0; k < n; ++k) {
+            const double gapX = std::max(lowX[k] - x1, x0 - highX[k]);
+            const double gapY = std::max(lowY[k] - y1, y0 - highY[k]);
+            gaps[k] = std::max(gapX, gapY);
+        }
+        for (std::size_t k = 0; k < n; ++k) {
+            if (gaps[k] > 0.0 || (a == b && (s.elements[k] <= e || neighbours(e, s.elements[k], curves_[a]))))
+                continue;
+            piecePairs(a, e, b, s.elements[k], test);
+        }
+    }
+}
+
+template <class Test>
+void PairSearch::piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test) {
+    const Ways::Range first = ways_.pieces(rodA, a);
+    const Ways::Range second = ways_.pieces(rodB, b);
+    const witness::Motion& motionA = ways_.rods[rodA].motion;
+    const witness::Motion& motionB = ways_.rods[rodB].motion;
+    const double way = motionA.travel + motionB.travel + 2.0 * (motionA.slack + motionB.slack);
+    for (std::size_t i = first.first; i < first.first + first.count; ++i)
+        for (std::size_t j = second.first; j < second.first + second.count; ++j) {
+            if (witness::separation(ways_.piece(i).before, ways_.piece(j).before) > way)
+                continue; // whatever they do, they do not reach each other
+            const Moving& one = ways_.completed(i);
+            const Moving& other = ways_.completed(j);
+            if (one.box.meets(other.box))
+                test(one, other);
+        }
+}
+
+template <class Test>
+void PairSearch::outlinePairs(const std::vector<Outline>& outlines, const std::vector<char>& outlineMoves, Test test) {
+    std::vector<std::uint32_t>& elements = scratch().elements;
+    for (const Moving& m : ways_.outlines) {
+        const auto o = static_cast<std::size_t>(m.outline);
+        for (std::size_t r = 0; r < ways_.rods.size(); ++r) {
+            const RodWay& rod = ways_.rods[r];
+            if (rod.count == 0 || !rod.box.meets(m.box) || !filtersAgree(curves_[r], outlines[o]))
+                continue;
+            if (skipStill_ && rod.still && outlineMoves[o] == 0)
+                continue;
+            near(rod, m.box, elements);
+            for (const std::uint32_t e : elements) {
+                const Ways::Range range = ways_.pieces(r, e);
+                for (std::size_t i = range.first; i < range.first + range.count; ++i)
+                    if (ways_.completed(i).box.meets(m.box))
+                        test(ways_.piece(i), m);
+            }
         }
     }
 }
@@ -354,18 +297,22 @@ AlignedBox boxOf(const Outline& o, double pad) {
 }
 
 /// Ends and middles of elements inside solids or just behind one-sided edges, one report for a rod and an outline.
-/// `boxes` are those of the rods.
-void findInside(const std::vector<Curve>& curves, const std::vector<AlignedBox>& boxes,
-                const std::vector<Outline>& outlines, std::vector<Crossing>& out) {
+/// Rods at rest and outlines at rest are left out if `skipStill`.
+void findInside(const std::vector<Curve>& curves, const Ways& ways, const std::vector<Outline>& outlines,
+                const std::vector<char>& outlineMoves, bool skipStill, std::vector<Crossing>& out) {
     for (std::size_t o = 0; o < outlines.size(); ++o) {
         const Outline& outline = outlines[o];
         if (outline.kind == OutlineKind::Segment)
             continue;
-        for (std::size_t r = 0; r < curves.size(); ++r) {
+        const bool atRest = skipStill && outlineMoves[o] == 0;
+        const AlignedBox narrow = boxOf(outline, 0.0);
+        for (std::size_t r = 0; r < ways.rods.size(); ++r) {
             const Curve& c = curves[r];
+            const RodWay& rod = ways.rods[r];
             const double depth = 2.0 * c.halfThickness;
-            if ((c.category & outline.mask) == 0 || (outline.category & c.mask) == 0 ||
-                !boxes[r].meets(boxOf(outline, depth)))
+            AlignedBox box = narrow;
+            box.grow(depth);
+            if (rod.count == 0 || (atRest && rod.still) || !filtersAgree(c, outline) || !rod.box.meets(box))
                 continue;
             const auto report = [&](double s, const Vec2& p) {
                 const bool hit = outline.kind == OutlineKind::OneSided ? behind(p, outline, depth) : inside(p, outline);
@@ -375,6 +322,11 @@ void findInside(const std::vector<Curve>& curves, const std::vector<AlignedBox>&
             };
             bool found = false;
             for (std::size_t e = 0; e < c.arcs.size() && !found; ++e) {
+                const std::size_t i = rod.first + e;
+                const ElementBoxes& all = ways.boxes;
+                if (all.lowX[i] > box.upper.x() || all.highX[i] < box.lower.x() || all.lowY[i] > box.upper.y() ||
+                    all.highY[i] < box.lower.y())
+                    continue;
                 const Arc& arc = c.arcs[e];
                 const double s = e < c.nodeS.size() ? c.nodeS[e] : 0.0;
                 found = report(s, arc.start) || report(s + 0.5 * arc.length, arc.pointAt(0.5 * arc.length));
@@ -383,15 +335,6 @@ void findInside(const std::vector<Curve>& curves, const std::vector<AlignedBox>&
             }
         }
     }
-}
-
-std::vector<AlignedBox> rodBoxes(const std::vector<Moving>& pieces, std::size_t rods) {
-    std::vector<AlignedBox> boxes(rods);
-    for (const Moving& m : pieces) {
-        if (m.rod >= 0)
-            boxes[static_cast<std::size_t>(m.rod)].include(m.box);
-    }
-    return boxes;
 }
 
 void findOverturned(const std::vector<Curve>& curves, std::vector<Crossing>& out) {
@@ -430,10 +373,11 @@ void keepFirst(std::vector<Crossing>& out, Once once) {
 
 void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>& outlines, std::vector<Crossing>& out) {
     out.clear();
-    std::vector<Moving> pieces;
-    addRods(curves, curves, pieces);
-    addOutlines(outlines, outlines, pieces);
-    forPairs(pieces, curves, [&](const Moving& a, const Moving& b) {
+    static thread_local Ways ways; // storage only, prepared anew
+    ways.prepare(curves, curves, outlines, outlines);
+    PairSearch search(ways, curves, false);
+    const std::vector<char> moves(outlines.size(), 0);
+    const auto test = [&](const Moving& a, const Moving& b) {
         if (witness::separation(a.before, b.before) > 0.0)
             return;
         std::array<Meeting, 2> meetings;
@@ -442,8 +386,10 @@ void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>&
             const Meeting& m = meetings[static_cast<std::size_t>(i)];
             out.push_back(crossingOf(a, b, m.sA, m.where));
         }
-    });
-    findInside(curves, rodBoxes(pieces, curves.size()), outlines, out);
+    };
+    search.rodPairs(test);
+    search.outlinePairs(outlines, moves, test);
+    findInside(curves, ways, outlines, moves, false, out);
     findOverturned(curves, out);
     keepFirst(out, [&](const Crossing& c) { // a solid is entered once, however often its faces are crossed
         return c.outline >= 0 && outlines[static_cast<std::size_t>(c.outline)].kind != OutlineKind::Segment;
@@ -454,15 +400,21 @@ void findCrossingsSwept(const std::vector<Curve>& before, const std::vector<Curv
                         const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
                         std::vector<Crossing>& out) {
     out.clear();
-    std::vector<Moving> pieces;
-    addRods(before, after, pieces);
-    addOutlines(outlinesBefore, outlinesAfter, pieces);
-    forPairs(pieces, before, [&](const Moving& a, const Moving& b) {
+    static thread_local Ways ways; // storage only, prepared anew
+    static thread_local std::vector<char> moves;
+    ways.prepare(before, after, outlinesBefore, outlinesAfter);
+    moves.clear();
+    for (std::size_t o = 0; o < outlinesAfter.size(); ++o)
+        moves.push_back(o >= outlinesBefore.size() || outlinesBefore[o].points != outlinesAfter[o].points ? 1 : 0);
+    PairSearch search(ways, before, true);
+    const auto test = [&](const Moving& a, const Moving& b) {
         Crossing c;
         if (meetOnTheWay(a, b, c))
             out.push_back(c);
-    });
-    findInside(after, rodBoxes(pieces, after.size()), outlinesAfter, out);
+    };
+    search.rodPairs(test);
+    search.outlinePairs(outlinesBefore, moves, test);
+    findInside(after, ways, outlinesAfter, moves, true, out);
     findOverturned(after, out);
     keepFirst(out, [](const Crossing&) { return true; });
 }

@@ -24,7 +24,8 @@ void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>&
 
 /// Crossings anywhere on the way from one configuration to the next (same rods, same order): the motion is sub-sampled
 /// finely enough, pair by pair, that nothing thicker than half a thickness can pass through unseen.
-/// `outlinesBefore` and `outlinesAfter` likewise. Pairs that cannot have met are skipped by their boxes.
+/// `outlinesBefore` and `outlinesAfter` likewise. Pairs that cannot have met are skipped by their boxes; pairs
+/// of rods that rest (Curve::resting in both, not a digit changed), or of one and an outline that does not move, too.
 void findCrossingsSwept(const std::vector<Curve>& before, const std::vector<Curve>& after,
                         const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
                         std::vector<Crossing>& out);

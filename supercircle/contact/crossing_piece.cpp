@@ -32,6 +32,9 @@ double nearestOnCircle(const Vec2& p, const Piece& b) {
 }
 
 void addIfOn(const Piece& a, const Piece& b, double u, double extra, int& count, std::array<Meeting, 2>& out) {
+    // |s| >= |u| / 1.1 while the angle is below 1.1 rad: far ones need no arc tangent.
+    if (std::abs(u) > 1.1 * (a.half + extra) && std::abs(a.curvature) * (a.half + extra) < 1.0)
+        return;
     const double s = u * atanc(0.5 * a.curvature * u);
     if (!(std::abs(s) <= a.half + extra))
         return;
@@ -68,9 +71,13 @@ double commonNormalDistance(const Piece& a, const Piece& b) {
     const Vec2 direction =
         p.curvature * q.curvature * (q.mid - p.mid) + p.curvature * perp(q.tangent) - q.curvature * perp(p.tangent);
     double best = INFINITY;
-    for (const Vec2& normal : {direction, Vec2(-direction)}) {
-        // angle from p's middle normal to this one
-        const double s = std::atan2(normal.dot(-p.tangent), normal.dot(perp(p.tangent))) / p.curvature;
+    // Sine and cosine (times the length) of the angle from p's middle normal to this one.
+    const double sine = direction.dot(-p.tangent);
+    const double cosine = direction.dot(perp(p.tangent));
+    if (std::abs(cosine) < 0.999 * p.cosine * direction.norm())
+        return best; // off the piece, this way and the other
+    for (const double sign : {1.0, -1.0}) {
+        const double s = std::atan2(sign * sine, sign * cosine) / p.curvature;
         if (std::abs(s) <= p.half)
             best = std::min(best, distance(p.at(s), q));
     }
@@ -82,7 +89,8 @@ double commonNormalDistance(const Piece& a, const Piece& b) {
 Vec2 Piece::at(double s) const {
     const double x = 0.5 * curvature * s;
     const double c = s * rod::sinc(x);
-    const Vec2 along = c * Vec2(std::cos(x), std::sin(x));
+    const rod::SinCos a = rod::sinCosSmall(x);
+    const Vec2 along(c * a.cosine, c * a.sine);
     return mid + along.x() * tangent + along.y() * perp(tangent);
 }
 
@@ -91,18 +99,21 @@ namespace {
 /// Everything but the middle, relative to a middle at the origin.
 Piece aroundOrigin(double angle, double curvature, double half) {
     Piece p;
-    p.tangent = {std::cos(angle), std::sin(angle)};
+    const rod::SinCos turned = rod::sinCos(angle);
+    p.tangent = {turned.cosine, turned.sine};
     p.curvature = curvature;
     p.half = half;
     // Ends at (+-along, across): half sin(2x)/(2x) and half (1 - cos 2x)/(2x), x a quarter of the turn.
     const double x = 0.5 * curvature * half;
-    const double sine = std::sin(x);
-    const double sinc = std::abs(x) < 1e-4 ? rod::sinc(x) : sine / x;
-    const Vec2 along = half * sinc * std::sqrt(1.0 - sine * sine) * p.tangent;
+    const double sinc = rod::sinc(x);
+    const double sine = x * sinc;
+    p.cosine = 1.0 - 2.0 * sine * sine;
+    p.reach = half * sinc * std::sqrt(1.0 - sine * sine);
+    const Vec2 along = p.reach * p.tangent;
     const Vec2 across = half * sinc * sine * perp(p.tangent);
     p.start = across - along;
     p.end = across + along;
-    p.apex = across / (2.0 * sine * sine - 1.0); // (1 - 1/cos 2x)/k on the middle normal
+    p.apex = across / -p.cosine; // (1 - 1/cos 2x)/k on the middle normal
     return p;
 }
 
@@ -152,12 +163,16 @@ int intersect(const Piece& a, const Piece& b, double extra, std::array<Meeting, 
 }
 
 double distance(const Vec2& p, const Piece& b) {
-    const double s = nearestOnCircle(p, b);
-    if (std::abs(s) > b.half)
-        return (p - (s > 0.0 ? b.end : b.start)).norm();
-    // |q| of a circle's point at radial distance: |1 - k y, k x| = k r; without dividing by k near zero.
+    // The nearest point of the circle is at the angle of (c, k x); beyond an end if the sine of the angle between is
+    // positive.
     const Vec2 q = p - b.mid;
-    const double f = cross(b.tangent, q) - 0.5 * b.curvature * q.squaredNorm();
+    const double x = q.dot(b.tangent);
+    const double y = cross(b.tangent, q);
+    const double c = 1.0 - b.curvature * y;
+    if (std::abs(x) * b.cosine > c * b.reach)
+        return (p - (x > 0.0 ? b.end : b.start)).norm();
+    // |q| of a circle's point at radial distance: |1 - k y, k x| = k r; without dividing by k near zero.
+    const double f = y - 0.5 * b.curvature * q.squaredNorm();
     const double ratio = std::sqrt(std::max(0.0, 1.0 - 2.0 * b.curvature * f)); // distance from the centre over radius
     return 2.0 * std::abs(f) / (1.0 + ratio);
 }

@@ -17,6 +17,8 @@ struct Piece {
     Vec2 start = Vec2::Zero();    ///< the ends, at arc lengths -half and +half
     Vec2 end = Vec2::Zero();
     Vec2 apex = Vec2::Zero(); ///< where the end tangents meet: the piece lies in the triangle start, end, apex
+    double cosine = 1.0;      ///< of the angle turned from the middle to an end
+    double reach = 0.0;       ///< the sine of that angle over the curvature: half the chord, m
 
     [[nodiscard]] Vec2 at(double s) const; ///< s from the middle, m
 };

@@ -11,6 +11,7 @@
 #include "supercircle/contact/snapshot.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -31,12 +32,17 @@ bool mayTouch(const Filter& a, const Filter& b) {
 
 struct RodState {
     RodShape shape;
+    std::vector<Arc> arcs; ///< what the shape was prepared from
+    std::vector<double> nodeS;
+    double midS = 0.0;
+    bool resting = false;
     RodSnapshot snapshot;
     Box box; ///< of the snapshot, grown by half thickness and allowance
     Filter filter;
     std::uint32_t key = 0;
     double half = 0.0;
     double allowance = -1.0;
+    double displaced = 0.0; ///< since the snapshot, m
     bool known = false;
     bool fresh = false; ///< new snapshot in this call
 };
@@ -66,6 +72,7 @@ struct Pair {
     std::int32_t a = 0;
     std::int32_t b = 0;
     std::int32_t checks = 0;
+    bool idle = false; ///< has no checks
     bool operator<(const Pair& o) const {
         if (rigid != o.rigid)
             return o.rigid;
@@ -78,6 +85,21 @@ struct SweepItem {
     std::int32_t rod = 0;
     bool operator<(const SweepItem& o) const { return low != o.low ? low < o.low : rod < o.rod; }
 };
+
+/// Is the rod's shape what this curve gives, to the last digit?
+bool prepared(const RodState& rod, const Curve& curve) {
+    const auto bits = [](double x, double y) { // 0 and -0 give different digits
+        return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+    };
+    const auto same = [bits](const Arc& a, const Arc& b) {
+        return bits(a.start.x(), b.start.x()) && bits(a.start.y(), b.start.y()) && bits(a.angle, b.angle) &&
+               bits(a.curvature, b.curvature) && bits(a.length, b.length);
+    };
+    return rod.known && rod.shape.halfThickness == curve.halfThickness && rod.shape.closed == curve.closed &&
+           rod.midS == curve.midS && rod.arcs.size() == curve.arcs.size() && rod.nodeS.size() == curve.nodeS.size() &&
+           std::equal(rod.arcs.begin(), rod.arcs.end(), curve.arcs.begin(), same) && rod.nodeS == curve.nodeS &&
+           curve.motion >= 0.0;
+}
 
 double displacement(const OutlineState& state, const Outline& now) {
     double moved = 0.0;
@@ -117,7 +139,7 @@ struct Detector::Impl {
     void findRodPairs();
     void findOutlinePairs();
     void addPair(std::int32_t a, std::int32_t b, bool rigid);
-    void listChecks(const Pair& pair);
+    bool listChecks(const Pair& pair);
 };
 
 void Detector::Impl::forget() {
@@ -156,15 +178,26 @@ void Detector::Impl::updateRods(const std::vector<Curve>& curves) {
     for (std::size_t i = 0; i < curves.size(); ++i) {
         const Curve& curve = curves[i];
         RodState& rod = rods[i];
-        prepare(curve, rod.shape);
+        const bool unchanged = prepared(rod, curve);
+        if (!unchanged) {
+            prepare(curve, rod.shape);
+            rod.arcs = curve.arcs;
+            rod.nodeS = curve.nodeS;
+            rod.midS = curve.midS;
+        }
+        rod.resting = curve.resting;
         const Filter filter{curve.category, curve.mask};
         if (rod.key != curve.key || !rod.known)
             newKeys = true;
         const double size = std::max(curve.halfThickness, 0.5 * margin);
         const double granted = grant(curve.motion, size);
+        // A wide allowance makes long lists, which nobody reads while the rod rests.
         rod.fresh = !rod.known || rod.key != curve.key || rod.filter != filter || rod.half != curve.halfThickness ||
-                    rod.allowance > 3.0 * granted ||
-                    !(displacement(rod.shape, rod.snapshot) + curve.motion <= rod.allowance);
+                    (rod.allowance > 3.0 * granted && !curve.resting);
+        if (!rod.fresh && !(unchanged && rod.displaced + curve.motion <= rod.allowance)) {
+            rod.displaced = displacement(rod.shape, rod.snapshot);
+            rod.fresh = !(rod.displaced + curve.motion <= rod.allowance);
+        }
         rod.known = true;
         if (!rod.fresh)
             continue;
@@ -172,6 +205,7 @@ void Detector::Impl::updateRods(const std::vector<Curve>& curves) {
         rod.filter = filter;
         rod.half = curve.halfThickness;
         rod.allowance = granted;
+        rod.displaced = 0.0;
         takeSnapshot(rod.shape, rod.snapshot);
         rod.box = rod.snapshot.box.grown(rod.half + rod.allowance + 0.5 * margin);
     }
@@ -225,24 +259,28 @@ void Detector::Impl::addPair(std::int32_t a, std::int32_t b, bool rigid) {
     }
     pair.checks = free.back();
     free.pop_back();
-    listChecks(pair);
+    pair.idle = !listChecks(pair);
     added.push_back(pair);
 }
 
-void Detector::Impl::listChecks(const Pair& pair) {
+/// False if there is nothing to check.
+bool Detector::Impl::listChecks(const Pair& pair) {
     const RodState& a = rods[static_cast<std::size_t>(pair.a)];
     Checks& checks = pool[static_cast<std::size_t>(pair.checks)];
     if (pair.rigid) {
         const OutlineState& b = outlines[static_cast<std::size_t>(pair.b)];
-        collectChecks(a.snapshot, b.frozen, a.half + margin + a.allowance + b.allowance, checks.outline);
-        return;
+        OutlinePairChecks& list = checks.outline;
+        collectChecks(a.snapshot, b.frozen, a.half + margin + a.allowance + b.allowance, list);
+        return !(list.samples.empty() && list.pieces.empty() && list.corners.empty());
     }
     const RodState& b = rods[static_cast<std::size_t>(pair.b)];
     const double reach = a.half + b.half + margin + a.allowance + b.allowance;
+    RodPairChecks& list = checks.rods;
     if (pair.a == pair.b)
-        collectSelfChecks(a.snapshot, reach, checks.rods);
+        collectSelfChecks(a.snapshot, reach, list);
     else
-        collectChecks(a.snapshot, b.snapshot, reach, checks.rods);
+        collectChecks(a.snapshot, b.snapshot, reach, list);
+    return !(list.samplesOfA.empty() && list.samplesOfB.empty() && list.pieces.empty());
 }
 
 /// Rods by the lower end of their boxes; nearly sorted from the call before.
@@ -354,8 +392,12 @@ void Detector::detect(const std::vector<Curve>& curves, const std::vector<Outlin
     }
     m.updatePairs();
     for (const Pair& pair : m.pairs) {
+        if (pair.idle)
+            continue;
         const auto a = static_cast<std::size_t>(pair.a);
         const auto b = static_cast<std::size_t>(pair.b);
+        if (m.rods[a].resting && (pair.rigid || m.rods[b].resting))
+            continue;
         const Checks& checks = m.pool[static_cast<std::size_t>(pair.checks)];
         const RodSide rod{&m.rods[a].shape, pair.a, pair.keyA};
         if (pair.rigid) {

@@ -23,6 +23,8 @@ struct Curve {
     std::uint32_t key = 0;      ///< stable identity of the rod (survives insertion and removal of others), < 2^20
     std::uint32_t category = 1; ///< collision filter bits, as in Box2D
     std::uint32_t mask = 0xffffffffu;
+    /// Asleep: pairs of two resting curves, of one with itself and with outlines make no candidates and cost nothing.
+    bool resting = false;
 };
 
 enum class OutlineKind : std::uint8_t {

@@ -9,10 +9,24 @@
 #include "supercircle/coulomb/gauss_seidel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
 namespace supercircle::coulomb {
+
+void Iterate::findPieces(const Whitened& problem) {
+    for (std::size_t c = 0; c < piece.size(); ++c) {
+        const double rn = r[2 * c];
+        const double rt = r[2 * c + 1];
+        if (!(rn > 0.0))
+            piece[c] = Piece::Open;
+        else if (std::abs(rt) < problem.contact(c).mu * rn * (1.0 - 1e-9)) // scaling with dt leaves round-off
+            piece[c] = Piece::Stick;
+        else
+            piece[c] = rt < 0.0 ? Piece::SlipPlus : Piece::SlipMinus;
+    }
+}
 
 void Iterate::start(const Whitened& problem, const Eigen::VectorXd& warm) {
     const std::size_t count = problem.contactCount();
@@ -23,6 +37,7 @@ void Iterate::start(const Whitened& problem, const Eigen::VectorXd& warm) {
         r[2 * c + 1] = warm[static_cast<Eigen::Index>(2 * c + 1)];
         projectOnCone(problem.contact(c).mu, r[2 * c], r[2 * c + 1]);
     }
+    findPieces(problem);
     problem.assemble(r, w);
 }
 

@@ -21,6 +21,8 @@ struct Iterate {
     std::vector<Piece> piece;
 
     void start(const Whitened& problem, const Eigen::VectorXd& warm);
+    /// The pieces the impulses (inside their cones) lie on.
+    void findPieces(const Whitened& problem);
 };
 
 /// Keeps the impulses with the smallest residual; ties keep the earlier.

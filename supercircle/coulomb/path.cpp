@@ -65,7 +65,8 @@ void Path::begin(const Whitened& problem, const PathSettings& settings, const It
     std::sort(bodies_.begin(), bodies_.end());
     bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
     anchor_ = r_;
-    w_ = x.w;
+    fixVelocities(problem, x);
+    copyBodies(problem, x.w, w_);
     errorAtStart_ = errorOf(problem);
     const double size = settings.slack * std::sqrt(errorAtStart_ / static_cast<double>(count));
     for (std::size_t k = 0; k < count; ++k) {
@@ -108,13 +109,25 @@ void Path::begin(const Whitened& problem, const PathSettings& settings, const It
     }
 }
 
-/// w = w_free + G r on the island's bodies.
-void Path::refreshVelocities(const Whitened& problem) {
+void Path::copyBodies(const Whitened& problem, const std::vector<double>& from, std::vector<double>& to) const {
+    to.resize(problem.freeVelocity().size());
     for (const std::int32_t b : bodies_) {
-        const std::size_t from = problem.bodyOffset(b);
-        std::copy_n(problem.freeVelocity().begin() + static_cast<std::ptrdiff_t>(from), problem.bodyPadded(b),
-                    w_.begin() + static_cast<std::ptrdiff_t>(from));
+        const auto at = static_cast<std::ptrdiff_t>(problem.bodyOffset(b));
+        std::copy_n(from.begin() + at, problem.bodyPadded(b), to.begin() + at);
     }
+}
+
+/// What the bodies do without the contacts of this path. Entries of other bodies are of no interest.
+void Path::fixVelocities(const Whitened& problem, const Iterate& x) {
+    copyBodies(problem, problem.freeVelocity(), fixed_);
+    for (const std::int32_t c : outside_)
+        if (x.r[2 * c] != 0.0 || x.r[2 * c + 1] != 0.0)
+            problem.apply(problem.contact(c), x.r[2 * c], x.r[2 * c + 1], fixed_.data());
+}
+
+/// w = w_fixed + G r on the bodies of the path.
+void Path::refreshVelocities(const Whitened& problem) {
+    copyBodies(problem, fixed_, w_);
     for (std::size_t k = 0; k < contacts_.size(); ++k)
         if (r_[2 * k] != 0.0 || r_[2 * k + 1] != 0.0)
             problem.apply(problem.contact(contacts_[k]), r_[2 * k], r_[2 * k + 1], w_.data());
@@ -129,24 +142,30 @@ bool Path::direction(const Whitened& problem) {
     for (std::size_t k = 0; k < contacts_.size(); ++k)
         if (piece_[k] != Piece::Open)
             problem.apply(problem.contact(contacts_[k]), dr_[2 * k], dr_[2 * k + 1], dw_.data());
+    for (const std::int32_t b : bodies_) {
+        const double* dw = dw_.data() + problem.bodyOffset(b);
+        double square = 0.0;
+        for (std::size_t i = 0; i < problem.bodyPadded(b); ++i)
+            square += dw[i] * dw[i];
+        bodyRate_[b] = std::sqrt(square);
+    }
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
-        const Whitened::Contact& contact = problem.contact(contacts_[k]);
-        du_[2 * k] = du_[2 * k + 1] = 0.0;
-        switch (piece_[k]) {
-        case Piece::Open: // u_t is not followed: Close finds it afresh
-            du_[2 * k] = problem.normalProduct(contact, dw_.data()) - shift_[2 * k];
-            break;
-        case Piece::Stick:
-            break;
-        default:
-            if (contact.mu > 0.0)
-                du_[2 * k + 1] = problem.product(contact, dw_.data()).t - shift_[2 * k + 1] + prox_[k] * dr_[2 * k + 1];
-        }
+        du_[2 * k] = du_[2 * k + 1] = 0.0; // open ones follow in nextBreakpoint
+        if (slipSign(piece_[k]) != 0.0 && mu_[k] > 0.0)
+            du_[2 * k + 1] = problem.tangentProduct(problem.contact(contacts_[k]), dw_.data()) - shift_[2 * k + 1] +
+                             prox_[k] * dr_[2 * k + 1];
     }
     return true;
 }
 
-Path::Breakpoint Path::nextBreakpoint(double sign) const {
+/// du_n/dtau of an open contact. Its u_t is not followed: Close finds it afresh.
+double Path::openRate(const Whitened& problem, std::size_t k) const {
+    return problem.normalProduct(problem.contact(contacts_[k]), dw_.data()) - shift_[2 * k];
+}
+
+/// The next contact to leave its piece. Most contacts are open and far from closing: their gap shrinks no faster than
+/// their bodies move, and where that bound excludes them neither u_n nor its rate is worked out (half of a pivot else).
+Path::Breakpoint Path::nextBreakpoint(const Whitened& problem, double sign) {
     Breakpoint next{std::numeric_limits<double>::infinity(), 0, Event::None};
     const auto consider = [&](std::size_t k, double value, double rate, Event event) {
         if (sign * rate >= 0.0)
@@ -157,9 +176,9 @@ Path::Breakpoint Path::nextBreakpoint(double sign) const {
     };
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         const double side = slipSign(piece_[k]);
-        if (piece_[k] == Piece::Open) {
-            consider(k, u_[2 * k], du_[2 * k], Event::Close);
-        } else if (piece_[k] == Piece::Stick) {
+        if (piece_[k] == Piece::Open)
+            continue;
+        if (piece_[k] == Piece::Stick) {
             const double mu = mu_[k];
             consider(k, mu * r_[2 * k] - r_[2 * k + 1], mu * dr_[2 * k] - dr_[2 * k + 1], Event::SlipMinus);
             consider(k, mu * r_[2 * k] + r_[2 * k + 1], mu * dr_[2 * k] + dr_[2 * k + 1], Event::SlipPlus);
@@ -169,16 +188,37 @@ Path::Breakpoint Path::nextBreakpoint(double sign) const {
                 consider(k, side * u_[2 * k + 1], side * du_[2 * k + 1], Event::Stick);
         }
     }
+    const double arrival = sign > 0.0 ? 1.0 - tau_ : std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+        if (piece_[k] != Piece::Open)
+            continue;
+        const Watch& watch = watch_[k];
+        const double fastest = watch.reach[0] * bodyRate_[watch.body[0]] + watch.reach[1] * bodyRate_[watch.body[1]] +
+                               std::abs(shift_[2 * k]);
+        if (u_[2 * k] > 1.000001 * std::min(arrival, next.step) * fastest) {
+            du_[2 * k] = -sign * fastest;
+            stale_[k] = 1;
+            continue;
+        }
+        if (stale_[k] != 0) {
+            stale_[k] = 0;
+            const Whitened::Contact& contact = problem.contact(contacts_[k]);
+            u_[2 * k] = problem.normalProduct(contact, w_.data()) + contact.wn + (1.0 - tau_) * shift_[2 * k] -
+                        prox_[k] * anchor_[2 * k];
+        }
+        du_[2 * k] = openRate(problem, k);
+        consider(k, u_[2 * k], du_[2 * k], Event::Close);
+    }
     return next;
 }
 
 /// Rate (per unit of tau) at which contact k, just flipped by `event`, moves into its new piece.
-double Path::enteringRate(std::size_t k, Event event) const {
+double Path::enteringRate(const Whitened& problem, std::size_t k, Event event) const {
     switch (event) {
     case Event::Close:
         return dr_[2 * k];
     case Event::Open:
-        return du_[2 * k];
+        return openRate(problem, k);
     case Event::Stick: // away from the edge it came from
         return mu_[k] * dr_[2 * k] + edge_ * dr_[2 * k + 1];
     case Event::SlipPlus:
@@ -206,6 +246,7 @@ void Path::flip(const Whitened& problem, const Breakpoint& at) {
     }
     case Event::Open:
         r_[2 * k] = rt = 0.0;
+        stale_[k] = 0; // u_n = 0
         piece = Piece::Open;
         break;
     case Event::Stick:
@@ -240,19 +281,20 @@ Path::Outcome Path::follow(const Whitened& problem, const PathSettings& settings
     // The cap is meant for one stack of some 150 loaded contacts; longer for larger ones.
     const double load = static_cast<double>(system_.size()) / 250.0;
     const int most = static_cast<int>(settings.maxPivots * std::max(1.0, load));
-    const std::size_t borders = kMostBorders + (system_.size() > 320 ? (system_.size() - 320) / 20 : 0);
+    const std::size_t extra = system_.size() > 320 ? (system_.size() - 320) / 20 : 0;
+    const std::size_t borders = kMostBorders + std::min<std::size_t>(60, extra);
     double sign = 1.0;
     Breakpoint last;
     for (int pivots = 0;; ++pivots) {
         if (!direction(problem))
             return Outcome::Singular;
         if (last.event != Event::None) {
-            const double rate = enteringRate(last.k, last.event);
+            const double rate = enteringRate(problem, last.k, last.event);
             if (rate == 0.0)
                 return Outcome::Singular;
             sign = rate > 0.0 ? 1.0 : -1.0;
         }
-        last = nextBreakpoint(sign);
+        last = nextBreakpoint(problem, sign);
         const bool arrives = sign > 0.0 && tau_ + last.step >= 1.0;
         if (last.event == Event::None && !arrives)
             return Outcome::Ray;
@@ -301,37 +343,51 @@ bool Path::polish(const Whitened& problem) {
         const Whitened::Velocity u = problem.velocity(problem.contact(contacts_[k]), w_.data());
         const double un = u.n + prox_[k] * (r_[2 * k] - anchor_[2 * k]) + rest * shift_[2 * k];
         const double ut = u.t + prox_[k] * (r_[2 * k + 1] - anchor_[2 * k + 1]) + rest * shift_[2 * k + 1];
+        stale_[k] = 0;
         u_[2 * k] = piece_[k] == Piece::Open ? un : 0.0;
         u_[2 * k + 1] = piece_[k] == Piece::Stick ? 0.0 : ut;
     }
     return true;
 }
 
-void Path::store(Iterate& x) const {
+void Path::store(const Whitened& problem, Iterate& x) const {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         x.r[2 * contacts_[k]] = r_[2 * k];
         x.r[2 * contacts_[k] + 1] = r_[2 * k + 1];
         x.piece[contacts_[k]] = piece_[k];
     }
-    x.w = w_;
+    copyBodies(problem, w_, x.w);
 }
 
-Path::Outcome Path::run(const Whitened& problem, std::span<const std::int32_t> island, const PathSettings& settings,
-                        double allowed, Iterate& x, PathCounts& counts) {
-    contacts_ = island;
-    const std::size_t count = island.size();
+Path::Outcome Path::run(const Whitened& problem, std::span<const std::int32_t> contacts,
+                        std::span<const std::int32_t> outside, const PathSettings& settings, double allowed, Iterate& x,
+                        PathCounts& counts) {
+    contacts_ = contacts;
+    outside_ = outside;
+    const std::size_t count = contacts.size();
     mu_.resize(count);
     prox_.resize(count);
+    watch_.resize(count);
+    stale_.assign(count, 0);
+    bodyRate_.resize(problem.bodyCount() + 1);
     for (std::size_t k = 0; k < count; ++k) {
-        mu_[k] = problem.contact(island[k]).mu;
-        prox_[k] = settings.eps * problem.contact(island[k]).d;
+        mu_[k] = problem.contact(contacts[k]).mu;
+        prox_[k] = settings.eps * problem.contact(contacts[k]).d;
+        watch_[k] = {};
+        for (std::int32_t s = 0; s < problem.contact(contacts[k]).sides; ++s) {
+            const Whitened::Side& side = problem.contact(contacts[k]).side[s];
+            watch_[k].body[s] = side.body;
+            watch_[k].reach[s] = side.reach;
+        }
     }
     dr_.assign(2 * count, 0.0);
     du_.assign(2 * count, 0.0);
     trial_.resize(2 * count);
-    dw_.assign(x.w.size(), 0.0);
+    dw_.resize(x.w.size());
     begin(problem, settings, x);
     tau_ = 0.0;
+    if (errorAtStart_ <= allowed)
+        return Outcome::Solved;
     if (!refactor(problem, settings, counts))
         return Outcome::Singular;
     double error = errorAtStart_;
@@ -342,7 +398,7 @@ Path::Outcome Path::run(const Whitened& problem, std::span<const std::int32_t> i
         const double now = errorOf(problem);
         if (!std::isfinite(now))
             return Outcome::Singular;
-        store(x);
+        store(problem, x);
         if (now <= allowed)
             return Outcome::Solved;
         if (outer >= settings.maxOuter || (outer > 0 && now > 0.8 * error))

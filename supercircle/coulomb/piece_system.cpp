@@ -21,123 +21,21 @@
 
 namespace supercircle::coulomb {
 
-namespace {
-/// Unknowns up to which the dense LU wins (200: 0.4 ms against several for the sparse one).
-constexpr Eigen::Index kDenseUpTo = 320;
-} // namespace
-
-bool PieceSystem::factor(const Whitened& problem, std::span<const std::int32_t> contacts, std::span<const Piece> piece,
-                         double eps) {
-    local_.resize(contacts.size());
-    borders_.clear();
-    active_.clear();
-    count_ = 0;
-    for (std::size_t k = 0; k < local_.size(); ++k) {
-        Local& local = local_[k];
-        const Whitened::Contact& contact = problem.contact(contacts[k]);
-        local = Local{};
-        local.contact = contacts[k];
-        local.mu = contact.mu;
-        local.prox = eps * contact.d;
-        local.base = local.piece = piece[k];
-        if (piece[k] == Piece::Open)
-            continue;
-        active_.push_back(static_cast<std::int32_t>(k));
-        local.n = static_cast<std::int32_t>(count_++);
-        if (piece[k] == Piece::Stick)
-            local.t = static_cast<std::int32_t>(count_++);
-        else
-            local.slide = -slipSign(piece[k]) * local.mu;
-    }
-    field_.assign(problem.freeVelocity().size(), 0.0);
-    collectNeighbours(problem);
-    sparse_ = count_ > kDenseUpTo;
-    return count_ == 0 || (sparse_ ? factorSparse(problem) : factorDense(problem));
-}
-
-bool PieceSystem::factorDense(const Whitened& problem) {
-    base_.setZero(count_, count_);
-    assembleBase(problem, [this](std::int32_t i, std::int32_t j, double value) { base_(i, j) += value; });
-    lu_.compute(base_);
-    const auto diagonal = lu_.matrixLU().diagonal().array().abs();
-    return std::isfinite(diagonal.sum()) && diagonal.minCoeff() > 0.0;
-}
-
-bool PieceSystem::factorSparse(const Whitened& problem) {
-    triplets_.clear();
-    assembleBase(problem,
-                 [this](std::int32_t i, std::int32_t j, double value) { triplets_.emplace_back(i, j, value); });
-    sparseBase_.resize(count_, count_);
-    sparseBase_.setFromTriplets(triplets_.begin(), triplets_.end());
-    sparseLu_.isSymmetric(true);       // the pattern is; values are not where a contact slips
-    sparseLu_.setPivotThreshold(1e-3); // prefer the diagonal, which keeps the fill of the ordering
-    sparseLu_.compute(sparseBase_);
-    return sparseLu_.info() == Eigen::Success;
-}
-
-void PieceSystem::collectNeighbours(const Whitened& problem) {
-    byBody_.resize(problem.bodyCount());
-    for (auto& list : byBody_)
-        list.clear();
-    for (const std::int32_t k : active_) {
-        const Whitened::Contact& contact = problem.contact(local_[k].contact);
-        for (std::int32_t s = 0; s < contact.sides; ++s)
-            byBody_[contact.side[s].body].push_back(k);
-    }
-}
-
-/// Calls add(row, column, value) for every term of the base matrix.
-template <class Add>
-void PieceSystem::assembleBase(const Whitened& problem, Add&& add) {
-    for (std::size_t b = 0; b < byBody_.size(); ++b) {
-        if (byBody_[b].empty())
-            continue;
-        fillBodyBlock(problem, byBody_[b], static_cast<std::int32_t>(b));
-        for (Eigen::Index j = 0; j < block_.cols(); ++j)
-            for (Eigen::Index i = 0; i < block_.rows(); ++i)
-                add(index_[i], index_[j], block_(i, j));
-    }
-    for (const std::int32_t k : active_) {
-        const Local& local = local_[k];
-        add(local.n, local.n, local.prox);
-        if (local.t >= 0)
-            add(local.t, local.t, local.prox);
-    }
-}
-
-/// What the contacts of one body do to each other through it: (equation rows)^T (unknown columns).
-void PieceSystem::fillBodyBlock(const Whitened& problem, std::span<const std::int32_t> members, std::int32_t body) {
-    const auto n = static_cast<Eigen::Index>(problem.bodyPadded(body));
-    left_.resize(n, 2 * static_cast<Eigen::Index>(members.size()));
-    right_.resize(n, left_.cols());
-    index_.clear();
-    for (const std::int32_t k : members) {
-        const Local& local = local_[k];
-        const Whitened::Contact& contact = problem.contact(local.contact);
-        const Whitened::Side& side = contact.side[contact.side[0].body == body ? 0 : 1];
-        const Eigen::Map<const Eigen::VectorXd> gn(problem.rows() + side.row, n);
-        const Eigen::Map<const Eigen::VectorXd> gt(problem.rows() + side.row + side.padded, n);
-        const auto j = static_cast<Eigen::Index>(index_.size());
-        left_.col(j) = gn;
-        right_.col(j) = gn + local.slide * gt;
-        index_.push_back(local.n);
-        if (local.t >= 0) {
-            left_.col(j + 1) = gt;
-            right_.col(j + 1) = gt;
-            index_.push_back(local.t);
-        }
-    }
-    const auto size = static_cast<Eigen::Index>(index_.size());
-    block_.resize(size, size);
-    block_.noalias() = left_.leftCols(size).transpose() * right_.leftCols(size);
-}
-
+/// Every closed contact of the base that shares a body with contact k, once.
 template <class Visit>
 void PieceSystem::neighbours(const Whitened& problem, std::size_t k, Visit&& visit) const {
     const Whitened::Contact& contact = problem.contact(local_[k].contact);
-    for (std::int32_t s = 0; s < contact.sides; ++s)
-        for (const std::int32_t j : byBody_[contact.side[s].body])
-            visit(j); // a contact sharing both bodies is visited twice: visits must overwrite, not add
+    for (std::int32_t s = 0; s < contact.sides; ++s) {
+        if (rank_[contact.side[s].body] < 0)
+            continue;
+        for (const std::int32_t j : byBody_[contact.side[s].body]) {
+            const Whitened::Contact& other = problem.contact(local_[j].contact);
+            const std::int32_t done = contact.side[0].body;
+            if (s == 1 && (other.side[0].body == done || (other.sides > 1 && other.side[1].body == done)))
+                continue;
+            visit(j);
+        }
+    }
 }
 
 namespace {
@@ -165,34 +63,62 @@ private:
     std::vector<double>& field_;
 };
 
+bool shareBody(const Whitened::Contact& a, const Whitened::Contact& b) {
+    for (std::int32_t i = 0; i < a.sides; ++i)
+        for (std::int32_t j = 0; j < b.sides; ++j)
+            if (a.side[i].body == b.side[j].body)
+                return true;
+    return false;
+}
+
 } // namespace
 
-void PieceSystem::borderColumn(const Whitened& problem, const Border& border, Eigen::Ref<Eigen::VectorXd> column) {
-    column.setZero();
+double PieceSystem::SparseRow::dot(const double* x) const {
+    double even = 0.0;
+    double odd = 0.0;
+    std::size_t i = 0;
+    for (; i + 2 <= index.size(); i += 2) {
+        even += value[i] * x[index[i]];
+        odd += value[i + 1] * x[index[i + 1]];
+    }
+    return i < index.size() ? even + odd + value[i] * x[index[i]] : even + odd;
+}
+
+/// Fills the column of an unknown and returns where its entries begin.
+std::size_t PieceSystem::borderColumn(const Whitened& problem, const Border& border, double* column) {
+    std::fill_n(column, count_, 0.0);
     if (border.slackRow >= 0) {
         column[border.slackRow] = -1.0;
-        return;
+        return static_cast<std::size_t>(border.slackRow);
     }
     const Probe probe(problem, problem.contact(local_[border.k].contact), border.rn, border.rt, field_);
+    auto begin = static_cast<std::int32_t>(count_);
     neighbours(problem, border.k, [&](std::int32_t j) {
         const Local& local = local_[j];
         Whitened::Velocity u = probe.at(problem.contact(local.contact));
         if (j == border.k)
             u = {u.n + local.prox * border.rn, u.t + local.prox * border.rt};
+        begin = std::min(begin, local.n);
         column[local.n] = u.n;
         if (local.t >= 0)
             column[local.t] = u.t;
     });
+    return static_cast<std::size_t>(begin);
 }
 
-void PieceSystem::borderRow(const Whitened& problem, const Border& border, Eigen::Ref<Eigen::VectorXd> row) {
-    row.setZero();
+void PieceSystem::borderRow(const Whitened& problem, const Border& border, SparseRow& row) {
+    row.index.clear();
+    row.value.clear();
+    const auto add = [&row](std::int32_t index, double value) {
+        row.index.push_back(index);
+        row.value.push_back(value);
+    };
     const Local& own = local_[border.k];
     if (border.velocity < 0) {
         if (own.n >= 0)
-            row[own.n] = border.an + own.slide * border.at;
+            add(own.n, border.an + own.slide * border.at);
         if (own.t >= 0)
-            row[own.t] = border.at;
+            add(own.t, border.at);
         return;
     }
     const double en = border.velocity == 0 ? 1.0 : 0.0;
@@ -202,9 +128,9 @@ void PieceSystem::borderRow(const Whitened& problem, const Border& border, Eigen
         Whitened::Velocity u = probe.at(problem.contact(local.contact));
         if (j == border.k)
             u = {u.n + local.prox * en, u.t + local.prox * (1.0 - en)};
-        row[local.n] = u.n + local.slide * u.t;
+        add(local.n, u.n + local.slide * u.t);
         if (local.t >= 0)
-            row[local.t] = u.t;
+            add(local.t, u.t);
     });
 }
 
@@ -213,47 +139,67 @@ double PieceSystem::entry(const Whitened& problem, const Border& equation, const
         return 0.0;
     if (equation.velocity < 0)
         return equation.k == unknown.k ? equation.an * unknown.rn + equation.at * unknown.rt : 0.0;
-    const Probe probe(problem, problem.contact(local_[unknown.k].contact), unknown.rn, unknown.rt, field_);
-    const Whitened::Velocity u = probe.at(problem.contact(local_[equation.k].contact));
+    const Whitened::Contact& from = problem.contact(local_[unknown.k].contact);
+    const Whitened::Contact& to = problem.contact(local_[equation.k].contact);
+    if (!shareBody(from, to))
+        return 0.0;
+    const Probe probe(problem, from, unknown.rn, unknown.rt, field_);
+    const Whitened::Velocity u = probe.at(to);
     const double value = equation.velocity == 0 ? u.n : u.t;
     if (equation.k != unknown.k)
         return value;
     return value + local_[equation.k].prox * (equation.velocity == 0 ? unknown.rn : unknown.rt);
 }
 
-void PieceSystem::solveBase(Eigen::Ref<Eigen::VectorXd> x) const {
+/// Solves with the base in place; entries before `begin` are zero. Returns where the solution is not.
+EnvelopeLu::Range PieceSystem::solveBase(double* x, std::size_t begin) const {
+    const EnvelopeLu::Range all{0, static_cast<std::size_t>(count_)};
     if (count_ == 0)
-        return;
-    if (sparse_) {
-        const Eigen::VectorXd right = x;
-        x = sparseLu_.solve(right);
-        return;
+        return all;
+    if (factor_ == Factor::Envelope && begin > 0)
+        return envelope_.solveLocal(x, begin);
+    Eigen::Map<Eigen::VectorXd> whole(x, count_);
+    if (factor_ == Factor::Envelope) {
+        envelope_.solve(x);
+    } else if (factor_ == Factor::Sparse) {
+        const Eigen::VectorXd right = whole;
+        whole = sparseLu_.solve(right);
+    } else {
+        whole.applyOnTheLeft(lu_.permutationP());
+        lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(whole);
+        lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(whole);
     }
-    x.applyOnTheLeft(lu_.permutationP());
-    lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(x);
-    lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(x);
+    return all;
+}
+
+/// Room for `width` borders; grows only, so that nothing is allocated once warm.
+void PieceSystem::reserveBorders(std::size_t width) {
+    if (height_ < static_cast<std::size_t>(count_)) { // only right after `factor`, without borders
+        height_ = (static_cast<std::size_t>(count_) + 3) / 4 * 4;
+        columns_.clear();
+    }
+    const std::size_t wanted = std::max<std::size_t>(64, width);
+    if (columns_.size() < wanted * height_)
+        columns_.resize(std::max(wanted, 2 * rows_.size()) * height_);
+    if (rows_.size() < wanted)
+        rows_.resize(std::max(wanted, 2 * rows_.size()));
+    if (static_cast<std::size_t>(schur_.cols()) < rows_.size())
+        schur_.conservativeResize(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(rows_.size()));
 }
 
 void PieceSystem::addBorder(const Whitened& problem, const Border& border) {
-    const auto j = static_cast<Eigen::Index>(borders_.size());
-    if (columns_.rows() < count_ || columns_.cols() <= j) { // grows only: no allocation once warm
-        // A multiple of four: every column starts aligned alike, so that sums round alike whatever was solved before.
-        const Eigen::Index height = std::max(columns_.rows(), (count_ + 3) / 4 * 4);
-        const Eigen::Index width = columns_.cols() > j ? columns_.cols() : std::max<Eigen::Index>(64, 2 * j);
-        columns_.conservativeResize(height, width);
-        rows_.conservativeResize(height, width);
-        schur_.conservativeResize(width, width);
-    }
+    const std::size_t j = borders_.size();
+    reserveBorders(j + 1);
     borders_.push_back(border);
-    auto column = columns_.col(j).head(count_);
-    auto row = rows_.col(j).head(count_);
-    borderColumn(problem, border, column);
-    solveBase(column);
-    borderRow(problem, border, row);
-    for (Eigen::Index i = 0; i <= j; ++i) {
-        schur_(i, j) = entry(problem, borders_[i], border) - rows_.col(i).head(count_).dot(column);
+    borders_[j].range = solveBase(column(j), borderColumn(problem, border, column(j)));
+    borderRow(problem, border, rows_[j]);
+    findConstant(j);
+    for (std::size_t i = 0; i <= j; ++i) {
+        const auto a = static_cast<Eigen::Index>(i);
+        const auto b = static_cast<Eigen::Index>(j);
+        schur_(a, b) = entry(problem, borders_[i], border) - rows_[i].dot(column(j));
         if (i < j)
-            schur_(j, i) = entry(problem, border, borders_[i]) - row.dot(columns_.col(i).head(count_));
+            schur_(b, a) = entry(problem, border, borders_[i]) - rows_[j].dot(column(i));
     }
 }
 
@@ -262,8 +208,8 @@ void PieceSystem::dropBorder(std::size_t j) {
     const auto last = static_cast<Eigen::Index>(borders_.size()) - 1;
     if (at != last) {
         borders_[j] = borders_.back();
-        columns_.col(at).head(count_) = columns_.col(last).head(count_);
-        rows_.col(at).head(count_) = rows_.col(last).head(count_);
+        std::copy_n(column(borders_.size() - 1), count_, column(j));
+        std::swap(rows_[j], rows_[borders_.size() - 1]);
         schur_.col(at).head(last + 1) = schur_.col(last).head(last + 1);
         schur_.row(at).head(last + 1) = schur_.row(last).head(last + 1);
     }
@@ -308,32 +254,59 @@ void PieceSystem::setRightHandSide(std::span<const double> rhs) {
         if (local_[k].t >= 0)
             particular_[local_[k].t] = rhs[2 * k + 1];
     }
-    solveBase(particular_);
+    solveBase(particular_.data(), 0);
+    for (std::size_t j = 0; j < borders_.size(); ++j)
+        findConstant(j);
+}
+
+void PieceSystem::findConstant(std::size_t j) {
+    if (rhs_.empty())
+        return; // comes with the right-hand side
+    Border& border = borders_[j];
+    const double c = border.velocity < 0 ? 0.0 : rhs_[2 * border.k + border.velocity];
+    border.constant = c - rows_[j].dot(particular_.data());
 }
 
 namespace {
 
-/// Dense LU with partial pivoting in place, then the solution of a x = b; false if a pivot vanishes.
-bool solveSmall(Eigen::MatrixXd& a, Eigen::Index n, Eigen::VectorXd& b) {
-    for (Eigen::Index k = 0; k < n; ++k) {
-        Eigen::Index pivot = k;
-        a.col(k).segment(k, n - k).cwiseAbs().maxCoeff(&pivot);
-        pivot += k;
-        if (!(std::abs(a(pivot, k)) > 0.0))
+inline void subtract(double* x, const double* a, double factor, std::size_t n) {
+    const Pair f = {factor, factor};
+    std::size_t i = 0;
+    for (; i + 2 <= n; i += 2) {
+        LoosePair* to = reinterpret_cast<LoosePair*>(x + i); // not auto: that would forget the loose alignment
+        *to = *to - f * *reinterpret_cast<const LoosePair*>(a + i);
+    }
+    if (i < n)
+        x[i] -= factor * a[i];
+}
+
+/// LU with partial pivoting in place (columns of n), then the solution of a x = b; false if a pivot vanishes.
+bool solveSmall(double* a, std::size_t n, double* b) {
+    for (std::size_t k = 0; k < n; ++k) {
+        double* ak = a + k * n;
+        std::size_t pivot = k;
+        for (std::size_t i = k + 1; i < n; ++i)
+            if (std::abs(ak[i]) > std::abs(ak[pivot]))
+                pivot = i;
+        if (!(std::abs(ak[pivot]) > 0.0))
             return false;
         if (pivot != k) {
-            a.row(pivot).segment(k, n - k).swap(a.row(k).segment(k, n - k));
+            for (std::size_t j = k; j < n; ++j)
+                std::swap(a[j * n + k], a[j * n + pivot]);
             std::swap(b[pivot], b[k]);
         }
-        const Eigen::Index rest = n - k - 1;
-        a.col(k).segment(k + 1, rest) /= a(k, k);
-        for (Eigen::Index j = k + 1; j < n; ++j)
-            a.col(j).segment(k + 1, rest) -= a(k, j) * a.col(k).segment(k + 1, rest);
-        b.segment(k + 1, rest) -= b[k] * a.col(k).segment(k + 1, rest);
+        const double inverse = 1.0 / ak[k];
+        for (std::size_t i = k + 1; i < n; ++i)
+            ak[i] *= inverse;
+        const std::size_t rest = n - k - 1;
+        for (std::size_t j = k + 1; j < n; ++j)
+            if (const double factor = a[j * n + k]; factor != 0.0)
+                subtract(a + j * n + k + 1, ak + k + 1, factor, rest);
+        subtract(b + k + 1, ak + k + 1, b[k], rest);
     }
-    for (Eigen::Index k = n; k-- > 0;) {
-        b[k] /= a(k, k);
-        b.head(k) -= b[k] * a.col(k).head(k);
+    for (std::size_t k = n; k-- > 0;) {
+        b[k] /= a[k * n + k];
+        subtract(b, a + k * n, b[k], k);
     }
     return true;
 }
@@ -341,19 +314,22 @@ bool solveSmall(Eigen::MatrixXd& a, Eigen::Index n, Eigen::VectorXd& b) {
 } // namespace
 
 bool PieceSystem::solve(std::span<double> dr) {
-    const auto size = static_cast<Eigen::Index>(borders_.size());
-    lambda_.resize(size);
+    const std::size_t size = borders_.size();
     x_ = particular_;
     if (size > 0) {
-        for (Eigen::Index j = 0; j < size; ++j) {
-            const Border& border = borders_[j];
-            const double c = border.velocity < 0 ? 0.0 : rhs_[2 * border.k + border.velocity];
-            lambda_[j] = c - rows_.col(j).head(count_).dot(particular_);
+        lambda_.resize(size);
+        schurLu_.resize(size * size);
+        for (std::size_t j = 0; j < size; ++j) {
+            lambda_[j] = borders_[j].constant;
+            for (std::size_t i = 0; i < size; ++i)
+                schurLu_[j * size + i] = schur_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
         }
-        schurLu_ = schur_.topLeftCorner(size, size);
-        if (!solveSmall(schurLu_, size, lambda_))
+        if (!solveSmall(schurLu_.data(), size, lambda_.data()))
             return false;
-        x_.noalias() -= columns_.topLeftCorner(count_, size) * lambda_;
+        for (std::size_t j = 0; j < size; ++j) {
+            const EnvelopeLu::Range range = borders_[j].range;
+            subtract(x_.data() + range.begin, column(j) + range.begin, lambda_[j], range.end - range.begin);
+        }
     }
     std::fill(dr.begin(), dr.end(), 0.0);
     for (const std::int32_t k : active_) {
@@ -361,7 +337,7 @@ bool PieceSystem::solve(std::span<double> dr) {
         dr[2 * k] = x_[local.n];
         dr[2 * k + 1] = local.t >= 0 ? x_[local.t] : local.slide * x_[local.n];
     }
-    for (Eigen::Index j = 0; j < size; ++j) {
+    for (std::size_t j = 0; j < size; ++j) {
         if (borders_[j].slackRow >= 0)
             continue;
         dr[2 * borders_[j].k] += lambda_[j] * borders_[j].rn;

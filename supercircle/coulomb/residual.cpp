@@ -18,33 +18,6 @@
 
 namespace supercircle::coulomb {
 
-void projectOnCone(double mu, double& rn, double& rt) {
-    const double size = std::abs(rt);
-    if (size <= mu * rn)
-        return;
-    if (rn <= -mu * size) {
-        rn = 0.0;
-        rt = 0.0;
-        return;
-    }
-    const double n = (rn + mu * size) / (1.0 + mu * mu);
-    rt = rt < 0.0 ? -mu * n : mu * n;
-    rn = n;
-}
-
-void ResidualSum::add(double un, double ut, double qn, double qt, double rn, double rt, double mu, double d) {
-    double pn = rn - (un + mu * std::abs(ut)) / d;
-    double pt = rt - ut / d;
-    projectOnCone(mu, pn, pt);
-    const double square = (rn - pn) * (rn - pn) + (rt - pt) * (rt - pt);
-    error_ += d * square;
-    impulse_ = std::max(impulse_, square);
-    penetration_ = std::max(penetration_, -un);
-    held_ += d * (rn * rn + rt * rt);
-    if (qn < 0.0)
-        closing_ += (qn * qn + qt * qt) / d;
-}
-
 Residual ResidualSum::result() const {
     const double scale = closing_ > 0.0 ? closing_ : held_;
     Residual result;

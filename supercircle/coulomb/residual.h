@@ -3,6 +3,9 @@
 
 #include "supercircle/coulomb/problem.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace supercircle::coulomb {
 
 /// The verdict on one set of impulses.
@@ -12,6 +15,21 @@ struct Residual {
     double impulseError = 0.0;     ///< largest natural-map error |F_c|, N s
     double scale = 0.0;            ///< denominator of eta^2, J
 };
+
+/// Euclidean projection of (rn, rt) on the friction cone |rt| <= mu rn, in place.
+inline void projectOnCone(double mu, double& rn, double& rt) {
+    const double size = std::abs(rt);
+    if (size <= mu * rn)
+        return;
+    if (rn <= -mu * size) {
+        rn = 0.0;
+        rt = 0.0;
+        return;
+    }
+    const double n = (rn + mu * size) / (1.0 + mu * mu);
+    rt = rt < 0.0 ? -mu * n : mu * n;
+    rn = n;
+}
 
 /// Accumulates the residual contact by contact, in a fixed order.
 class ResidualSum {
@@ -30,8 +48,18 @@ private:
     double impulse_ = 0.0;
 };
 
-/// Euclidean projection of (rn, rt) on the friction cone |rt| <= mu rn, in place.
-void projectOnCone(double mu, double& rn, double& rt);
+inline void ResidualSum::add(double un, double ut, double qn, double qt, double rn, double rt, double mu, double d) {
+    double pn = rn - (un + mu * std::abs(ut)) / d;
+    double pt = rt - ut / d;
+    projectOnCone(mu, pn, pt);
+    const double square = (rn - pn) * (rn - pn) + (rt - pt) * (rt - pt);
+    error_ += d * square;
+    impulse_ = std::max(impulse_, square);
+    penetration_ = std::max(penetration_, -un);
+    held_ += d * (rn * rn + rt * rt);
+    if (qn < 0.0)
+        closing_ += (qn * qn + qt * qt) / d;
+}
 
 /// Judges impulses `r` (2 per contact) from the problem's own data; shares no code path with the solvers' kernels.
 /// Expects a problem without fault (see `findFault`) and r of the right size; non-finite r gives eta = infinity.

@@ -10,7 +10,7 @@
 namespace supercircle::coulomb {
 
 enum class Method : std::uint8_t {
-    Cascade,     ///< Gauss-Seidel, acceleration, path following, net: the default
+    Cascade,     ///< path following from the warm start's pieces, in regions where large, and nets: the default
     GaussSeidel, ///< velocity-form block Gauss-Seidel, exact local law
     Accelerated, ///< Gauss-Seidel with nonlinear-CG acceleration
     Path,        ///< piecewise-linear path following on a working set
@@ -25,7 +25,7 @@ struct SolverOptions {
     double absoluteImpulse = 1e-13; ///< N s; a problem whose natural-map error is below this everywhere counts as
                                     ///< solved even if eta's denominator vanishes
     int maxSweeps = 1000;           ///< cap of one Gauss-Seidel run
-    int firstSweeps = 40;           ///< Gauss-Seidel sweeps before the path is entered (Cascade)
+    int firstSweeps = 40;           ///< Gauss-Seidel sweeps before the path where the warm start did not do
     int maxPivots = 600; ///< cap of one path; more in proportion above 250 unknowns; all paths of a solve: 5 times this
 };
 

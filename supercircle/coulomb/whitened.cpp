@@ -136,6 +136,7 @@ void Whitened::addSide(Contact& contact, const Factor& body, std::int32_t index,
     contact.Wnn += square[0];
     contact.Wnt += cross;
     contact.Wtt += square[1];
+    side.reach = std::sqrt(square[0]);
     findRanges(gn, gt, side.padded, side);
 }
 

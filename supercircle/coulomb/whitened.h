@@ -30,6 +30,7 @@ public:
         std::int32_t end1 = 0;
         std::int32_t begin2 = 0;
         std::int32_t end2 = 0;
+        double reach = 0.0; ///< Euclidean length of the normal row
     };
 
     struct Contact {
@@ -68,6 +69,7 @@ public:
     /// G^T w of one contact, without its own w.
     Velocity product(const Contact& contact, const double* w) const;
     double normalProduct(const Contact& contact, const double* w) const;
+    double tangentProduct(const Contact& contact, const double* w) const;
     /// w += G (rn, rt).
     void apply(const Contact& contact, double rn, double rt, double* w) const;
     /// Contact velocity u for whitened body velocities w.
@@ -128,18 +130,35 @@ inline Whitened::Velocity Whitened::product(const Contact& contact, const double
     return {n[0] + n[1], t[0] + t[1]};
 }
 
+namespace kernels {
+
+inline double rowProduct(const double* g, const double* v, const Whitened::Side& side) {
+    Pair sum = {0.0, 0.0};
+    for (std::int32_t i = side.begin1; i < side.end1; i += 2)
+        sum += *reinterpret_cast<const LoosePair*>(g + i) * *reinterpret_cast<const LoosePair*>(v + i);
+    for (std::int32_t i = side.begin2; i < side.end2; i += 2)
+        sum += *reinterpret_cast<const LoosePair*>(g + i) * *reinterpret_cast<const LoosePair*>(v + i);
+    return sum[0] + sum[1];
+}
+
+} // namespace kernels
+
 inline double Whitened::normalProduct(const Contact& contact, const double* w) const {
-    Pair n = {0.0, 0.0};
+    double u = 0.0;
     for (std::int32_t s = 0; s < contact.sides; ++s) {
         const Side& side = contact.side[s];
-        const double* gn = rows_.data() + side.row;
-        const double* v = w + side.velocity;
-        for (std::int32_t i = side.begin1; i < side.end1; i += 2)
-            n += *reinterpret_cast<const LoosePair*>(gn + i) * *reinterpret_cast<const LoosePair*>(v + i);
-        for (std::int32_t i = side.begin2; i < side.end2; i += 2)
-            n += *reinterpret_cast<const LoosePair*>(gn + i) * *reinterpret_cast<const LoosePair*>(v + i);
+        u += kernels::rowProduct(rows_.data() + side.row, w + side.velocity, side);
     }
-    return n[0] + n[1];
+    return u;
+}
+
+inline double Whitened::tangentProduct(const Contact& contact, const double* w) const {
+    double u = 0.0;
+    for (std::int32_t s = 0; s < contact.sides; ++s) {
+        const Side& side = contact.side[s];
+        u += kernels::rowProduct(rows_.data() + side.row + side.padded, w + side.velocity, side);
+    }
+    return u;
 }
 
 inline void Whitened::apply(const Contact& contact, double rn, double rt, double* w) const {

@@ -32,57 +32,51 @@ constexpr std::array<double, kTerms> coefficients(Weight weight) {
     return c;
 }
 
-double horner(const std::array<double, kTerms>& c, double z) {
+double horner(const std::array<double, kTerms>& c, double z, std::size_t terms) {
     double sum = 0.0;
-    for (std::size_t i = kTerms; i-- > 0;)
+    for (std::size_t i = terms; i-- > 0;)
         sum = sum * z + c[i];
     return sum;
 }
 
-} // namespace
-
-double sinc(double x) {
-    if (std::abs(x) < 1e-4)
-        return 1.0 - x * x / 6.0; // the next term, x^4/120, is below 1e-18
-    return std::sin(x) / x;
+/// Of the series above for |x| < kSeriesBelow; below 0.75 eight terms are exact to 1e-18 of the first.
+double odd(const std::array<double, kTerms>& c, double x) {
+    const double z = x * x;
+    return x * (std::abs(x) < 0.75 ? horner(c, z, 8) : horner(c, z, kTerms));
 }
+
+} // namespace
 
 double sincDerivative(double x) {
     static constexpr auto kSeries = coefficients([](double n) { return 2.0 * n; });
     if (std::abs(x) < kSeriesBelow)
-        return x * horner(kSeries, x * x);
+        return odd(kSeries, x);
     return (std::cos(x) - std::sin(x) / x) / x;
 }
 
 double sincDeficit(double x) {
     static constexpr auto kSeries = coefficients([](double) { return -1.0; });
     if (std::abs(x) < kSeriesBelow)
-        return x * horner(kSeries, x * x);
+        return odd(kSeries, x);
     return (1.0 - std::sin(x) / x) / x;
 }
 
-TurnFactors TurnFactors::of(double x) {
+TurnFactors TurnFactors::ofLarge(double x) {
     if (std::abs(x) < kSeriesBelow)
         return series(x * x);
     const double h = std::sin(0.5 * x) / x;
     return {2.0 * h * h, (x - std::sin(x)) / (x * x * x)};
 }
 
-Vec2 Arc::chord(double s) const {
-    const double x = 0.5 * curvature * s;
-    const double c = s * sinc(x);
-    return {c * std::cos(angle + x), c * std::sin(angle + x)};
-}
-
 Vec2 Arc::chordCurvatureDerivative(double s) const {
     const double x = 0.5 * curvature * s;
-    const Vec2 t(std::cos(angle + x), std::sin(angle + x));
+    const Vec2 t = tangentAt(0.5 * s);
     return 0.5 * s * s * (sincDerivative(x) * t + sinc(x) * perp(t));
 }
 
 Vec2 Arc::centroid(double s) const {
     const double x = 0.5 * curvature * s;
-    const Vec2 t(std::cos(angle + x), std::sin(angle + x));
+    const Vec2 t = tangentAt(0.5 * s);
     return start + 0.5 * s * (sinc(x) * t + sincDerivative(x) * perp(t));
 }
 

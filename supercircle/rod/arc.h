@@ -1,6 +1,8 @@
 #pragma once
 // A circular arc element in closed form, one code path for straight, curved and nearly straight elements.
 
+#include "supercircle/rod/trig.h"
+
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
@@ -19,8 +21,6 @@ inline double cross(const Vec2& a, const Vec2& b) {
     return a.x() * b.y() - a.y() * b.x();
 }
 
-/// sin(x)/x, full accuracy through x = 0.
-double sinc(double x);
 /// d/dx (sin(x)/x), full accuracy through x = 0.
 double sincDerivative(double x);
 /// (1 - sin(x)/x)/x, odd, full accuracy through x = 0.
@@ -41,9 +41,11 @@ constexpr TurnSeries turnSeries(int first) {
 }
 inline constexpr TurnSeries kVersine = turnSeries(2);
 inline constexpr TurnSeries kDeficit = turnSeries(3);
+/// The first `Terms` terms.
+template <std::size_t Terms>
 constexpr double horner(const TurnSeries& c, double z) {
-    double sum = c.back();
-    for (std::size_t i = c.size() - 1; i-- > 0;)
+    double sum = c[Terms - 1];
+    for (std::size_t i = Terms - 1; i-- > 0;)
         sum = sum * z + c[i];
     return sum;
 }
@@ -60,16 +62,25 @@ constexpr double horner(const TurnSeries& c, double z) {
 struct TurnFactors {
     /// Below this |x| the power series is exact to round-off and much cheaper than sines.
     static constexpr double kSeriesBelow = 1.75;
+    /// Below this |x|, where the elements of a finely cut rod are, eight terms do.
+    static constexpr double kShortBelow = 0.75;
 
     double versine = 0.5;
     double deficit = 1.0 / 6.0;
 
     /// For |x| < kSeriesBelow, z = x^2 (the first dropped terms are below 2e-18).
     static TurnFactors series(double z) {
-        return {detail::horner(detail::kVersine, z), detail::horner(detail::kDeficit, z)};
+        return {detail::horner<11>(detail::kVersine, z), detail::horner<11>(detail::kDeficit, z)};
+    }
+    /// For |x| < kShortBelow (the first dropped terms are below 2e-18, too).
+    static TurnFactors shortSeries(double z) {
+        return {detail::horner<8>(detail::kVersine, z), detail::horner<8>(detail::kDeficit, z)};
     }
     /// Full accuracy for any x.
-    static TurnFactors of(double x);
+    static TurnFactors of(double x) { return std::abs(x) < kShortBelow ? shortSeries(x * x) : ofLarge(x); }
+
+private:
+    static TurnFactors ofLarge(double x);
 };
 
 /// An oriented arc: starts at `start` with tangent angle `angle`, runs along signed arc length up to `length` with
@@ -83,11 +94,19 @@ struct Arc {
     /// Tangent angle at arc length s.
     [[nodiscard]] double angleAt(double s) const { return angle + curvature * s; }
     /// Unit tangent at arc length s.
-    [[nodiscard]] Vec2 tangentAt(double s) const { return {std::cos(angleAt(s)), std::sin(angleAt(s))}; }
+    [[nodiscard]] Vec2 tangentAt(double s) const {
+        const SinCos a = sinCos(angleAt(s));
+        return {a.cosine, a.sine};
+    }
     /// Point at arc length s (any sign; the arc is continued beyond its ends).
     [[nodiscard]] Vec2 pointAt(double s) const { return start + chord(s); }
     /// pointAt(s) - start = s sinc(k s/2) t(angle + k s/2).
-    [[nodiscard]] Vec2 chord(double s) const;
+    [[nodiscard]] Vec2 chord(double s) const {
+        const double x = 0.5 * curvature * s;
+        const double c = s * sinc(x);
+        const SinCos a = sinCos(angle + x);
+        return {c * a.cosine, c * a.sine};
+    }
     /// d pointAt(s) / d curvature at fixed start and angle.
     [[nodiscard]] Vec2 chordCurvatureDerivative(double s) const;
     /// Centroid of the stretch [0, s].

@@ -9,17 +9,40 @@ namespace {
 
 /// Nodes are handled in pairs by the vector unit: one unused place.
 constexpr int kPadded = RodModel::kGauss + 1;
+constexpr double kNode[kPadded] = {RodModel::kGaussNode[0], RodModel::kGaussNode[1], RodModel::kGaussNode[2],
+                                   RodModel::kGaussNode[3], RodModel::kGaussNode[4], 0.5};
 
-/// Turn factors of the stretches up to each node of a segment that turns by `turn`.
-void turnFactorsAtNodes(double turn, TurnFactors* factors) {
-    if (std::abs(turn) < TurnFactors::kSeriesBelow) {
+/// Components along the tangent and normal at a segment's inner end, at its nodes.
+struct NodeField {
+    double along[kPadded], across[kPadded];       ///< of the way from the inner end, m
+    double ownAlong[kPadded], ownAcross[kPadded]; ///< of the derivative by the own curvature, m^2
+};
+
+/// Of a segment of signed length `length` that turns by `turn`.
+void fieldAtNodes(double length, double turn, NodeField& field) {
+    double versine[kPadded], deficit[kPadded];
+    const double z = turn * turn;
+    if (std::abs(turn) < TurnFactors::kShortBelow) {
         for (int i = 0; i < kPadded; ++i) {
-            const double x = turn * RodModel::kGaussNode[std::min(i, RodModel::kGauss - 1)];
-            factors[i] = TurnFactors::series(x * x);
+            const TurnFactors f = TurnFactors::shortSeries(z * (kNode[i] * kNode[i]));
+            versine[i] = f.versine;
+            deficit[i] = f.deficit;
         }
     } else {
-        for (int i = 0; i < RodModel::kGauss; ++i)
-            factors[i] = TurnFactors::of(turn * RodModel::kGaussNode[i]);
+        for (int i = 0; i < kPadded; ++i) {
+            const TurnFactors f = TurnFactors::of(turn * kNode[i]);
+            versine[i] = f.versine;
+            deficit[i] = f.deficit;
+        }
+    }
+    for (int i = 0; i < kPadded; ++i) {
+        const double s = length * kNode[i];
+        const double x = turn * kNode[i];
+        const double sine = 1.0 - x * x * deficit[i]; // over x
+        field.along[i] = s * sine;
+        field.across[i] = s * x * versine[i];
+        field.ownAlong[i] = s * s * (x * (deficit[i] - versine[i]));
+        field.ownAcross[i] = s * s * (sine - versine[i]);
     }
 }
 
@@ -64,16 +87,11 @@ void evaluateGauss(const RodModel& model, const Kinematics& kin, GaussField& fie
             const Vec2 t = kin.segmentTangent(side, static_cast<int>(k));
             const Vec2 normal = perp(t);
             const double m = model.definition().linearMass * std::abs(arc.length);
-            const double turn = arc.curvature * arc.length;
-            TurnFactors factors[kPadded];
-            turnFactorsAtNodes(turn, factors);
+            NodeField nodes;
+            fieldAtNodes(arc.length, arc.curvature * arc.length, nodes);
             for (int i = 0; i < RodModel::kGauss; ++i, ++g) {
-                const double s = arc.length * RodModel::kGaussNode[i];
-                const double x = turn * RodModel::kGaussNode[i];
-                const TurnFactors f = factors[i];
-                const double sine = 1.0 - x * x * f.deficit; // over x
-                field.arm[g] = inner + s * (sine * t + x * f.versine * normal);
-                field.own[g] = (s * s) * ((sine - f.versine) * normal - x * (f.versine - f.deficit) * t);
+                field.arm[g] = inner + nodes.along[i] * t + nodes.across[i] * normal;
+                field.own[g] = nodes.ownAlong[i] * t + nodes.ownAcross[i] * normal;
                 field.mass[g] = m * RodModel::kGaussWeight[i];
             }
         }
@@ -110,11 +128,12 @@ void massMatrix(const RodModel& model, const Kinematics& kin, const GaussField& 
             M(Y, d) += push.y();
             M(T, d) += turn;
             M(d, d) += f * f * (beyond.second - v.centroid.dot(beyond.first + lever)) + own.square;
+            double* column = M.data() + static_cast<Eigen::Index>(d) * n;
+            const Segment* inner = model.side(side).data();
             for (int j = 0; j < k; ++j) {
-                const SegmentView w = view(model, kin, side, j);
-                const double value = w.seg->signedLength * (turn - cross(w.centroid, push));
-                M(w.seg->dof, d) += value;
-                M(d, w.seg->dof) += value;
+                const int r = inner[j].dof;
+                column[r] = inner[j].signedLength * (turn - cross(kin.centroid(side, j) - kin.middle(), push));
+                M(d, r) = column[r];
             }
             beyond.mass += inside.mass;
             beyond.first += inside.first;

@@ -29,7 +29,8 @@ void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
     const double theta = q[model.dofTheta()];
     // The tangent is turned along with the chain: one sine and cosine a rod instead of one an element. Its round-off
     // grows like that of the angle itself, about one unit in the last place per element.
-    const Vec2 middleTangent(std::cos(theta), std::sin(theta));
+    const SinCos turned = sinCos(theta);
+    const Vec2 middleTangent(turned.cosine, turned.sine);
     arcs_.resize(static_cast<std::size_t>(model.elements()));
     for (int side = 0; side < 2; ++side) {
         const auto& list = model.side(side);
@@ -64,12 +65,24 @@ void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
     }
 }
 
+Kinematics::Point Kinematics::pointOf(const Place& at) const {
+    const Arc& arc = segmentArc(at.side, at.segment);
+    const Vec2& tangent = segmentTangent(at.side, at.segment);
+    const Vec2 normal = perp(tangent);
+    const double s = at.local;
+    const double x = arc.curvature * s;
+    const TurnFactors f = TurnFactors::of(x);
+    const double sine = 1.0 - x * x * f.deficit; // over x
+    return {arc.start + s * (sine * tangent + x * f.versine * normal),
+            (s * s) * ((sine - f.versine) * normal - x * (f.versine - f.deficit) * tangent)};
+}
+
 void Kinematics::pointRows(const RodModel& model, const Place& at, const Vec2& offset, const Vec2& first,
                            const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const {
     rows.setZero();
     const auto& list = model.side(at.side);
-    const Arc& own = segmentArc(at.side, at.segment);
-    const Vec2 p = own.pointAt(at.local) + offset;
+    const Point own = pointOf(at);
+    const Vec2 p = own.position + offset;
     const auto rotation = [&](int dof, double factor, const Vec2& pivot) {
         const Vec2 arm = perp(p - pivot) * factor;
         rows(0, dof) += first.dot(arm);
@@ -84,7 +97,7 @@ void Kinematics::pointRows(const RodModel& model, const Place& at, const Vec2& o
         const Segment& seg = list[static_cast<std::size_t>(k)];
         rotation(seg.dof, seg.signedLength, centroid(at.side, k));
     }
-    const Vec2 e = own.chordCurvatureDerivative(at.local) + at.local * perp(offset);
+    const Vec2 e = own.own + at.local * perp(offset);
     const int dof = list[static_cast<std::size_t>(at.segment)].dof;
     rows(0, dof) += first.dot(e);
     rows(1, dof) += second.dot(e);

@@ -43,7 +43,7 @@ public:
         return tangents_[side][static_cast<std::size_t>(k)];
     }
 
-    [[nodiscard]] Vec2 point(const Place& at) const { return segmentArc(at.side, at.segment).pointAt(at.local); }
+    [[nodiscard]] Vec2 point(const Place& at) const { return pointOf(at).position; }
     [[nodiscard]] double angle(const Place& at) const { return segmentArc(at.side, at.segment).angleAt(at.local); }
 
     /// Two Jacobian rows of the material point `offset` away from the centre line (rigidly attached to its section):
@@ -54,6 +54,13 @@ public:
     void angleRow(const RodModel& model, const Place& at, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
 private:
+    struct Point {
+        Vec2 position;
+        Vec2 own; ///< its derivative with respect to its segment's curvature, m^2
+    };
+    /// From the tangent at the segment's inner end, without sines.
+    [[nodiscard]] Point pointOf(const Place& at) const;
+
     Vec2 middle_ = Vec2::Zero();
     Vec2 lastNode_ = Vec2::Zero();
     std::vector<Arc> arcs_;

@@ -163,7 +163,7 @@ TEST_CASE("output that cannot be written is exit 4, and nothing is half-written"
     }
 }
 
-TEST_CASE("quiet runs say nothing; others end with where the results are") {
+TEST_CASE("quiet runs say nothing, others end with where the results are") {
     const Folder folder;
     const Ending silent = start(quick(folder, {"--quiet"}));
     CHECK(silent.code == 0);

@@ -147,7 +147,7 @@ TEST_CASE("a cantilever reports its tip, a ramp its creep, a squeezed shell its 
     CHECK(squeeze["peak_force_N"] > 0.0);
 }
 
-TEST_CASE("the same seed gives the same bytes, whatever the number of threads; another seed does not") {
+TEST_CASE("the same seed gives the same bytes, whatever the number of threads, and another seed does not") {
     const Folder folder;
     const auto arguments = stack("4", "1");
     summaryOf(folder, "a", with(arguments, {"--seed", "5"}));

@@ -91,7 +91,7 @@ TEST_CASE("a column is stable below Euler's load and unstable above", "[equilibr
     }
 }
 
-TEST_CASE("an open arc is welded into a ring; a straight one too, through large turns", "[equilibrium]") {
+TEST_CASE("an open arc is welded into a ring, a straight one too, through large turns", "[equilibrium]") {
     for (const double natural : {4.0, 0.0}) {
         RodDefinition d = rod(16, natural).definition();
         d.closed = true;

@@ -1,0 +1,54 @@
+#pragma once
+// LU factors of a matrix whose entries lie near the diagonal, row by row only as wide as they are.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace supercircle::coulomb {
+
+/// Doolittle LU in an envelope: row i and column i have entries from first[i] to i only (structurally symmetric).
+/// No pivoting: meant for matrices that are nearly positive definite; `factor` says when that went wrong.
+class EnvelopeLu {
+public:
+    struct Range {
+        std::size_t begin = 0;
+        std::size_t end = 0;
+    };
+
+    /// Sets the shape, first[i] <= i, and clears all entries.
+    void shape(std::span<const std::int32_t> first);
+
+    /// Entry (i, j), inside the envelope; valid until `factor`.
+    double& at(std::int32_t i, std::int32_t j) {
+        if (j < i)
+            return lower_[start_[i] + static_cast<std::size_t>(j - first_[i])];
+        if (j > i)
+            return upper_[start_[j] + static_cast<std::size_t>(i - first_[j])];
+        return diagonal_[i];
+    }
+
+    /// Factors in place. False if a pivot lost more than about twelve digits against its diagonal entry.
+    bool factor();
+
+    /// Solves in place.
+    void solve(double* x) const;
+
+    /// Solves in place where entries of x before `begin` are zero and most of the solution is as good as zero, too:
+    /// entries below round-off of the largest are left out. Returns the range outside which x is exactly zero.
+    Range solveLocal(double* x, std::size_t begin) const;
+
+    std::size_t size() const { return first_.size(); }
+
+    /// Multiply-adds of a factorisation of this shape.
+    static double cost(std::span<const std::int32_t> first);
+
+private:
+    std::vector<std::int32_t> first_;
+    std::vector<std::int32_t> reach_; ///< smallest first of this row and all later ones
+    std::vector<std::size_t> start_;
+    std::vector<double> lower_, upper_, diagonal_, inverse_;
+};
+
+} // namespace supercircle::coulomb

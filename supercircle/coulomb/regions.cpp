@@ -1,0 +1,78 @@
+#include "supercircle/coulomb/regions.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace supercircle::coulomb {
+
+void Regions::prepare(const Whitened& problem) {
+    first_.assign(problem.bodyCount() + 2, 0);
+    for (const Whitened::Contact& contact : problem.contacts())
+        for (std::int32_t s = 0; s < contact.sides; ++s)
+            ++first_[contact.side[s].body + 2];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    list_.resize(first_.back());
+    for (std::size_t c = 0; c < problem.contactCount(); ++c)
+        for (std::int32_t s = 0; s < problem.contact(c).sides; ++s)
+            list_[first_[problem.contact(c).side[s].body + 1]++] = static_cast<std::int32_t>(c);
+    first_.pop_back();
+    rank_.assign(problem.bodyCount(), -1);
+    taken_.assign(problem.contactCount(), 0);
+    bodies_.clear();
+}
+
+void Regions::addBody(std::int32_t body) {
+    if (rank_[body] >= 0)
+        return;
+    rank_[body] = static_cast<std::int32_t>(bodies_.size());
+    bodies_.push_back(body);
+}
+
+const Region& Regions::grow(const Whitened& problem, std::int32_t seed, std::size_t most) {
+    for (const std::int32_t b : bodies_)
+        rank_[b] = -1;
+    bodies_.clear();
+    for (std::int32_t s = 0; s < problem.contact(seed).sides; ++s)
+        addBody(problem.contact(seed).side[s].body);
+    std::size_t touching = 0; // counts inner contacts twice, which is near enough
+    for (const std::int32_t b : bodies_)
+        touching += contactsOf(b).size();
+    for (std::size_t head = 0; head < bodies_.size() && touching < 2 * most; ++head)
+        for (const std::int32_t c : contactsOf(bodies_[head])) {
+            const Whitened::Contact& contact = problem.contact(c);
+            for (std::int32_t s = 0; s < contact.sides; ++s)
+                if (const std::int32_t b = contact.side[s].body; rank_[b] < 0 && touching < 2 * most) {
+                    addBody(b);
+                    touching += contactsOf(b).size();
+                }
+        }
+    region_.contacts.clear();
+    region_.outside.clear();
+    region_.core.clear();
+    const auto inner = static_cast<std::int32_t>(bodies_.size() / 2);
+    for (const std::int32_t body : bodies_)
+        for (const std::int32_t c : contactsOf(body)) {
+            if (taken_[c])
+                continue;
+            taken_[c] = 1;
+            std::int32_t low = rank_[body];
+            bool inside = true;
+            for (std::int32_t s = 0; s < problem.contact(c).sides; ++s) {
+                const std::int32_t rank = rank_[problem.contact(c).side[s].body];
+                inside = inside && rank >= 0;
+                low = std::min(low, rank);
+            }
+            (inside ? region_.contacts : region_.outside).push_back(c);
+            if (inside && (low <= inner || c == seed))
+                region_.core.push_back(c);
+        }
+    for (const std::int32_t c : region_.contacts)
+        taken_[c] = 0;
+    for (const std::int32_t c : region_.outside)
+        taken_[c] = 0;
+    std::sort(region_.contacts.begin(), region_.contacts.end());
+    std::sort(region_.outside.begin(), region_.outside.end());
+    return region_;
+}
+
+} // namespace supercircle::coulomb

@@ -1,0 +1,42 @@
+#pragma once
+// Small neighbourhoods of a large island, in which a path costs what it costs in a small problem.
+
+#include "supercircle/coulomb/whitened.h"
+
+#include <span>
+#include <vector>
+
+namespace supercircle::coulomb {
+
+/// Contacts that may change, and those that act on the same bodies and stay as they are.
+struct Region {
+    std::vector<std::int32_t> contacts; ///< ascending
+    std::vector<std::int32_t> outside;
+    std::vector<std::int32_t> core; ///< those of `contacts` that lie well inside
+};
+
+class Regions {
+public:
+    /// Lists the contacts of every body.
+    void prepare(const Whitened& problem);
+
+    /// Grows a region around contact `seed`, neighbour by neighbour, until it holds `most` contacts.
+    const Region& grow(const Whitened& problem, std::int32_t seed, std::size_t most);
+
+    /// All contacts (ascending) that touch body b.
+    std::span<const std::int32_t> contactsOf(std::int32_t b) const {
+        return std::span(list_).subspan(first_[b], first_[b + 1] - first_[b]);
+    }
+
+private:
+    void addBody(std::int32_t body);
+
+    std::vector<std::size_t> first_;
+    std::vector<std::int32_t> list_;
+    std::vector<std::int32_t> bodies_;
+    std::vector<std::int32_t> rank_;  ///< position of a body in bodies_, -1 if it is not in the region
+    std::vector<std::uint8_t> taken_; ///< contacts already listed
+    Region region_;
+};
+
+} // namespace supercircle::coulomb

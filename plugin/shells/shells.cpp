@@ -1,6 +1,7 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
+#include "plugin/shells/quality.h"
 #include "supercircle/step/stepper.h"
 
 #include <atomic>
@@ -28,6 +29,7 @@ struct Shells::Impl {
     };
     std::vector<Slot> slots;
     double advanced = 0.0;
+    Quality quality = Quality::Laboratory;
     std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
 
     /// Index of the rod in the world, or -1.
@@ -50,6 +52,14 @@ Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>(
 Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
+
+void Shells::set_quality(Quality quality) {
+    impl_->quality = quality;
+    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
+}
+Quality Shells::quality() const {
+    return impl_->quality;
+}
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     RodFromDefinition rod;
@@ -130,6 +140,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
             impl_->world, dt, impl_->port.get(), [&](const step::World&) { return observer && observer(); });
         report.advanced = out.advanced;
         report.stopped = out.stopped;
+        report.late = out.late;
         report.failure = out.failure;
     } catch (const std::exception& e) { // the host program never dies of us
         report.failure = e.what();

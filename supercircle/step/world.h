@@ -84,6 +84,9 @@ struct Settings {
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
+    bool unconverged =
+        false;            ///< accept a step whose contact problem missed its tolerance at once (counted), not cut it
+    int frameSolves = 0;  ///< linearisations solved per frame after which it ends early; 0: as many as it takes
     bool witness = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 

@@ -85,7 +85,11 @@ struct Settings {
     coulomb::SolverOptions contact;
     int threads = 1;
     bool unconverged =
-        false;            ///< accept a step whose contact problem missed its tolerance at once (counted), not cut it
+        false; ///< accept a step whose contact problem missed its tolerance at once (counted), not cut it
+    std::size_t sweepAbove =
+        static_cast<std::size_t>(-1); ///< contacts; larger problems get capped sweeps: bounded time
+    int cappedSweeps = 60;            ///< ... this many
+    bool prune = false;   ///< leave out candidates that cannot meet within the step (prune.h): for long steps
     int frameSolves = 0;  ///< linearisations solved per frame after which it ends early; 0: as many as it takes
     bool witness = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };

@@ -1,46 +1,11 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "supercircle/step/stepper.h"
+#include "plugin/shells/shells_impl.h"
 
-#include <atomic>
 #include <cmath>
 
 namespace supercircle {
-
-namespace {
-
-/// A number per Shells of this process; it only tells handles apart and touches no result.
-std::uint32_t nextTag() {
-    static std::atomic<std::uint32_t> last{0};
-    return ++last;
-}
-
-} // namespace
-
-struct Shells::Impl {
-    std::shared_ptr<step::Port> port;
-    step::World world;
-    step::Stepper stepper{step::Settings{}};
-    struct Slot {
-        std::uint32_t generation = 0;
-        std::uint32_t key = 0; ///< of the rod, 0: free
-    };
-    std::vector<Slot> slots;
-    double advanced = 0.0;
-    std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
-
-    /// Index of the rod in the world, or -1.
-    [[nodiscard]] int find(ShellHandle h) const {
-        if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
-            slots[h.index].key == 0)
-            return -1;
-        for (std::size_t i = 0; i < world.rods.size(); ++i)
-            if (world.rods[i].key == slots[h.index].key)
-                return static_cast<int>(i);
-        return -1;
-    }
-};
 
 Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>()) {
     impl_->port = std::move(port);

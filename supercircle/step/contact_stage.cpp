@@ -66,6 +66,7 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     k.surface.setZero();
     surfaceRows(rodA, rods[ia], c.a, c.pointA, n, t, k.Ja);
     out.w.setZero();
+    out.kind = coulomb::Kind::Unilateral;
     out.a = rods[ia].body;
     out.b = -1;
     out.Hb.resize(2, 0);

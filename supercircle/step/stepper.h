@@ -62,8 +62,9 @@ public:
     void pullFromHost(World& world, const Port& port, double frame) const;
     /// Hands gathered impulses and driven poses to the host; `advanced` is the time the host is about to step.
     static void pushToHost(World& world, Port& port, double advanced);
-    /// After the host's own step: learns what its constraints did to the bodies (feed-forward of the next frame).
-    static void learnFromHost(World& world, const Port& port, double advanced);
+    /// After the host's own step: gives the bodies the velocities they have at the end of the frame and learns what the
+    /// host's constraints did to them (handover.h).
+    static void learnFromHost(World& world, Port& port, double advanced);
 
     [[nodiscard]] const StageTimes& times() const { return times_; }
     /// The contact problem of the last solve, for dumps.

@@ -11,6 +11,7 @@
 namespace supercircle::step {
 
 using rod::Vec2;
+struct RigidWorldDefinition; // rigid_definition.h
 
 /// Names a body of the host across steps. Hosts reuse addresses, so an id is never a pointer; 0 is nobody.
 using BodyId = std::uint64_t;
@@ -61,6 +62,9 @@ public:
     virtual void setVelocity(BodyId body, const Vec2& velocity, double spin) = 0;
     /// Places a kinematic body for the coming host step: pose at its start and velocity through it.
     virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
+    /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why
+    /// nothing was made.
+    virtual std::string build(const RigidWorldDefinition&) { return "this host cannot be given bodies"; }
     /// The body called `name` in the host, 0 if there is none.
     [[nodiscard]] virtual BodyId find(const std::string& name) const = 0;
 };

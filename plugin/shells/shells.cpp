@@ -142,5 +142,8 @@ const step::World& Shells::world() const {
 step::Stepper& Shells::stepper() {
     return impl_->stepper;
 }
+std::shared_ptr<step::Port> Shells::host() const {
+    return impl_->port;
+}
 
 } // namespace supercircle

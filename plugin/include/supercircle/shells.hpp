@@ -152,6 +152,8 @@ public:
     [[nodiscard]] step::World& world();
     [[nodiscard]] const step::World& world() const;
     [[nodiscard]] step::Stepper& stepper();
+    /// The host world these shells live in; null if they live alone.
+    [[nodiscard]] std::shared_ptr<step::Port> host() const;
 
 private:
     struct Impl;

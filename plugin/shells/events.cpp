@@ -1,4 +1,4 @@
-#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
 
 #include <algorithm>
 #include <cmath>

@@ -32,14 +32,14 @@ struct TouchState {
 
 /// One shell's elastic energy over the recent past.
 struct SnapState {
-    static constexpr int kShort = 4;                  ///< buckets of "a short time"
-    static constexpr int kLong = 6 * kShort;          ///< buckets before it
-    static constexpr int kBuckets = kShort + kLong;   ///< all that are looked at
-    std::uint32_t key = 0;                            ///< of the rod
-    std::array<double, kBuckets> lowest{};            ///< elastic energy per bucket, ring, J
-    std::int64_t bucket = 0;                          ///< running number of the current one
-    std::int64_t filled = 0;                          ///< buckets known, the current one included
-    double time = 0.0, energy = 0.0;                  ///< last sample
+    static constexpr int kShort = 4;                ///< buckets of "a short time"
+    static constexpr int kLong = 6 * kShort;        ///< buckets before it
+    static constexpr int kBuckets = kShort + kLong; ///< all that are looked at
+    std::uint32_t key = 0;                          ///< of the rod
+    std::array<double, kBuckets> lowest{};          ///< elastic energy per bucket, ring, J
+    std::int64_t bucket = 0;                        ///< running number of the current one
+    std::int64_t filled = 0;                        ///< buckets known, the current one included
+    double time = 0.0, energy = 0.0;                ///< last sample
     bool snapping = false;
     double begun = 0.0, before = 0.0, low = 0.0, lowTime = 0.0, kineticPeak = 0.0; ///< of the snap under way
 };
@@ -47,8 +47,8 @@ struct SnapState {
 /// The part of a watch that belongs to the state of the world.
 struct WatchState {
     EventSettings settings;
-    std::vector<TouchState> touching; ///< sorted by pair
-    std::vector<SnapState> snaps;     ///< in the order of the rods
+    std::vector<TouchState> touching;       ///< sorted by pair
+    std::vector<SnapState> snaps;           ///< in the order of the rods
     std::vector<std::uint32_t> quarantined; ///< keys known to be
 };
 
@@ -91,8 +91,8 @@ private:
 
     std::vector<Load> loads_; ///< of this step, sorted by pair
     std::vector<Exchange> exchanges_;
-    std::vector<Eigen::VectorXd> velocities_; ///< of the rods before the step
-    std::vector<step::BodyState> bodies_;     ///< before the step
+    std::vector<Eigen::VectorXd> velocities_;          ///< of the rods before the step
+    std::vector<step::BodyState> bodies_;              ///< before the step
     std::vector<std::pair<TouchPair, bool>> unloaded_; ///< pairs in touch without force; still near?
 };
 

@@ -1,5 +1,5 @@
 #include "plugin/shells/queries_geometry.h"
-#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
 
 #include <algorithm>
 #include <cmath>
@@ -215,9 +215,8 @@ Result<std::vector<ShellHandle>> Shells::overlap(const Box& box, QueryMask mask)
     using Handles = std::vector<ShellHandle>;
     if (!usable(box.lower) || !usable(box.upper) || box.lower.x > box.upper.x || box.lower.y > box.upper.y)
         return Result<Handles>::failure("the box must be finite, its lower corner below and left of its upper one");
-    return shellsWhere(impl_->world, list(), mask, [&](const ThickCurve& curve) {
-        return meetsBox(curve, toVec(box.lower), toVec(box.upper));
-    });
+    return shellsWhere(impl_->world, list(), mask,
+                       [&](const ThickCurve& curve) { return meetsBox(curve, toVec(box.lower), toVec(box.upper)); });
 }
 
 Result<std::vector<ShellHandle>> Shells::overlap(Point centre, double radius, QueryMask mask) const {
@@ -313,10 +312,10 @@ Result<ShellMeasures> Shells::measure(ShellHandle shell) const {
     out.kinetic_energy = rod::kineticEnergy(rod.gauss, rod.u);
     out.stored_energy = rod::bendingEnergy(rod.model, rod.q);
     for (int e = 0; e < rod.model.elements(); ++e)
-        out.max_surface_strain = std::max(
-            out.max_surface_strain, 0.5 * d.thickness *
-                                        std::abs(rod.q[rod.model.dofOfElement(e)] -
-                                                 d.naturalCurvature[static_cast<std::size_t>(e)]));
+        out.max_surface_strain =
+            std::max(out.max_surface_strain,
+                     0.5 * d.thickness *
+                         std::abs(rod.q[rod.model.dofOfElement(e)] - d.naturalCurvature[static_cast<std::size_t>(e)]));
     ThickCurve curve;
     thicken(rod, curve);
     Vec2 lower, upper;

@@ -155,10 +155,10 @@ bool meetsBox(const ThickCurve& curve, const Vec2& lower, const Vec2& upper) {
         for (int i = 0; i < 4; ++i) {
             const Vec2 a = corners[i], edge = corners[(i + 1) % 4] - a;
             const double length = edge.norm();
-            const double d = length > 0.0 ? contact::witness::distance(p, makePiece(a + 0.5 * edge,
-                                                                                    std::atan2(edge.y(), edge.x()), 0.0,
-                                                                                    0.5 * length))
-                                          : contact::witness::distance(a, p);
+            const double d = length > 0.0
+                                 ? contact::witness::distance(
+                                       p, makePiece(a + 0.5 * edge, std::atan2(edge.y(), edge.x()), 0.0, 0.5 * length))
+                                 : contact::witness::distance(a, p);
             if (d <= curve.half)
                 return true;
         }

@@ -29,19 +29,19 @@ public:
 };
 
 struct DrawOptions {
-    bool centre_lines = true;         ///< of the shells, an element a line when coloured by strain
-    bool outlines = true;             ///< of the thick shells
-    bool contacts = true;             ///< a mark at each contact that carries force
-    bool forces = true;               ///< a line from each such contact along the force on shell a
-    bool holds = true;                ///< a mark at each
-    bool strain = true;               ///< centre lines coloured by surface strain, else all in `line`
-    double tolerance = 2e-5;          ///< farthest a polyline may stray from its arc, m
-    double metres_per_newton = 0.01;  ///< length of force lines, m/N
-    double full_strain = 0.02;        ///< surface strain that has the warmest colour, 1
-    Colour line{0.2F, 0.4F, 0.8F};    ///< of centre lines without strain
-    Colour outline{0.5F, 0.5F, 0.5F}; ///< of the thick shells
-    Colour contact{0.9F, 0.2F, 0.2F}; ///< of contacts and forces
-    Colour hold{0.1F, 0.6F, 0.2F};    ///< of holds
+    bool centre_lines = true;             ///< of the shells, an element a line when coloured by strain
+    bool outlines = true;                 ///< of the thick shells
+    bool contacts = true;                 ///< a mark at each contact that carries force
+    bool forces = true;                   ///< a line from each such contact along the force on shell a
+    bool holds = true;                    ///< a mark at each
+    bool strain = true;                   ///< centre lines coloured by surface strain, else all in `line`
+    double tolerance = 2e-5;              ///< farthest a polyline may stray from its arc, m
+    double metres_per_newton = 0.01;      ///< length of force lines, m/N
+    double full_strain = 0.02;            ///< surface strain that has the warmest colour, 1
+    Colour line{0.2F, 0.4F, 0.8F};        ///< of centre lines without strain
+    Colour outline{0.5F, 0.5F, 0.5F};     ///< of the thick shells
+    Colour contact{0.9F, 0.2F, 0.2F};     ///< of contacts and forces
+    Colour hold{0.1F, 0.6F, 0.2F};        ///< of holds
     Colour quarantined{1.0F, 0.0F, 1.0F}; ///< of shells that were taken out of the motion
 };
 

@@ -41,8 +41,8 @@ struct ContactEndEvent {
 
 /// What a pair exchanged in the frame came to more than EventSettings::impulse_threshold.
 struct ImpulseEvent {
-    double time = 0.0; ///< of the strongest inner step, s
-    Touch at{};        ///< where that step's strongest contact was
+    double time = 0.0;             ///< of the strongest inner step, s
+    Touch at{};                    ///< where that step's strongest contact was
     double normal_impulse = 0.0;   ///< of all contacts of the pair over the whole frame, N s
     double friction_impulse = 0.0; ///< the same of the friction's size, N s
     double peak_force = 0.0;       ///< largest normal force of the pair in one inner step, N
@@ -87,8 +87,8 @@ struct FrameEvents {
 /// What counts as an event. T = L^2 sqrt(lambda / B) is 43 ms for the default shell, B / L is 2.5 mJ.
 struct EventSettings {
     double impulse_threshold = std::numeric_limits<double>::infinity(); ///< N s; infinite: no impulse events
-    double snap_energy = 0.02; ///< least elastic energy released, in B / L, 1
-    double snap_time = 0.1;    ///< within this time, in T, 1; compared with six times as long a time before
+    double snap_energy = 0.02;                                          ///< least elastic energy released, in B / L, 1
+    double snap_time = 0.1; ///< within this time, in T, 1; compared with six times as long a time before
 };
 
 } // namespace supercircle

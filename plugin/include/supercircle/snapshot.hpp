@@ -27,14 +27,15 @@ public:
     /// Header with name, version and checksum, then the state; what to write into a file.
     [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
     [[nodiscard]] bool empty() const { return bytes_.empty(); }
-    friend bool operator==(const Snapshot&, const Snapshot&) = default;
+    friend bool operator==(const Snapshot& a, const Snapshot& b) { return a.bytes_ == b.bytes_; }
 
 private:
     friend class Shells;
     std::vector<std::uint8_t> bytes_;
+    std::uint32_t origin_ = 0; ///< which Shells of this process saved it; 0: read from bytes
 };
 
-/// Every call that changed a Shells or tried to, in order, from Shells::start_log() on. The calls of the host are its
+/// Every call that changed a Shells, in order, from Shells::start_log() on. The calls of the host are its
 /// user's: keep them in the same order between the same frames.
 class CallLog {
 public:

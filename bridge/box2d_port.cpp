@@ -281,6 +281,23 @@ void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImp
     impl_->applyImpulse(body, impulse, angularImpulse);
 }
 
+void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
+    impl_->refresh(false);
+    if (!fits(velocity, impl_->scale) || !(std::abs(spin) < kMaxHost)) {
+        impl_->refuse("setVelocity: the velocity is not finite or too large");
+        return;
+    }
+    b2Body* b = impl_->registry.body(body);
+    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
+        impl_->refuse("setVelocity: no dynamic body of an unlocked world");
+        return;
+    }
+    if (!b->IsAwake())
+        return;
+    b->SetLinearVelocity(toHost(velocity, impl_->scale));
+    b->SetAngularVelocity(static_cast<float>(spin));
+}
+
 void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
     impl_->refresh(false);
     if (!fits(centre, impl_->scale) || !fits(velocity, impl_->scale) || !(std::abs(angle) < kMaxHost) ||

@@ -46,6 +46,7 @@ public:
     void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override;
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
     void applyImpulse(step::BodyId body, const step::Vec2& impulse, double angularImpulse) override;
+    void setVelocity(step::BodyId body, const step::Vec2& velocity, double spin) override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
     [[nodiscard]] step::BodyId find(const std::string& name) const override;

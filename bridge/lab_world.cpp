@@ -34,6 +34,9 @@ public:
     void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) override {
         port_.applyImpulse(body, impulse, angularImpulse);
     }
+    void setVelocity(BodyId body, const Vec2& velocity, double spin) override {
+        port_.setVelocity(body, velocity, spin);
+    }
     void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) override {
         port_.drive(body, centre, angle, velocity, spin);
     }

@@ -22,4 +22,8 @@ step::Settings settingsFor(Quality quality, int threads) {
     return s;
 }
 
+Quality qualityOf(const step::Settings& settings) {
+    return settings.frameSolves > 0 ? Quality::Game : Quality::Laboratory;
+}
+
 } // namespace supercircle

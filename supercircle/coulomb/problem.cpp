@@ -1,6 +1,7 @@
 #include "supercircle/coulomb/problem.h"
 
 #include <cmath>
+#include <limits>
 
 namespace supercircle::coulomb {
 
@@ -36,6 +37,19 @@ std::string sideFault(const Problem& problem, std::int32_t body, const Eigen::Ma
     return H.allFinite() ? std::string() : name + ": H is not finite";
 }
 
+std::string lawFault(const Contact& contact, std::size_t index) {
+    if (contact.kind == Kind::Unilateral && contact.mu >= 0.0 && std::isfinite(contact.mu) && contact.w.allFinite())
+        return {};
+    const std::string name = "contact " + std::to_string(index);
+    if (contact.kind == Kind::Unilateral)
+        return name + ": mu must be finite and not negative, w finite";
+    if (contact.kind != Kind::Bilateral)
+        return name + ": unknown kind " + std::to_string(static_cast<int>(contact.kind));
+    const bool either = contact.mu == 0.0 || contact.mu == std::numeric_limits<double>::infinity();
+    return either && contact.w.allFinite() ? std::string()
+                                           : name + ": mu of a bilateral contact must be 0 or infinite, w finite";
+}
+
 } // namespace
 
 std::string findFault(const Problem& problem) {
@@ -44,8 +58,8 @@ std::string findFault(const Problem& problem) {
             return fault;
     for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
         const Contact& contact = problem.contacts[c];
-        if (!(contact.mu >= 0.0) || !std::isfinite(contact.mu) || !contact.w.allFinite())
-            return "contact " + std::to_string(c) + ": mu must be finite and not negative, w finite";
+        if (std::string fault = lawFault(contact, c); !fault.empty())
+            return fault;
         if (sideFits(problem, contact.a, contact.Ha) && sideFits(problem, contact.b, contact.Hb))
             continue; // the usual way: no string is built
         const std::string name = "contact " + std::to_string(c);

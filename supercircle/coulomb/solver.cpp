@@ -144,14 +144,15 @@ double Solver::Impl::islandError(std::span<const std::int32_t> island) const {
     for (const std::int32_t c : island) {
         const Whitened::Contact& contact = whitened.contact(c);
         const Whitened::Velocity u = whitened.velocity(contact, x.w.data());
-        sum.add(u.n, u.t, contact.qn, contact.qt, x.r[2 * c], x.r[2 * c + 1], contact.mu, contact.d);
+        Whitened::judge(contact, u, x.r[2 * c], x.r[2 * c + 1], sum);
     }
     return sum.error();
 }
 
 std::size_t Solver::Impl::loaded(std::span<const std::int32_t> island) const {
-    return static_cast<std::size_t>(
-        std::count_if(island.begin(), island.end(), [this](std::int32_t c) { return x.r[2 * c] > 0.0; }));
+    return static_cast<std::size_t>(std::count_if(island.begin(), island.end(), [this](std::int32_t c) {
+        return x.r[2 * c] > 0.0 || whitened.contact(c).tied();
+    }));
 }
 
 std::size_t Solver::Impl::loaded() const {
@@ -398,7 +399,7 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
     report.penetrationSpeed = residual.penetrationSpeed;
     report.impulseError = residual.impulseError;
     for (std::size_t c = 0; c < problem.contacts.size(); ++c)
-        report.loaded += s.best.r[2 * c] > 0.0 ? 1 : 0;
+        report.loaded += s.best.r[2 * c] > 0.0 || s.whitened.contact(c).tied() ? 1 : 0;
     for (std::size_t i = 0; i < s.best.r.size(); ++i)
         r[static_cast<Eigen::Index>(i)] = s.best.r[i];
     s.whitened.bodyVelocities(s.x.w, v);

@@ -33,13 +33,13 @@ struct SolverOptions {
 struct SolveReport {
     bool converged = false;
     double eta = 0.0;              ///< judge's residual of the returned impulses, 1
-    double penetrationSpeed = 0.0; ///< max(-u_n), m/s
+    double penetrationSpeed = 0.0; ///< max(-u_n), of bilateral contacts |u_n| (and |u_t| if locked), m/s
     double impulseError = 0.0;     ///< largest |F_c|, N s
     Method finishedBy = Method::None;
     int sweeps = 0;
     int pivots = 0;
     int factorisations = 0;
-    int loaded = 0;    ///< contacts with r_n > 0
+    int loaded = 0;    ///< contacts with r_n > 0, and all bilateral ones
     std::string error; ///< why the problem was refused (r = 0, v = vFree, eta infinite); empty as a rule
 };
 

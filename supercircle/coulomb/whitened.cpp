@@ -163,7 +163,8 @@ std::string Whitened::build(const Problem& problem) {
         Contact& contact = contacts_[c];
         contact.wn = contact.qn = source.w[0];
         contact.wt = contact.qt = source.w[1];
-        contact.mu = source.mu;
+        contact.mu = source.bilateral() ? 0.0 : source.mu;
+        contact.tie = source.locked() ? Tie::Both : source.bilateral() ? Tie::Normal : Tie::None;
         const bool self = source.a == source.b;
         if (source.a >= 0)
             addSide(contact, bodies_[source.a], source.a, source.Ha, self ? &source.Hb : nullptr);
@@ -190,7 +191,7 @@ Residual Whitened::residual(std::span<const double> r, const std::vector<double>
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
         const Contact& contact = contacts_[c];
         const Velocity u = velocity(contact, w.data());
-        sum.add(u.n, u.t, contact.qn, contact.qt, r[2 * c], r[2 * c + 1], contact.mu, contact.d);
+        judge(contact, u, r[2 * c], r[2 * c + 1], sum);
     }
     return sum.result();
 }

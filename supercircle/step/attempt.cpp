@@ -59,6 +59,7 @@ void Attempt::collidePresent(World& world, const Settings& settings) {
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
     if (known)
         return;
+    predictMotion(world, stage);
     const double fall = world.gravity.norm() * dt * dt;
     world.range.resize(world.rods.size());
     kin.resize(world.rods.size());
@@ -91,6 +92,7 @@ void Attempt::begin(const World& world, const Settings& settings) {
         const double farthest = near[i] ? 0.25 * h : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
+    predictMotion(world, stage);
     frameInMiddle(world, rods, startCandidates(world, settings), false, dt, stage);
 }
 
@@ -163,7 +165,7 @@ void Attempt::collideEnd(const World& world, const Settings& settings) {
 
 /// The independent check of the way from start to end.
 void Attempt::witness(const World& world) {
-    placeOutlines(world, 0.0, 0.0, outlinesBefore);
+    placeOutlines(world, stage.motion, 0.0, 0.0, outlinesBefore);
     curvesBefore.resize(world.rods.size());
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]);
@@ -200,6 +202,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
             kin.resize(rods.size());
             for (std::size_t i = 0; i < rods.size(); ++i)
                 kin[i] = &world.rods[i].kin;
+            predictMotion(world, stage);
             collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
             begin(world, settings);
             continue;

@@ -57,6 +57,9 @@ public:
     [[nodiscard]] virtual bool state(BodyId body, BodyState& out) const = 0;
     /// Adds an impulse (N s) and an angular impulse about the centre of mass (N m s); wakes the body.
     virtual void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) = 0;
+    /// Sets the velocity of the centre of mass and the spin of a dynamic body after a host step, m/s and rad/s; wakes
+    /// nobody.
+    virtual void setVelocity(BodyId body, const Vec2& velocity, double spin) = 0;
     /// Places a kinematic body for the coming host step: pose at its start and velocity through it.
     virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
     /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why

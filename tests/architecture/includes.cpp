@@ -28,7 +28,7 @@ const std::vector<Rule>& rules() {
         {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
         {"supercircle/step/", {"supercircle/"}, {"Eigen/", "tbb/"}, {}},
         {"supercircle/", {}, {"Eigen/"}, {}},
-        {"bridge/", {"bridge/", "supercircle/"}, {"Eigen/", "box2d/"}, {}},
+        {"bridge/", {"bridge/", "supercircle/", "plugin/include/supercircle/draw.hpp"}, {"Eigen/", "box2d/"}, {}},
         {"plugin/include/", {"plugin/include/"}, {}, {}},
         {"plugin/scene/",
          {"plugin/include/", "plugin/scene/", "supercircle/"},

@@ -1,6 +1,7 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
+#include "plugin/shells/quality.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 
@@ -59,6 +60,14 @@ Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>(
 Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
+
+void Shells::set_quality(Quality quality) {
+    impl_->quality = quality;
+    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
+}
+Quality Shells::quality() const {
+    return impl_->quality;
+}
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     RodFromDefinition rod;
@@ -152,6 +161,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         });
         report.advanced = out.advanced;
         report.stopped = out.stopped;
+        report.late = out.late;
         report.failure = out.failure;
         m.watch.end(m.world, handleOf);
     } catch (const std::exception& e) { // the host program never dies of us

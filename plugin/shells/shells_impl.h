@@ -22,7 +22,8 @@ struct Shells::Impl {
     step::World world;
     step::Stepper stepper{step::Settings{}};
     std::vector<Slot> slots;
-    double advanced = 0.0;   ///< s, by the last pre_step
+    double advanced = 0.0; ///< s, by the last pre_step
+    Quality quality = Quality::Laboratory;
     std::uint32_t tag = 0;   ///< goes into the handles, so that those of another world are refused
     bool inside = false;     ///< in a pre_step: the observer may not start another one or swap the state
     std::uint64_t inner = 0; ///< inner steps of the frame that is running, 0 outside

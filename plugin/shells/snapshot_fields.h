@@ -164,10 +164,10 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations,
-           contact, threads, witness] = s;
+           contact, threads, acceptUnconverged, frameSolves, witness] = s;
     (void)threads; // belongs to the machine
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations, contact,
-       witness);
+       acceptUnconverged, frameSolves, witness);
 }
 
 template <class Ar>

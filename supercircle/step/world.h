@@ -100,6 +100,8 @@ struct Settings {
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
+    bool acceptUnconverged = false; ///< a contact problem that misses its tolerance is counted, its step not cut
+    int frameSolves = 0;  ///< linearisations solved per frame after which it ends early; 0: as many as it takes
     bool witness = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 

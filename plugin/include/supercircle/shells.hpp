@@ -29,9 +29,17 @@ struct Settings;
 class Stepper;
 } // namespace step
 
+/// How much work the numbers are worth. Both obey the same law: inextensible shells, exact Coulomb friction, no
+/// crossing.
+enum class Quality : std::uint8_t {
+    Laboratory, ///< steps as short as the accuracy of forces and energies asks for, however many: the default
+    Game        ///< steps up to a frame of 1/60 s and a budget of work per frame (docs/guide.md has the errors)
+};
+
 /// What one frame did.
 struct FrameReport {
-    double advanced = 0.0; ///< s; less than asked for only when stopped or failed
+    double advanced = 0.0; ///< s; less than asked for only when stopped, late or failed
+    bool late = false;     ///< Quality::Game: the frame's budget was used up; the rest of dt was not simulated
     bool stopped = false;  ///< the observer asked to stop
     std::string failure;   ///< empty unless the shells could not go on
     std::uint64_t steps = 0;
@@ -60,6 +68,10 @@ public:
     ~Shells();
     Shells(Shells&&) noexcept;
     Shells& operator=(Shells&&) noexcept;
+
+    /// Selects the resolution of the numerics; at any time. Settings made through stepper() are replaced.
+    void set_quality(Quality quality);
+    [[nodiscard]] Quality quality() const;
 
     /// Puts a shell into the world. Fails with a reason on bad numbers.
     Result<ShellHandle> create(const ShellDef& definition);

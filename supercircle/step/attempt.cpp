@@ -20,10 +20,6 @@ double deepest(const std::vector<contact::Candidate>& list) {
 
 namespace {
 
-int count(const World& world) {
-    return static_cast<int>(world.rods.size());
-}
-
 struct GapErrors {
     double loaded = 0.0;  ///< largest |gap| of a loaded contact after the step, m
     double deepest = 0.0; ///< deepest overlap after the step, m
@@ -52,7 +48,15 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 
 } // namespace
 
+void Attempt::useThreads(int wanted) {
+    if (wanted == threads)
+        return;
+    threads = wanted;
+    stage.loop = threadLoop(wanted);
+}
+
 void Attempt::collidePresent(World& world, const Settings& settings) {
+    useThreads(settings.threads);
     bool known = world.range.size() == world.rods.size();
     for (std::size_t i = 0; known && i < world.rods.size(); ++i)
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
@@ -71,14 +75,14 @@ void Attempt::collidePresent(World& world, const Settings& settings) {
 
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
 /// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
-void Attempt::begin(const World& world, const Settings& settings) {
+void Attempt::begin(const World& world) {
     std::vector<char> near(world.rods.size(), 0);
     for (const contact::Candidate& c : world.candidates) {
         near[static_cast<std::size_t>(c.a.rod)] = 1;
         if (c.b.rod >= 0)
             near[static_cast<std::size_t>(c.b.rod)] = 1;
     }
-    parallelFor(count(world), settings.threads, [&](std::size_t i) {
+    forEachRod(stage.loop, world.rods.size(), [&](std::size_t i) {
         const double farthest = near[i] ? 0.25 * h : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
@@ -88,16 +92,16 @@ void Attempt::begin(const World& world, const Settings& settings) {
 
 /// Stages evaluate, predict, couple and solve at the present linearisation, and the motion that follows.
 void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& times, bool first) {
-    const int n = count(world);
+    const std::size_t n = world.rods.size();
     {
         StageTimer timer(times, Stage::Evaluate);
         collectRolling(world, rods, dt, impulses, first, stage);
         collectAxial(world, rods, impulses, stage);
-        parallelFor(n, settings.threads, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, rods[i]); });
+        forEachRod(stage.loop, n, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, rods[i]); });
     }
     {
         StageTimer timer(times, Stage::Predict);
-        parallelFor(n, settings.threads, [&](std::size_t i) { predictRod(world.rods[i], rods[i]); });
+        forEachRod(stage.loop, n, [&](std::size_t i) { predictRod(world.rods[i], rods[i]); });
     }
     {
         StageTimer timer(times, Stage::Couple);
@@ -111,7 +115,7 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
     StageTimer timer(times, Stage::Advance);
-    parallelFor(n, settings.threads, [&](std::size_t i) { advanceRod(world.rods[i], dt, rods[i]); });
+    forEachRod(stage.loop, n, [&](std::size_t i) { advanceRod(world.rods[i], dt, rods[i]); });
     markTouching(rods, stage);
 }
 
@@ -152,20 +156,21 @@ void Attempt::collideEnd(const World& world, const Settings& settings) {
 void Attempt::witness(const World& world) {
     placeOutlines(world, stage.motion, 0.0, 0.0, outlinesBefore);
     curvesBefore.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i)
-        toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]);
-    contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings);
+    parallel::forEach(stage.loop, world.rods.size(), 32,
+                      [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]); });
+    contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings, stage.loop);
 }
 
 Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times,
                        const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve) {
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
+    useThreads(settings.threads);
     crossings.clear();
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
-    begin(world, settings);
+    begin(world);
     int widened = 0;
     for (int iteration = 0;;) {
         solveOnce(world, settings, times, iteration == 0);
@@ -189,7 +194,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                 kin[i] = &world.rods[i].kin;
             predictMotion(world, stage);
             collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
-            begin(world, settings);
+            begin(world);
             continue;
         }
         collideEnd(world, settings);
@@ -199,8 +204,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const bool deeper = e.deepest > reject && e.deepest > before + 0.1 * reject;
         const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);
         if ((deeper || off) && ++iteration < settings.maxIterations) {
-            parallelFor(count(world), settings.threads,
-                        [&](std::size_t i) { relineariseInMiddle(world.rods[i], rods[i]); });
+            forEachRod(stage.loop, rods.size(), [&](std::size_t i) { relineariseInMiddle(world.rods[i], rods[i]); });
             frameInMiddle(world, rods, world.candidates, true, dt, stage);
             for (std::size_t i = 0; i < rods.size(); ++i)
                 world.range[i] = std::max(world.range[i], nextRange[i]);

@@ -46,6 +46,7 @@ struct Attempt {
     double error = 0.0;                       ///< largest local error, m
     double moved = 0.0;                       ///< farthest motion of a touching rod, m
     bool rejectedBeforeEnd = true;            ///< the last attempt was given up before its end was looked at
+    int threads = 1;                          ///< of stage.loop
 
     /// Solves at most settings.maxIterations linearisations; the result is left in rods and stage.
     Verdict solve(World& world, const Settings& settings, StageTimes& times,
@@ -56,7 +57,8 @@ struct Attempt {
 
 private:
     enum class Reach : std::uint8_t { Enough, Wider, Never };
-    void begin(const World& world, const Settings& settings);
+    void useThreads(int threads);
+    void begin(const World& world);
     void solveOnce(World& world, const Settings& settings, StageTimes& times, bool first);
     Reach measure(World& world, const Settings& settings, int& widened, bool first);
     void collideEnd(const World& world, const Settings& settings);

@@ -1,6 +1,7 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
 
 #include <algorithm>
@@ -86,10 +87,15 @@ void accept(World& world, Attempt& t) {
     const double dt = t.dt;
     bookContacts(world, rods, stage, dt);
     Ledger& l = world.ledger;
+    std::vector<RodBooks> books(rods.size());
+    forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
+        if (!world.rods[i].quarantined)
+            books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
+    });
     for (std::size_t i = 0; i < rods.size(); ++i) {
         if (world.rods[i].quarantined)
             continue;
-        const RodBooks b = acceptRod(world, world.rods[i], dt, rods[i]);
+        const RodBooks& b = books[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
         l.kinetic += b.kineticChange;
         l.bending += b.bendingChange;

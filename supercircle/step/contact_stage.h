@@ -1,6 +1,7 @@
 #pragma once
 // From contact candidates to one Coulomb problem and back (private to step/): stages collide, couple and solve.
 
+#include "supercircle/parallel/parallel.h"
 #include "supercircle/step/work.h"
 
 namespace supercircle::step {
@@ -25,6 +26,7 @@ struct ContactStage {
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;
+    parallel::For loop;                    ///< over the threads of the settings; empty: one
     Eigen::VectorXd r;                     ///< impulses, 2 per candidate, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
 };

@@ -23,8 +23,12 @@ const std::vector<Rule>& rules() {
     // The first folder that fits decides. What stands in none of them (tests, docs) is free.
     static const std::vector<Rule> kRules = {
         {"supercircle/rod/", {"supercircle/rod/"}, {"Eigen/"}, {}},
-        {"supercircle/contact/", {"supercircle/contact/", "supercircle/rod/arc.h"}, {"Eigen/"}, {}},
-        {"supercircle/coulomb/", {"supercircle/coulomb/"}, {"Eigen/"}, {}},
+        {"supercircle/parallel/", {"supercircle/parallel/"}, {}, {}},
+        {"supercircle/contact/",
+         {"supercircle/contact/", "supercircle/parallel/", "supercircle/rod/arc.h"},
+         {"Eigen/"},
+         {}},
+        {"supercircle/coulomb/", {"supercircle/coulomb/", "supercircle/parallel/"}, {"Eigen/"}, {}},
         {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
         {"supercircle/step/", {"supercircle/"}, {"Eigen/", "tbb/"}, {}},
         {"supercircle/", {}, {"Eigen/"}, {}},

@@ -6,6 +6,9 @@
 
 namespace supercircle {
 
+/// `threads` is kept as it is.
 step::Settings settingsFor(Quality quality, int threads);
+/// Which of them these are (a budget per frame: Game); restored snapshots bring settings along.
+Quality qualityOf(const step::Settings& settings);
 
 } // namespace supercircle

@@ -62,11 +62,11 @@ Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
 
 void Shells::set_quality(Quality quality) {
-    impl_->quality = quality;
+    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
     impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
 }
 Quality Shells::quality() const {
-    return impl_->quality;
+    return qualityOf(impl_->stepper.settings());
 }
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {

@@ -164,10 +164,10 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations,
-           contact, threads, acceptUnconverged, frameSolves, witness] = s;
+           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, witness] = s;
     (void)threads; // belongs to the machine
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations, contact,
-       acceptUnconverged, frameSolves, witness);
+       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, witness);
 }
 
 template <class Ar>

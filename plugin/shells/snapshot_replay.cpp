@@ -118,6 +118,12 @@ private:
                 expect(static_cast<bool>(shells_.set_event_settings(s)));
             return;
         }
+        case Call::SetQuality: {
+            Quality quality{};
+            if (read(r, quality))
+                shells_.set_quality(quality);
+            return;
+        }
         default:
             fault_ = "it stands where it cannot be made";
             return;

@@ -3,6 +3,7 @@
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
 #include "supercircle/step/parallel.h"
+#include "supercircle/step/prune.h"
 #include "supercircle/step/rod_stage.h"
 
 #include <algorithm>
@@ -73,6 +74,15 @@ void Attempt::collidePresent(World& world, const Settings& settings) {
     collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
 }
 
+/// What a step starts from: all candidates known, or those of them that matter.
+const std::vector<contact::Candidate>& Attempt::startCandidates(const World& world, const Settings& settings) {
+    stage.addBelow = settings.prune ? settings.margin * h : std::numeric_limits<double>::infinity();
+    if (!settings.prune)
+        return world.candidates;
+    prune(world, dt, settings.margin * h, world.candidates, kept);
+    return kept;
+}
+
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
 /// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
 void Attempt::begin(const World& world) {
@@ -87,7 +97,7 @@ void Attempt::begin(const World& world) {
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
     predictMotion(world, stage);
-    frameInMiddle(world, rods, world.candidates, false, dt, stage);
+    frameInMiddle(world, rods, startCandidates(world, settings), false, dt, stage);
 }
 
 /// Stages evaluate, predict, couple and solve at the present linearisation, and the motion that follows.
@@ -109,7 +119,12 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     }
     {
         StageTimer timer(times, Stage::Solve);
-        solveContacts(world, rods, settings.contact, stage);
+        coulomb::SolverOptions options = settings.contact;
+        if (stage.candidates.size() > settings.sweepAbove) {
+            options.method = coulomb::Method::Accelerated;
+            options.maxSweeps = settings.cappedSweeps;
+        }
+        solveContacts(world, rods, options, stage);
         ++world.counters.solves;
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
@@ -205,7 +220,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);
         if ((deeper || off) && ++iteration < settings.maxIterations) {
             forEachRod(stage.loop, rods.size(), [&](std::size_t i) { relineariseInMiddle(world.rods[i], rods[i]); });
-            frameInMiddle(world, rods, world.candidates, true, dt, stage);
+            frameInMiddle(world, rods, settings.prune ? kept : world.candidates, true, dt, stage);
             for (std::size_t i = 0; i < rods.size(); ++i)
                 world.range[i] = std::max(world.range[i], nextRange[i]);
             continue;

@@ -221,7 +221,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         std::sort(known.begin(), known.end());
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (std::binary_search(known.begin(), known.end(), c.id))
+            if (c.gap > stage.addBelow || std::binary_search(known.begin(), known.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);

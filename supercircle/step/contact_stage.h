@@ -19,6 +19,7 @@ struct ContactStage {
     std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
     std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
+    double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
     std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
     std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved

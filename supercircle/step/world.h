@@ -100,7 +100,10 @@ struct Settings {
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
-    bool acceptUnconverged = false; ///< a contact problem that misses its tolerance is counted, its step not cut
+    bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
+    std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
+    int cappedSweeps = 40;               ///< ... this many
+    bool prune = false;   ///< leave out candidates that cannot meet within the step (prune.h): for long steps
     int frameSolves = 0;  ///< linearisations solved per frame after which it ends early; 0: as many as it takes
     bool witness = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <stdexcept>
 #include <supercircle/box2d.hpp>
+#include <supercircle/box2d_draw.hpp>
 #include <supercircle/scene.hpp>
 #include <supercircle/shells.hpp>
 

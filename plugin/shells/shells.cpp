@@ -1,10 +1,10 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "supercircle/step/stepper.h"
+#include "plugin/shells/shells_impl.h"
+#include "supercircle/step/sleep.h"
 
 #include <atomic>
-#include <cmath>
 
 namespace supercircle {
 
@@ -18,29 +18,14 @@ std::uint32_t nextTag() {
 
 } // namespace
 
-struct Shells::Impl {
-    std::shared_ptr<step::Port> port;
-    step::World world;
-    step::Stepper stepper{step::Settings{}};
-    struct Slot {
-        std::uint32_t generation = 0;
-        std::uint32_t key = 0; ///< of the rod, 0: free
-    };
-    std::vector<Slot> slots;
-    double advanced = 0.0;
-    std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
+Shells::Impl::Impl() : tag(nextTag()) {}
 
-    /// Index of the rod in the world, or -1.
-    [[nodiscard]] int find(ShellHandle h) const {
-        if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
-            slots[h.index].key == 0)
-            return -1;
-        for (std::size_t i = 0; i < world.rods.size(); ++i)
-            if (world.rods[i].key == slots[h.index].key)
-                return static_cast<int>(i);
+int Shells::Impl::find(ShellHandle h) const {
+    if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
+        slots[h.index].key == 0)
         return -1;
-    }
-};
+    return step::rodIndex(world, slots[h.index].key);
+}
 
 Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>()) {
     impl_->port = std::move(port);
@@ -52,32 +37,37 @@ Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
-    RodFromDefinition rod;
-    if (std::string why = fromDefinition(definition, rod); !why.empty())
-        return Result<ShellHandle>::failure(std::move(why));
-    step::World& w = impl_->world;
-    const std::size_t index = step::addRod(w, rod.definition, rod.q, rod.v, definition.mu);
-    w.rods[index].category = definition.category;
-    w.rods[index].mask = definition.mask;
-    w.range.clear();
-    std::uint32_t slot = 0;
-    while (slot < impl_->slots.size() && impl_->slots[slot].key != 0)
-        ++slot;
-    if (slot == impl_->slots.size())
-        impl_->slots.emplace_back();
-    impl_->slots[slot].generation++;
-    impl_->slots[slot].key = w.rods[index].key;
-    return ShellHandle{slot, impl_->slots[slot].generation, impl_->tag};
+    return impl_->change([&] {
+        RodFromDefinition rod;
+        if (std::string why = fromDefinition(definition, rod); !why.empty())
+            return Result<ShellHandle>::failure(std::move(why));
+        step::World& w = impl_->world;
+        step::Rod& made = w.rods[step::addRod(w, rod.definition, rod.q, rod.v, definition.mu)];
+        made.category = definition.category;
+        made.mask = definition.mask;
+        made.group = definition.group;
+        made.material = definition.material;
+        made.width = definition.width;
+        std::uint32_t slot = 0;
+        while (slot < impl_->slots.size() && impl_->slots[slot].key != 0)
+            ++slot;
+        if (slot == impl_->slots.size())
+            impl_->slots.emplace_back();
+        impl_->slots[slot].generation++;
+        impl_->slots[slot].key = made.key;
+        return Result<ShellHandle>(ShellHandle{slot, impl_->slots[slot].generation, impl_->tag});
+    });
 }
 
-bool Shells::destroy(ShellHandle shell) {
-    const int i = impl_->find(shell);
-    if (i < 0)
-        return false;
-    step::removeRod(impl_->world, static_cast<std::size_t>(i));
-    impl_->world.range.clear();
-    impl_->slots[shell.index].key = 0;
-    return true;
+Outcome Shells::destroy(ShellHandle shell) {
+    return impl_->change([&] {
+        const int i = impl_->find(shell);
+        if (i < 0)
+            return refused(kNoSuchShell);
+        step::removeRod(impl_->world, static_cast<std::size_t>(i));
+        impl_->slots[shell.index].key = 0;
+        return done();
+    });
 }
 
 std::size_t Shells::size() const {
@@ -87,34 +77,26 @@ bool Shells::valid(ShellHandle shell) const {
     return impl_->find(shell) >= 0;
 }
 
-Result<int> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind kind, bool on_machine) {
-    const int i = impl_->find(shell);
-    if (i < 0)
-        return Result<int>::failure("no such shell (stale or foreign handle)");
-    if (!(arc_fraction >= 0.0 && arc_fraction <= 1.0))
-        return Result<int>::failure("arc_fraction must lie between 0 and 1");
-    step::Rod& rod = impl_->world.rods[static_cast<std::size_t>(i)];
-    step::Hold h;
-    h.s = arc_fraction * rod.model.definition().length;
-    h.clamped = kind == HoldKind::Clamp;
-    h.onMachine = on_machine;
-    const rod::Place at = rod::locate(rod.model, h.s);
-    h.target = rod.kin.point(at);
-    h.targetAngle = rod.kin.angle(at);
-    rod.holds.push_back(h);
-    return static_cast<int>(rod.holds.size()) - 1;
+Outcome Shells::carry(const std::string& body_name) {
+    return impl_->change([&] {
+        const step::BodyId id = impl_->port ? impl_->port->find(body_name) : 0;
+        if (id == 0)
+            return refused("the host has no body called '" + body_name + "'");
+        step::wakeAll(impl_->world);
+        impl_->world.machineBodies.push_back(id);
+        return done();
+    });
 }
 
-bool Shells::carry(const std::string& body_name) {
-    const step::BodyId id = impl_->port ? impl_->port->find(body_name) : 0;
-    if (id == 0)
-        return false;
-    impl_->world.machineBodies.push_back(id);
-    return true;
-}
-
-void Shells::set_machine_velocity(Point velocity) {
-    impl_->world.machineVelocity = {velocity.x, velocity.y};
+Outcome Shells::set_machine_velocity(Point velocity) {
+    return impl_->change([&] {
+        if (!finite(velocity))
+            return refused("the machine's velocity must be finite");
+        if (impl_->world.machineVelocity != vec(velocity))
+            step::wakeAll(impl_->world);
+        impl_->world.machineVelocity = vec(velocity);
+        return done();
+    });
 }
 
 Point Shells::machine_force() const {
@@ -124,31 +106,46 @@ Point Shells::machine_force() const {
 
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
+    if (impl_->inside) {
+        report.failure = kStepping;
+        return report;
+    }
+    struct Inside { // until the call is over, however it ends
+        bool& flag;
+        explicit Inside(bool& f) : flag(f) { flag = true; }
+        ~Inside() { flag = false; }
+    };
     const step::Counters before = impl_->world.counters;
-    try {
+    const double start = impl_->world.time;
+    const Outcome ended = Impl::caught([&] {
+        const Inside inside(impl_->inside);
         const step::FrameOutcome out = impl_->stepper.advance(
             impl_->world, dt, impl_->port.get(), [&](const step::World&) { return observer && observer(); });
-        report.advanced = out.advanced;
         report.stopped = out.stopped;
         report.failure = out.failure;
-    } catch (const std::exception& e) { // the host program never dies of us
-        report.failure = e.what();
-    }
+        return done();
+    });
+    if (!ended)
+        report.failure = ended.error();
+    report.advanced = impl_->world.time - start;
     impl_->advanced = report.advanced;
     report.steps = impl_->world.counters.steps - before.steps;
     report.unconverged = impl_->world.counters.unconverged - before.unconverged;
     return report;
 }
 
-void Shells::post_step() {
-    if (impl_->port)
-        step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+Outcome Shells::post_step() {
+    return impl_->change([&] {
+        if (impl_->port)
+            step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+        return done();
+    });
 }
 
 Result<ShellPose> Shells::pose(ShellHandle shell) const {
     const int i = impl_->find(shell);
     if (i < 0)
-        return Result<ShellPose>::failure("no such shell (stale or foreign handle)");
+        return Result<ShellPose>::failure(kNoSuchShell);
     const step::Rod& rod = impl_->world.rods[static_cast<std::size_t>(i)];
     ShellPose p;
     p.start = {rod.kin.node(0).x(), rod.kin.node(0).y()};

@@ -1,10 +1,10 @@
 #pragma once
 // What holds, joins and pulls shells: definitions in, handles out. SI units throughout.
 //
-// A part (hold, joint, grab, force) lives as long as its shells and host bodies: it goes with the first of them, and its
-// handle is stale from then on. All of them act in the contact problem itself or in the same implicit step, not between
-// the steps, and are exact as long as the step converges: a clamp is where it is driven, a joint's drift is corrected in
-// the next step, a tether is never longer than its length by more than about 1e-7 of it.
+// A part (hold, joint, grab, force) lives as long as its shells and host bodies: it goes with the first of them, and
+// its handle is stale from then on. All of them act in the contact problem itself or in the same implicit step, not
+// between the steps, and are exact as long as the step converges: a clamp is where it is driven, a joint's drift is
+// corrected in the next step, a tether is never longer than its length by more than about 1e-7 of it.
 
 #include "definitions.hpp"
 #include "handle.hpp"
@@ -45,10 +45,10 @@ struct Reaction {
 /// along a cubic that begins with its present velocity, so that a target sampled frame by frame from a smooth motion is
 /// followed without jerks; afterwards straight on until it is driven anew.
 struct DriveDef {
-    Point position{};    ///< m
-    double angle = 0.0;  ///< of the tangent, rad, not modulo 2 pi: start from Shells::target; clamps only
-    Point velocity{};    ///< at and after the end of the frame, m/s
-    double spin = 0.0;   ///< rad/s; clamps only
+    Point position{};   ///< m
+    double angle = 0.0; ///< of the tangent, rad, not modulo 2 pi: start from Shells::target; clamps only
+    Point velocity{};   ///< at and after the end of the frame, m/s
+    double spin = 0.0;  ///< rad/s; clamps only
 };
 
 enum class JointKind : std::uint8_t {
@@ -77,10 +77,10 @@ struct JointDef {
 /// A soft hand that pulls a point of a shell to a place: spring and damper, implicit, hence stable however stiff.
 struct GrabDef {
     double arc_fraction = 0.5;
-    Point target{};              ///< m
-    double frequency = 5.0;      ///< of the whole shell's mass on that spring, Hz
-    double damping_ratio = 0.7;  ///< 1: critical for the whole shell's mass
-    double max_force = 0.0;      ///< N; 0: mass of the shell times 1000 m/s^2, as Box2D's mouse has it
+    Point target{};             ///< m
+    double frequency = 5.0;     ///< of the whole shell's mass on that spring, Hz
+    double damping_ratio = 0.7; ///< 1: critical for the whole shell's mass
+    double max_force = 0.0;     ///< N; 0: mass of the shell times 1000 m/s^2, as Box2D's mouse has it
 };
 
 /// What of a shell's material changes; what is not set stays. Shape and motion stay; energy that comes or goes with the

@@ -5,8 +5,9 @@
 //     auto shell  = shells.create(ShellDef{});
 //     shells.pre_step(dt);  world.Step(dt, 8, 3);  shells.post_step();      // you keep calling world.Step
 //
-// Definitions in, handles out; SI units. Bad input is answered by a Result and changes nothing; no call lets an exception
-// out (std::bad_alloc excepted). Any number of Shells may live side by side, each to be used by one thread at a time.
+// Definitions in, handles out; SI units. Bad input is answered by a Result and changes nothing; no call lets an
+// exception out (std::bad_alloc excepted). Any number of Shells may live side by side, each to be used by one thread at
+// a time.
 //
 // During pre_step (from its observer, or from a host that is asked) the shells may be read but not changed: every
 // changing call is refused with kStepping, and is to be made after pre_step. Between pre_step and post_step - also from
@@ -117,8 +118,8 @@ public:
     [[nodiscard]] bool valid(GrabHandle handle) const;
     [[nodiscard]] bool valid(ForceHandle handle) const;
 
-    /// Puts the middle of the shell at a place (m) with its tangent at an angle (rad), its shape and its velocity in its
-    /// own frame kept; whether it is free of others there is not checked. Refused while it is held or joined.
+    /// Puts the middle of the shell at a place (m) with its tangent at an angle (rad), its shape and its velocity in
+    /// its own frame kept; whether it is free of others there is not checked. Refused while it is held or joined.
     Outcome teleport(ShellHandle shell, Point position, double angle);
     /// Gives it the velocity of a rigid body: of its middle (m/s), and spin (rad/s).
     Outcome set_velocity(ShellHandle shell, Point velocity, double spin = 0.0);

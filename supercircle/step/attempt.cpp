@@ -2,9 +2,12 @@
 
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
+#include "supercircle/step/link_stage.h"
+#include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/prune.h"
 #include "supercircle/step/rod_stage.h"
+#include "supercircle/step/sleep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +88,7 @@ const std::vector<contact::Candidate>& Attempt::startCandidates(const World& wor
 
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
 /// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
-void Attempt::begin(const World& world) {
+void Attempt::begin(const World& world, const Settings& settings) {
     std::vector<char> near(world.rods.size(), 0);
     for (const contact::Candidate& c : world.candidates) {
         near[static_cast<std::size_t>(c.a.rod)] = 1;
@@ -93,6 +96,10 @@ void Attempt::begin(const World& world) {
             near[static_cast<std::size_t>(c.b.rod)] = 1;
     }
     forEachRod(stage.loop, world.rods.size(), [&](std::size_t i) {
+        if (world.rods[i].frozen()) {
+            freezeRod(world.rods[i], rods[i]);
+            return;
+        }
         const double farthest = near[i] ? 0.25 * h : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
@@ -107,15 +114,21 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
         StageTimer timer(times, Stage::Evaluate);
         collectRolling(world, rods, dt, impulses, first, stage);
         collectAxial(world, rods, impulses, stage);
-        forEachRod(stage.loop, n, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, rods[i]); });
+        forEachRod(stage.loop, n, [&](std::size_t i) {
+            if (!rods[i].frozen)
+                evaluateRod(world, world.rods[i], dt, first, rods[i]);
+        });
     }
     {
         StageTimer timer(times, Stage::Predict);
-        forEachRod(stage.loop, n, [&](std::size_t i) { predictRod(world.rods[i], rods[i]); });
+        forEachRod(stage.loop, n, [&](std::size_t i) {
+            if (!rods[i].frozen)
+                predictRod(world.rods[i], rods[i]);
+        });
     }
     {
         StageTimer timer(times, Stage::Couple);
-        couple(world, rods, dt, impulses, stage);
+        couple(world, rods, dt, impulses, !first, stage);
     }
     {
         StageTimer timer(times, Stage::Solve);
@@ -130,7 +143,10 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
     StageTimer timer(times, Stage::Advance);
-    forEachRod(stage.loop, n, [&](std::size_t i) { advanceRod(world.rods[i], dt, rods[i]); });
+    forEachRod(stage.loop, n, [&](std::size_t i) {
+        if (!rods[i].frozen)
+            advanceRod(world.rods[i], dt, rods[i]);
+    });
     markTouching(rods, stage);
 }
 
@@ -174,6 +190,32 @@ void Attempt::witness(const World& world) {
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]); });
     contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings, stage.loop);
+    std::erase_if(crossings,
+                  [&](const contact::Crossing& c) { return excluded(world, stage, c.rodA, c.rodB, c.outline); });
+}
+
+/// Whether links or grabs ask for another linearisation.
+bool Attempt::partsOff(const World& world, double tolerance) const {
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        if (!rods[i].frozen && grabsOff(world.rods[i], dt, rods[i]))
+            return true;
+    return linkError(world, rods, dt, tolerance, stage) > 1.0;
+}
+
+/// Wakes the sleepers that somebody pressed on; false if nobody did.
+bool Attempt::wakeTouched(World& world) const {
+    bool any = false;
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        const contact::Candidate& c = stage.candidates[i];
+        if (c.b.rod < 0 || !(stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0))
+            continue;
+        for (const std::int32_t side : {c.a.rod, c.b.rod})
+            if (const auto rod = static_cast<std::size_t>(side); world.rods[rod].asleep()) {
+                wake(world, rod);
+                any = true;
+            }
+    }
+    return any;
 }
 
 Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times,
@@ -185,17 +227,19 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
-    begin(world);
+    begin(world, settings);
     int widened = 0;
     for (int iteration = 0;;) {
         solveOnce(world, settings, times, iteration == 0);
-        if (onSolve && !stage.candidates.empty())
+        if (onSolve && !stage.problem.contacts.empty())
             onSolve(stage.problem, stage.report);
         if (!stage.report.error.empty()) // the solver refused the problem: nothing here was solved
             return Verdict::Smaller;
         for (const RodWork& w : rods)
             if (!w.v.allFinite())
                 return Verdict::Smaller;
+        if (wakeTouched(world))
+            return Verdict::Woken;
         const Reach reach = measure(world, settings, widened, iteration == 0);
         const bool tooFar = adaptive && (moved > settings.motionLimit * h || error > 2.0 * settings.localError * h);
         if (tooFar && dt > 2.0 * settings.dtMin)
@@ -209,7 +253,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                 kin[i] = &world.rods[i].kin;
             predictMotion(world, stage);
             collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
-            begin(world);
+            begin(world, settings);
             continue;
         }
         collideEnd(world, settings);
@@ -218,8 +262,11 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const double reject = settings.rejectPenetration * h, tolerance = settings.relinearise * h;
         const bool deeper = e.deepest > reject && e.deepest > before + 0.1 * reject;
         const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);
-        if ((deeper || off) && ++iteration < settings.maxIterations) {
-            forEachRod(stage.loop, rods.size(), [&](std::size_t i) { relineariseInMiddle(world.rods[i], rods[i]); });
+        if ((deeper || off || partsOff(world, tolerance)) && ++iteration < settings.maxIterations) {
+            forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
+                if (!rods[i].frozen)
+                    relineariseInMiddle(world.rods[i], rods[i]);
+            });
             frameInMiddle(world, rods, settings.prune ? kept : world.candidates, true, dt, stage);
             for (std::size_t i = 0; i < rods.size(); ++i)
                 world.range[i] = std::max(world.range[i], nextRange[i]);
@@ -227,6 +274,9 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         }
         rejectedBeforeEnd = false;
         if (deeper && (adaptive || e.deepest > 0.25 * h))
+            return Verdict::Smaller;
+        if (const LinkGaps g = linkGaps(world, rods, dt, stage);
+            adaptive && g.after > reject && g.after > 1.1 * g.before)
             return Verdict::Smaller;
         if (settings.witness)
             witness(world);

@@ -28,7 +28,8 @@ private:
 
 enum class Verdict : std::uint8_t {
     Accept,
-    Smaller ///< not acceptable at this size: cut the step and try again
+    Smaller, ///< not acceptable at this size: cut the step and try again
+    Woken    ///< somebody pressed on a sleeper, who is awake now: try again
 };
 
 /// Work space of attempts; what it holds after `solve` belongs to the last attempt.
@@ -59,7 +60,9 @@ struct Attempt {
 private:
     enum class Reach : std::uint8_t { Enough, Wider, Never };
     void useThreads(int threads);
-    void begin(const World& world);
+    bool wakeTouched(World& world) const;
+    [[nodiscard]] bool partsOff(const World& world, double tolerance) const;
+    void begin(const World& world, const Settings& settings);
     const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings);
     void solveOnce(World& world, const Settings& settings, StageTimes& times, bool first);
     Reach measure(World& world, const Settings& settings, int& widened, bool first);

@@ -50,22 +50,20 @@ void Solver::Impl::collectWave(double share, std::size_t size) {
         }
         if (contactError(c) <= share)
             continue;
-        const Region& region = regions.grow(whitened, c, size);
-        const bool meets = std::any_of(region.contacts.begin(), region.contacts.end(),
-                                       [this](std::int32_t k) { return isBusy(whitened.contact(k)); });
-        if (meets) {
+        const Region* region = regions.grow(whitened, c, size, busy);
+        if (region == nullptr) {
             later.push_back(c);
             continue;
         }
-        for (const std::int32_t k : region.core)
+        for (const std::int32_t k : region->core)
             covered[k] = 1;
-        for (const std::int32_t k : region.contacts)
+        for (const std::int32_t k : region->contacts)
             for (std::int32_t s = 0; s < whitened.contact(k).sides; ++s)
                 busy[whitened.contact(k).side[s].body] = 1;
         if (turnCount == turns.size())
             turns.emplace_back();
         turns[turnCount].counts = {};
-        turns[turnCount++].region = region;
+        turns[turnCount++].region = *region;
     }
 }
 

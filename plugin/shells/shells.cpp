@@ -1,7 +1,9 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "supercircle/step/stepper.h"
+#include "plugin/shells/quality.h"
+#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
 
 #include <atomic>
 #include <cmath>
@@ -18,29 +20,37 @@ std::uint32_t nextTag() {
 
 } // namespace
 
-struct Shells::Impl {
-    std::shared_ptr<step::Port> port;
-    step::World world;
-    step::Stepper stepper{step::Settings{}};
-    struct Slot {
-        std::uint32_t generation = 0;
-        std::uint32_t key = 0; ///< of the rod, 0: free
-    };
-    std::vector<Slot> slots;
-    double advanced = 0.0;
-    std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
+Shells::Impl::Impl() : tag(nextTag()) {}
 
-    /// Index of the rod in the world, or -1.
-    [[nodiscard]] int find(ShellHandle h) const {
-        if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
-            slots[h.index].key == 0)
-            return -1;
-        for (std::size_t i = 0; i < world.rods.size(); ++i)
-            if (world.rods[i].key == slots[h.index].key)
-                return static_cast<int>(i);
+int Shells::Impl::find(ShellHandle h) const {
+    if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
+        slots[h.index].key == 0)
         return -1;
-    }
-};
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        if (world.rods[i].key == slots[h.index].key)
+            return static_cast<int>(i);
+    return -1;
+}
+
+ShellHandle Shells::Impl::handleOf(std::uint32_t key) const {
+    for (std::uint32_t i = 0; i < slots.size(); ++i)
+        if (slots[i].key == key)
+            return {i, slots[i].generation, tag};
+    return {};
+}
+
+ShellHandle Shells::Impl::adopt(std::uint32_t key, std::string name, std::uint64_t userData) {
+    std::uint32_t i = 0;
+    while (i < slots.size() && slots[i].key != 0)
+        ++i;
+    if (i == slots.size())
+        slots.emplace_back();
+    slots[i].generation = ++slots[i].highest;
+    slots[i].key = key;
+    slots[i].name = std::move(name);
+    slots[i].userData = userData;
+    return {i, slots[i].generation, tag};
+}
 
 Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>()) {
     impl_->port = std::move(port);
@@ -51,6 +61,14 @@ Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
 
+void Shells::set_quality(Quality quality) {
+    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
+    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
+}
+Quality Shells::quality() const {
+    return qualityOf(impl_->stepper.settings());
+}
+
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     RodFromDefinition rod;
     if (std::string why = fromDefinition(definition, rod); !why.empty())
@@ -60,14 +78,9 @@ Result<ShellHandle> Shells::create(const ShellDef& definition) {
     w.rods[index].category = definition.category;
     w.rods[index].mask = definition.mask;
     w.range.clear();
-    std::uint32_t slot = 0;
-    while (slot < impl_->slots.size() && impl_->slots[slot].key != 0)
-        ++slot;
-    if (slot == impl_->slots.size())
-        impl_->slots.emplace_back();
-    impl_->slots[slot].generation++;
-    impl_->slots[slot].key = w.rods[index].key;
-    return ShellHandle{slot, impl_->slots[slot].generation, impl_->tag};
+    const ShellHandle made = impl_->adopt(w.rods[index].key, definition.name, definition.user_data);
+    impl_->recorder.record(Call::Create, impl_->inner, definition, made);
+    return made;
 }
 
 bool Shells::destroy(ShellHandle shell) {
@@ -77,6 +90,7 @@ bool Shells::destroy(ShellHandle shell) {
     step::removeRod(impl_->world, static_cast<std::size_t>(i));
     impl_->world.range.clear();
     impl_->slots[shell.index].key = 0;
+    impl_->recorder.record(Call::Destroy, impl_->inner, shell);
     return true;
 }
 
@@ -102,6 +116,7 @@ Result<int> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind kind, 
     h.target = rod.kin.point(at);
     h.targetAngle = rod.kin.angle(at);
     rod.holds.push_back(h);
+    impl_->recorder.record(Call::Hold, impl_->inner, shell, arc_fraction, kind, on_machine);
     return static_cast<int>(rod.holds.size()) - 1;
 }
 
@@ -110,11 +125,13 @@ bool Shells::carry(const std::string& body_name) {
     if (id == 0)
         return false;
     impl_->world.machineBodies.push_back(id);
+    impl_->recorder.record(Call::Carry, impl_->inner, body_name);
     return true;
 }
 
 void Shells::set_machine_velocity(Point velocity) {
     impl_->world.machineVelocity = {velocity.x, velocity.y};
+    impl_->recorder.record(Call::MachineVelocity, impl_->inner, velocity);
 }
 
 Point Shells::machine_force() const {
@@ -124,23 +141,47 @@ Point Shells::machine_force() const {
 
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
-    const step::Counters before = impl_->world.counters;
+    Impl& m = *impl_; // stays where it is, even if the observer moves this object
+    if (m.inside) {
+        report.failure = "pre_step: not from within its own observer";
+        return report;
+    }
+    const step::Counters before = m.world.counters;
+    const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
+    m.inside = true;
+    m.recorder.record(Call::PreStep, 0, dt);
     try {
-        const step::FrameOutcome out = impl_->stepper.advance(
-            impl_->world, dt, impl_->port.get(), [&](const step::World&) { return observer && observer(); });
+        m.watch.begin(m.world);
+        const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
+            ++m.inner;
+            m.watch.afterStep(world, m.stepper, handleOf);
+            const bool stop = observer && observer();
+            m.watch.remember(world);
+            return stop;
+        });
         report.advanced = out.advanced;
         report.stopped = out.stopped;
+        report.late = out.late;
         report.failure = out.failure;
+        m.watch.end(m.world, handleOf);
     } catch (const std::exception& e) { // the host program never dies of us
         report.failure = e.what();
+    } catch (...) {
+        report.failure = "the observer or the host threw something that is not a std::exception";
     }
-    impl_->advanced = report.advanced;
-    report.steps = impl_->world.counters.steps - before.steps;
-    report.unconverged = impl_->world.counters.unconverged - before.unconverged;
+    m.recorder.record(Call::FrameEnd, 0, m.inner, report.stopped);
+    m.inside = false;
+    m.inner = 0;
+    m.advanced = report.advanced;
+    report.steps = m.world.counters.steps - before.steps;
+    report.unconverged = m.world.counters.unconverged - before.unconverged;
     return report;
 }
 
 void Shells::post_step() {
+    if (impl_->inside)
+        return;
+    impl_->recorder.record(Call::PostStep, 0);
     if (impl_->port)
         step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
 }
@@ -176,6 +217,9 @@ const step::World& Shells::world() const {
 }
 step::Stepper& Shells::stepper() {
     return impl_->stepper;
+}
+std::shared_ptr<step::Port> Shells::host() const {
+    return impl_->port;
 }
 
 } // namespace supercircle

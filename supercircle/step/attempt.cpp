@@ -3,6 +3,7 @@
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
 #include "supercircle/step/parallel.h"
+#include "supercircle/step/prune.h"
 #include "supercircle/step/rod_stage.h"
 
 #include <algorithm>
@@ -62,6 +63,7 @@ void Attempt::collidePresent(World& world, const Settings& settings) {
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
     if (known)
         return;
+    predictMotion(world, stage);
     const double fall = world.gravity.norm() * dt * dt;
     world.range.resize(world.rods.size());
     kin.resize(world.rods.size());
@@ -70,6 +72,15 @@ void Attempt::collidePresent(World& world, const Settings& settings) {
         kin[i] = &world.rods[i].kin;
     }
     collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
+}
+
+/// What a step starts from: all candidates known, or those of them that matter.
+const std::vector<contact::Candidate>& Attempt::startCandidates(const World& world, const Settings& settings) {
+    stage.addBelow = settings.prune ? settings.margin * h : std::numeric_limits<double>::infinity();
+    if (!settings.prune)
+        return world.candidates;
+    prune(world, dt, settings.margin * h, world.candidates, kept);
+    return kept;
 }
 
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
@@ -85,7 +96,8 @@ void Attempt::begin(const World& world) {
         const double farthest = near[i] ? 0.25 * h : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
-    frameInMiddle(world, rods, world.candidates, false, dt, stage);
+    predictMotion(world, stage);
+    frameInMiddle(world, rods, startCandidates(world, settings), false, dt, stage);
 }
 
 /// Stages evaluate, predict, couple and solve at the present linearisation, and the motion that follows.
@@ -107,7 +119,12 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     }
     {
         StageTimer timer(times, Stage::Solve);
-        solveContacts(world, rods, settings.contact, stage);
+        coulomb::SolverOptions options = settings.contact;
+        if (stage.candidates.size() > settings.sweepAbove) {
+            options.method = coulomb::Method::Accelerated;
+            options.maxSweeps = settings.cappedSweeps;
+        }
+        solveContacts(world, rods, options, stage);
         ++world.counters.solves;
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
@@ -152,7 +169,7 @@ void Attempt::collideEnd(const World& world, const Settings& settings) {
 
 /// The independent check of the way from start to end.
 void Attempt::witness(const World& world) {
-    placeOutlines(world, 0.0, 0.0, outlinesBefore);
+    placeOutlines(world, stage.motion, 0.0, 0.0, outlinesBefore);
     curvesBefore.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]); });
@@ -190,6 +207,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
             kin.resize(rods.size());
             for (std::size_t i = 0; i < rods.size(); ++i)
                 kin[i] = &world.rods[i].kin;
+            predictMotion(world, stage);
             collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
             begin(world);
             continue;
@@ -202,7 +220,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);
         if ((deeper || off) && ++iteration < settings.maxIterations) {
             forEachRod(stage.loop, rods.size(), [&](std::size_t i) { relineariseInMiddle(world.rods[i], rods[i]); });
-            frameInMiddle(world, rods, world.candidates, true, dt, stage);
+            frameInMiddle(world, rods, settings.prune ? kept : world.candidates, true, dt, stage);
             for (std::size_t i = 0; i < rods.size(); ++i)
                 world.range[i] = std::max(world.range[i], nextRange[i]);
             continue;

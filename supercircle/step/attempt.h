@@ -39,6 +39,7 @@ struct Attempt {
     ContactStage stage;
     std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
     std::vector<ContactImpulse> impulses; ///< of the last solve
+    std::vector<contact::Candidate> kept; ///< of the world's candidates those this step needs (Settings::prune)
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::Curve> curvesBefore;
     std::vector<contact::Outline> outlinesBefore;
@@ -59,6 +60,7 @@ private:
     enum class Reach : std::uint8_t { Enough, Wider, Never };
     void useThreads(int threads);
     void begin(const World& world);
+    const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings);
     void solveOnce(World& world, const Settings& settings, StageTimes& times, bool first);
     Reach measure(World& world, const Settings& settings, int& widened, bool first);
     void collideEnd(const World& world, const Settings& settings);

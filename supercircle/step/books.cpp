@@ -43,8 +43,12 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
                 world.ledger.toBodies += r.dot(ub);
+                world.ledger.work += r.dot(k.surface); // of the drift
+                const double turn = rod::cross(k.armB, force * dt);
                 body.impulse -= force * dt;
-                body.angularImpulse -= rod::cross(k.armB, force * dt);
+                body.angularImpulse -= turn;
+                body.handover.hostImpulse += force * dt; // what is not the shells' is the host's, see advanceBodies
+                body.handover.hostTurnImpulse += turn;
             } else {
                 world.ledger.work += r.dot(k.surface);
             }
@@ -57,17 +61,20 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
 void advanceBodies(World& world, const ContactStage& stage, double dt) {
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
-        const int index = stage.bodyProblemIndex.size() == world.bodies.size() ? stage.bodyProblemIndex[i] : -1;
-        if (index >= 0) {
-            const Eigen::VectorXd& v = stage.velocity[static_cast<std::size_t>(index)];
-            b.state.velocity = v.head<2>();
-            b.state.spin = v[2];
-        } else if (b.dynamic) {
-            b.state.velocity += dt * (b.state.gravityScale * world.gravity + b.feedForward);
-            b.state.spin += dt * b.feedForwardSpin;
-        }
-        b.state.centre += dt * b.state.velocity;
-        b.state.angle += dt * b.state.spin;
+        const BodyMotion& m = stage.motion[i];
+        b.state.centre += dt * m.velocity;
+        b.state.angle += dt * m.spin;
+        if (!b.dynamic)
+            continue;
+        Handover& h = b.handover;
+        const BodyMotion free = freeMotion(world, b, Vec2::Zero(), 0.0, dt);
+        b.state.velocity = m.velocity - h.drift;
+        b.state.spin = m.spin - h.driftSpin;
+        h.hostImpulse += b.state.mass * (b.state.velocity - free.velocity);
+        h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
+        h.travel += dt * b.state.velocity;
+        h.turn += dt * b.state.spin;
+        h.coupled |= !stage.candidates.empty() && stage.bodyProblemIndex[i] >= 0;
     }
     world.machineTravel += dt * world.machineVelocity;
 }

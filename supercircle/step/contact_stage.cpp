@@ -49,9 +49,13 @@ std::uint32_t outlineKey(BodyId body, std::uint32_t piece) {
     return ((low << 10) | ((piece ^ (piece >> 10)) & 1023u)) & kKeyMask;
 }
 
-/// Velocity of a body's surface point.
-Vec2 surfaceVelocity(const Body& body, const Vec2& arm) {
-    return body.state.velocity + body.state.spin * rod::perp(arm);
+/// A body of fixed rotation has translations only.
+Eigen::Index freedoms(const Body& body) {
+    return body.state.inertia > 0.0 ? 3 : 2;
+}
+
+Vec2 surfaceVelocity(const BodyMotion& m, const Vec2& arm) {
+    return m.velocity + m.spin * rod::perp(arm);
 }
 
 /// Rows and bias of one candidate.
@@ -81,17 +85,20 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         const BodyOutline& piece = pieceOf(world, c);
         k.bodyB = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
-        k.armB = c.pointB - (body.state.centre + 0.5 * dt * body.state.velocity);
-        const Vec2 velocity = surfaceVelocity(body, k.armB);
+        const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
+        k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
         out.mu = mixedFriction(rodA.mu, piece.friction);
         out.b = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
         if (out.b >= 0) {
-            out.Hb.resize(2, 3);
-            out.Hb << -n.x(), -n.y(), -n.dot(rod::perp(k.armB)), -t.x(), -t.y(), -t.dot(rod::perp(k.armB));
-        } else {
-            k.surface = Vec2(n.dot(velocity), t.dot(velocity));
-            out.w -= k.surface;
+            out.Hb.resize(2, freedoms(body));
+            out.Hb.leftCols<2>() << -n.x(), -n.y(), -t.x(), -t.y();
+            if (freedoms(body) == 3)
+                out.Hb.col(2) << -n.dot(rod::perp(k.armB)), -t.dot(rod::perp(k.armB));
         }
+        const Vec2 given = out.b < 0 ? surfaceVelocity(motion, k.armB)
+                                     : surfaceVelocity({body.handover.drift, body.handover.driftSpin}, k.armB);
+        k.surface = Vec2(n.dot(given), t.dot(given));
+        out.w -= k.surface;
     }
     out.w.x() += gapAtStart / dt;
     out.id = c.id;
@@ -138,26 +145,39 @@ void addHostBodies(const World& world, double dt, ContactStage& stage) {
         stage.bodyProblemIndex[static_cast<std::size_t>(i)] = static_cast<int>(stage.problem.bodies.size());
         coulomb::Body b;
         const BodyState& s = body.state;
-        // Fixed rotation: an inertia so large that contact cannot turn the body, small enough to keep A well scaled.
-        const double inertia = s.inertia > 0.0 ? s.inertia : 1e6 * s.mass;
-        b.A = Eigen::Vector3d(s.mass, s.mass, inertia).asDiagonal();
-        const double slow = 1.0 / (1.0 + dt * s.linearDamping), slowSpin = 1.0 / (1.0 + dt * s.angularDamping);
-        const Vec2 v = (s.velocity + dt * (s.gravityScale * world.gravity + body.feedForward)) * slow;
-        b.vFree = Eigen::Vector3d(v.x(), v.y(), (s.spin + dt * body.feedForwardSpin) * slowSpin);
+        const Eigen::Index n = freedoms(body);
+        b.A = Eigen::Vector3d(s.mass, s.mass, s.inertia).head(n).asDiagonal();
+        const BodyMotion free = freeMotion(world, body, body.handover.unexplained, body.handover.unexplainedSpin, dt);
+        b.vFree = Eigen::Vector3d(free.velocity.x(), free.velocity.y(), free.spin).head(n);
         stage.problem.bodies.push_back(std::move(b));
     }
 }
 
 } // namespace
 
-void placeOutlines(const World& world, double ahead, double motionTime, std::vector<contact::Outline>& outlines) {
+BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt) {
+    const BodyState& s = b.state;
+    return {(s.velocity + dt * s.gravityScale * world.gravity) / (1.0 + dt * s.linearDamping) + dt * host,
+            s.spin / (1.0 + dt * s.angularDamping) + dt * hostSpin};
+}
+
+void predictMotion(const World& world, ContactStage& stage) {
+    stage.motion.resize(world.bodies.size());
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        const Body& b = world.bodies[i];
+        stage.motion[i] = {b.state.velocity + b.handover.drift, b.state.spin + b.handover.driftSpin};
+    }
+}
+
+void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,
+                   std::vector<contact::Outline>& outlines) {
     outlines.resize(world.outlines.size());
     for (std::size_t i = 0; i < outlines.size(); ++i) {
         const BodyOutline& piece = world.outlines[i];
         const int index = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(index)];
-        outlines[i] =
-            placed(piece, body.state.centre + ahead * body.state.velocity, body.state.angle + ahead * body.state.spin);
+        const BodyMotion& m = motion[static_cast<std::size_t>(index)];
+        outlines[i] = placed(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin);
         outlines[i].body = static_cast<std::uint32_t>(index);
         outlines[i].key = outlineKey(piece.body, piece.local.key);
         for (std::size_t k = 0; k < i; ++k) // rare: two pieces fold onto one key; the later one moves on
@@ -168,14 +188,14 @@ void placeOutlines(const World& world, double ahead, double motionTime, std::vec
         double reach = 0.0;
         for (const Vec2& p : piece.local.points)
             reach = std::max(reach, p.norm() + piece.local.radius);
-        outlines[i].motion = motionTime * (body.state.velocity.norm() + std::abs(body.state.spin) * reach);
+        outlines[i].motion = motionTime * (m.velocity.norm() + std::abs(m.spin) * reach);
     }
 }
 
 void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
              double ahead, double motionTime, double margin, ContactStage& stage,
              std::vector<contact::Candidate>& out) {
-    placeOutlines(world, ahead, motionTime, stage.outlines);
+    placeOutlines(world, stage.motion, ahead, motionTime, stage.outlines);
     stage.curves.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32, [&](std::size_t i) {
         toCurve(world.rods[i], *kin[i], stage.curves[i]);
@@ -186,7 +206,7 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
 
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage) {
-    placeOutlines(world, 0.5 * dt, 0.0, stage.outlinesMiddle);
+    placeOutlines(world, stage.motion, 0.5 * dt, 0.0, stage.outlinesMiddle);
     stage.curvesMiddle.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]); });
@@ -201,7 +221,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         std::sort(known.begin(), known.end());
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (std::binary_search(known.begin(), known.end(), c.id))
+            if (c.gap > stage.addBelow || std::binary_search(known.begin(), known.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -211,8 +231,10 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
                 surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, c.normal, rod::perp(c.normal), rows);
                 gap += rows.row(0).dot(rods[ib].q1 - world.rods[ib].q);
             } else {
-                const Body& body = world.bodies[static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body))];
-                gap += dt * c.normal.dot(surfaceVelocity(body, c.pointB - body.state.centre));
+                const auto ib = static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body));
+                const BodyMotion& m = stage.motion[ib];
+                const Vec2 arm = c.pointB - (world.bodies[ib].state.centre + dt * m.velocity);
+                gap += dt * c.normal.dot(surfaceVelocity(m, arm));
             }
             stage.candidates.push_back(c);
             stage.gapAtStart.push_back(gap);
@@ -261,6 +283,19 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
             w.v = x;
         else
             w.v = w.vp + w.Z * x;
+    }
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        const Body& b = world.bodies[i];
+        if (!b.dynamic)
+            continue;
+        const Handover& h = b.handover;
+        const int index = stage.candidates.empty() ? -1 : stage.bodyProblemIndex[i];
+        BodyMotion m = freeMotion(world, b, h.acceleration, h.angularAcceleration, stage.problem.dt);
+        if (index >= 0) {
+            const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(index)];
+            m = {x.head<2>(), x.size() == 3 ? x[2] : b.state.spin};
+        }
+        stage.motion[i] = {m.velocity + h.drift, m.spin + h.driftSpin};
     }
 }
 

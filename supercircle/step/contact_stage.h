@@ -6,6 +6,12 @@
 
 namespace supercircle::step {
 
+/// Mean velocity of a host body over the attempt, drift included.
+struct BodyMotion {
+    Vec2 velocity = Vec2::Zero(); ///< m/s
+    double spin = 0.0;            ///< rad/s
+};
+
 /// Everything the contacts of one attempt need.
 struct ContactStage {
     std::vector<contact::Curve> curves, curvesMiddle;
@@ -13,8 +19,10 @@ struct ContactStage {
     std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
     std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
+    double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
     std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
+    std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
     coulomb::Problem problem;
     coulomb::Solver solver;
     coulomb::SolveReport report;
@@ -24,8 +32,16 @@ struct ContactStage {
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
 };
 
-/// Outlines in the world frame; `ahead` seconds along the bodies' velocities.
-void placeOutlines(const World& world, double ahead, double motionTime, std::vector<contact::Outline>& outlines);
+/// Fills stage.motion with the bodies' present velocities: the prediction of a step.
+void predictMotion(const World& world, ContactStage& stage);
+
+/// Velocity of a dynamic body at the end of a step without shells, in Box2D's order of gravity, damping and
+/// constraints; the constraints are `host` (m/s^2) and `hostSpin` (rad/s^2).
+BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt);
+
+/// Outlines in the world frame; `ahead` seconds along `motion`.
+void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,
+                   std::vector<contact::Outline>& outlines);
 
 /// Candidates at the given kinematics (one per rod). `range` is how far each rod may move.
 void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
@@ -42,7 +58,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
             ContactStage& stage);
 
-/// Solves, and puts the new velocities into rods (contact-free ones get their free velocity).
+/// Solves, and puts the new velocities into rods (contact-free ones get their free velocity) and into stage.motion.
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage);
 

@@ -30,8 +30,31 @@ bool sameOutlines(const std::vector<BodyOutline>& a, const std::vector<BodyOutli
            });
 }
 
+/// What the copy `old` of the last frame still knows about a body whose original is now in the state `b.state`.
+void takeUp(const Body& old, double frame, Body& b) {
+    const BodyState &now = b.state, &seen = old.handover.seen;
+    Handover& h = b.handover;
+    h.unexplained = old.handover.unexplained;
+    h.unexplainedSpin = old.handover.unexplainedSpin;
+    h.acceleration = old.handover.acceleration;
+    h.angularAcceleration = old.handover.angularAcceleration;
+    if (!old.handover.coupled)
+        return;
+    if (now.velocity == seen.velocity && now.spin == seen.spin) { // else its user set it
+        b.state.velocity = old.state.velocity;
+        b.state.spin = old.state.spin;
+    }
+    if (now.centre == seen.centre && now.angle == seen.angle) { // else its user moved it
+        h.drift = (now.centre - old.state.centre) / frame;
+        h.driftSpin = (now.angle - old.state.angle) / frame;
+        b.state.centre = old.state.centre;
+        b.state.angle = old.state.angle;
+    }
+}
+
 /// The bodies of `outlines` with fresh states; driven ones keep our pose, known ones what was learnt about them.
-std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyOutline>& outlines) {
+std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyOutline>& outlines,
+                             double frame) {
     std::vector<BodyId> ids = world.machineBodies;
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
@@ -50,9 +73,9 @@ std::vector<Body> readBodies(const World& world, const Port& port, const std::ve
         if (old != world.bodies.end() && old->id == id) {
             if (b.driven && old->driven)
                 b.state = old->state;
-            b.feedForward = old->feedForward;
-            b.feedForwardSpin = old->feedForwardSpin;
             b.force = old->force;
+            if (b.dynamic && old->handover.known)
+                takeUp(*old, frame, b);
         }
         bodies.push_back(b);
     }
@@ -81,7 +104,7 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
     std::vector<BodyOutline> outlines;
     if (!world.rods.empty())
         port.query(reach(world, frame), outlines);
-    std::vector<Body> bodies = readBodies(world, port, outlines);
+    std::vector<Body> bodies = readBodies(world, port, outlines, frame);
     std::erase_if(outlines, [&](const BodyOutline& o) {
         return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
@@ -103,22 +126,44 @@ void Stepper::pushToHost(World& world, Port& port, double advanced) {
         BodyState now;
         if (!port.state(b.id, now))
             continue;
-        if (!b.impulse.isZero(0.0) || b.angularImpulse != 0.0)
-            port.applyImpulse(b.id, b.impulse, b.angularImpulse);
-        const double slow = 1.0 / (1.0 + advanced * now.linearDamping);
-        b.expected = (now.velocity + b.impulse / now.mass + advanced * now.gravityScale * world.gravity) * slow;
-        b.expectedSpin = (now.spin + (now.inertia > 0.0 ? b.angularImpulse / now.inertia : 0.0)) /
-                         (1.0 + advanced * now.angularDamping);
+        const double slow = 1.0 + advanced * now.linearDamping, slowSpin = 1.0 + advanced * now.angularDamping;
+        const Vec2 fall = advanced * now.gravityScale * world.gravity;
+        Handover& h = b.handover;
+        if (!h.coupled) {
+            h.handed = (now.velocity + fall) / slow;
+            h.handedSpin = now.spin / slowSpin;
+            continue;
+        }
+        h.handed = h.travel / advanced;
+        h.handedSpin = h.turn / advanced;
+        const Vec2 impulse = (now.mass * h.handed - h.hostImpulse) * slow - now.mass * (now.velocity + fall);
+        const double turn = now.inertia > 0.0
+                                ? (now.inertia * h.handedSpin - h.hostTurnImpulse) * slowSpin - now.inertia * now.spin
+                                : 0.0;
+        port.applyImpulse(b.id, impulse, turn);
     }
 }
 
-void Stepper::learnFromHost(World& world, const Port& port, double advanced) {
+void Stepper::learnFromHost(World& world, Port& port, double advanced) {
     for (Body& b : world.bodies) {
         BodyState now;
-        if (!b.dynamic || !(advanced > 0.0) || !port.state(b.id, now))
+        if (!b.dynamic || !(advanced > 0.0) || !port.state(b.id, now)) {
+            b.handover.known = false;
             continue;
-        b.feedForward = (now.velocity - b.expected) / advanced;
-        b.feedForwardSpin = (now.spin - b.expectedSpin) / advanced;
+        }
+        Handover& h = b.handover;
+        const Vec2 change = now.velocity - h.handed;
+        const double changeSpin = now.spin - h.handedSpin;
+        h.acceleration = (h.hostImpulse / now.mass + change) / advanced;
+        h.angularAcceleration = ((now.inertia > 0.0 ? h.hostTurnImpulse / now.inertia : 0.0) + changeSpin) / advanced;
+        h.unexplained = change / advanced;
+        h.unexplainedSpin = changeSpin / advanced;
+        if (h.coupled) {
+            b.state.velocity += change;
+            b.state.spin += changeSpin;
+            port.setVelocity(b.id, b.state.velocity, b.state.spin);
+        }
+        h.known = port.state(b.id, h.seen);
     }
 }
 

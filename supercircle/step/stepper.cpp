@@ -106,7 +106,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
 bool Stepper::acceptable(Verdict verdict, int cuts) const {
     if (verdict == Verdict::Smaller)
         return false;
-    return work_->attempt.stage.report.converged || cuts >= 2 || settings_.fixedDt > 0.0;
+    return work_->attempt.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
 }
 
 FrameOutcome Stepper::advance(World& world, double frame, Port* port,
@@ -119,8 +119,10 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
     prepare(world, frame, port);
     Attempt& attempt = work_->attempt;
     const double start = world.time;
+    const std::uint64_t budget = static_cast<std::uint64_t>(std::max(0, settings_.frameSolves));
+    const std::uint64_t solvesBefore = world.counters.solves;
     int cuts = 0;
-    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped;) {
+    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.late;) {
         const double want = settings_.fixedDt > 0.0 ? settings_.fixedDt * std::pow(0.5, cuts)
                                                     : std::clamp(world.dtNext, settings_.dtMin, settings_.dtMax);
         const std::int64_t ticks = ticksFor(want, frame, left);
@@ -156,6 +158,7 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         out.stopped = observer && observer(world);
+        out.late = budget > 0 && left > 0 && world.counters.solves - solvesBefore >= budget;
     }
     out.advanced = world.time - start;
     if (port) {

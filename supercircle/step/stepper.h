@@ -9,20 +9,19 @@
 // - multiplying v by M_old^-1 M (a plain velocity form with a changing mass matrix) explodes in snaps; projecting the
 //   material velocities never lets kinetic energy grow;
 // - keeping u at its old direction while the rod turns damps free spin by (omega dt)^2 / 2 a step; u is therefore
-// carried
-//   along with the rod's mean rotation, which keeps linear momentum and kinetic energy and makes rigid spin exact;
+//   carried along with the rod's mean rotation, which keeps linear momentum and kinetic energy and makes rigid spin
+//   exact;
 // - linearising at the start of the step lets sliding contacts sink in by (v dt)^2 / 2R, and pushing them out again
-// injects
-//   energy; in the middle of the step the gap is exact to third order;
+//   injects energy; in the middle of the step the gap is exact to third order;
 // - a contact force that follows the extremal point of a nearly conformal pair from step to step flutters (see
-// Rolling);
+//   Rolling);
 // - a separate static solver would need its own friction and its own way back into dynamics at every snap; the implicit
 //   step with dt far above all periods is the same equilibrium, and changing down is just a smaller dt. What large
 //   steps need is the stiffness of the contact forces in the matrix (contact_stiffness.h);
 // - putting rods at rest to sleep while others fall was tried and removed: an impact wakes the whole pile through its
 //   contacts within a few steps, each time with cold contact problems (a 100-shell drop took twice as long);
 // - a theta scheme between 1/2 and 1 keeps vibrations alive that cost more, smaller steps, and closes the books no
-// better;
+//   better;
 // - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
 //   1/2 dt |u_new - u_old| of backward Euler, the motion of touching rods, and the true gaps after the step decide.
 
@@ -38,8 +37,9 @@ enum class Verdict : std::uint8_t;
 
 /// How a frame ended.
 struct FrameOutcome {
-    double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it or it failed
+    double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it, it was late or failed
     bool stopped = false;  ///< the observer asked to stop
+    bool late = false;     ///< Settings::frameSolves were used up
     std::string failure;   ///< empty unless the simulation cannot go on
 };
 
@@ -63,8 +63,9 @@ public:
     void pullFromHost(World& world, const Port& port, double frame) const;
     /// Hands gathered impulses and driven poses to the host; `advanced` is the time the host is about to step.
     static void pushToHost(World& world, Port& port, double advanced);
-    /// After the host's own step: learns what its constraints did to the bodies (feed-forward of the next frame).
-    static void learnFromHost(World& world, const Port& port, double advanced);
+    /// After the host's own step: gives the bodies the velocities they have at the end of the frame and learns what the
+    /// host's constraints did to them (handover.h).
+    static void learnFromHost(World& world, Port& port, double advanced);
 
     [[nodiscard]] const StageTimes& times() const { return times_; }
     /// The contact problem of the last solve, for dumps.

@@ -49,19 +49,35 @@ struct Rod {
     rod::GaussField gauss; ///< at q
 };
 
+/// What passes between a dynamic body's copy here and the host's original (the scheme is in handover.h).
+struct Handover {
+    bool coupled = false;             ///< the copy took part in a contact problem of this frame
+    Vec2 travel = Vec2::Zero();       ///< of the copy in this frame, without drift, m
+    double turn = 0.0;                ///< rad
+    Vec2 hostImpulse = Vec2::Zero();  ///< what the host's own constraints are expected to give it in this frame, N s
+    double hostTurnImpulse = 0.0;     ///< N m s
+    Vec2 handed = Vec2::Zero();       ///< velocity the original should have after the host's step, m/s
+    double handedSpin = 0.0;          ///< rad/s
+    Vec2 drift = Vec2::Zero();        ///< velocity at which the copy closes up to the original's place, m/s
+    double driftSpin = 0.0;           ///< rad/s
+    Vec2 unexplained = Vec2::Zero();  ///< acceleration by the host beyond what was expected, last frame, m/s^2
+    double unexplainedSpin = 0.0;     ///< rad/s^2
+    Vec2 acceleration = Vec2::Zero(); ///< by all of the host's doing but gravity in the last frame, m/s^2
+    double angularAcceleration = 0.0; ///< rad/s^2
+    bool known = false;               ///< `seen` is filled
+    BodyState seen;                   ///< the original after the last frame, to notice its user's hand
+};
+
 /// A rigid body as the shells see it during a step; double precision between two looks at the host.
 struct Body {
     BodyId id = 0;
     BodyState state;
-    bool driven = false;             ///< moved by the machine: our pose rules, the host follows
-    bool dynamic = false;            ///< takes part in the contact problem
-    Vec2 impulse = Vec2::Zero();     ///< gathered for the host in this frame, N s
-    double angularImpulse = 0.0;     ///< about the centre of mass, N m s
-    Vec2 feedForward = Vec2::Zero(); ///< mean acceleration the host's own constraints gave it in the last frame, m/s^2
-    double feedForwardSpin = 0.0;    ///< rad/s^2
-    Vec2 expected = Vec2::Zero();    ///< velocity handed to the host plus its free-fall change, m/s
-    double expectedSpin = 0.0;
-    Vec2 force = Vec2::Zero(); ///< from the shells in the last step, N
+    bool driven = false;         ///< moved by the machine: our pose rules, the host follows
+    bool dynamic = false;        ///< takes part in the contact problem
+    Vec2 impulse = Vec2::Zero(); ///< of the shells, gathered in this frame, N s
+    double angularImpulse = 0.0; ///< about the centre of mass, N m s
+    Vec2 force = Vec2::Zero();   ///< from the shells in the last step, N
+    Handover handover;
 };
 
 /// Impulse remembered for warm starting and for pictures.
@@ -84,6 +100,11 @@ struct Settings {
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
+    bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
+    std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
+    int cappedSweeps = 40;               ///< ... this many
+    bool prune = false;   ///< leave out candidates that cannot meet within the step (prune.h): for long steps
+    int frameSolves = 0;  ///< linearisations solved per frame after which it ends early; 0: as many as it takes
     bool witness = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 

@@ -26,6 +26,7 @@ constexpr std::size_t kRegionLoad = 200;
 struct Turn {
     Region region;
     bool ran = false;
+    bool arrived = true; ///< false: the path met a ray, wandered, took too many pivots, or was singular
     PathCounts counts;
 };
 
@@ -54,13 +55,14 @@ struct Solver::Impl {
     std::size_t loaded() const;
     double allowedError() const;
     void allowPivots(const SolverOptions& options);
-    void runPaths(const PathSettings& settings, SolveReport& report);
+    bool runPaths(const PathSettings& settings, SolveReport& report);
     bool tryPath(const Try& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     bool tryLadder(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     double contactError(std::int32_t c) const;
     void passRegions(std::span<const std::int32_t> island, double allowed, std::uint32_t seed, std::size_t size,
                      PathCounts& counts);
     void collectWave(double share, std::size_t size);
+    void runRegion(Turn& turn, std::uint32_t seed, double allowed);
     bool isBusy(const Whitened::Contact& contact) const;
     void undo(std::span<const std::int32_t> island);
     bool tryRegions(std::uint32_t seed, const SolverOptions& options, SolveReport& report);

@@ -116,8 +116,8 @@ void Solver::Impl::allowPivots(const SolverOptions& options) {
 }
 
 /// Islands share nothing, so each may have its own thread. What counts is as if they had come one after the other:
-/// those for which no pivots were left by then are put back.
-void Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
+/// those for which no pivots were left by then are put back. False if a path did not arrive.
+bool Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
     const std::size_t count = islands.count();
     const bool together = loop && count > 1;
     const double allowed = allowedError();
@@ -128,17 +128,20 @@ void Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
     const auto run = [&](std::size_t i) {
         Turn& turn = turns[i];
         turn.ran = false;
+        turn.arrived = true;
         turn.counts = {};
         const std::span<const std::int32_t> island = islands.contacts(i);
         if (islandError(island) <= allowed || loaded(island) > kPathLimit)
             return;
         turn.ran = true;
         const parallel::Pool<Path>::Loan path(pathPool);
-        path->run(whitened, island, {}, settings, allowed, x, turn.counts);
+        const Path::Outcome outcome = path->run(whitened, island, {}, settings, allowed, x, turn.counts);
+        turn.arrived = outcome == Path::Outcome::Solved || outcome == Path::Outcome::Stalled;
     };
     if (together)
         loop(count, run);
     PathCounts counts;
+    bool arrived = true;
     for (std::size_t i = 0; i < count; ++i) {
         if (counts.pivots >= pivotsLeft) {
             if (together && turns[i].ran)
@@ -149,8 +152,10 @@ void Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
             run(i);
         counts.pivots += turns[i].counts.pivots;
         counts.factorisations += turns[i].counts.factorisations;
+        arrived = arrived && turns[i].arrived;
     }
     book(counts, report);
+    return arrived;
 }
 
 void Solver::Impl::undo(std::span<const std::int32_t> island) {

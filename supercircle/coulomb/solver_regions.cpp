@@ -13,8 +13,9 @@ namespace supercircle::coulomb {
 namespace {
 
 constexpr std::size_t kRegionSize = 180; ///< contacts; doubled with every pass after the second
-constexpr int kRegionPivots = 80;        ///< a pass with fewer pivots is the last one
+constexpr int kRegionPivots = 40;        ///< a pass with fewer pivots is the last one
 constexpr int kRegionMost = 150; ///< pivots of one region; with 600 the hopeless ones of cold starts eat the budget
+constexpr std::array kRegionSweeps{0, 40}; ///< before the tries of one region
 constexpr std::uint32_t kRegionPasses = 8;
 constexpr int kRegionDiscount = 16;  ///< so many pivots in a region count as one of the whole
 constexpr double kRegionSkip = 0.1;  ///< of the present mean error: contacts below need no region of their own
@@ -49,22 +50,34 @@ void Solver::Impl::collectWave(double share, std::size_t size) {
         }
         if (contactError(c) <= share)
             continue;
-        const Region& region = regions.grow(whitened, c, size);
-        const bool meets = std::any_of(region.contacts.begin(), region.contacts.end(),
-                                       [this](std::int32_t k) { return isBusy(whitened.contact(k)); });
-        if (meets) {
+        const Region* region = regions.grow(whitened, c, size, busy);
+        if (region == nullptr) {
             later.push_back(c);
             continue;
         }
-        for (const std::int32_t k : region.core)
+        for (const std::int32_t k : region->core)
             covered[k] = 1;
-        for (const std::int32_t k : region.contacts)
+        for (const std::int32_t k : region->contacts)
             for (std::int32_t s = 0; s < whitened.contact(k).sides; ++s)
                 busy[whitened.contact(k).side[s].body] = 1;
         if (turnCount == turns.size())
             turns.emplace_back();
         turns[turnCount].counts = {};
-        turns[turnCount++].region = region;
+        turns[turnCount++].region = *region;
+    }
+}
+
+/// A path that meets a ray or wanders does so again from the same pieces, whatever is tried with them, and one such
+/// spot keeps the whole island from its solution. Sweeps of its own take the region elsewhere.
+void Solver::Impl::runRegion(Turn& turn, std::uint32_t seed, double allowed) {
+    const Region& region = turn.region;
+    const parallel::Pool<Path>::Loan path(pathPool);
+    for (const int count : kRegionSweeps) {
+        sweeps.sweepSome(whitened, region.contacts, count, x);
+        const Path::Outcome outcome = path->run(whitened, region.contacts, region.outside,
+                                                {1e-6, 0.3, seed, kRegionMost, 4}, allowed, x, turn.counts);
+        if (outcome == Path::Outcome::Solved || outcome == Path::Outcome::Stalled)
+            return;
     }
 }
 
@@ -79,9 +92,7 @@ void Solver::Impl::passRegions(std::span<const std::int32_t> island, double allo
         parallel::forEach(loop, turnCount, 1, [&](std::size_t i) {
             Turn& turn = turns[i];
             const double most = share * static_cast<double>(turn.region.contacts.size());
-            const parallel::Pool<Path>::Loan path(pathPool);
-            path->run(whitened, turn.region.contacts, turn.region.outside, {1e-6, 0.3, seed, kRegionMost, 4}, most, x,
-                      turn.counts);
+            runRegion(turn, seed, most);
         });
         for (std::size_t i = 0; i < turnCount; ++i) {
             counts.pivots += turns[i].counts.pivots;
@@ -94,7 +105,7 @@ void Solver::Impl::passRegions(std::span<const std::int32_t> island, double allo
 /// has little left to do. A pivot of the whole costs as much as some tenth of a pass over all regions.
 bool Solver::Impl::tryRegions(std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
     regions.prepare(whitened);
-    for (std::uint32_t round = 0; round < 2 && pivotsLeft > 0; ++round) {
+    for (std::uint32_t round = 0; round < 4 && pivotsLeft > 0; ++round) {
         for (std::uint32_t pass = 0; pass < kRegionPasses; ++pass) {
             PathCounts counts;
             covered.assign(whitened.contactCount(), 0);
@@ -114,9 +125,11 @@ bool Solver::Impl::tryRegions(std::uint32_t seed, const SolverOptions& options, 
         // Redundant contacts whose pieces contradict each other by round-off: their impulses drift apart, the faster
         // the weaker the proximal term, until one of them opens or slips. The last digits may need that.
         for (const double eps : {1e-7, 1e-9, 1e-11}) {
-            runPaths({eps, 0.3, seed, std::min(options.maxPivots, kWarmPivots), 20}, report);
+            const bool arrived = runPaths({eps, 0.3, seed, std::min(options.maxPivots, kWarmPivots), 20}, report);
             if (judgeNow(Method::Path, report))
                 return true;
+            if (!arrived)
+                break;
         }
     }
     return false;

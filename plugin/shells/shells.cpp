@@ -121,6 +121,8 @@ bool Shells::carry(const std::string& body_name) {
 }
 
 void Shells::set_machine_velocity(Point velocity) {
+    if (!std::isfinite(velocity.x) || !std::isfinite(velocity.y))
+        return; // would spoil every body and hold on the machine
     impl_->world.machineVelocity = {velocity.x, velocity.y};
     impl_->recorder.record(Call::MachineVelocity, impl_->inner, velocity);
 }

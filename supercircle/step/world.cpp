@@ -62,6 +62,8 @@ std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eig
 void removeRod(World& world, std::size_t index) {
     book(world, world.rods[index], -1.0);
     world.rods.erase(world.rods.begin() + static_cast<std::ptrdiff_t>(index));
+    world.candidates.clear(); // they name rods by index, and without rods an empty range would count as known
+    world.range.clear();
 }
 
 void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve) {

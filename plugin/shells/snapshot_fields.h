@@ -253,7 +253,7 @@ void io(Ar& ar, Is<TouchPair> auto& p) {
 template <class Ar>
 void io(Ar& ar, Is<Touch> auto& t) {
     auto& [a, b, body, fractionA, fractionB, point, normal] = t;
-    ar.aside(a, b);
+    ar.aside(a.index, a.generation, b.index, b.generation); // of the world that is saved
     ar(body, fractionA, fractionB, point, normal);
 }
 

@@ -207,9 +207,10 @@ public:
     /// the shell made first.
     [[nodiscard]] Result<std::vector<RayHit>> ray_cast_all(Point from, Point to, QueryMask mask = 0xffff) const;
     /// Shells that contain the point, meet the (filled) box or the disc; in the order of creation.
-    [[nodiscard]] Result<std::vector<ShellHandle>> overlap(Point point, QueryMask mask = 0xffff) const;
-    [[nodiscard]] Result<std::vector<ShellHandle>> overlap(const Box& box, QueryMask mask = 0xffff) const;
-    [[nodiscard]] Result<std::vector<ShellHandle>> overlap(Point centre, double radius, QueryMask mask = 0xffff) const;
+    [[nodiscard]] Result<std::vector<ShellHandle>> overlap_point(Point point, QueryMask mask = 0xffff) const;
+    [[nodiscard]] Result<std::vector<ShellHandle>> overlap_box(const Box& box, QueryMask mask = 0xffff) const;
+    [[nodiscard]] Result<std::vector<ShellHandle>> overlap_circle(Point centre, double radius,
+                                                                  QueryMask mask = 0xffff) const;
     /// The surface point of a shell, or of any shell no farther than `farthest` (m), nearest to a point.
     [[nodiscard]] Result<NearestPoint> nearest(ShellHandle shell, Point point) const;
     [[nodiscard]] Result<NearestPoint> nearest(Point point, double farthest = std::numeric_limits<double>::infinity(),

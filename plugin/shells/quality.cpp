@@ -15,7 +15,7 @@ step::Settings settingsFor(Quality quality, int threads) {
     s.contact.tolerance = 1e-6;
     s.sweepAbove = 500;
     s.cappedSweeps = 40;
-    s.unconverged = true;
+    s.acceptUnconverged = true;
     s.prune = true;
     s.witness = true;
     s.frameSolves = 40;

@@ -180,11 +180,12 @@ Outcome Shells::restore(const Snapshot& snapshot) {
             slots[i].generation = slots[i].highest;
         renamed[i] = {static_cast<std::uint32_t>(i), slots[i].generation, m.tag};
     }
-    if (!ours)
-        for (TouchState& t : state.watched.touching)
-            for (ShellHandle* h : {&t.last.a, &t.last.b})
-                if (!h->null())
-                    *h = h->index < renamed.size() ? renamed[h->index] : ShellHandle{};
+    for (TouchState& t : state.watched.touching)
+        for (ShellHandle* h : {&t.last.a, &t.last.b}) {
+            if (!h->null() && !ours)
+                *h = h->index < renamed.size() ? renamed[h->index] : ShellHandle{};
+            h->world = h->null() ? 0 : m.tag;
+        }
     m.slots = std::move(slots);
     m.advanced = state.advanced;
     m.world = std::move(state.world);

@@ -1,7 +1,6 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "plugin/shells/quality.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
@@ -57,14 +56,6 @@ Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>(
 Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
-
-void Shells::set_quality(Quality quality) {
-    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
-    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
-}
-Quality Shells::quality() const {
-    return qualityOf(impl_->stepper.settings());
-}
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {

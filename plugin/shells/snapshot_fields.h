@@ -218,11 +218,11 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations,
-           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed,
+           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepSpeed,
            sleepAfter, witness] = s;
     (void)threads; // belongs to the machine
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations, contact,
-       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed, sleepAfter, witness);
+       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepSpeed, sleepAfter, witness);
 }
 
 template <class Ar>

@@ -23,7 +23,8 @@ enum class Call : std::uint8_t {
     SetUserData = 11,
     SetEventSettings = 12,
     SetQuality = 13,
-    Last = SetQuality
+    SetFrameBudget = 14,
+    Last = SetFrameBudget
 };
 
 /// Records are: call (1 byte), inner steps (8), size of the arguments (8), arguments.

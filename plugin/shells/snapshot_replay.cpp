@@ -118,6 +118,12 @@ private:
                 expect(static_cast<bool>(shells_.set_event_settings(s)));
             return;
         }
+        case Call::SetFrameBudget: {
+            std::uint64_t work = 0;
+            if (read(r, work))
+                expect(static_cast<bool>(shells_.set_frame_budget(work)));
+            return;
+        }
         case Call::SetQuality: {
             Quality quality{};
             if (read(r, quality))

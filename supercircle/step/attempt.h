@@ -49,6 +49,7 @@ struct Attempt {
     double moved = 0.0;                       ///< farthest motion of a touching rod, m
     bool rejectedBeforeEnd = true;            ///< the last attempt was given up before its end was looked at
     int threads = 1;                          ///< of stage.loop
+    std::uint64_t contactsSolved = 0;         ///< of all linearisations of the last attempt together
 
     /// Solves at most settings.maxIterations linearisations; the result is left in rods and stage.
     Verdict solve(World& world, const Settings& settings, StageTimes& times,

@@ -169,7 +169,8 @@ TEST_CASE("a frame beyond its budget ends early and the rest follows later", "[p
     const auto host = boxHost(8.0);
     Shells shells(host);
     shells.set_quality(Quality::Game);
-    shells.stepper().settings().frameSolves = 1;
+    CHECK_FALSE(Shells(nullptr).set_frame_budget(1)); // the laboratory has none
+    REQUIRE(shells.set_frame_budget(1));
     player::Random random(3);
     std::vector<ShellHandle> made;
     REQUIRE(player::dropBatch(shells, dropOf(12, 8.0), 12, random, made).empty());
@@ -220,13 +221,16 @@ TEST_CASE("the quality is part of what is saved and logged", "[plugin][game]") {
     const Snapshot before = shells.save();
     shells.start_log();
     shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_frame_budget(77));
     CHECK(shells.quality() == Quality::Game);
     Shells other(nullptr);
     REQUIRE(other.replay(shells.log()));
     CHECK(other.quality() == Quality::Game);
+    CHECK(other.stepper().settings().frameWork == 77);
     REQUIRE(shells.restore(before));
     CHECK(shells.quality() == Quality::Laboratory);
-    shells.stepper().settings().threads = 2;
+    CHECK_FALSE(shells.set_threads(0));
+    REQUIRE(shells.set_threads(2));
     shells.set_quality(Quality::Game);
     CHECK(shells.stepper().settings().threads == 2);
 }

@@ -6,10 +6,14 @@
 
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 namespace supercircle {
 
 namespace {
+
+/// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
+constexpr double kMostSteps = 4096.0;
 
 /// A number per Shells of this process; it only tells handles apart and touches no result.
 std::uint32_t nextTag() {
@@ -139,6 +143,15 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         report.failure = "pre_step: not from within its own observer";
         return report;
     }
+    if (!m.hostFault.empty()) {
+        report.failure = "post_step: " + std::exchange(m.hostFault, {});
+        return report;
+    }
+    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest && std::isfinite(dt)) {
+        report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
+        m.advanced = 0.0;
+        return report;
+    }
     const step::Counters before = m.world.counters;
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
     m.inside = true;
@@ -174,8 +187,15 @@ void Shells::post_step() {
     if (impl_->inside)
         return;
     impl_->recorder.record(Call::PostStep, 0);
-    if (impl_->port)
-        step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+    try {
+        if (impl_->port)
+            step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+    } catch (const std::exception& e) {
+        impl_->hostFault = e.what(); // told by the next pre_step
+    } catch (...) {
+        impl_->hostFault = "the host threw something that is not a std::exception";
+    }
+    impl_->advanced = 0.0; // learnt once
 }
 
 Result<ShellPose> Shells::pose(ShellHandle shell) const {

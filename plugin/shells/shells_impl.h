@@ -26,6 +26,7 @@ struct Shells::Impl {
     std::uint32_t tag = 0;   ///< goes into the handles, so that those of another world are refused
     bool inside = false;     ///< in a pre_step: the observer may not start another one or swap the state
     std::uint64_t inner = 0; ///< inner steps of the frame that is running, 0 outside
+    std::string hostFault;   ///< what the host threw in post_step
     Watch watch;
     CallRecorder recorder;
 

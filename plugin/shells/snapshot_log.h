@@ -21,7 +21,8 @@ enum class Call : std::uint8_t {
     PostStep = 9,
     SetName = 10,
     SetUserData = 11,
-    SetEventSettings = 12
+    SetEventSettings = 12,
+    SetQuality = 13
 };
 
 /// Records are: call (1 byte), inner steps (8), size of the arguments (8), arguments.

@@ -6,7 +6,9 @@
 #include "bridge/box2d_port.h"
 
 #include "bridge/body_registry.h"
+#include "bridge/build.h"
 #include "bridge/outlines.h"
+#include "bridge/rigid_check.h"
 
 #include <algorithm>
 #include <box2d/box2d.h>
@@ -279,6 +281,23 @@ void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImp
     impl_->applyImpulse(body, impulse, angularImpulse);
 }
 
+void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
+    impl_->refresh(false);
+    if (!fits(velocity, impl_->scale) || !(std::abs(spin) < kMaxHost)) {
+        impl_->refuse("setVelocity: the velocity is not finite or too large");
+        return;
+    }
+    b2Body* b = impl_->registry.body(body);
+    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
+        impl_->refuse("setVelocity: no dynamic body of an unlocked world");
+        return;
+    }
+    if (!b->IsAwake())
+        return;
+    b->SetLinearVelocity(toHost(velocity, impl_->scale));
+    b->SetAngularVelocity(static_cast<float>(spin));
+}
+
 void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
     impl_->refresh(false);
     if (!fits(centre, impl_->scale) || !fits(velocity, impl_->scale) || !(std::abs(angle) < kMaxHost) ||
@@ -297,6 +316,22 @@ BodyId Box2dPort::find(const std::string& name) const {
     impl_->refresh(false);
     const auto found = impl_->names.find(name);
     return found != impl_->names.end() && impl_->registry.body(found->second) != nullptr ? found->second : 0;
+}
+
+std::string Box2dPort::build(const step::RigidWorldDefinition& definition) {
+    if (impl_->world->IsLocked())
+        return "bodies cannot be built inside the world's own step";
+    step::RigidWorldDefinition scaled = definition;
+    scaled.lengthScale = impl_->scale;
+    if (std::string why = checkDefinition(scaled); !why.empty())
+        return why;
+    impl_->world->SetGravity(toHost(scaled.gravity, scaled.lengthScale));
+    const std::vector<b2Body*> bodies = buildBodies(scaled, *impl_->world);
+    impl_->registry.sync(*impl_->world);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        if (!scaled.bodies[i].name.empty())
+            setName(*bodies[i], scaled.bodies[i].name);
+    return {};
 }
 
 BodyId Box2dPort::idOf(const b2Body& body) const {
@@ -356,8 +391,23 @@ const std::string& Box2dPort::lastRefusal() const {
     return impl_->lastRefusal;
 }
 
-std::unique_ptr<Box2dPort> attach(b2World& world, const Options& options) {
-    return std::make_unique<Box2dPort>(world, options);
+Attachment attach(b2World& world, const Options& options) {
+    auto port = std::make_shared<Box2dPort>(world, options);
+    Box2dPort* const seen = port.get();
+    return {std::move(port), seen};
+}
+
+void Attachment::set_name(const b2Body& body, const std::string& name) const {
+    port_->setName(body, name);
+}
+void Attachment::forget(const b2Body& body) const {
+    port_->forget(body);
+}
+std::uint64_t Attachment::refused() const {
+    return port_->refused();
+}
+std::string Attachment::last_refusal() const {
+    return port_->lastRefusal();
 }
 
 } // namespace supercircle::bridge

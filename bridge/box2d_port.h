@@ -1,21 +1,16 @@
 #pragma once
 // The core's port on a Box2D 2.4.1 world that belongs to the user. The only float <-> double border of the project.
 
+#include "bridge/include/supercircle/box2d.hpp"
 #include "supercircle/step/port.h"
+#include "supercircle/step/rigid_definition.h"
 
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
-class b2Body;
-class b2World;
-
 namespace supercircle::bridge {
-
-struct Options {
-    double units_per_metre = 1.0; ///< Box2D length units per metre, 1/m; finite and positive
-};
 
 /// A step::Port on a b2World. It keeps a pointer to the world, which must outlive it, and no other pointer is followed
 /// before the world's own body list has confirmed it.
@@ -51,9 +46,13 @@ public:
     void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override;
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
     void applyImpulse(step::BodyId body, const step::Vec2& impulse, double angularImpulse) override;
+    void setVelocity(step::BodyId body, const step::Vec2& velocity, double spin) override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
     [[nodiscard]] step::BodyId find(const std::string& name) const override;
+    /// Makes the bodies and joints in the world (scale of this port, not of the definition), names them for find(), and
+    /// gives the world the definition's gravity.
+    std::string build(const step::RigidWorldDefinition& definition) override;
 
     /// All outlines of all enabled bodies, sorted by (body, key).
     void everything(std::vector<step::BodyOutline>& out) const;
@@ -76,8 +75,5 @@ private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
-
-/// Port on the user's world. Throws std::invalid_argument when units_per_metre is not finite and positive.
-std::unique_ptr<Box2dPort> attach(b2World& world, const Options& options = {});
 
 } // namespace supercircle::bridge

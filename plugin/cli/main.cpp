@@ -1,3 +1,4 @@
+#include "plugin/cli/data.h"
 #include "plugin/cli/verbs.h"
 
 #include "plugin/scene/problem.h"
@@ -132,7 +133,7 @@ CLI::App* describeSensitivity(CLI::App& app, supercircle::cli::SensitivityArgume
 }
 
 CLI::App* describeValidate(CLI::App& app, supercircle::cli::ValidateArguments& a) {
-    a.data = SC_REFERENCE_DIR;
+    a.data = supercircle::cli::referenceFolder();
     CLI::App* validate =
         app.add_subcommand("validate", "compare the laboratory with every solved reference; writes one page");
     validate->add_option("--data", a.data, "folder of the reference curves (default: the project's)")->type_name("DIR");

@@ -1,5 +1,6 @@
 #include "plugin/lab/session.h"
 
+#include "plugin/player/dropper.h"
 #include "supercircle/contact/crossing.h"
 
 #include <algorithm>
@@ -25,20 +26,6 @@ double wallClock() {
 double cpuClock() {
     return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
-
-namespace {
-
-/// Arcs of a rod in steps of about 0.05 rad: extreme points to far better than a micrometre.
-template <class Visit>
-void walk(const step::Rod& rod, Visit&& visit) {
-    for (const rod::Arc& a : rod.kin.arcs()) {
-        const int pieces = 1 + static_cast<int>(std::abs(a.curvature) * a.length / 0.05);
-        for (int i = 0; i <= pieces; ++i)
-            visit(a.pointAt(a.length * i / pieces));
-    }
-}
-
-} // namespace
 
 Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options)
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
@@ -177,10 +164,7 @@ void Session::addShellInfo(std::size_t rod) {
 }
 
 double Session::pileTop() const {
-    double top = -std::numeric_limits<double>::infinity();
-    for (const step::Rod& r : shells_.world().rods)
-        walk(r, [&](const Vec2& p) { top = std::max(top, p.y() + 0.5 * r.model.definition().thickness); });
-    return top;
+    return player::pileTop(shells_.world());
 }
 
 double Session::machineBottom() const {
@@ -321,72 +305,20 @@ bool Session::settle(double speed, double longest) {
     while (shells_.time() - start < longest) {
         if (!frame(frame_, {}))
             return false;
-        double fastest = 0.0;
-        for (const step::Rod& r : shells_.world().rods)
-            fastest = std::max(fastest, r.speed);
-        if (fastest < speed && shells_.time() - start > 0.05)
+        if (player::fastest(shells_.world()) < speed && shells_.time() - start > 0.05)
             break;
     }
     return true;
 }
 
-namespace {
-
-/// Room that shells of one batch take while they fall: circles in rows, none above another one's row before its turn.
-class Rows {
-public:
-    Rows(double bottom, double height) : bottom_(bottom), height_(height) {}
-    /// Lowest free height (m, of the shell's lowest point) for a shell between x - reach and x + reach.
-    double place(double x, double reach) {
-        std::size_t row = 0;
-        const auto clear = [&](const std::pair<double, double>& other) {
-            return std::abs(x - other.first) > reach + other.second;
-        };
-        while (row < rows_.size() && !std::all_of(rows_[row].begin(), rows_[row].end(), clear))
-            ++row;
-        if (row == rows_.size())
-            rows_.emplace_back();
-        rows_[row].emplace_back(x, reach);
-        return bottom_ + static_cast<double>(row) * height_;
-    }
-
-private:
-    double bottom_, height_;
-    std::vector<std::vector<std::pair<double, double>>> rows_;
-};
-
-} // namespace
-
 /// Drops `count` shells side by side, in rows above the pile. Empty or why it cannot.
 std::string Session::dropBatch(int count) {
-    const scene::Drop& d = *scene_.drop;
-    step::World& w = shells_.world();
-    const double pad = 0.5 * d.shell.thickness;
-    double top = 0.0;
-    for (const step::Rod& r : w.rods)
-        walk(r, [&](const Vec2& p) { top = std::max(top, p.y() + pad); });
-    Rows rows(top + d.clearance, 2.2 * (d.shell.radius + pad));
-    for (int i = 0; i < count; ++i) {
-        ShellDef def = d.shell;
-        def.angle = random_.uniform(-M_PI, M_PI);
-        def.position = {0.0, 0.0};
-        const auto probe = shells_.create(def); // built at the origin to learn its extent, then put in place
-        if (!probe)
-            return probe.error();
-        Vec2 lower = Vec2::Constant(1e300), upper = -lower;
-        walk(w.rods.back(), [&](const Vec2& p) {
-            lower = lower.cwiseMin(p);
-            upper = upper.cwiseMax(p);
-        });
-        const double x = random_.uniform(d.x_min, d.x_max);
-        def.position = {x - 0.5 * (lower.x() + upper.x()),
-                        rows.place(x, 0.55 * (upper.x() - lower.x()) + pad) - lower.y() + pad};
-        shells_.destroy(*probe);
-        const auto made = shells_.create(def);
-        if (!made)
-            return made.error();
-        addShellInfo(shells_.size() - 1);
-    }
+    const std::size_t before = shells_.size();
+    std::vector<ShellHandle> made;
+    if (std::string error = player::dropBatch(shells_, *scene_.drop, count, random_, made); !error.empty())
+        return error;
+    for (std::size_t i = before; i < shells_.size(); ++i)
+        addShellInfo(i);
     keep(true);
     return {};
 }

@@ -2,8 +2,8 @@
 // One run in progress: the shells, the host world, what is recorded (private to lab/).
 
 #include "plugin/include/supercircle/shells.hpp"
-#include "plugin/lab/random.h"
 #include "plugin/lab/runner.h"
+#include "plugin/player/random.h"
 #include "supercircle/step/stepper.h"
 
 #include <limits>
@@ -52,7 +52,7 @@ private:
     std::shared_ptr<step::HostWorld> host_;
     const Options& options_;
     Shells shells_;
-    Random random_;
+    player::Random random_;
     record::Recording out_;
     End end_ = End::Done;
     std::string message_;

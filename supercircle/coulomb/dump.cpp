@@ -1,5 +1,6 @@
 #include "supercircle/coulomb/dump.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <fstream>
@@ -133,6 +134,15 @@ void readContact(Reader& in, const Problem& problem, Contact& contact) {
     readRows(in, problem, contact.b, contact.Hb);
 }
 
+void readKinds(Reader& in, Problem& problem) {
+    for (Contact& contact : problem.contacts) {
+        const std::int32_t kind = in.integer("kind of a contact");
+        if (in.ok() && kind != 0 && kind != 1)
+            in.fail("no kind of contact " + std::to_string(kind));
+        contact.kind = kind == 1 ? Kind::Bilateral : Kind::Unilateral;
+    }
+}
+
 } // namespace
 
 std::string encode(const Problem& problem, std::string& bytes) {
@@ -142,8 +152,10 @@ std::string encode(const Problem& problem, std::string& bytes) {
     Writer out(bytes);
     out.integer(static_cast<std::int32_t>(problem.bodies.size()));
     out.integer(static_cast<std::int32_t>(problem.contacts.size()));
+    const bool kinds = std::any_of(problem.contacts.begin(), problem.contacts.end(),
+                                   [](const Contact& contact) { return contact.bilateral(); });
     out.integer(problem.r0.size() > 0 ? 1 : 0);
-    out.integer(0);
+    out.integer(kinds ? 1 : 0);
     out.number(problem.dt);
     for (const Body& body : problem.bodies) {
         out.integer(static_cast<std::int32_t>(body.vFree.size()));
@@ -161,6 +173,8 @@ std::string encode(const Problem& problem, std::string& bytes) {
             out.numbers(contact.Hb.data(), contact.Hb.size());
     }
     out.numbers(problem.r0.data(), problem.r0.size());
+    for (std::size_t c = 0; kinds && c < problem.contacts.size(); ++c)
+        out.integer(problem.contacts[c].bilateral() ? 1 : 0);
     return {};
 }
 
@@ -171,11 +185,11 @@ std::string decode(std::string_view bytes, Problem& problem) {
     const std::int32_t bodies = in.integer("number of bodies");
     const std::int32_t contacts = in.integer("number of contacts");
     const std::int32_t warm = in.integer("warm start flag");
-    const std::int32_t zero = in.integer("reserved word");
+    const std::int32_t kinds = in.integer("kinds flag");
     read.dt = in.number("dt");
-    if (in.ok() && (bodies < 0 || contacts < 0 || warm < 0 || warm > 1 || zero != 0))
+    if (in.ok() && (bodies < 0 || contacts < 0 || warm < 0 || warm > 1 || kinds < 0 || kinds > 1))
         in.fail("impossible header: " + std::to_string(bodies) + " bodies, " + std::to_string(contacts) +
-                " contacts, flags " + std::to_string(warm) + " " + std::to_string(zero));
+                " contacts, flags " + std::to_string(warm) + " " + std::to_string(kinds));
     if (!in.ok() || !in.need(static_cast<std::size_t>(bodies) * kLeastBody, "the bodies"))
         return in.error();
     read.bodies.resize(static_cast<std::size_t>(bodies));
@@ -190,6 +204,8 @@ std::string decode(std::string_view bytes, Problem& problem) {
         read.r0.resize(2 * contacts);
         in.numbers(read.r0.data(), read.r0.size(), "the warm start");
     }
+    if (kinds == 1)
+        readKinds(in, read);
     if (in.ok() && in.left() > 0)
         in.fail(std::to_string(in.left()) + " bytes too many");
     if (!in.ok())

@@ -1,9 +1,11 @@
 #pragma once
 // FCP2D files: one contact problem as recorded from a simulation, for benchmarks and bug reports.
 //
-// Little endian: "FCP2D\0\0\1"; int32 nb, nc, has_r0, 0; double dt; per body: int32 n, double A[n*n] by columns,
-// vfree[n]; per contact: int32 a, int32 b (-1 = fixed), double mu, w[2], Ha[2*na], Hb[2*nb] (2 x n by columns, row 0
-// normal, row 1 tangent; none for -1); if has_r0: double r0[2*nc].
+// Little endian: "FCP2D\0\0\1"; int32 nb, nc, has_r0, has_kinds; double dt; per body: int32 n, double A[n*n] by
+// columns, vfree[n]; per contact: int32 a, int32 b (-1 = fixed), double mu, w[2], Ha[2*na], Hb[2*nb] (2 x n by columns,
+// row 0 normal, row 1 tangent; none for -1); if has_r0: double r0[2*nc]; if has_kinds: int32 kind[nc], 0 unilateral, 1
+// bilateral (mu is then 0 or infinite). has_kinds is 0 unless a contact is bilateral, so that files without are those
+// of the format's first edition, whose readers refuse any other number there.
 
 #include "supercircle/coulomb/problem.h"
 

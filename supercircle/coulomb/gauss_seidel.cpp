@@ -19,7 +19,9 @@ void Iterate::findPieces(const Whitened& problem) {
     for (std::size_t c = 0; c < piece.size(); ++c) {
         const double rn = r[2 * c];
         const double rt = r[2 * c + 1];
-        if (!(rn > 0.0))
+        if (problem.contact(c).tied())
+            piece[c] = problem.contact(c).smooth() ? Piece::SlipPlus : Piece::Stick;
+        else if (!(rn > 0.0))
             piece[c] = Piece::Open;
         else if (std::abs(rt) < problem.contact(c).mu * rn * (1.0 - 1e-9)) // scaling with dt leaves round-off
             piece[c] = Piece::Stick;
@@ -35,7 +37,7 @@ void Iterate::start(const Whitened& problem, const Eigen::VectorXd& warm) {
     for (std::size_t c = 0; c < count && warm.size() > 0; ++c) {
         r[2 * c] = warm[static_cast<Eigen::Index>(2 * c)];
         r[2 * c + 1] = warm[static_cast<Eigen::Index>(2 * c + 1)];
-        projectOnCone(problem.contact(c).mu, r[2 * c], r[2 * c + 1]);
+        problem.contact(c).project(r[2 * c], r[2 * c + 1]);
     }
     findPieces(problem);
     problem.assemble(r, w);
@@ -57,7 +59,7 @@ void GaussSeidel::prepare(const Whitened& problem) {
     seen_.assign(problem.bodyCount() + 1, 0);
     for (std::size_t c = 0; c < count; ++c) {
         const Whitened::Contact& contact = problem.contact(c);
-        law_[c] = LocalLaw(contact.Wnn, contact.Wnt, contact.Wtt, contact.mu);
+        law_[c] = contact.law();
         std::int32_t rank = 0;
         for (std::int32_t s = 0; s < contact.sides; ++s)
             rank = std::max(rank, seen_[contact.side[s].body]);
@@ -70,29 +72,40 @@ void GaussSeidel::prepare(const Whitened& problem) {
               [this](std::int32_t a, std::int32_t b) { return rank_[a] != rank_[b] ? rank_[a] < rank_[b] : a < b; });
 }
 
+/// The exact law of contact c at the present velocities; returns d |dr|^2.
+inline double GaussSeidel::update(const Whitened& problem, std::int32_t c, Iterate& x) const {
+    const Whitened::Contact& contact = problem.contacts()[c];
+    double* w = x.w.data();
+    double& rn = x.r[2 * c];
+    double& rt = x.r[2 * c + 1];
+    if (rn == 0.0 && rt == 0.0 && !contact.tied() && problem.normalProduct(contact, w) + contact.wn >= 0.0) {
+        x.piece[c] = Piece::Open;
+        return 0.0;
+    }
+    const Whitened::Velocity u = problem.velocity(contact, w);
+    const LocalImpulse next =
+        law_[c].solve(u.n - contact.Wnn * rn - contact.Wnt * rt, u.t - contact.Wnt * rn - contact.Wtt * rt);
+    const double dn = next.n - rn;
+    const double dt = next.t - rt;
+    x.piece[c] = next.piece;
+    rn = next.n;
+    rt = next.t;
+    problem.apply(contact, dn, dt, w);
+    return contact.d * (dn * dn + dt * dt);
+}
+
 double GaussSeidel::sweep(const Whitened& problem, Iterate& x) const {
     double change = 0.0;
-    double* w = x.w.data();
-    for (const std::int32_t c : order_) {
-        const Whitened::Contact& contact = problem.contacts()[c];
-        double& rn = x.r[2 * c];
-        double& rt = x.r[2 * c + 1];
-        if (rn == 0.0 && rt == 0.0 && problem.normalProduct(contact, w) + contact.wn >= 0.0) {
-            x.piece[c] = Piece::Open;
-            continue;
-        }
-        const Whitened::Velocity u = problem.velocity(contact, w);
-        const LocalImpulse next =
-            law_[c].solve(u.n - contact.Wnn * rn - contact.Wnt * rt, u.t - contact.Wnt * rn - contact.Wtt * rt);
-        const double dn = next.n - rn;
-        const double dt = next.t - rt;
-        x.piece[c] = next.piece;
-        rn = next.n;
-        rt = next.t;
-        change += contact.d * (dn * dn + dt * dt);
-        problem.apply(contact, dn, dt, w);
-    }
+    for (const std::int32_t c : order_)
+        change += update(problem, c, x);
     return change;
+}
+
+void GaussSeidel::sweepSome(const Whitened& problem, std::span<const std::int32_t> contacts, int sweeps,
+                            Iterate& x) const {
+    for (int done = 0; done < sweeps; ++done)
+        for (const std::int32_t c : contacts)
+            update(problem, c, x);
 }
 
 namespace {

@@ -10,6 +10,9 @@
 //
 // A singular W (a body with one freedom, a contact that cannot slide) is treated by a floor on det W: the sticking
 // impulse becomes huge and is clamped to the cone, which is the limit of the law for a W slightly above singular.
+//
+// Tied rows have no cone to clamp to. There a singular W (two welds on a body with one freedom) gets a term on its
+// diagonal, 1e-12 of its trace: the velocity is met to that accuracy and the impulse stays of the size of the load.
 
 #include "supercircle/coulomb/law.h"
 
@@ -20,11 +23,28 @@ namespace supercircle::coulomb {
 
 namespace {
 constexpr double kSingular = 1e-15; // det W below this share of (tr W)^2 is round-off
+constexpr double kTied = 1e-12;     // the same for tied rows, and the share of tr W then added to the diagonal
 } // namespace
 
-LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu) {
+LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu, Tie tie) : tie_(tie) {
+    if (tie == Tie::Both) {
+        const double size = wnn + wtt;
+        const double extra = wnn * wtt - wnt * wnt > kTied * size * size ? 0.0 : kTied * size;
+        const double tied = (wnn + extra) * (wtt + extra) - wnt * wnt;
+        if (!(size > 0.0) || !(tied > 0.0))
+            return;
+        inverseWnn_ = 1.0 / (wnn + extra);
+        wnt_ = wnt;
+        stickN_ = wnt / tied;
+        stickT_ = (wnn + extra) / tied;
+        return;
+    }
     if (!(wnn > 0.0))
         return;
+    if (tie == Tie::Normal) {
+        inverseWnn_ = 1.0 / wnn;
+        return;
+    }
     const double trace = wnn + wtt;
     const double det = std::max(wnn * wtt - wnt * wnt, kSingular * trace * trace);
     inverseWnn_ = 1.0 / wnn;
@@ -37,6 +57,11 @@ LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     upper_ = up > 0.0 ? mu / up : infinity;
     lower_ = down > 0.0 ? -mu / down : -infinity;
+}
+
+LocalImpulse LocalLaw::solveTied(double qn, double qt) const {
+    const double rt = tie_ == Tie::Both ? stickN_ * qn - stickT_ * qt : 0.0;
+    return {-(qn + wnt_ * rt) * inverseWnn_, rt, tie_ == Tie::Both ? Piece::Stick : Piece::SlipPlus};
 }
 
 } // namespace supercircle::coulomb

@@ -13,7 +13,7 @@ double Newton::errorOf(const Whitened& problem, std::span<const std::int32_t> is
     for (const std::int32_t c : island) {
         const Whitened::Contact& contact = problem.contact(c);
         const Whitened::Velocity u = problem.velocity(contact, trialW_.data());
-        sum.add(u.n, u.t, contact.qn, contact.qt, r[2 * c], r[2 * c + 1], contact.mu, contact.d);
+        Whitened::judge(contact, u, r[2 * c], r[2 * c + 1], sum);
     }
     return sum.error();
 }
@@ -27,10 +27,10 @@ void Newton::choosePieces(const Whitened& problem, std::span<const std::int32_t>
         const Whitened::Velocity u = problem.velocity(contact, x.w.data());
         double& rn = trial_[2 * c];
         double& rt = trial_[2 * c + 1];
-        const LocalLaw law(contact.Wnn, contact.Wnt, contact.Wtt, contact.mu);
+        const LocalLaw law = contact.law();
         const LocalImpulse local =
             law.solve(u.n - contact.Wnn * rn - contact.Wnt * rt, u.t - contact.Wnt * rn - contact.Wtt * rt);
-        piece_[k] = local.piece != Piece::Open && contact.mu == 0.0 ? Piece::SlipPlus : local.piece;
+        piece_[k] = local.piece != Piece::Open && contact.smooth() ? Piece::SlipPlus : local.piece;
         if (piece_[k] == Piece::Open)
             rn = rt = 0.0;
         else if (piece_[k] != Piece::Stick)
@@ -73,7 +73,7 @@ int Newton::run(const Whitened& problem, std::span<const std::int32_t> island, d
                 const std::size_t c = static_cast<std::size_t>(island[k]);
                 trial_[2 * c] += length * step_[2 * k];
                 trial_[2 * c + 1] += length * step_[2 * k + 1];
-                projectOnCone(problem.contact(c).mu, trial_[2 * c], trial_[2 * c + 1]);
+                problem.contact(c).project(trial_[2 * c], trial_[2 * c + 1]);
             }
             const double now = errorOf(problem, island, trial_);
             better = now < 0.99 * error;

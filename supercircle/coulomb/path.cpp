@@ -44,7 +44,7 @@ double Path::errorOf(const Whitened& problem) const {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         const Whitened::Contact& contact = problem.contact(contacts_[k]);
         const Whitened::Velocity u = problem.velocity(contact, w_.data());
-        sum.add(u.n, u.t, contact.qn, contact.qt, r_[2 * k], r_[2 * k + 1], contact.mu, contact.d);
+        Whitened::judge(contact, u, r_[2 * k], r_[2 * k + 1], sum);
     }
     return sum.error();
 }
@@ -75,6 +75,11 @@ void Path::begin(const Whitened& problem, const PathSettings& settings, const It
         double& rn = r_[2 * k];
         double& rt = r_[2 * k + 1];
         Piece& piece = piece_[k] = x.piece[contacts_[k]];
+        if (contact.tied()) { // on its piece whatever r; nothing to keep clear of
+            piece = contact.smooth() ? Piece::SlipPlus : Piece::Stick;
+            contact.project(rn, rt);
+            continue;
+        }
         if (piece != Piece::Open && contact.mu == 0.0)
             piece = Piece::SlipPlus;
         if (piece == Piece::Open) {
@@ -102,7 +107,7 @@ void Path::begin(const Whitened& problem, const PathSettings& settings, const It
         const double sign = slipSign(piece_[k]);
         u_[2 * k] = piece_[k] == Piece::Open ? std::max(un, slack) : 0.0;
         u_[2 * k + 1] = piece_[k] == Piece::Open ? ut : sign * std::max(sign * ut, slack);
-        if (contact.mu == 0.0)
+        if (contact.smooth())
             u_[2 * k + 1] = ut;
         shift_[2 * k] = u_[2 * k] - un;
         shift_[2 * k + 1] = u_[2 * k + 1] - ut;
@@ -176,7 +181,7 @@ Path::Breakpoint Path::nextBreakpoint(const Whitened& problem, double sign) {
     };
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         const double side = slipSign(piece_[k]);
-        if (piece_[k] == Piece::Open)
+        if (piece_[k] == Piece::Open || tied_[k] != 0)
             continue;
         if (piece_[k] == Piece::Stick) {
             const double mu = mu_[k];
@@ -333,7 +338,7 @@ bool Path::polish(const Whitened& problem) {
     if (!system_.solve(dr_))
         return false;
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
-        r_[2 * k] = std::max(0.0, r_[2 * k] + dr_[2 * k]);
+        r_[2 * k] = tied_[k] != 0 ? r_[2 * k] + dr_[2 * k] : std::max(0.0, r_[2 * k] + dr_[2 * k]);
         r_[2 * k + 1] += dr_[2 * k + 1];
         if (piece_[k] != Piece::Stick)
             r_[2 * k + 1] = -slipSign(piece_[k]) * mu_[k] * r_[2 * k];
@@ -369,9 +374,11 @@ Path::Outcome Path::run(const Whitened& problem, std::span<const std::int32_t> c
     prox_.resize(count);
     watch_.resize(count);
     stale_.assign(count, 0);
+    tied_.resize(count);
     bodyRate_.resize(problem.bodyCount() + 1);
     for (std::size_t k = 0; k < count; ++k) {
         mu_[k] = problem.contact(contacts[k]).mu;
+        tied_[k] = problem.contact(contacts[k]).tied() ? 1 : 0;
         prox_[k] = settings.eps * problem.contact(contacts[k]).d;
         watch_[k] = {};
         for (std::int32_t s = 0; s < problem.contact(contacts[k]).sides; ++s) {

@@ -71,6 +71,7 @@ private:
     std::vector<Watch> watch_;
     std::vector<double> bodyRate_;    ///< length of dw of each body
     std::vector<std::uint8_t> stale_; ///< u_n of this open contact is a lower bound only
+    std::vector<std::uint8_t> tied_;  ///< bilateral: never leaves its piece
     double edge_ = 0.0;               ///< slip sign of the edge through which a contact last began to stick
     double tau_ = 0.0;
     double errorAtStart_ = 0.0;

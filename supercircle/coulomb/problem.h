@@ -2,6 +2,8 @@
 // One frictional contact problem as plain data: what a time step hands to a solver, what the judge reads and what an
 // FCP2D file holds. Nothing here knows rods, geometry or time stepping beyond `dt`.
 
+#include "supercircle/parallel/parallel.h"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
@@ -15,20 +17,31 @@ struct Body {
     Eigen::VectorXd vFree; ///< n, velocity without contact impulses (m/s-like)
 };
 
+/// Which law a contact obeys.
+enum class Kind : std::uint8_t {
+    Unilateral, ///< Signorini-Coulomb: pushes only, friction with mu
+    Bilateral   ///< a joint point: u_n = 0 with r_n of either sign; tangent locked (mu infinite) or free (mu = 0)
+};
+
 /// One contact between body `a` and body `b` (or a fixed or driven surface, b = -1).
 /// Relative velocity u = Ha v_a + Hb v_b + w, row 0 normal (positive opens), row 1 tangent.
 struct Contact {
     std::int32_t a = -1;
     std::int32_t b = -1;
-    double mu = 0.0;                             ///< friction coefficient, 1
+    double mu = 0.0;                             ///< friction coefficient, 1; bilateral: 0 or infinity only
     Eigen::Vector2d w = Eigen::Vector2d::Zero(); ///< m/s; w_n carries gap/dt
     Eigen::Matrix<double, 2, Eigen::Dynamic> Ha; ///< 2 x n_a
     Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< 2 x n_b (its sign included); empty when b = -1
     std::uint64_t id = 0;                        ///< stable feature id, 0 if unknown; not stored in FCP2D
+    Kind kind = Kind::Unilateral;
+
+    bool bilateral() const { return kind == Kind::Bilateral; }
+    bool locked() const { return bilateral() && mu > 0.0; } ///< u_t = 0 as well, whatever r_t
 };
 
 /// Find impulses r (2 per contact, N s) with  0 <= u_n  perp  r_n >= 0,  |r_t| <= mu r_n,
-/// and r_t = -mu r_n sign(u_t) where the contact slips (Signorini-Coulomb).
+/// and r_t = -mu r_n sign(u_t) where the contact slips (Signorini-Coulomb). Bilateral ones: u_n = 0 and u_t = 0 with
+/// any r where mu is infinite, u_n = 0 and r_t = 0 where mu = 0.
 struct Problem {
     double dt = 0.0; ///< s
     std::vector<Body> bodies;
@@ -38,6 +51,6 @@ struct Problem {
 
 /// Empty if sizes, indices, signs and numbers are in order, else one sentence naming the body or contact at fault.
 /// Whether A is positive definite shows only when it is factored: the solver reports that.
-std::string findFault(const Problem& problem);
+std::string findFault(const Problem& problem, const parallel::For& loop = {});
 
 } // namespace supercircle::coulomb

@@ -3,6 +3,9 @@
 //   F_c = r_c - P_K( r_c - (u_c + mu |u_t| n) / d_c ),   d_c = tr(W_cc) / 2,   W = H A^-1 H^T
 //   eta = sqrt( sum d_c |F_c|^2 / sum over closing contacts of |q_c|^2 / d_c )
 //
+// A bilateral contact has P = identity where a row is held and P = 0 on a free tangent, no term mu |u_t|, and counts
+// as closing:  F = (u_n, u_t) / d_c  or  (u_n / d_c, r_t).
+//
 // Two things the formula leaves open:
 // - No contact closes freely: then r = 0 solves the problem and the denominator vanishes. The energy of the impulses
 //   themselves, sum d_c |r_c|^2, takes its place. With r = 0 as well the numerator is exactly zero and eta = 0.
@@ -99,9 +102,14 @@ Residual judge(const Problem& problem, const Eigen::VectorXd& r) {
     const double largest = count > 0 ? d.maxCoeff() : 0.0;
     const double floor = largest > 0.0 ? 1e-12 * largest : 1.0;
     ResidualSum sum;
-    for (Eigen::Index c = 0; c < count; ++c)
-        sum.add(u[2 * c], u[2 * c + 1], q[2 * c], q[2 * c + 1], r[2 * c], r[2 * c + 1],
-                problem.contacts[static_cast<std::size_t>(c)].mu, std::max(d[c], floor));
+    for (Eigen::Index c = 0; c < count; ++c) {
+        const Contact& contact = problem.contacts[static_cast<std::size_t>(c)];
+        const Eigen::Index t = 2 * c + 1;
+        if (contact.bilateral())
+            sum.addBilateral(u[2 * c], u[t], q[2 * c], q[t], r[2 * c], r[t], contact.locked(), std::max(d[c], floor));
+        else
+            sum.add(u[2 * c], u[t], q[2 * c], q[t], r[2 * c], r[t], contact.mu, std::max(d[c], floor));
+    }
     return sum.result();
 }
 

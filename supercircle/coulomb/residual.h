@@ -11,7 +11,7 @@ namespace supercircle::coulomb {
 /// The verdict on one set of impulses.
 struct Residual {
     double eta = 0.0;              ///< solver-neutral residual, 1 (definition in residual.cpp)
-    double penetrationSpeed = 0.0; ///< max(-u_n, 0), m/s
+    double penetrationSpeed = 0.0; ///< max(-u_n, 0), of a bilateral contact |u_n| (and |u_t| if locked), m/s
     double impulseError = 0.0;     ///< largest natural-map error |F_c|, N s
     double scale = 0.0;            ///< denominator of eta^2, J
 };
@@ -36,6 +36,8 @@ class ResidualSum {
 public:
     /// u: velocity, q: velocity without any impulse (m/s), r: impulse (N s); scale d = tr(W_cc)/2 (1/kg).
     void add(double un, double ut, double qn, double qt, double rn, double rt, double mu, double d);
+    /// The same for a bilateral contact; `locked`: u_t = 0, else r_t = 0.
+    void addBilateral(double un, double ut, double qn, double qt, double rn, double rt, bool locked, double d);
     Residual result() const;
     /// Sum of d |F|^2 so far, J.
     double error() const { return error_; }
@@ -59,6 +61,18 @@ inline void ResidualSum::add(double un, double ut, double qn, double qt, double 
     held_ += d * (rn * rn + rt * rt);
     if (qn < 0.0)
         closing_ += (qn * qn + qt * qt) / d;
+}
+
+inline void ResidualSum::addBilateral(double un, double ut, double qn, double qt, double rn, double rt, bool locked,
+                                      double d) {
+    const double n = un / d;
+    const double t = locked ? ut / d : rt;
+    const double square = n * n + t * t;
+    error_ += d * square;
+    impulse_ = std::max(impulse_, square);
+    penetration_ = std::max({penetration_, std::abs(un), locked ? std::abs(ut) : 0.0});
+    held_ += d * (rn * rn + rt * rt);
+    closing_ += (qn * qn + (locked ? qt * qt : 0.0)) / d;
 }
 
 /// Judges impulses `r` (2 per contact) from the problem's own data; shares no code path with the solvers' kernels.

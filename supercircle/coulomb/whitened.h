@@ -2,6 +2,7 @@
 // A problem in coordinates where every body has unit mass: A = L L^T, velocities w = L^T v, contact rows G = L^-1 H^T.
 // One contact then costs dot products and vector updates only, and W_cc' = G_c^T G_c'.
 
+#include "supercircle/coulomb/law.h"
 #include "supercircle/coulomb/problem.h"
 #include "supercircle/coulomb/residual.h"
 
@@ -36,15 +37,28 @@ public:
     struct Contact {
         Side side[2];
         std::int32_t sides = 0; ///< 0 .. 2; both sides on one body are merged
+        Tie tie = Tie::None;    ///< bilateral rows
         double wn = 0.0;        ///< m/s
         double wt = 0.0;
-        double mu = 0.0;
+        double mu = 0.0; ///< 0 where rows are tied
         double qn = 0.0; ///< velocity without impulses, m/s
         double qt = 0.0;
         double Wnn = 0.0; ///< 1/kg
         double Wnt = 0.0;
         double Wtt = 0.0;
         double d = 0.0; ///< tr W / 2, floored as the judge does
+
+        bool tied() const { return tie != Tie::None; }
+        /// Never transmits a tangential impulse: its closed piece is SlipPlus.
+        bool smooth() const { return mu == 0.0 && tie != Tie::Both; }
+        LocalLaw law() const { return {Wnn, Wnt, Wtt, mu, tie}; }
+        /// The nearest impulse the law admits, in place.
+        void project(double& rn, double& rt) const {
+            if (tie == Tie::None)
+                projectOnCone(mu, rn, rt);
+            else if (tie == Tie::Normal)
+                rt = 0.0;
+        }
     };
 
     struct Velocity {
@@ -54,7 +68,7 @@ public:
 
     /// Factors, whitens and precomputes. Returns a sentence if the problem is at fault, else an empty string.
     /// A body whose A is bit for bit that of the last call keeps its factor (which therefore is the same numbers).
-    std::string build(const Problem& problem);
+    std::string build(const Problem& problem, const parallel::For& loop = {});
 
     std::size_t contactCount() const { return contacts_.size(); }
     std::size_t bodyCount() const { return bodies_.size(); }
@@ -77,6 +91,13 @@ public:
         const Velocity u = product(contact, w);
         return {u.n + contact.wn, u.t + contact.wt};
     }
+    /// Adds what the judge would say of this contact.
+    static void judge(const Contact& contact, const Velocity& u, double rn, double rt, ResidualSum& sum) {
+        if (contact.tied())
+            sum.addBilateral(u.n, u.t, contact.qn, contact.qt, rn, rt, contact.tie == Tie::Both, contact.d);
+        else
+            sum.add(u.n, u.t, contact.qn, contact.qt, rn, rt, contact.mu, contact.d);
+    }
     /// w = w_free + G r.
     void assemble(std::span<const double> r, std::vector<double>& w) const;
     /// The judge's formula on whitened data; w must belong to r.
@@ -94,16 +115,20 @@ private:
         std::vector<double> inverseDiagonal;
     };
 
-    bool factor(Factor& body, const double* A);
-    void addSide(Contact& contact, const Factor& body, std::int32_t index, const Eigen::Matrix<double, 2, -1>& H,
-                 const Eigen::Matrix<double, 2, -1>* other);
-    std::size_t layoutBodies(const Problem& problem);
+    static bool factor(Factor& body, const double* A);
+    void layoutContact(const coulomb::Contact& source, Contact& contact);
+    void fillContact(const coulomb::Contact& source, Contact& contact, std::vector<Pair>& scratch);
+    void fillSide(Contact& contact, Side& side, const Eigen::Matrix<double, 2, -1>& H,
+                  const Eigen::Matrix<double, 2, -1>* other, std::vector<Pair>& scratch);
+    void layoutBodies(const Problem& problem);
 
     std::vector<Factor> bodies_;
     std::vector<Contact> contacts_;
     std::vector<double> rows_;
     std::vector<double> free_;
-    std::vector<Pair> scratch_;
+    std::vector<std::uint8_t> good_; ///< bodies whose A is positive definite
+    std::size_t rowsUsed_ = 0;
+    std::size_t longest_ = 0; ///< body, padded
 };
 
 // ---- kernels, inline because a Gauss-Seidel sweep is nothing else ----

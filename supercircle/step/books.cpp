@@ -1,6 +1,8 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/link_stage.h"
+#include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
 
 #include <algorithm>
@@ -42,8 +44,12 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
                 world.ledger.toBodies += r.dot(ub);
+                world.ledger.work += r.dot(k.surface); // of the drift
+                const double turn = rod::cross(k.armB, force * dt);
                 body.impulse -= force * dt;
-                body.angularImpulse -= rod::cross(k.armB, force * dt);
+                body.angularImpulse -= turn;
+                body.handover.hostImpulse += force * dt; // what is not the shells' is the host's, see advanceBodies
+                body.handover.hostTurnImpulse += turn;
             } else {
                 world.ledger.work += r.dot(k.surface);
             }
@@ -56,17 +62,20 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
 void advanceBodies(World& world, const ContactStage& stage, double dt) {
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
-        const int index = stage.bodyProblemIndex.size() == world.bodies.size() ? stage.bodyProblemIndex[i] : -1;
-        if (index >= 0) {
-            const Eigen::VectorXd& v = stage.velocity[static_cast<std::size_t>(index)];
-            b.state.velocity = v.head<2>();
-            b.state.spin = v[2];
-        } else if (b.dynamic) {
-            b.state.velocity += dt * (b.state.gravityScale * world.gravity + b.feedForward);
-            b.state.spin += dt * b.feedForwardSpin;
-        }
-        b.state.centre += dt * b.state.velocity;
-        b.state.angle += dt * b.state.spin;
+        const BodyMotion& m = stage.motion[i];
+        b.state.centre += dt * m.velocity;
+        b.state.angle += dt * m.spin;
+        if (!b.dynamic)
+            continue;
+        Handover& h = b.handover;
+        const BodyMotion free = freeMotion(world, b, Vec2::Zero(), 0.0, dt);
+        b.state.velocity = m.velocity - h.drift;
+        b.state.spin = m.spin - h.driftSpin;
+        h.hostImpulse += b.state.mass * (b.state.velocity - free.velocity);
+        h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
+        h.travel += dt * b.state.velocity;
+        h.turn += dt * b.state.spin;
+        h.coupled |= !stage.problem.contacts.empty() && stage.bodyProblemIndex[i] >= 0;
     }
     world.machineTravel += dt * world.machineVelocity;
 }
@@ -78,21 +87,28 @@ void accept(World& world, Attempt& t) {
     ContactStage& stage = t.stage;
     const double dt = t.dt;
     bookContacts(world, rods, stage, dt);
+    bookLinks(world, rods, stage, dt);
     Ledger& l = world.ledger;
+    std::vector<RodBooks> books(rods.size());
+    forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
+        if (!world.rods[i].frozen())
+            books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
+    });
     for (std::size_t i = 0; i < rods.size(); ++i) {
-        if (world.rods[i].quarantined)
+        if (world.rods[i].frozen())
             continue;
-        const RodBooks b = acceptRod(world, world.rods[i], dt, rods[i]);
+        const RodBooks& b = books[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
         l.kinetic += b.kineticChange;
         l.bending += b.bendingChange;
         l.gravity += b.gravityChange;
         l.impact += impact;
         l.numerical += b.kineticLoss - impact + b.secondOrder;
-        l.work += b.holdWork;
+        l.work += b.holdWork + b.loadWork;
         l.pushOut -= b.rollingWork;
     }
     advanceBodies(world, stage, dt);
+    advanceLinks(world, dt);
     world.impulses = t.impulses;
     world.candidates = stage.after;
     world.range = t.nextRange;

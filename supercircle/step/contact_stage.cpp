@@ -1,6 +1,7 @@
 #include "supercircle/step/contact_stage.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/link_stage.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,24 +22,8 @@ void surfaceRows(const Rod& rod, const RodWork& w, const contact::RodPoint& at, 
     w.kin.pointRows(rod.model, place, surface - w.kin.point(place), n, t, rows);
 }
 
-void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
-            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
-    if (w.C.rows() == 0) {
-        reduced = sign * full;
-        return;
-    }
-    reduced = sign * (full * w.Z);
-    offset += sign * (full * w.vp);
-}
-
 const BodyOutline& pieceOf(const World& world, const contact::Candidate& c) {
     return world.outlines[static_cast<std::size_t>(c.outline)];
-}
-
-int bodyIndex(const World& world, BodyId id) {
-    const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
-                                     [](const Body& b, BodyId want) { return b.id < want; });
-    return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
 }
 
 constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20 bits for an outline
@@ -49,14 +34,37 @@ std::uint32_t outlineKey(BodyId body, std::uint32_t piece) {
     return ((low << 10) | ((piece ^ (piece >> 10)) & 1023u)) & kKeyMask;
 }
 
-/// Velocity of a body's surface point.
-Vec2 surfaceVelocity(const Body& body, const Vec2& arm) {
-    return body.state.velocity + body.state.spin * rod::perp(arm);
+/// A body of fixed rotation has translations only.
+Eigen::Index freedoms(const Body& body) {
+    return body.state.inertia > 0.0 ? 3 : 2;
+}
+
+Vec2 surfaceVelocity(const BodyMotion& m, const Vec2& arm) {
+    return m.velocity + m.spin * rod::perp(arm);
+}
+
+std::uint32_t materialOf(const World& world, BodyId id) {
+    const auto it = std::lower_bound(world.bodyMaterials.begin(), world.bodyMaterials.end(), id,
+                                     [](const BodyMaterial& b, BodyId want) { return b.body < want; });
+    return it != world.bodyMaterials.end() && it->body == id ? it->material : 0;
+}
+
+/// What a pair's own friction says, else the geometric mean.
+double frictionOf(const World& world, std::uint32_t a, double muA, std::uint32_t b, double muB) {
+    if (a != 0 && b != 0) {
+        const PairFriction want{std::min(a, b), std::max(a, b), 0.0};
+        const auto it = std::lower_bound(
+            world.pairFriction.begin(), world.pairFriction.end(), want,
+            [](const PairFriction& x, const PairFriction& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+        if (it != world.pairFriction.end() && it->a == want.a && it->b == want.b)
+            return it->mu;
+    }
+    return mixedFriction(muA, muB);
 }
 
 /// Rows and bias of one candidate.
 void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double gapAtStart,
-               const contact::Candidate& c, ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
+               const contact::Candidate& c, const ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
     const Vec2 n = c.normal, t = rod::perp(c.normal);
     const auto ia = static_cast<std::size_t>(c.a.rod);
     const Rod& rodA = world.rods[ia];
@@ -66,95 +74,136 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     k.surface.setZero();
     surfaceRows(rodA, rods[ia], c.a, c.pointA, n, t, k.Ja);
     out.w.setZero();
-    out.a = rods[ia].body;
+    out.kind = coulomb::Kind::Unilateral;
+    out.a = rods[ia].body; // -1 when asleep: an obstacle
     out.b = -1;
     out.Hb.resize(2, 0);
-    reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
+    if (out.a >= 0)
+        reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
     if (c.b.rod >= 0) {
         const auto ib = static_cast<std::size_t>(c.b.rod);
         surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, n, t, k.Jb);
-        out.b = rods[ib].body;
-        reduce(rods[ib], k.Jb, -1.0, out.w, out.Hb);
-        out.mu = mixedFriction(rodA.mu, world.rods[ib].mu);
+        (out.a < 0 ? out.a : out.b) = rods[ib].body;
+        if (rods[ib].body >= 0)
+            reduce(rods[ib], k.Jb, -1.0, out.w, out.b < 0 ? out.Ha : out.Hb);
+        out.mu = frictionOf(world, rodA.material, rodA.mu, world.rods[ib].material, world.rods[ib].mu);
     } else {
         const BodyOutline& piece = pieceOf(world, c);
         k.bodyB = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
-        k.armB = c.pointB - (body.state.centre + 0.5 * dt * body.state.velocity);
-        const Vec2 velocity = surfaceVelocity(body, k.armB);
-        out.mu = mixedFriction(rodA.mu, piece.friction);
+        const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
+        k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
+        out.mu = frictionOf(world, rodA.material, rodA.mu, materialOf(world, piece.body), piece.friction);
         out.b = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
         if (out.b >= 0) {
-            out.Hb.resize(2, 3);
-            out.Hb << -n.x(), -n.y(), -n.dot(rod::perp(k.armB)), -t.x(), -t.y(), -t.dot(rod::perp(k.armB));
-        } else {
-            k.surface = Vec2(n.dot(velocity), t.dot(velocity));
-            out.w -= k.surface;
+            out.Hb.resize(2, freedoms(body));
+            out.Hb.leftCols<2>() << -n.x(), -n.y(), -t.x(), -t.y();
+            if (freedoms(body) == 3)
+                out.Hb.col(2) << -n.dot(rod::perp(k.armB)), -t.dot(rod::perp(k.armB));
         }
+        const Vec2 given = out.b < 0 ? surfaceVelocity(motion, k.armB)
+                                     : surfaceVelocity({body.handover.drift, body.handover.driftSpin}, k.armB);
+        k.surface = Vec2(n.dot(given), t.dot(given));
+        out.w -= k.surface;
     }
     out.w.x() += gapAtStart / dt;
     out.id = c.id;
 }
 
-void addRodBodies(std::vector<RodWork>& rods, ContactStage& stage) {
+void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& stage) {
     for (RodWork& w : rods)
         w.body = -1;
     int count = 0;
     const auto take = [&](int rod) {
-        if (rod >= 0 && rods[static_cast<std::size_t>(rod)].body < 0)
+        if (rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen())
             rods[static_cast<std::size_t>(rod)].body = 0;
     };
     for (const contact::Candidate& c : stage.candidates) {
         take(c.a.rod);
         take(c.b.rod);
     }
+    for (std::size_t i = 0; i < stage.linkCount; ++i) {
+        take(stage.linkRows[i].rodA);
+        take(stage.linkRows[i].rodB);
+    }
     for (RodWork& w : rods)
         if (w.body == 0)
             w.body = count++;
     stage.problem.bodies.resize(static_cast<std::size_t>(count));
-    for (RodWork& w : rods)
-        if (w.body >= 0) {
-            coulomb::Body& b = stage.problem.bodies[static_cast<std::size_t>(w.body)];
-            if (w.C.rows() == 0)
-                b.A = w.A;
-            else
-                b.A = w.Z.transpose() * w.A * w.Z;
-            b.vFree = w.vFree;
-        }
+    parallel::forEach(stage.loop, rods.size(), 32, [&](std::size_t i) {
+        const RodWork& w = rods[i];
+        if (w.body < 0)
+            return;
+        coulomb::Body& b = stage.problem.bodies[static_cast<std::size_t>(w.body)];
+        if (w.C.rows() == 0)
+            b.A = w.A;
+        else
+            b.A = w.Z.transpose() * w.A * w.Z;
+        b.vFree = w.vFree;
+    });
+}
+
+void addHostBody(const World& world, double dt, int i, ContactStage& stage) {
+    if (i < 0)
+        return;
+    const Body& body = world.bodies[static_cast<std::size_t>(i)];
+    int& index = stage.bodyProblemIndex[static_cast<std::size_t>(i)];
+    if (!body.dynamic || index >= 0)
+        return;
+    index = static_cast<int>(stage.problem.bodies.size());
+    coulomb::Body b;
+    const BodyState& s = body.state;
+    const Eigen::Index n = freedoms(body);
+    b.A = Eigen::Vector3d(s.mass, s.mass, s.inertia).head(n).asDiagonal();
+    const BodyMotion free = freeMotion(world, body, body.handover.unexplained, body.handover.unexplainedSpin, dt);
+    b.vFree = Eigen::Vector3d(free.velocity.x(), free.velocity.y(), free.spin).head(n);
+    stage.problem.bodies.push_back(std::move(b));
 }
 
 void addHostBodies(const World& world, double dt, ContactStage& stage) {
     stage.bodyProblemIndex.assign(world.bodies.size(), -1);
-    for (const contact::Candidate& c : stage.candidates) {
-        if (c.b.rod >= 0)
-            continue;
-        const int i = bodyIndex(world, pieceOf(world, c).body);
-        const Body& body = world.bodies[static_cast<std::size_t>(i)];
-        if (!body.dynamic || stage.bodyProblemIndex[static_cast<std::size_t>(i)] >= 0)
-            continue;
-        stage.bodyProblemIndex[static_cast<std::size_t>(i)] = static_cast<int>(stage.problem.bodies.size());
-        coulomb::Body b;
-        const BodyState& s = body.state;
-        // Fixed rotation: an inertia so large that contact cannot turn the body, small enough to keep A well scaled.
-        const double inertia = s.inertia > 0.0 ? s.inertia : 1e6 * s.mass;
-        b.A = Eigen::Vector3d(s.mass, s.mass, inertia).asDiagonal();
-        const double slow = 1.0 / (1.0 + dt * s.linearDamping), slowSpin = 1.0 / (1.0 + dt * s.angularDamping);
-        const Vec2 v = (s.velocity + dt * (s.gravityScale * world.gravity + body.feedForward)) * slow;
-        b.vFree = Eigen::Vector3d(v.x(), v.y(), (s.spin + dt * body.feedForwardSpin) * slowSpin);
-        stage.problem.bodies.push_back(std::move(b));
-    }
+    for (const contact::Candidate& c : stage.candidates)
+        if (c.b.rod < 0)
+            addHostBody(world, dt, bodyIndex(world, pieceOf(world, c).body), stage);
+    for (std::size_t i = 0; i < stage.linkCount; ++i)
+        addHostBody(world, dt, stage.linkRows[i].bodyB, stage);
 }
 
 } // namespace
 
-void placeOutlines(const World& world, double ahead, double motionTime, std::vector<contact::Outline>& outlines) {
+void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
+            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
+    if (w.C.rows() == 0) {
+        reduced = sign * full;
+        return;
+    }
+    reduced = sign * (full * w.Z);
+    offset += sign * (full * w.vp);
+}
+
+BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt) {
+    const BodyState& s = b.state;
+    return {(s.velocity + dt * s.gravityScale * world.gravity) / (1.0 + dt * s.linearDamping) + dt * host,
+            s.spin / (1.0 + dt * s.angularDamping) + dt * hostSpin};
+}
+
+void predictMotion(const World& world, ContactStage& stage) {
+    stage.motion.resize(world.bodies.size());
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        const Body& b = world.bodies[i];
+        stage.motion[i] = {b.state.velocity + b.handover.drift, b.state.spin + b.handover.driftSpin};
+    }
+}
+
+void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,
+                   std::vector<contact::Outline>& outlines) {
     outlines.resize(world.outlines.size());
     for (std::size_t i = 0; i < outlines.size(); ++i) {
         const BodyOutline& piece = world.outlines[i];
         const int index = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(index)];
-        outlines[i] =
-            placed(piece, body.state.centre + ahead * body.state.velocity, body.state.angle + ahead * body.state.spin);
+        const BodyMotion& m = motion[static_cast<std::size_t>(index)];
+        outlines[i] = placed(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin);
         outlines[i].body = static_cast<std::uint32_t>(index);
         outlines[i].key = outlineKey(piece.body, piece.local.key);
         for (std::size_t k = 0; k < i; ++k) // rare: two pieces fold onto one key; the later one moves on
@@ -165,28 +214,31 @@ void placeOutlines(const World& world, double ahead, double motionTime, std::vec
         double reach = 0.0;
         for (const Vec2& p : piece.local.points)
             reach = std::max(reach, p.norm() + piece.local.radius);
-        outlines[i].motion = motionTime * (body.state.velocity.norm() + std::abs(body.state.spin) * reach);
+        outlines[i].motion = motionTime * (m.velocity.norm() + std::abs(m.spin) * reach);
     }
 }
 
 void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
              double ahead, double motionTime, double margin, ContactStage& stage,
              std::vector<contact::Candidate>& out) {
-    placeOutlines(world, ahead, motionTime, stage.outlines);
+    placeOutlines(world, stage.motion, ahead, motionTime, stage.outlines);
     stage.curves.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+    parallel::forEach(stage.loop, world.rods.size(), 32, [&](std::size_t i) {
         toCurve(world.rods[i], *kin[i], stage.curves[i]);
         stage.curves[i].motion = range[i];
-    }
-    stage.detector.detect(stage.curves, stage.outlines, {margin}, out);
+    });
+    stage.detector.detect(stage.curves, stage.outlines, {margin}, out, stage.loop);
+    collectExcluded(world, stage);
+    std::erase_if(out,
+                  [&](const contact::Candidate& c) { return excluded(world, stage, c.a.rod, c.b.rod, c.outline); });
 }
 
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage) {
-    placeOutlines(world, 0.5 * dt, 0.0, stage.outlinesMiddle);
+    placeOutlines(world, stage.motion, 0.5 * dt, 0.0, stage.outlinesMiddle);
     stage.curvesMiddle.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i)
-        toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]);
+    parallel::forEach(stage.loop, world.rods.size(), 32,
+                      [&](std::size_t i) { toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]); });
     stage.candidates = start;
     stage.gapAtStart.clear();
     for (const contact::Candidate& c : start)
@@ -198,7 +250,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         std::sort(known.begin(), known.end());
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (std::binary_search(known.begin(), known.end(), c.id))
+            if (c.gap > stage.addBelow || std::binary_search(known.begin(), known.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -208,55 +260,73 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
                 surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, c.normal, rod::perp(c.normal), rows);
                 gap += rows.row(0).dot(rods[ib].q1 - world.rods[ib].q);
             } else {
-                const Body& body = world.bodies[static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body))];
-                gap += dt * c.normal.dot(surfaceVelocity(body, c.pointB - body.state.centre));
+                const auto ib = static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body));
+                const BodyMotion& m = stage.motion[ib];
+                const Vec2 arm = c.pointB - (world.bodies[ib].state.centre + dt * m.velocity);
+                gap += dt * c.normal.dot(surfaceVelocity(m, arm));
             }
             stage.candidates.push_back(c);
             stage.gapAtStart.push_back(gap);
         }
     }
-    for (contact::Candidate& c : stage.candidates)
-        contact::refresh(c, stage.curvesMiddle, stage.outlinesMiddle);
+    parallel::forEach(stage.loop, stage.candidates.size(), 64, [&](std::size_t i) {
+        contact::refresh(stage.candidates[i], stage.curvesMiddle, stage.outlinesMiddle);
+    });
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-            ContactStage& stage) {
+            bool again, ContactStage& stage) {
     stage.problem.dt = dt;
-    addRodBodies(rods, stage);
+    prepareLinks(world, rods, dt, again, stage);
+    addRodBodies(world, rods, stage);
     addHostBodies(world, dt, stage);
     const std::size_t n = stage.candidates.size();
-    stage.problem.contacts.resize(n);
+    stage.problem.contacts.resize(n + stage.linkCount);
     stage.work.resize(n);
-    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * n));
+    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * (n + stage.linkCount)));
     const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
-    for (std::size_t i = 0; i < n; ++i) {
+    parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
         const ContactImpulse before = forceBefore(warm, present, c);
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
-    }
+    });
+    coupleLinks(world, rods, dt, stage);
 }
 
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage) {
-    if (stage.candidates.empty()) {
+    const bool any = !stage.problem.contacts.empty();
+    if (!any) {
         stage.r.resize(0);
         stage.report = {};
         stage.report.converged = true;
     } else {
-        stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity);
+        stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity, stage.loop);
     }
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
-        const Eigen::VectorXd& x =
-            w.body >= 0 && !stage.candidates.empty() ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
-        if (world.rods[i].quarantined)
+        const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
+        if (w.frozen)
             w.v.setZero(world.rods[i].model.dofs());
         else if (w.C.rows() == 0)
             w.v = x;
         else
             w.v = w.vp + w.Z * x;
+    }
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        const Body& b = world.bodies[i];
+        if (!b.dynamic)
+            continue;
+        const Handover& h = b.handover;
+        const int index = any ? stage.bodyProblemIndex[i] : -1;
+        BodyMotion m = freeMotion(world, b, h.acceleration, h.angularAcceleration, stage.problem.dt);
+        if (index >= 0) {
+            const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(index)];
+            m = {x.head<2>(), x.size() == 3 ? x[2] : b.state.spin};
+        }
+        stage.motion[i] = {m.velocity + h.drift, m.spin + h.driftSpin};
     }
 }
 

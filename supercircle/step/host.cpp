@@ -1,5 +1,6 @@
 // The shells' side of the host: what is pulled before a frame, handed over after it, and learnt from the host's step.
 
+#include "supercircle/step/sleep.h"
 #include "supercircle/step/stepper.h"
 
 #include <algorithm>
@@ -26,15 +27,42 @@ Box reach(const World& world, double frame) {
 bool sameOutlines(const std::vector<BodyOutline>& a, const std::vector<BodyOutline>& b) {
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
                return x.body == y.body && x.local.key == y.local.key && x.friction == y.friction &&
-                      x.local.points == y.local.points;
+                      x.local.points == y.local.points && x.local.category == y.local.category &&
+                      x.local.mask == y.local.mask && x.local.group == y.local.group;
            });
 }
 
+/// What the copy `old` of the last frame still knows about a body whose original is now in the state `b.state`.
+void takeUp(const Body& old, double frame, Body& b) {
+    const BodyState &now = b.state, &seen = old.handover.seen;
+    Handover& h = b.handover;
+    h.unexplained = old.handover.unexplained;
+    h.unexplainedSpin = old.handover.unexplainedSpin;
+    h.acceleration = old.handover.acceleration;
+    h.angularAcceleration = old.handover.angularAcceleration;
+    if (!old.handover.coupled)
+        return;
+    if (now.velocity == seen.velocity && now.spin == seen.spin) { // else its user set it
+        b.state.velocity = old.state.velocity;
+        b.state.spin = old.state.spin;
+    }
+    if (now.centre == seen.centre && now.angle == seen.angle) { // else its user moved it
+        h.drift = (now.centre - old.state.centre) / frame;
+        h.driftSpin = (now.angle - old.state.angle) / frame;
+        b.state.centre = old.state.centre;
+        b.state.angle = old.state.angle;
+    }
+}
+
 /// The bodies of `outlines` with fresh states; driven ones keep our pose, known ones what was learnt about them.
-std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyOutline>& outlines) {
+std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyOutline>& outlines,
+                             double frame) {
     std::vector<BodyId> ids = world.machineBodies;
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
+    for (const Link& l : world.links)
+        if (l.end == LinkEnd::Body)
+            ids.push_back(l.body);
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     std::vector<Body> bodies;
@@ -50,9 +78,9 @@ std::vector<Body> readBodies(const World& world, const Port& port, const std::ve
         if (old != world.bodies.end() && old->id == id) {
             if (b.driven && old->driven)
                 b.state = old->state;
-            b.feedForward = old->feedForward;
-            b.feedForwardSpin = old->feedForwardSpin;
             b.force = old->force;
+            if (b.dynamic && old->handover.known)
+                takeUp(*old, frame, b);
         }
         bodies.push_back(b);
     }
@@ -77,18 +105,27 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
         world.ledger.gravity += change;
         world.ledger.added += change;
         world.gravity = g;
+        wakeAll(world);
     }
     std::vector<BodyOutline> outlines;
     if (!world.rods.empty())
         port.query(reach(world, frame), outlines);
-    std::vector<Body> bodies = readBodies(world, port, outlines);
+    std::vector<Body> bodies = readBodies(world, port, outlines, frame);
     std::erase_if(outlines, [&](const BodyOutline& o) {
         return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
+    wakeByHost(world, bodies, outlines, frame);
     if (!sameOutlines(outlines, world.outlines) || !samePoses(bodies, world.bodies))
         world.range.clear(); // candidates refer to outlines by index and to poses
     world.outlines = std::move(outlines);
     world.bodies = std::move(bodies);
+    std::erase_if(world.links, [&](const Link& l) { // as in Box2D: a body takes its joints with it
+        const bool gone = l.end == LinkEnd::Body && bodyIndex(world, l.body) < 0;
+        if (gone)
+            if (const int rod = rodIndex(world, l.rodA); rod >= 0)
+                wake(world, static_cast<std::size_t>(rod));
+        return gone;
+    });
 }
 
 void Stepper::pushToHost(World& world, Port& port, double advanced) {
@@ -103,22 +140,44 @@ void Stepper::pushToHost(World& world, Port& port, double advanced) {
         BodyState now;
         if (!port.state(b.id, now))
             continue;
-        if (!b.impulse.isZero(0.0) || b.angularImpulse != 0.0)
-            port.applyImpulse(b.id, b.impulse, b.angularImpulse);
-        const double slow = 1.0 / (1.0 + advanced * now.linearDamping);
-        b.expected = (now.velocity + b.impulse / now.mass + advanced * now.gravityScale * world.gravity) * slow;
-        b.expectedSpin = (now.spin + (now.inertia > 0.0 ? b.angularImpulse / now.inertia : 0.0)) /
-                         (1.0 + advanced * now.angularDamping);
+        const double slow = 1.0 + advanced * now.linearDamping, slowSpin = 1.0 + advanced * now.angularDamping;
+        const Vec2 fall = advanced * now.gravityScale * world.gravity;
+        Handover& h = b.handover;
+        if (!h.coupled) {
+            h.handed = (now.velocity + fall) / slow;
+            h.handedSpin = now.spin / slowSpin;
+            continue;
+        }
+        h.handed = h.travel / advanced;
+        h.handedSpin = h.turn / advanced;
+        const Vec2 impulse = (now.mass * h.handed - h.hostImpulse) * slow - now.mass * (now.velocity + fall);
+        const double turn = now.inertia > 0.0
+                                ? (now.inertia * h.handedSpin - h.hostTurnImpulse) * slowSpin - now.inertia * now.spin
+                                : 0.0;
+        port.applyImpulse(b.id, impulse, turn);
     }
 }
 
-void Stepper::learnFromHost(World& world, const Port& port, double advanced) {
+void Stepper::learnFromHost(World& world, Port& port, double advanced) {
     for (Body& b : world.bodies) {
         BodyState now;
-        if (!b.dynamic || !(advanced > 0.0) || !port.state(b.id, now))
+        if (!b.dynamic || !(advanced > 0.0) || !port.state(b.id, now)) {
+            b.handover.known = false;
             continue;
-        b.feedForward = (now.velocity - b.expected) / advanced;
-        b.feedForwardSpin = (now.spin - b.expectedSpin) / advanced;
+        }
+        Handover& h = b.handover;
+        const Vec2 change = now.velocity - h.handed;
+        const double changeSpin = now.spin - h.handedSpin;
+        h.acceleration = (h.hostImpulse / now.mass + change) / advanced;
+        h.angularAcceleration = ((now.inertia > 0.0 ? h.hostTurnImpulse / now.inertia : 0.0) + changeSpin) / advanced;
+        h.unexplained = change / advanced;
+        h.unexplainedSpin = changeSpin / advanced;
+        if (h.coupled) {
+            b.state.velocity += change;
+            b.state.spin += changeSpin;
+            port.setVelocity(b.id, b.state.velocity, b.state.spin);
+        }
+        h.known = port.state(b.id, h.seen);
     }
 }
 

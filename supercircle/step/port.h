@@ -11,6 +11,7 @@
 namespace supercircle::step {
 
 using rod::Vec2;
+struct RigidWorldDefinition; // rigid_definition.h
 
 /// Names a body of the host across steps. Hosts reuse addresses, so an id is never a pointer; 0 is nobody.
 using BodyId = std::uint64_t;
@@ -56,8 +57,14 @@ public:
     [[nodiscard]] virtual bool state(BodyId body, BodyState& out) const = 0;
     /// Adds an impulse (N s) and an angular impulse about the centre of mass (N m s); wakes the body.
     virtual void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) = 0;
+    /// Sets the velocity of the centre of mass and the spin of a dynamic body after a host step, m/s and rad/s; wakes
+    /// nobody.
+    virtual void setVelocity(BodyId body, const Vec2& velocity, double spin) = 0;
     /// Places a kinematic body for the coming host step: pose at its start and velocity through it.
     virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
+    /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why
+    /// nothing was made.
+    virtual std::string build(const RigidWorldDefinition&) { return "this host cannot be given bodies"; }
     /// The body called `name` in the host, 0 if there is none.
     [[nodiscard]] virtual BodyId find(const std::string& name) const = 0;
 };

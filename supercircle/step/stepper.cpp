@@ -1,6 +1,8 @@
 #include "supercircle/step/stepper.h"
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/loads.h"
+#include "supercircle/step/sleep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -96,6 +98,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
         if (b.driven)
             b.state.velocity = world.machineVelocity;
     }
+    startPaths(world, frame);
     work_->attempt.h = thinnest(world);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;
@@ -106,7 +109,14 @@ void Stepper::prepare(World& world, double frame, Port* port) {
 bool Stepper::acceptable(Verdict verdict, int cuts) const {
     if (verdict == Verdict::Smaller)
         return false;
-    return work_->attempt.stage.report.converged || cuts >= 2 || settings_.fixedDt > 0.0;
+    return work_->attempt.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
+}
+
+/// How long each rod has rested.
+void Stepper::rest(World& world) const {
+    const double limit = settings_.sleepSpeed * work_->attempt.h;
+    for (Rod& r : world.rods)
+        r.rested = r.speed < limit ? r.rested + work_->attempt.dt : 0.0;
 }
 
 FrameOutcome Stepper::advance(World& world, double frame, Port* port,
@@ -119,10 +129,14 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
     prepare(world, frame, port);
     Attempt& attempt = work_->attempt;
     const double start = world.time;
+    const std::uint64_t budget = static_cast<std::uint64_t>(std::max(0, settings_.frameSolves));
+    const std::uint64_t solvesBefore = world.counters.solves;
     int cuts = 0;
-    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped;) {
-        const double want = settings_.fixedDt > 0.0 ? settings_.fixedDt * std::pow(0.5, cuts)
-                                                    : std::clamp(world.dtNext, settings_.dtMin, settings_.dtMax);
+    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.late;) {
+        const bool still = std::all_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.frozen(); });
+        const double want = still                     ? frame
+                            : settings_.fixedDt > 0.0 ? settings_.fixedDt * std::pow(0.5, cuts)
+                                                      : std::clamp(world.dtNext, settings_.dtMin, settings_.dtMax);
         const std::int64_t ticks = ticksFor(want, frame, left);
         attempt.dt = frame * static_cast<double>(ticks) / kTicks;
         {
@@ -130,6 +144,8 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             attempt.collidePresent(world, settings_);
         }
         const Verdict verdict = attempt.solve(world, settings_, times_, onSolve);
+        if (verdict == Verdict::Woken)
+            continue;
         const bool smallest = attempt.dt <= 2.0 * settings_.dtMin || ticks == 1 || cuts >= kGiveUp;
         if (!acceptable(verdict, cuts) && !smallest) {
             ++world.counters.rejected;
@@ -150,14 +166,19 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             StageTimer timer(times_, Stage::Advance);
             accept(world, attempt);
         }
+        rest(world);
         work_->lastDt = attempt.dt;
         world.dtNext = nextSize(settings_, attempt, cuts > 0);
         cuts = 0;
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         out.stopped = observer && observer(world);
+        out.late = budget > 0 && left > 0 && world.counters.solves - solvesBefore >= budget;
     }
     out.advanced = world.time - start;
+    endOfFrame(world);
+    if (settings_.autoSleep)
+        sleepAtRest(world, settings_);
     if (port) {
         StageTimer timer(times_, Stage::Push);
         pushToHost(world, *port, out.advanced);

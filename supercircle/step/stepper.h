@@ -37,8 +37,9 @@ enum class Verdict : std::uint8_t;
 
 /// How a frame ended.
 struct FrameOutcome {
-    double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it or it failed
+    double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it, it was late or failed
     bool stopped = false;  ///< the observer asked to stop
+    bool late = false;     ///< Settings::frameSolves were used up
     std::string failure;   ///< empty unless the simulation cannot go on
 };
 
@@ -62,8 +63,9 @@ public:
     void pullFromHost(World& world, const Port& port, double frame) const;
     /// Hands gathered impulses and driven poses to the host; `advanced` is the time the host is about to step.
     static void pushToHost(World& world, Port& port, double advanced);
-    /// After the host's own step: learns what its constraints did to the bodies (feed-forward of the next frame).
-    static void learnFromHost(World& world, const Port& port, double advanced);
+    /// After the host's own step: gives the bodies the velocities they have at the end of the frame and learns what the
+    /// host's constraints did to them (handover.h).
+    static void learnFromHost(World& world, Port& port, double advanced);
 
     [[nodiscard]] const StageTimes& times() const { return times_; }
     /// The contact problem of the last solve, for dumps.
@@ -77,6 +79,7 @@ public:
 private:
     struct Work;
     void prepare(World& world, double frame, Port* port);
+    void rest(World& world) const;
     [[nodiscard]] bool acceptable(Verdict verdict, int cuts) const;
     Settings settings_;
     std::unique_ptr<Work> work_;

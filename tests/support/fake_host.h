@@ -68,6 +68,10 @@ public:
         if (s.inertia > 0.0)
             s.spin += angularImpulse / s.inertia;
     }
+    void setVelocity(step::BodyId id, const Vec2& velocity, double spin) override {
+        bodies.at(id).state.velocity = velocity;
+        bodies.at(id).state.spin = spin;
+    }
     void drive(step::BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) override {
         step::BodyState& s = bodies.at(id).state;
         s.centre = centre;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-namespace supercircle::lab {
+namespace supercircle::player {
 
 class Random {
 public:
@@ -16,4 +16,4 @@ private:
     std::mt19937_64 engine_;
 };
 
-} // namespace supercircle::lab
+} // namespace supercircle::player

@@ -1,0 +1,97 @@
+#pragma once
+// The peer: what Box2D users build today when they want a shell - N boxes joined by weld joints whose springs carry the
+// bending stiffness - beside ours, in the same scenes, judged by the same witness.
+
+#include "plugin/cli/bench.h"
+#include "plugin/include/supercircle/shells.hpp"
+#include "supercircle/contact/geometry.h"
+#include "supercircle/step/port.h"
+#include "supercircle/step/rigid_definition.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace supercircle::cli {
+
+using rod::Vec2;
+
+/// How the boxes are welded and stepped.
+struct PeerSettings {
+    int substeps = 1;        ///< of the host, per frame of 1/60 s (8 velocity and 3 position iterations each)
+    bool soft = true;        ///< springs of stiffness B / length in the joints; false: rigid welds
+    double damping = 0.1;    ///< damping ratio of the springs; 0.02 and 1 give the same figures
+    double lengthScale = 10; ///< Box2D units per metre: boxes of 0.26 units, well above Box2D's skin of 0.01
+};
+
+/// Shells of welded boxes in a host world.
+class WeldedShells {
+public:
+    WeldedShells(step::RigidWorldDefinition rest, const PeerSettings& settings)
+        : settings_(settings), definition_(std::move(rest)) {
+        definition_.lengthScale = settings.lengthScale;
+    }
+    /// `pose` is where the shell is; one box per arc. `held`: the middle box is kinematic.
+    void add(const ShellDef& shell, const ShellPose& pose, bool held);
+    /// Builds the world. Empty, or why not.
+    std::string build(std::unique_ptr<step::HostWorld>& host);
+
+    /// Centre lines through the joints, as the witness sees them.
+    [[nodiscard]] std::vector<contact::Curve> curves(const step::HostWorld& host) const;
+    /// Largest distance between the two ends that a joint should keep together, over all shells: of one joint, and the
+    /// sum over a shell relative to its length.
+    [[nodiscard]] double stretch(const step::HostWorld& host) const;
+    [[nodiscard]] step::BodyId heldBody() const { return held_; }
+    [[nodiscard]] std::size_t boxes() const { return boxes_.size(); }
+
+private:
+    struct Box {
+        step::BodyId id = 0;
+        double half = 0.0; ///< half length, m
+    };
+    struct One {
+        std::size_t first = 0, count = 0;
+        double length = 0.0, thickness = 0.0;
+    };
+    PeerSettings settings_;
+    step::RigidWorldDefinition definition_;
+    std::vector<Box> boxes_;
+    std::vector<One> shells_;
+    step::BodyId held_ = 0;
+};
+
+/// Pairs (shell and shell, shell and itself, shell and solid) whose centre lines cross in this configuration.
+int crossedPairs(const std::vector<contact::Curve>& curves, const std::vector<contact::Outline>& outlines);
+
+/// One run, of either kind, with what the table and the picture need.
+struct PeerRun {
+    std::string name;
+    std::string label;          ///< for the table
+    double stretch = 0.0;       ///< largest relative stretch
+    int crossings = 0;          ///< pairs crossed at the end
+    double peak = 0.0;          ///< of the force on the machine, over theory (cylinders)
+    double cpu = 0.0;           ///< s of processor time per simulated second
+    std::vector<double> frames; ///< ms
+    std::vector<contact::Curve> curves;
+};
+
+/// A shell pushed over a cylinder, and the peak force theory has for it.
+struct PeerCylinder {
+    const char* name;
+    double phi_bar; ///< 1
+    double mu;      ///< 1
+    double theory;  ///< B/R^2
+};
+/// Type I at 300 degrees: the laboratory at 121 arcs and thickness R/500, which agrees with the solved references at
+/// other angles to 0.3 % (docs/validation.html). Type II: unfolding force of the solved reference.
+constexpr PeerCylinder kCylinders[] = {{"smooth", 300.0 / 360.0, 0.35, 0.2059}, {"snap", 0.9, 0.3, 5.281}};
+
+PeerRun ourCylinder(const PeerCylinder& which, Quality quality, int elements);
+PeerRun peerCylinder(const PeerCylinder& which, const PeerSettings& settings, int boxes);
+PeerRun ourPile(Quality quality, int shells, double seconds);
+PeerRun peerPile(const PeerSettings& settings, int shells, double seconds);
+
+/// Content of a PNG file: both piles side by side; empty after an error.
+std::string peerPicture(const PeerRun& ours, const PeerRun& peer, const PeerRun& tuned, std::string& error);
+
+} // namespace supercircle::cli

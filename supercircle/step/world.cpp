@@ -43,9 +43,11 @@ double gravityPotential(const World& world, const Rod& rod) {
 }
 
 void book(World& world, const Rod& rod, double sign) {
-    const double kinetic = rod::kineticEnergy(rod.gauss, rod.u);
-    const double bending = rod::bendingEnergy(rod.model, rod.q);
-    const double gravity = gravityPotential(world, rod);
+    // A rod that somebody spoilt takes what it owns out of the world, but must not take the books along.
+    const auto number = [](double energy) { return std::isfinite(energy) ? energy : 0.0; };
+    const double kinetic = number(rod::kineticEnergy(rod.gauss, rod.u));
+    const double bending = number(rod::bendingEnergy(rod.model, rod.q));
+    const double gravity = number(gravityPotential(world, rod));
     world.ledger.kinetic += sign * kinetic;
     world.ledger.bending += sign * bending;
     world.ledger.gravity += sign * gravity;

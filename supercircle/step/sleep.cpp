@@ -168,6 +168,19 @@ std::string putToSleep(World& world, std::size_t rod) {
     return {};
 }
 
+void measureRest(World& world, const Settings& settings, double h, double dt) {
+    const double farthest = settings.sleepDrift * h;
+    for (Rod& r : world.rods) {
+        const Vec2 now[3] = {r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
+        bool stayed = r.rested > 0.0;
+        for (int k = 0; k < 3; ++k)
+            stayed = stayed && (now[k] - r.restPlace[k]).norm() <= farthest;
+        if (!stayed)
+            std::copy(now, now + 3, r.restPlace);
+        r.rested = stayed ? r.rested + dt : dt;
+    }
+}
+
 void sleepAtRest(World& world, const Settings& settings) {
     const auto tired = [&](const Rod& r) { return !r.frozen() && r.rested >= settings.sleepAfter; };
     if (world.range.size() != world.rods.size() || std::none_of(world.rods.begin(), world.rods.end(), tired))

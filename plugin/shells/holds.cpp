@@ -1,6 +1,7 @@
 // Holds, grabs and forces: what acts on one shell alone.
 
 #include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/sleep.h"
 
@@ -46,6 +47,7 @@ Result<HoldHandle> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind
         h.targetAngle = rod.kin.angle(at);
         h.key = impl_->world.nextPart++;
         rod.holds.push_back(h);
+        impl_->recorder.record(Call::Hold, impl_->inner, shell, arc_fraction, kind, on_machine);
         return R(HoldHandle{rod.key, h.key, impl_->tag});
     });
 }

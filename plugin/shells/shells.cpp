@@ -1,14 +1,20 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
+#include "plugin/shells/quality.h"
 #include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
 
 #include <atomic>
+#include <cmath>
 
 namespace supercircle {
 
 namespace {
+
+/// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
+constexpr double kMostSteps = 4096.0;
 
 /// A number per Shells of this process; it only tells handles apart and touches no result.
 std::uint32_t nextTag() {
@@ -27,6 +33,26 @@ int Shells::Impl::find(ShellHandle h) const {
     return step::rodIndex(world, slots[h.index].key);
 }
 
+ShellHandle Shells::Impl::handleOf(std::uint32_t key) const {
+    for (std::uint32_t i = 0; i < slots.size(); ++i)
+        if (slots[i].key == key)
+            return {i, slots[i].generation, tag};
+    return {};
+}
+
+ShellHandle Shells::Impl::adopt(std::uint32_t key, std::string name, std::uint64_t userData) {
+    std::uint32_t i = 0;
+    while (i < slots.size() && slots[i].key != 0)
+        ++i;
+    if (i == slots.size())
+        slots.emplace_back();
+    slots[i].generation = ++slots[i].highest;
+    slots[i].key = key;
+    slots[i].name = std::move(name);
+    slots[i].userData = userData;
+    return {i, slots[i].generation, tag};
+}
+
 Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>()) {
     impl_->port = std::move(port);
     if (impl_->port)
@@ -36,26 +62,29 @@ Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
 
+void Shells::set_quality(Quality quality) {
+    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
+    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
+}
+Quality Shells::quality() const {
+    return qualityOf(impl_->stepper.settings());
+}
+
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {
         RodFromDefinition rod;
         if (std::string why = fromDefinition(definition, rod); !why.empty())
             return Result<ShellHandle>::failure(std::move(why));
         step::World& w = impl_->world;
-        step::Rod& made = w.rods[step::addRod(w, rod.definition, rod.q, rod.v, definition.mu)];
-        made.category = definition.category;
-        made.mask = definition.mask;
-        made.group = definition.group;
-        made.material = definition.material;
-        made.width = definition.width;
-        std::uint32_t slot = 0;
-        while (slot < impl_->slots.size() && impl_->slots[slot].key != 0)
-            ++slot;
-        if (slot == impl_->slots.size())
-            impl_->slots.emplace_back();
-        impl_->slots[slot].generation++;
-        impl_->slots[slot].key = made.key;
-        return Result<ShellHandle>(ShellHandle{slot, impl_->slots[slot].generation, impl_->tag});
+        step::Rod& added = w.rods[step::addRod(w, rod.definition, rod.q, rod.v, definition.mu)];
+        added.category = definition.category;
+        added.mask = definition.mask;
+        added.group = definition.group;
+        added.material = definition.material;
+        added.width = definition.width;
+        const ShellHandle made = impl_->adopt(added.key, definition.name, definition.user_data);
+        impl_->recorder.record(Call::Create, impl_->inner, definition, made);
+        return Result<ShellHandle>(made);
     });
 }
 
@@ -66,6 +95,7 @@ Outcome Shells::destroy(ShellHandle shell) {
             return refused(kNoSuchShell);
         step::removeRod(impl_->world, static_cast<std::size_t>(i));
         impl_->slots[shell.index].key = 0;
+        impl_->recorder.record(Call::Destroy, impl_->inner, shell);
         return done();
     });
 }
@@ -84,6 +114,7 @@ Outcome Shells::carry(const std::string& body_name) {
             return refused("the host has no body called '" + body_name + "'");
         step::wakeAll(impl_->world);
         impl_->world.machineBodies.push_back(id);
+        impl_->recorder.record(Call::Carry, impl_->inner, body_name);
         return done();
     });
 }
@@ -95,6 +126,7 @@ Outcome Shells::set_machine_velocity(Point velocity) {
         if (impl_->world.machineVelocity != vec(velocity))
             step::wakeAll(impl_->world);
         impl_->world.machineVelocity = vec(velocity);
+        impl_->recorder.record(Call::MachineVelocity, impl_->inner, velocity);
         return done();
     });
 }
@@ -106,8 +138,14 @@ Point Shells::machine_force() const {
 
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
-    if (impl_->inside) {
+    Impl& m = *impl_; // stays where it is, even if the observer moves this object
+    if (m.inside) {
         report.failure = kStepping;
+        return report;
+    }
+    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest && std::isfinite(dt)) {
+        report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
+        m.advanced = 0.0;
         return report;
     }
     struct Inside { // until the call is over, however it ends
@@ -115,29 +153,43 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         explicit Inside(bool& f) : flag(f) { flag = true; }
         ~Inside() { flag = false; }
     };
-    const step::Counters before = impl_->world.counters;
-    const double start = impl_->world.time;
+    const step::Counters before = m.world.counters;
+    const double start = m.world.time;
+    const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
+    m.recorder.record(Call::PreStep, 0, dt);
     const Outcome ended = Impl::caught([&] {
-        const Inside inside(impl_->inside);
-        const step::FrameOutcome out = impl_->stepper.advance(
-            impl_->world, dt, impl_->port.get(), [&](const step::World&) { return observer && observer(); });
+        const Inside inside(m.inside);
+        m.watch.begin(m.world);
+        const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
+            ++m.inner;
+            m.watch.afterStep(world, m.stepper, handleOf);
+            const bool stop = observer && observer();
+            m.watch.remember(world);
+            return stop;
+        });
         report.stopped = out.stopped;
+        report.late = out.late;
         report.failure = out.failure;
+        m.watch.end(m.world, handleOf);
         return done();
     });
     if (!ended)
         report.failure = ended.error();
-    report.advanced = impl_->world.time - start;
-    impl_->advanced = report.advanced;
-    report.steps = impl_->world.counters.steps - before.steps;
-    report.unconverged = impl_->world.counters.unconverged - before.unconverged;
+    m.recorder.record(Call::FrameEnd, 0, m.inner, report.stopped);
+    m.inner = 0;
+    report.advanced = m.world.time - start;
+    m.advanced = report.advanced;
+    report.steps = m.world.counters.steps - before.steps;
+    report.unconverged = m.world.counters.unconverged - before.unconverged;
     return report;
 }
 
 Outcome Shells::post_step() {
     return impl_->change([&] {
+        impl_->recorder.record(Call::PostStep, 0);
         if (impl_->port)
             step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+        impl_->advanced = 0.0; // learnt once
         return done();
     });
 }

@@ -5,6 +5,7 @@
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
+#include "supercircle/step/prune.h"
 #include "supercircle/step/rod_stage.h"
 #include "supercircle/step/sleep.h"
 
@@ -23,10 +24,6 @@ double deepest(const std::vector<contact::Candidate>& list) {
 
 namespace {
 
-int count(const World& world) {
-    return static_cast<int>(world.rods.size());
-}
-
 struct GapErrors {
     double loaded = 0.0;  ///< largest |gap| of a loaded contact after the step, m
     double deepest = 0.0; ///< deepest overlap after the step, m
@@ -42,6 +39,11 @@ GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>
     return e;
 }
 
+/// Of longitudinal waves in the shell's material, sqrt(E / rho), m/s.
+double soundSpeed(const rod::RodDefinition& d) {
+    return std::sqrt(12.0 * d.bendingModulus / d.linearMass) / d.thickness;
+}
+
 void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
     for (RodWork& w : rods)
         w.touching = w.C.rows() > 0;
@@ -55,7 +57,15 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 
 } // namespace
 
+void Attempt::useThreads(int wanted) {
+    if (wanted == threads)
+        return;
+    threads = wanted;
+    stage.loop = threadLoop(wanted);
+}
+
 void Attempt::collidePresent(World& world, const Settings& settings) {
+    useThreads(settings.threads);
     bool known = world.range.size() == world.rods.size();
     for (std::size_t i = 0; known && i < world.rods.size(); ++i)
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
@@ -72,6 +82,15 @@ void Attempt::collidePresent(World& world, const Settings& settings) {
     collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
 }
 
+/// What a step starts from: all candidates known, or those of them that matter.
+const std::vector<contact::Candidate>& Attempt::startCandidates(const World& world, const Settings& settings) {
+    stage.addBelow = settings.prune ? settings.margin * h : std::numeric_limits<double>::infinity();
+    if (!settings.prune)
+        return world.candidates;
+    prune(world, dt, settings.margin * h, world.candidates, kept);
+    return kept;
+}
+
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
 /// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
 void Attempt::begin(const World& world, const Settings& settings) {
@@ -81,7 +100,7 @@ void Attempt::begin(const World& world, const Settings& settings) {
         if (c.b.rod >= 0)
             near[static_cast<std::size_t>(c.b.rod)] = 1;
     }
-    parallelFor(count(world), settings.threads, [&](std::size_t i) {
+    forEachRod(stage.loop, world.rods.size(), [&](std::size_t i) {
         if (world.rods[i].frozen()) {
             freezeRod(world.rods[i], rods[i]);
             return;
@@ -90,24 +109,24 @@ void Attempt::begin(const World& world, const Settings& settings) {
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
     predictMotion(world, stage);
-    frameInMiddle(world, rods, world.candidates, false, dt, stage);
+    frameInMiddle(world, rods, startCandidates(world, settings), false, dt, stage);
 }
 
 /// Stages evaluate, predict, couple and solve at the present linearisation, and the motion that follows.
 void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& times, bool first) {
-    const int n = count(world);
+    const std::size_t n = world.rods.size();
     {
         StageTimer timer(times, Stage::Evaluate);
         collectRolling(world, rods, dt, impulses, first, stage);
         collectAxial(world, rods, impulses, stage);
-        parallelFor(n, settings.threads, [&](std::size_t i) {
+        forEachRod(stage.loop, n, [&](std::size_t i) {
             if (!rods[i].frozen)
                 evaluateRod(world, world.rods[i], dt, first, rods[i]);
         });
     }
     {
         StageTimer timer(times, Stage::Predict);
-        parallelFor(n, settings.threads, [&](std::size_t i) {
+        forEachRod(stage.loop, n, [&](std::size_t i) {
             if (!rods[i].frozen)
                 predictRod(world.rods[i], rods[i]);
         });
@@ -118,13 +137,18 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     }
     {
         StageTimer timer(times, Stage::Solve);
-        solveContacts(world, rods, settings.contact, stage);
+        coulomb::SolverOptions options = settings.contact;
+        if (stage.candidates.size() > settings.sweepAbove) {
+            options.method = coulomb::Method::Accelerated;
+            options.maxSweeps = settings.cappedSweeps;
+        }
+        solveContacts(world, rods, options, stage);
         ++world.counters.solves;
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
     StageTimer timer(times, Stage::Advance);
-    parallelFor(n, settings.threads, [&](std::size_t i) {
+    forEachRod(stage.loop, n, [&](std::size_t i) {
         if (!rods[i].frozen)
             advanceRod(world.rods[i], dt, rods[i]);
     });
@@ -134,12 +158,15 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
 /// How far everything moved, and whether the candidates reached that far; if not, the world's range is widened.
 Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& widened, bool first) {
     error = moved = 0.0;
+    runaways.clear();
     bool outOfRange = false;
     for (std::size_t i = 0; i < rods.size(); ++i) {
         const RodWork& w = rods[i];
         error = std::max(error, w.error);
         if (w.touching)
             moved = std::max(moved, w.moved);
+        if (!world.rods[i].quarantined && w.moved > dt * soundSpeed(world.rods[i].model.definition()))
+            runaways.push_back(i);
         if (w.shift > world.range[i] + 0.4 * settings.margin * h) {
             outOfRange = true;
             world.range[i] = 1.5 * w.shift;
@@ -168,9 +195,9 @@ void Attempt::collideEnd(const World& world, const Settings& settings) {
 void Attempt::witness(const World& world) {
     placeOutlines(world, stage.motion, 0.0, 0.0, outlinesBefore);
     curvesBefore.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i)
-        toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]);
-    contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings);
+    parallel::forEach(stage.loop, world.rods.size(), 32,
+                      [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]); });
+    contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings, stage.loop);
     std::erase_if(crossings,
                   [&](const contact::Crossing& c) { return excluded(world, stage, c.rodA, c.rodB, c.outline); });
 }
@@ -203,6 +230,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                        const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve) {
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
+    useThreads(settings.threads);
     crossings.clear();
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
@@ -226,6 +254,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const bool tooFar = adaptive && (moved > settings.motionLimit * h || error > 2.0 * settings.localError * h);
         if (tooFar && dt > 2.0 * settings.dtMin)
             return Verdict::Smaller;
+        if (adaptive && !runaways.empty())
+            return Verdict::Smaller;
         if (reach == Reach::Never)
             return Verdict::Smaller;
         StageTimer timer(times, Stage::Collide);
@@ -245,11 +275,11 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const bool deeper = e.deepest > reject && e.deepest > before + 0.1 * reject;
         const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);
         if ((deeper || off || partsOff(world, tolerance)) && ++iteration < settings.maxIterations) {
-            parallelFor(count(world), settings.threads, [&](std::size_t i) {
+            forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
                 if (!rods[i].frozen)
                     relineariseInMiddle(world.rods[i], rods[i]);
             });
-            frameInMiddle(world, rods, world.candidates, true, dt, stage);
+            frameInMiddle(world, rods, settings.prune ? kept : world.candidates, true, dt, stage);
             for (std::size_t i = 0; i < rods.size(); ++i)
                 world.range[i] = std::max(world.range[i], nextRange[i]);
             continue;

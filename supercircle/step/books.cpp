@@ -2,6 +2,7 @@
 
 #include "supercircle/step/attempt.h"
 #include "supercircle/step/link_stage.h"
+#include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
 
 #include <algorithm>
@@ -88,10 +89,15 @@ void accept(World& world, Attempt& t) {
     bookContacts(world, rods, stage, dt);
     bookLinks(world, rods, stage, dt);
     Ledger& l = world.ledger;
+    std::vector<RodBooks> books(rods.size());
+    forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
+        if (!world.rods[i].frozen())
+            books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
+    });
     for (std::size_t i = 0; i < rods.size(); ++i) {
         if (world.rods[i].frozen())
             continue;
-        const RodBooks b = acceptRod(world, world.rods[i], dt, rods[i]);
+        const RodBooks& b = books[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
         l.kinetic += b.kineticChange;
         l.bending += b.bendingChange;

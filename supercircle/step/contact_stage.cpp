@@ -64,7 +64,7 @@ double frictionOf(const World& world, std::uint32_t a, double muA, std::uint32_t
 
 /// Rows and bias of one candidate.
 void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double gapAtStart,
-               const contact::Candidate& c, ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
+               const contact::Candidate& c, const ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
     const Vec2 n = c.normal, t = rod::perp(c.normal);
     const auto ia = static_cast<std::size_t>(c.a.rod);
     const Rod& rodA = world.rods[ia];
@@ -132,15 +132,17 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
         if (w.body == 0)
             w.body = count++;
     stage.problem.bodies.resize(static_cast<std::size_t>(count));
-    for (RodWork& w : rods)
-        if (w.body >= 0) {
-            coulomb::Body& b = stage.problem.bodies[static_cast<std::size_t>(w.body)];
-            if (w.C.rows() == 0)
-                b.A = w.A;
-            else
-                b.A = w.Z.transpose() * w.A * w.Z;
-            b.vFree = w.vFree;
-        }
+    parallel::forEach(stage.loop, rods.size(), 32, [&](std::size_t i) {
+        const RodWork& w = rods[i];
+        if (w.body < 0)
+            return;
+        coulomb::Body& b = stage.problem.bodies[static_cast<std::size_t>(w.body)];
+        if (w.C.rows() == 0)
+            b.A = w.A;
+        else
+            b.A = w.Z.transpose() * w.A * w.Z;
+        b.vFree = w.vFree;
+    });
 }
 
 void addHostBody(const World& world, double dt, int i, ContactStage& stage) {
@@ -223,11 +225,11 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
              std::vector<contact::Candidate>& out) {
     placeOutlines(world, stage.motion, ahead, motionTime, stage.outlines);
     stage.curves.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+    parallel::forEach(stage.loop, world.rods.size(), 32, [&](std::size_t i) {
         toCurve(world.rods[i], *kin[i], stage.curves[i]);
         stage.curves[i].motion = range[i];
-    }
-    stage.detector.detect(stage.curves, stage.outlines, {margin}, out);
+    });
+    stage.detector.detect(stage.curves, stage.outlines, {margin}, out, stage.loop);
     collectExcluded(world, stage);
     std::erase_if(out,
                   [&](const contact::Candidate& c) { return excluded(world, stage, c.a.rod, c.b.rod, c.outline); });
@@ -237,8 +239,8 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
                    bool addNew, double dt, ContactStage& stage) {
     placeOutlines(world, stage.motion, 0.5 * dt, 0.0, stage.outlinesMiddle);
     stage.curvesMiddle.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i)
-        toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]);
+    parallel::forEach(stage.loop, world.rods.size(), 32,
+                      [&](std::size_t i) { toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]); });
     stage.candidates = start;
     stage.gapAtStart.clear();
     for (const contact::Candidate& c : start)
@@ -250,7 +252,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         std::sort(known.begin(), known.end());
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (std::binary_search(known.begin(), known.end(), c.id))
+            if (c.gap > stage.addBelow || std::binary_search(known.begin(), known.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -269,8 +271,9 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
             stage.gapAtStart.push_back(gap);
         }
     }
-    for (contact::Candidate& c : stage.candidates)
-        contact::refresh(c, stage.curvesMiddle, stage.outlinesMiddle);
+    parallel::forEach(stage.loop, stage.candidates.size(), 64, [&](std::size_t i) {
+        contact::refresh(stage.candidates[i], stage.curvesMiddle, stage.outlinesMiddle);
+    });
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
@@ -284,13 +287,13 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     stage.work.resize(n);
     stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * (n + stage.linkCount)));
     const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
-    for (std::size_t i = 0; i < n; ++i) {
+    parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
         const ContactImpulse before = forceBefore(warm, present, c);
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
-    }
+    });
     coupleLinks(world, rods, dt, stage);
 }
 
@@ -302,7 +305,7 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
         stage.report = {};
         stage.report.converged = true;
     } else {
-        stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity);
+        stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity, stage.loop);
     }
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];

@@ -1,6 +1,7 @@
 #pragma once
 // From contact candidates to one Coulomb problem and back (private to step/): stages collide, couple and solve.
 
+#include "supercircle/parallel/parallel.h"
 #include "supercircle/step/work.h"
 
 namespace supercircle::step {
@@ -31,6 +32,7 @@ struct ContactStage {
     std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
     std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
+    double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
     std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
     std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
@@ -43,6 +45,7 @@ struct ContactStage {
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;
+    parallel::For loop;                    ///< over the threads of the settings; empty: one
     Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
 };

@@ -101,6 +101,11 @@ struct Settings {
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
+    bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
+    std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
+    int cappedSweeps = 40;               ///< ... this many
+    bool prune = false;      ///< leave out candidates that cannot meet within the step (prune.h): for long steps
+    int frameSolves = 0;     ///< linearisations solved per frame after which it ends early; 0: as many as it takes
     bool autoSleep = false;  ///< islands at rest fall asleep at the end of a frame (sleep.h)
     double sleepDrift = 0.1; ///< h, no farther may an island have come from where it was
     double sleepAfter = 0.5; ///< s ago

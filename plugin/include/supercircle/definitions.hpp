@@ -49,6 +49,23 @@ inline double bendingModulus(const ShellDef& d) {
     return d.young_modulus * d.width * d.thickness * d.thickness * d.thickness / 12.0;
 }
 
+/// The paper's shell at another size, for games: thickness and bending stiffness keep their proportions to radius and
+/// weight, so that under gravity 9.81 m/s^2 a shell of radius 1 m sags, rolls and snaps as one of 19.2 mm does.
+/// Its width (depth of the plane) is 1 m. `stiffness` multiplies the bending modulus.
+/// `radius` m and `mass` kg must be positive.
+inline ShellDef scaledShell(double radius, double mass, double phi_bar = 0.75, double stiffness = 1.0) {
+    const ShellDef paper;
+    const double k = radius / paper.radius;
+    ShellDef d;
+    d.phi_bar = phi_bar;
+    d.radius = radius;
+    d.thickness = k * paper.thickness;
+    d.width = 1.0;
+    d.density = mass / (6.283185307179586 * phi_bar * radius * d.thickness);           // per metre of width
+    d.young_modulus = stiffness * paper.young_modulus * k * d.density / paper.density; // keeps weight R^2 / B
+    return d;
+}
+
 enum class HoldKind : std::uint8_t {
     Pin,  ///< position held
     Clamp ///< position and direction held

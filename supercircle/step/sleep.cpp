@@ -171,12 +171,12 @@ std::string putToSleep(World& world, std::size_t rod) {
 void measureRest(World& world, const Settings& settings, double h, double dt) {
     const double farthest = settings.sleepDrift * h;
     for (Rod& r : world.rods) {
-        const Vec2 now[3] = {r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
-        bool stayed = r.rested > 0.0;
-        for (int k = 0; k < 3; ++k)
-            stayed = stayed && (now[k] - r.restPlace[k]).norm() <= farthest;
+        const std::array<Vec2, 3> now{r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
+        const bool stayed =
+            r.rested > 0.0 && std::equal(now.begin(), now.end(), r.restPlace.begin(),
+                                         [&](const Vec2& a, const Vec2& b) { return (a - b).norm() <= farthest; });
         if (!stayed)
-            std::copy(now, now + 3, r.restPlace);
+            r.restPlace = now;
         r.rested = stayed ? r.rested + dt : dt;
     }
 }

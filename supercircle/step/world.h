@@ -11,6 +11,7 @@
 #include "supercircle/step/ledger.h"
 #include "supercircle/step/port.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -43,7 +44,7 @@ struct Rod {
     std::int16_t group = 0;     ///< collision group, as in Box2D; not between a shell and itself
     std::uint32_t island = 0;   ///< number of the sleeping island it is in, 0: awake
     double rested = 0.0; ///< how long its tips and middle have stayed within Settings::sleepDrift of `restPlace`, s
-    Vec2 restPlace[3] = {Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
+    std::array<Vec2, 3> restPlace{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
     [[nodiscard]] bool asleep() const { return island != 0; }
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }

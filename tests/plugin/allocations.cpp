@@ -30,10 +30,10 @@ bool countsAllocations() {
 #ifdef SC_COUNTS
 // operator new of libstdc++ asks malloc, so counting there sees both.
 extern "C" {
-void* __libc_malloc(std::size_t size);                       // NOLINT
-void* __libc_calloc(std::size_t count, std::size_t size);    // NOLINT
-void* __libc_realloc(void* old, std::size_t size);           // NOLINT
-void* __libc_memalign(std::size_t align, std::size_t size);  // NOLINT
+void* __libc_malloc(std::size_t size);                      // NOLINT
+void* __libc_calloc(std::size_t count, std::size_t size);   // NOLINT
+void* __libc_realloc(void* old, std::size_t size);          // NOLINT
+void* __libc_memalign(std::size_t align, std::size_t size); // NOLINT
 
 void* malloc(std::size_t size) noexcept {
     taken.fetch_add(1, std::memory_order_relaxed);

@@ -245,6 +245,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
+    stage.overlap = 2.0 * settings.rejectPenetration * h;
+    stage.recovery = settings.recovery * h;
     begin(world, settings);
     int widened = 0;
     for (int iteration = 0;;) {

@@ -9,7 +9,7 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
     step::Settings s;
     s.threads = before.threads;
     s.autoSleep = before.autoSleep;
-    s.sleepSpeed = before.sleepSpeed;
+    s.sleepDrift = before.sleepDrift;
     s.sleepAfter = before.sleepAfter;
     if (quality == Quality::Laboratory)
         return s;

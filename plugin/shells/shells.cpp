@@ -6,10 +6,14 @@
 #include "supercircle/step/sleep.h"
 
 #include <atomic>
+#include <cmath>
 
 namespace supercircle {
 
 namespace {
+
+/// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
+constexpr double kMostSteps = 4096.0;
 
 /// A number per Shells of this process; it only tells handles apart and touches no result.
 std::uint32_t nextTag() {
@@ -108,8 +112,8 @@ Outcome Shells::carry(const std::string& body_name) {
 
 Outcome Shells::set_machine_velocity(Point velocity) {
     return impl_->change([&] {
-        if (!finite(velocity))
-            return refused("the machine's velocity must be finite");
+        if (!(std::hypot(velocity.x, velocity.y) < 1e5))
+            return refused("the machine's velocity must be finite and below 1e5 m/s");
         if (impl_->world.machineVelocity != vec(velocity))
             step::wakeAll(impl_->world);
         impl_->world.machineVelocity = vec(velocity);
@@ -128,6 +132,16 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     Impl& m = *impl_; // stays where it is, even if the observer moves this object
     if (m.inside) {
         report.failure = kStepping;
+        return report;
+    }
+    if (!(dt > 0.0) || !std::isfinite(dt)) {
+        report.failure = "pre_step: the frame must be a positive number of seconds";
+        m.advanced = 0.0;
+        return report;
+    }
+    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest) {
+        report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
+        m.advanced = 0.0;
         return report;
     }
     struct Inside { // until the call is over, however it ends
@@ -171,6 +185,7 @@ Outcome Shells::post_step() {
         impl_->recorder.record(Call::PostStep, 0);
         if (impl_->port)
             step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+        impl_->advanced = 0.0; // learnt once
         return done();
     });
 }

@@ -39,6 +39,11 @@ GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>
     return e;
 }
 
+/// Of longitudinal waves in the shell's material, sqrt(E / rho), m/s.
+double soundSpeed(const rod::RodDefinition& d) {
+    return std::sqrt(12.0 * d.bendingModulus / d.linearMass) / d.thickness;
+}
+
 void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
     for (RodWork& w : rods)
         w.touching = w.C.rows() > 0;
@@ -151,15 +156,28 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     markTouching(rods, stage);
 }
 
+/// Whether an element turns far more often than a shell can: motion at the end of its numbers.
+[[nodiscard]] static bool curledUp(const rod::RodModel& model, const Eigen::VectorXd& q) {
+    constexpr double kMostTurn = 16.0 * M_PI;
+    for (int i = 0; i < model.elements(); ++i)
+        if (std::abs(q[model.dofOfElement(i)]) * model.elementLength(i) > kMostTurn)
+            return true;
+    return false;
+}
+
 /// How far everything moved, and whether the candidates reached that far; if not, the world's range is widened.
 Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& widened, bool first) {
     error = moved = 0.0;
+    runaways.clear();
     bool outOfRange = false;
     for (std::size_t i = 0; i < rods.size(); ++i) {
         const RodWork& w = rods[i];
         error = std::max(error, w.error);
         if (w.touching)
             moved = std::max(moved, w.moved);
+        if (!world.rods[i].quarantined && (w.moved > dt * soundSpeed(world.rods[i].model.definition()) ||
+                                           (!w.frozen && curledUp(world.rods[i].model, w.q1))))
+            runaways.push_back(i);
         if (w.shift > world.range[i] + 0.4 * settings.margin * h) {
             outOfRange = true;
             world.range[i] = 1.5 * w.shift;
@@ -229,6 +247,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
+    stage.overlap = 2.0 * settings.rejectPenetration * h;
+    stage.recovery = settings.recovery * h;
     begin(world, settings);
     int widened = 0;
     for (int iteration = 0;;) {
@@ -245,6 +265,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const Reach reach = measure(world, settings, widened, iteration == 0);
         const bool tooFar = adaptive && (moved > settings.motionLimit * h || error > 2.0 * settings.localError * h);
         if (tooFar && dt > 2.0 * settings.dtMin)
+            return Verdict::Smaller;
+        if (adaptive && !runaways.empty())
             return Verdict::Smaller;
         if (reach == Reach::Never)
             return Verdict::Smaller;

@@ -25,6 +25,7 @@ struct Progress {
 struct Options {
     std::uint64_t seed = 1;
     int threads = 1;
+    parallel::For loop;                            ///< threads of the caller's own (step::Stepper::loop)
     double fixedDt = 0.0;                          ///< s; > 0 overrides the scene's
     bool witness = true;                           ///< independent crossing check after each step
     bool frames = true;                            ///< keep the motion for the player

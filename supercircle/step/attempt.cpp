@@ -49,15 +49,15 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 
 } // namespace
 
-void Attempt::useThreads(int wanted) {
-    if (wanted == threads)
-        return;
-    threads = wanted;
-    stage.loop = threadLoop(wanted);
+void Attempt::useThreads(int count, const parallel::For& hostLoop) {
+    if (hostLoop)
+        stage.loop = hostLoop;
+    else if (count != threads)
+        stage.loop = threadLoop(count);
+    threads = hostLoop ? 0 : count;
 }
 
 void Attempt::collidePresent(World& world, const Settings& settings) {
-    useThreads(settings.threads);
     bool known = world.range.size() == world.rods.size();
     for (std::size_t i = 0; known && i < world.rods.size(); ++i)
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
@@ -85,7 +85,7 @@ const std::vector<contact::Candidate>& Attempt::startCandidates(const World& wor
 
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
 /// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
-void Attempt::begin(const World& world) {
+void Attempt::begin(const World& world, const Settings& settings) {
     std::vector<char> near(world.rods.size(), 0);
     for (const contact::Candidate& c : world.candidates) {
         near[static_cast<std::size_t>(c.a.rod)] = 1;
@@ -180,12 +180,11 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                        const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve) {
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
-    useThreads(settings.threads);
     crossings.clear();
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
-    begin(world);
+    begin(world, settings);
     int widened = 0;
     for (int iteration = 0;;) {
         solveOnce(world, settings, times, iteration == 0);
@@ -209,7 +208,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                 kin[i] = &world.rods[i].kin;
             predictMotion(world, stage);
             collide(world, kin, world.range, 0.0, 2.0 * dt, settings.margin * h, stage, world.candidates);
-            begin(world);
+            begin(world, settings);
             continue;
         }
         collideEnd(world, settings);

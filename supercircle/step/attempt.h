@@ -47,19 +47,21 @@ struct Attempt {
     double error = 0.0;                       ///< largest local error, m
     double moved = 0.0;                       ///< farthest motion of a touching rod, m
     bool rejectedBeforeEnd = true;            ///< the last attempt was given up before its end was looked at
-    int threads = 1;                          ///< of stage.loop
+    int threads = 1;                          ///< of stage.loop; 0: it is the host's
 
     /// Solves at most settings.maxIterations linearisations; the result is left in rods and stage.
     Verdict solve(World& world, const Settings& settings, StageTimes& times,
                   const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve);
+
+    /// Loops of all stages: the host's if there is one, else over `count` threads.
+    void useThreads(int count, const parallel::For& hostLoop);
 
     /// Finds candidates at the world's present configuration if the known ones do not reach far enough for this step.
     void collidePresent(World& world, const Settings& settings);
 
 private:
     enum class Reach : std::uint8_t { Enough, Wider, Never };
-    void useThreads(int threads);
-    void begin(const World& world);
+    void begin(const World& world, const Settings& settings);
     const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings);
     void solveOnce(World& world, const Settings& settings, StageTimes& times, bool first);
     Reach measure(World& world, const Settings& settings, int& widened, bool first);

@@ -25,6 +25,7 @@
 // - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
 //   1/2 dt |u_new - u_old| of backward Euler, the motion of touching rods, and the true gaps after the step decide.
 
+#include "supercircle/parallel/parallel.h"
 #include "supercircle/step/world.h"
 
 #include <array>
@@ -75,6 +76,8 @@ public:
     [[nodiscard]] double lastDt() const;
     /// Called with every contact problem after it was solved (dumps, benchmarks); empty: nobody listens.
     std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve;
+    /// Runs the turns of a step on the host's own threads instead of Settings::threads of ours; empty: none.
+    parallel::For loop;
 
 private:
     struct Work;

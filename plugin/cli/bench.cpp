@@ -112,6 +112,8 @@ int bench(const std::string& filter, const std::string& json) {
     addContactBenchmarks(all);
     addSolverBenchmarks(all);
     addScalingBenchmarks(all);
+    addGameBenchmarks(all);
+    addPeerBenchmarks(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;
     bool any = false;

@@ -82,6 +82,16 @@ void Watch::gather(const step::World& world, const step::Stepper& stepper) {
             loads_.push_back({pairOf(world, candidates[i]), i, r[k], std::abs(r[k + 1])});
     }
     std::stable_sort(loads_.begin(), loads_.end(), [](const Load& x, const Load& y) { return x.pair < y.pair; });
+    byId_.clear();
+    for (std::size_t i = 0; i < world.candidates.size(); ++i)
+        byId_.emplace_back(world.candidates[i].id, i);
+    std::sort(byId_.begin(), byId_.end());
+}
+
+/// The same contact after the step if it is still there: the solver sees it half a step earlier.
+const contact::Candidate& Watch::atEnd(const step::World& world, const contact::Candidate& c) const {
+    const auto it = std::lower_bound(byId_.begin(), byId_.end(), std::pair<std::uint64_t, std::size_t>{c.id, 0});
+    return it != byId_.end() && it->first == c.id ? world.candidates[it->second] : c;
 }
 
 double Watch::approachSpeed(const step::World& world, const contact::Candidate& c) const {
@@ -114,7 +124,7 @@ void Watch::touch(const step::World& world, const step::Stepper& stepper, const 
             if (loads_[next].normal > loads_[best].normal)
                 best = next;
         }
-        const contact::Candidate& c = candidates[loads_[best].contact];
+        const contact::Candidate& c = atEnd(world, candidates[loads_[best].contact]);
         auto it = std::lower_bound(state.touching.begin(), state.touching.end(), pair,
                                    [](const TouchState& t, const TouchPair& want) { return t.pair < want; });
         const bool isNew = it == state.touching.end() || it->pair != pair;

@@ -87,9 +87,11 @@ private:
     void exchange(const Touch& at, const TouchPair& pair, double time, double normal, double tangent, double dt);
     void snap(const step::World& world, const HandleOf& handleOf);
     void sample(SnapState& s, const step::Rod& rod, double time, const HandleOf& handleOf);
+    [[nodiscard]] const contact::Candidate& atEnd(const step::World& world, const contact::Candidate& c) const;
     [[nodiscard]] double approachSpeed(const step::World& world, const contact::Candidate& c) const;
 
-    std::vector<Load> loads_; ///< of this step, sorted by pair
+    std::vector<Load> loads_;                                 ///< of this step, sorted by pair
+    std::vector<std::pair<std::uint64_t, std::size_t>> byId_; ///< candidates after the step, sorted
     std::vector<Exchange> exchanges_;
     std::vector<Eigen::VectorXd> velocities_;          ///< of the rods before the step
     std::vector<step::BodyState> bodies_;              ///< before the step

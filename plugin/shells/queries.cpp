@@ -207,11 +207,11 @@ Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask
     return hits;
 }
 
-Result<std::vector<ShellHandle>> Shells::overlap(Point point, QueryMask mask) const {
-    return overlap(point, 0.0, mask);
+Result<std::vector<ShellHandle>> Shells::overlap_point(Point point, QueryMask mask) const {
+    return overlap_circle(point, 0.0, mask);
 }
 
-Result<std::vector<ShellHandle>> Shells::overlap(const Box& box, QueryMask mask) const {
+Result<std::vector<ShellHandle>> Shells::overlap_box(const Box& box, QueryMask mask) const {
     using Handles = std::vector<ShellHandle>;
     if (!usable(box.lower) || !usable(box.upper) || box.lower.x > box.upper.x || box.lower.y > box.upper.y)
         return Result<Handles>::failure("the box must be finite, its lower corner below and left of its upper one");
@@ -219,7 +219,7 @@ Result<std::vector<ShellHandle>> Shells::overlap(const Box& box, QueryMask mask)
                        [&](const ThickCurve& curve) { return meetsBox(curve, toVec(box.lower), toVec(box.upper)); });
 }
 
-Result<std::vector<ShellHandle>> Shells::overlap(Point centre, double radius, QueryMask mask) const {
+Result<std::vector<ShellHandle>> Shells::overlap_circle(Point centre, double radius, QueryMask mask) const {
     using Handles = std::vector<ShellHandle>;
     if (!usable(centre) || !(radius >= 0.0) || !(radius < kFarthest))
         return Result<Handles>::failure("centre and radius must be finite, the radius not negative");

@@ -180,11 +180,12 @@ Outcome Shells::restore(const Snapshot& snapshot) {
             slots[i].generation = slots[i].highest;
         renamed[i] = {static_cast<std::uint32_t>(i), slots[i].generation, m.tag};
     }
-    if (!ours)
-        for (TouchState& t : state.watched.touching)
-            for (ShellHandle* h : {&t.last.a, &t.last.b})
-                if (!h->null())
-                    *h = h->index < renamed.size() ? renamed[h->index] : ShellHandle{};
+    for (TouchState& t : state.watched.touching)
+        for (ShellHandle* h : {&t.last.a, &t.last.b}) {
+            if (!h->null() && !ours)
+                *h = h->index < renamed.size() ? renamed[h->index] : ShellHandle{};
+            h->world = h->null() ? 0 : m.tag;
+        }
     m.slots = std::move(slots);
     m.advanced = state.advanced;
     m.world = std::move(state.world);
@@ -208,7 +209,7 @@ Result<CallLog> CallLog::from_bytes(std::vector<std::uint8_t> bytes) {
             std::uint64_t inner = 0;
             in(call, inner);
             in.skip(in.count());
-            if (call < Call::Restore || call > Call::SetEventSettings)
+            if (call < Call::Restore || call > Call::Last)
                 in.fail("it holds a call that does not exist");
             log.calls_ += call == Call::FrameEnd ? 0 : 1;
             log.frames_ += call == Call::PreStep ? 1 : 0;

@@ -6,6 +6,8 @@
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_archive.h"
 
+#include <algorithm>
+
 namespace supercircle::archive {
 
 template <class Ar>
@@ -23,9 +25,10 @@ void io(Ar& ar, Is<ShellHandle> auto& h) {
 template <class Ar>
 void io(Ar& ar, Is<ShellDef> auto& d) {
     auto& [position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density,
-           youngModulus, mu, elements, tipRefinement, closed, velocity, spin, category, mask, userData, name] = d;
+           youngModulus, mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, material, userData,
+           name] = d;
     ar(position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density, youngModulus,
-       mu, elements, tipRefinement, closed, velocity, spin, category, mask, userData, name);
+       mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, material, userData, name);
 }
 
 // ---- the core ----
@@ -54,15 +57,61 @@ void io(Ar& ar, Is<rod::RodModel> auto& model) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<step::Path> auto& p) {
+    auto& [active, start, end, from, to, fromVelocity, toVelocity, fromAngle, toAngle, fromSpin, toSpin] = p;
+    ar(active, start, end, from, to, fromVelocity, toVelocity, fromAngle, toAngle, fromSpin, toSpin);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Target> auto& t) {
+    auto& [point, angle, velocity, spin, path, pending] = t;
+    ar(point, angle, velocity, spin, path, pending);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
-    auto& [s, clamped, onMachine, target, targetAngle, velocity, spin, reaction, reactionTorque] = h;
-    ar(s, clamped, onMachine, target, targetAngle, velocity, spin, reaction, reactionTorque);
+    auto& [s, clamped, onMachine, target, targetAngle, velocity, spin, reaction, reactionTorque, path, pending, key] =
+        h;
+    ar(s, clamped, onMachine, target, targetAngle, velocity, spin, reaction, reactionTorque, path, pending, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::PointForce> auto& f) {
+    auto& [s, force, torque, once, key] = f;
+    ar(s, force, torque, once, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Grab> auto& g) {
+    auto& [s, target, stiffness, damping, maxForce, force, key] = g;
+    ar(s, target, stiffness, damping, maxForce, force, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Link> auto& l) {
+    auto& [key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque] =
+        l;
+    ar(key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::PairFriction> auto& f) {
+    auto& [a, b, mu] = f;
+    ar(a, b, mu);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
+    auto& [body, material] = m;
+    ar(body, material);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
-    auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss] = r;
-    ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed);
+    auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs, width,
+           material, group, island, rested] = r;
+    ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material, group,
+       island, rested);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || qGood.size() != n || static_cast<int>(u.size()) != model.gaussPoints() ||
@@ -70,9 +119,12 @@ void io(Ar& ar, Is<step::Rod> auto& r) {
             ar.fail("a shell in it has the wrong number of coordinates, or bad ones");
             q.setZero(n);
         }
-        for (const step::Hold& h : holds)
-            if (!(h.s >= 0.0 && h.s <= model.definition().length))
-                ar.fail("a hold in it is beyond its shell");
+        const auto beyond = [&model](const auto& part) {
+            return !(part.s >= 0.0 && part.s <= model.definition().length);
+        };
+        if (std::any_of(holds.begin(), holds.end(), beyond) || std::any_of(forces.begin(), forces.end(), beyond) ||
+            std::any_of(grabs.begin(), grabs.end(), beyond))
+            ar.fail("a hold, force or grab in it is beyond its shell");
         kin.evaluate(model, q);
         rod::evaluateGauss(model, kin, gauss);
     }
@@ -83,7 +135,8 @@ inline void io(Loader& ar, std::vector<step::Rod>& rods) {
     least.naturalCurvature = {0.0};
     rods.clear();
     for (std::size_t left = ar.count(); left > 0 && ar.fault().empty(); --left) {
-        rods.push_back(step::Rod{rod::RodModel(least), {}, {}, {}, {}, {}, 0.0, 0, 1, 0xffff, false, 0.0, {}, {}});
+        rods.push_back(
+            step::Rod{rod::RodModel(least), {}, {}, {}, {}, {}, 0.0, 0, 1, 0xffff, false, 0.0, {}, {}, {}, {}});
         ar(rods.back());
     }
 }
@@ -113,8 +166,9 @@ void io(Ar& ar, Is<step::Body> auto& b) {
 template <class Ar>
 void io(Ar& ar, Is<contact::Outline> auto& o) {
     auto& [kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category,
-           mask] = o;
-    ar(kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category, mask);
+           mask, group] = o;
+    ar(kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category, mask,
+       group);
 }
 
 template <class Ar>
@@ -164,19 +218,22 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations,
-           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, witness] = s;
+           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed,
+           sleepAfter, witness] = s;
     (void)threads; // belongs to the machine
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations, contact,
-       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, witness);
+       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed, sleepAfter, witness);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
     auto& [time, gravity, rods, bodies, outlines, impulses, machineVelocity, machineTravel, machineBodies, ledger,
-           counters, candidates, range, dt, dtNext, nextKey] = w;
+           counters, candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials,
+           sleepingImpulses, nextIsland] = w;
     ar(time, gravity, rods, bodies, outlines, impulses, machineVelocity, machineTravel, machineBodies, ledger);
     ar.aside(counters);
-    ar(candidates, range, dt, dtNext, nextKey);
+    ar(candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials, sleepingImpulses,
+       nextIsland);
 }
 
 // ---- the facade ----
@@ -196,7 +253,7 @@ void io(Ar& ar, Is<TouchPair> auto& p) {
 template <class Ar>
 void io(Ar& ar, Is<Touch> auto& t) {
     auto& [a, b, body, fractionA, fractionB, point, normal] = t;
-    ar.aside(a, b);
+    ar.aside(a.index, a.generation, b.index, b.generation); // of the world that is saved
     ar(body, fractionA, fractionB, point, normal);
 }
 

@@ -78,7 +78,7 @@ private:
         }
         case Call::Destroy:
             if (read(r, h))
-                expect(shells_.destroy(here(h)));
+                expect(static_cast<bool>(shells_.destroy(here(h))));
             return;
         case Call::Hold: {
             double fraction = 0.0;
@@ -91,7 +91,7 @@ private:
         case Call::Carry: {
             std::string name;
             if (read(r, name))
-                expect(shells_.carry(name));
+                expect(static_cast<bool>(shells_.carry(name)));
             return;
         }
         case Call::MachineVelocity: {

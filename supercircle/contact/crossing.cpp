@@ -40,8 +40,14 @@ using witness::Pieces;
 using witness::RodWay;
 using witness::Ways;
 
+bool seesItself(const Curve& c) {
+    return (c.category & c.mask) != 0;
+}
+
 template <class A, class B>
 bool filtersAgree(const A& a, const B& b) {
+    if (a.group == b.group && a.group != 0)
+        return a.group > 0;
     return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
@@ -131,7 +137,7 @@ void PairSearch::rodPairs(const Sweep& sweep, std::size_t begin, std::size_t end
         const std::size_t a = items[i].rod;
         const RodWay& rodA = ways_.rods[a];
         const bool still = skipStill_ && rodA.still;
-        if (!still && filtersAgree(curves_[a], curves_[a]))
+        if (!still && seesItself(curves_[a]))
             elementPairs(a, a, test);
         for (std::size_t j = i + 1; j < items.size() && items[j].low <= items[i].high; ++j) {
             const std::size_t b = items[j].rod;

@@ -23,10 +23,17 @@ namespace {
 struct Filter {
     std::uint32_t category = 0;
     std::uint32_t mask = 0;
+    std::int32_t group = 0;
     bool operator==(const Filter&) const = default;
 };
 
+bool mayTouchItself(const Filter& a) {
+    return (a.category & a.mask) != 0;
+}
+
 bool mayTouch(const Filter& a, const Filter& b) {
+    if (a.group != 0 && a.group == b.group)
+        return a.group > 0;
     return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
@@ -196,7 +203,7 @@ void Detector::Impl::updateRod(const Curve& curve, RodState& rod) const {
         rod.midS = curve.midS;
     }
     rod.resting = curve.resting;
-    const Filter filter{curve.category, curve.mask};
+    const Filter filter{curve.category, curve.mask, curve.group};
     rod.renamed = rod.key != curve.key || !rod.known;
     const double size = std::max(curve.halfThickness, 0.5 * margin);
     const double granted = grant(curve.motion, size);
@@ -236,7 +243,7 @@ void Detector::Impl::updateOutlines(const std::vector<Outline>& given) {
         const Outline& now = given[i];
         OutlineState& state = outlines[i];
         prepare(now, state.shape);
-        const Filter filter{now.category, now.mask};
+        const Filter filter{now.category, now.mask, now.group};
         if (state.key != now.key || !state.known)
             newKeys = true;
         const double granted = grant(now.motion, margin);
@@ -328,7 +335,7 @@ void Detector::Impl::findRodPairs() {
         const RodState& rod = rods[static_cast<std::size_t>(item.rod)];
         if (!rod.fresh)
             continue;
-        if (mayTouch(rod.filter, rod.filter))
+        if (mayTouchItself(rod.filter))
             addPair(item.rod, item.rod, false);
         const SweepItem from{item.low - width[axis], -1};
         for (auto it = std::lower_bound(sweep.begin(), sweep.end(), from); it != sweep.end(); ++it) {

@@ -2,9 +2,12 @@
 
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
+#include "supercircle/step/link_stage.h"
+#include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/prune.h"
 #include "supercircle/step/rod_stage.h"
+#include "supercircle/step/sleep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +37,11 @@ GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>
             e.loaded = std::max(e.loaded, std::abs(c.gap));
     }
     return e;
+}
+
+/// Of longitudinal waves in the shell's material, sqrt(E / rho), m/s.
+double soundSpeed(const rod::RodDefinition& d) {
+    return std::sqrt(12.0 * d.bendingModulus / d.linearMass) / d.thickness;
 }
 
 void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
@@ -93,6 +101,10 @@ void Attempt::begin(const World& world, const Settings& settings) {
             near[static_cast<std::size_t>(c.b.rod)] = 1;
     }
     forEachRod(stage.loop, world.rods.size(), [&](std::size_t i) {
+        if (world.rods[i].frozen()) {
+            freezeRod(world.rods[i], rods[i]);
+            return;
+        }
         const double farthest = near[i] ? 0.25 * h : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
@@ -107,15 +119,21 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
         StageTimer timer(times, Stage::Evaluate);
         collectRolling(world, rods, dt, impulses, first, stage);
         collectAxial(world, rods, impulses, stage);
-        forEachRod(stage.loop, n, [&](std::size_t i) { evaluateRod(world, world.rods[i], dt, rods[i]); });
+        forEachRod(stage.loop, n, [&](std::size_t i) {
+            if (!rods[i].frozen)
+                evaluateRod(world, world.rods[i], dt, first, rods[i]);
+        });
     }
     {
         StageTimer timer(times, Stage::Predict);
-        forEachRod(stage.loop, n, [&](std::size_t i) { predictRod(world.rods[i], rods[i]); });
+        forEachRod(stage.loop, n, [&](std::size_t i) {
+            if (!rods[i].frozen)
+                predictRod(world.rods[i], rods[i]);
+        });
     }
     {
         StageTimer timer(times, Stage::Couple);
-        couple(world, rods, dt, impulses, stage);
+        couple(world, rods, dt, impulses, !first, stage);
     }
     {
         StageTimer timer(times, Stage::Solve);
@@ -130,19 +148,25 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
     StageTimer timer(times, Stage::Advance);
-    forEachRod(stage.loop, n, [&](std::size_t i) { advanceRod(world.rods[i], dt, rods[i]); });
+    forEachRod(stage.loop, n, [&](std::size_t i) {
+        if (!rods[i].frozen)
+            advanceRod(world.rods[i], dt, rods[i]);
+    });
     markTouching(rods, stage);
 }
 
 /// How far everything moved, and whether the candidates reached that far; if not, the world's range is widened.
 Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& widened, bool first) {
     error = moved = 0.0;
+    runaways.clear();
     bool outOfRange = false;
     for (std::size_t i = 0; i < rods.size(); ++i) {
         const RodWork& w = rods[i];
         error = std::max(error, w.error);
         if (w.touching)
             moved = std::max(moved, w.moved);
+        if (!world.rods[i].quarantined && w.moved > dt * soundSpeed(world.rods[i].model.definition()))
+            runaways.push_back(i);
         if (w.shift > world.range[i] + 0.4 * settings.margin * h) {
             outOfRange = true;
             world.range[i] = 1.5 * w.shift;
@@ -174,6 +198,32 @@ void Attempt::witness(const World& world) {
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]); });
     contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings, stage.loop);
+    std::erase_if(crossings,
+                  [&](const contact::Crossing& c) { return excluded(world, stage, c.rodA, c.rodB, c.outline); });
+}
+
+/// Whether links or grabs ask for another linearisation.
+bool Attempt::partsOff(const World& world, double tolerance) const {
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        if (!rods[i].frozen && grabsOff(world.rods[i], dt, rods[i]))
+            return true;
+    return linkError(world, rods, dt, tolerance, stage) > 1.0;
+}
+
+/// Wakes the sleepers that somebody pressed on; false if nobody did.
+bool Attempt::wakeTouched(World& world) const {
+    bool any = false;
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        const contact::Candidate& c = stage.candidates[i];
+        if (c.b.rod < 0 || !(stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0))
+            continue;
+        for (const std::int32_t side : {c.a.rod, c.b.rod})
+            if (const auto rod = static_cast<std::size_t>(side); world.rods[rod].asleep()) {
+                wake(world, rod);
+                any = true;
+            }
+    }
+    return any;
 }
 
 Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times,
@@ -188,16 +238,20 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     int widened = 0;
     for (int iteration = 0;;) {
         solveOnce(world, settings, times, iteration == 0);
-        if (onSolve && !stage.candidates.empty())
+        if (onSolve && !stage.problem.contacts.empty())
             onSolve(stage.problem, stage.report);
         if (!stage.report.error.empty()) // the solver refused the problem: nothing here was solved
             return Verdict::Smaller;
         for (const RodWork& w : rods)
             if (!w.v.allFinite())
                 return Verdict::Smaller;
+        if (wakeTouched(world))
+            return Verdict::Woken;
         const Reach reach = measure(world, settings, widened, iteration == 0);
         const bool tooFar = adaptive && (moved > settings.motionLimit * h || error > 2.0 * settings.localError * h);
         if (tooFar && dt > 2.0 * settings.dtMin)
+            return Verdict::Smaller;
+        if (adaptive && !runaways.empty())
             return Verdict::Smaller;
         if (reach == Reach::Never)
             return Verdict::Smaller;
@@ -217,8 +271,11 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const double reject = settings.rejectPenetration * h, tolerance = settings.relinearise * h;
         const bool deeper = e.deepest > reject && e.deepest > before + 0.1 * reject;
         const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);
-        if ((deeper || off) && ++iteration < settings.maxIterations) {
-            forEachRod(stage.loop, rods.size(), [&](std::size_t i) { relineariseInMiddle(world.rods[i], rods[i]); });
+        if ((deeper || off || partsOff(world, tolerance)) && ++iteration < settings.maxIterations) {
+            forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
+                if (!rods[i].frozen)
+                    relineariseInMiddle(world.rods[i], rods[i]);
+            });
             frameInMiddle(world, rods, settings.prune ? kept : world.candidates, true, dt, stage);
             for (std::size_t i = 0; i < rods.size(); ++i)
                 world.range[i] = std::max(world.range[i], nextRange[i]);
@@ -226,6 +283,9 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         }
         rejectedBeforeEnd = false;
         if (deeper && (adaptive || e.deepest > 0.25 * h))
+            return Verdict::Smaller;
+        if (const LinkGaps g = linkGaps(world, rods, dt, stage);
+            adaptive && g.after > reject && g.after > 1.1 * g.before)
             return Verdict::Smaller;
         if (settings.witness)
             witness(world);

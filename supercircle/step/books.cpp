@@ -1,6 +1,7 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/link_stage.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
 
@@ -74,7 +75,7 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        h.coupled |= !stage.candidates.empty() && stage.bodyProblemIndex[i] >= 0;
+        h.coupled |= !stage.problem.contacts.empty() && stage.bodyProblemIndex[i] >= 0;
     }
     world.machineTravel += dt * world.machineVelocity;
 }
@@ -86,14 +87,15 @@ void accept(World& world, Attempt& t) {
     ContactStage& stage = t.stage;
     const double dt = t.dt;
     bookContacts(world, rods, stage, dt);
+    bookLinks(world, rods, stage, dt);
     Ledger& l = world.ledger;
     std::vector<RodBooks> books(rods.size());
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
-        if (!world.rods[i].quarantined)
+        if (!world.rods[i].frozen())
             books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
     });
     for (std::size_t i = 0; i < rods.size(); ++i) {
-        if (world.rods[i].quarantined)
+        if (world.rods[i].frozen())
             continue;
         const RodBooks& b = books[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
@@ -102,10 +104,11 @@ void accept(World& world, Attempt& t) {
         l.gravity += b.gravityChange;
         l.impact += impact;
         l.numerical += b.kineticLoss - impact + b.secondOrder;
-        l.work += b.holdWork;
+        l.work += b.holdWork + b.loadWork;
         l.pushOut -= b.rollingWork;
     }
     advanceBodies(world, stage, dt);
+    advanceLinks(world, dt);
     world.impulses = t.impulses;
     world.candidates = stage.after;
     world.range = t.nextRange;

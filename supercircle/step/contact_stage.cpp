@@ -1,6 +1,7 @@
 #include "supercircle/step/contact_stage.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/link_stage.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,24 +22,8 @@ void surfaceRows(const Rod& rod, const RodWork& w, const contact::RodPoint& at, 
     w.kin.pointRows(rod.model, place, surface - w.kin.point(place), n, t, rows);
 }
 
-void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
-            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
-    if (w.C.rows() == 0) {
-        reduced = sign * full;
-        return;
-    }
-    reduced = sign * (full * w.Z);
-    offset += sign * (full * w.vp);
-}
-
 const BodyOutline& pieceOf(const World& world, const contact::Candidate& c) {
     return world.outlines[static_cast<std::size_t>(c.outline)];
-}
-
-int bodyIndex(const World& world, BodyId id) {
-    const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
-                                     [](const Body& b, BodyId want) { return b.id < want; });
-    return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
 }
 
 constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20 bits for an outline
@@ -58,6 +43,25 @@ Vec2 surfaceVelocity(const BodyMotion& m, const Vec2& arm) {
     return m.velocity + m.spin * rod::perp(arm);
 }
 
+std::uint32_t materialOf(const World& world, BodyId id) {
+    const auto it = std::lower_bound(world.bodyMaterials.begin(), world.bodyMaterials.end(), id,
+                                     [](const BodyMaterial& b, BodyId want) { return b.body < want; });
+    return it != world.bodyMaterials.end() && it->body == id ? it->material : 0;
+}
+
+/// What a pair's own friction says, else the geometric mean.
+double frictionOf(const World& world, std::uint32_t a, double muA, std::uint32_t b, double muB) {
+    if (a != 0 && b != 0) {
+        const PairFriction want{std::min(a, b), std::max(a, b), 0.0};
+        const auto it = std::lower_bound(
+            world.pairFriction.begin(), world.pairFriction.end(), want,
+            [](const PairFriction& x, const PairFriction& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+        if (it != world.pairFriction.end() && it->a == want.a && it->b == want.b)
+            return it->mu;
+    }
+    return mixedFriction(muA, muB);
+}
+
 /// Rows and bias of one candidate.
 void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double gapAtStart,
                const contact::Candidate& c, const ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
@@ -71,23 +75,25 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     surfaceRows(rodA, rods[ia], c.a, c.pointA, n, t, k.Ja);
     out.w.setZero();
     out.kind = coulomb::Kind::Unilateral;
-    out.a = rods[ia].body;
+    out.a = rods[ia].body; // -1 when asleep: an obstacle
     out.b = -1;
     out.Hb.resize(2, 0);
-    reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
+    if (out.a >= 0)
+        reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
     if (c.b.rod >= 0) {
         const auto ib = static_cast<std::size_t>(c.b.rod);
         surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, n, t, k.Jb);
-        out.b = rods[ib].body;
-        reduce(rods[ib], k.Jb, -1.0, out.w, out.Hb);
-        out.mu = mixedFriction(rodA.mu, world.rods[ib].mu);
+        (out.a < 0 ? out.a : out.b) = rods[ib].body;
+        if (rods[ib].body >= 0)
+            reduce(rods[ib], k.Jb, -1.0, out.w, out.b < 0 ? out.Ha : out.Hb);
+        out.mu = frictionOf(world, rodA.material, rodA.mu, world.rods[ib].material, world.rods[ib].mu);
     } else {
         const BodyOutline& piece = pieceOf(world, c);
         k.bodyB = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
         const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
         k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
-        out.mu = mixedFriction(rodA.mu, piece.friction);
+        out.mu = frictionOf(world, rodA.material, rodA.mu, materialOf(world, piece.body), piece.friction);
         out.b = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
         if (out.b >= 0) {
             out.Hb.resize(2, freedoms(body));
@@ -104,17 +110,21 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     out.id = c.id;
 }
 
-void addRodBodies(std::vector<RodWork>& rods, ContactStage& stage) {
+void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& stage) {
     for (RodWork& w : rods)
         w.body = -1;
     int count = 0;
     const auto take = [&](int rod) {
-        if (rod >= 0 && rods[static_cast<std::size_t>(rod)].body < 0)
+        if (rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen())
             rods[static_cast<std::size_t>(rod)].body = 0;
     };
     for (const contact::Candidate& c : stage.candidates) {
         take(c.a.rod);
         take(c.b.rod);
+    }
+    for (std::size_t i = 0; i < stage.linkCount; ++i) {
+        take(stage.linkRows[i].rodA);
+        take(stage.linkRows[i].rodB);
     }
     for (RodWork& w : rods)
         if (w.body == 0)
@@ -133,27 +143,43 @@ void addRodBodies(std::vector<RodWork>& rods, ContactStage& stage) {
     });
 }
 
+void addHostBody(const World& world, double dt, int i, ContactStage& stage) {
+    if (i < 0)
+        return;
+    const Body& body = world.bodies[static_cast<std::size_t>(i)];
+    int& index = stage.bodyProblemIndex[static_cast<std::size_t>(i)];
+    if (!body.dynamic || index >= 0)
+        return;
+    index = static_cast<int>(stage.problem.bodies.size());
+    coulomb::Body b;
+    const BodyState& s = body.state;
+    const Eigen::Index n = freedoms(body);
+    b.A = Eigen::Vector3d(s.mass, s.mass, s.inertia).head(n).asDiagonal();
+    const BodyMotion free = freeMotion(world, body, body.handover.unexplained, body.handover.unexplainedSpin, dt);
+    b.vFree = Eigen::Vector3d(free.velocity.x(), free.velocity.y(), free.spin).head(n);
+    stage.problem.bodies.push_back(std::move(b));
+}
+
 void addHostBodies(const World& world, double dt, ContactStage& stage) {
     stage.bodyProblemIndex.assign(world.bodies.size(), -1);
-    for (const contact::Candidate& c : stage.candidates) {
-        if (c.b.rod >= 0)
-            continue;
-        const int i = bodyIndex(world, pieceOf(world, c).body);
-        const Body& body = world.bodies[static_cast<std::size_t>(i)];
-        if (!body.dynamic || stage.bodyProblemIndex[static_cast<std::size_t>(i)] >= 0)
-            continue;
-        stage.bodyProblemIndex[static_cast<std::size_t>(i)] = static_cast<int>(stage.problem.bodies.size());
-        coulomb::Body b;
-        const BodyState& s = body.state;
-        const Eigen::Index n = freedoms(body);
-        b.A = Eigen::Vector3d(s.mass, s.mass, s.inertia).head(n).asDiagonal();
-        const BodyMotion free = freeMotion(world, body, body.handover.unexplained, body.handover.unexplainedSpin, dt);
-        b.vFree = Eigen::Vector3d(free.velocity.x(), free.velocity.y(), free.spin).head(n);
-        stage.problem.bodies.push_back(std::move(b));
-    }
+    for (const contact::Candidate& c : stage.candidates)
+        if (c.b.rod < 0)
+            addHostBody(world, dt, bodyIndex(world, pieceOf(world, c).body), stage);
+    for (std::size_t i = 0; i < stage.linkCount; ++i)
+        addHostBody(world, dt, stage.linkRows[i].bodyB, stage);
 }
 
 } // namespace
+
+void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
+            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
+    if (w.C.rows() == 0) {
+        reduced = sign * full;
+        return;
+    }
+    reduced = sign * (full * w.Z);
+    offset += sign * (full * w.vp);
+}
 
 BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt) {
     const BodyState& s = b.state;
@@ -202,6 +228,9 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
         stage.curves[i].motion = range[i];
     });
     stage.detector.detect(stage.curves, stage.outlines, {margin}, out, stage.loop);
+    collectExcluded(world, stage);
+    std::erase_if(out,
+                  [&](const contact::Candidate& c) { return excluded(world, stage, c.a.rod, c.b.rod, c.outline); });
 }
 
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
@@ -246,14 +275,15 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-            ContactStage& stage) {
+            bool again, ContactStage& stage) {
     stage.problem.dt = dt;
-    addRodBodies(rods, stage);
+    prepareLinks(world, rods, dt, again, stage);
+    addRodBodies(world, rods, stage);
     addHostBodies(world, dt, stage);
     const std::size_t n = stage.candidates.size();
-    stage.problem.contacts.resize(n);
+    stage.problem.contacts.resize(n + stage.linkCount);
     stage.work.resize(n);
-    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * n));
+    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * (n + stage.linkCount)));
     const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
     parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
@@ -262,11 +292,13 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     });
+    coupleLinks(world, rods, dt, stage);
 }
 
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage) {
-    if (stage.candidates.empty()) {
+    const bool any = !stage.problem.contacts.empty();
+    if (!any) {
         stage.r.resize(0);
         stage.report = {};
         stage.report.converged = true;
@@ -275,9 +307,8 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
     }
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
-        const Eigen::VectorXd& x =
-            w.body >= 0 && !stage.candidates.empty() ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
-        if (world.rods[i].quarantined)
+        const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
+        if (w.frozen)
             w.v.setZero(world.rods[i].model.dofs());
         else if (w.C.rows() == 0)
             w.v = x;
@@ -289,7 +320,7 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
         if (!b.dynamic)
             continue;
         const Handover& h = b.handover;
-        const int index = stage.candidates.empty() ? -1 : stage.bodyProblemIndex[i];
+        const int index = any ? stage.bodyProblemIndex[i] : -1;
         BodyMotion m = freeMotion(world, b, h.acceleration, h.angularAcceleration, stage.problem.dt);
         if (index >= 0) {
             const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(index)];

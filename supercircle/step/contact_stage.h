@@ -12,6 +12,19 @@ struct BodyMotion {
     double spin = 0.0;            ///< rad/s
 };
 
+enum class LinkRowKind : std::uint8_t { Point, Angle, Pull };
+
+/// One contact of the problem that is (part of) a link, see link_stage.h. ContactWork::surface is the given velocity.
+struct LinkRow : ContactWork {
+    int link = -1; ///< index into World::links
+    LinkRowKind kind = LinkRowKind::Point;
+    Vec2 normal = Vec2::UnitX();                 ///< towards which a positive impulse pushes rod A
+    double lever = 0.0;                          ///< m, makes an angle a length
+    Vec2 bias = Vec2::Zero();                    ///< gap / dt, m/s
+    int bodyProblem = -1;                        ///< index of the other end's body into the problem
+    Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that body, its sign included
+};
+
 /// Everything the contacts of one attempt need.
 struct ContactStage {
     std::vector<contact::Curve> curves, curvesMiddle;
@@ -23,12 +36,15 @@ struct ContactStage {
     std::vector<ContactWork> work;
     std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
     std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
-    coulomb::Problem problem;
+    std::vector<LinkRow> linkRows;     ///< storage; the first linkCount belong to this attempt
+    std::size_t linkCount = 0;
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
+    coulomb::Problem problem;                                      ///< contacts: of the candidates, then of linkRows
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;
     parallel::For loop;                    ///< over the threads of the settings; empty: one
-    Eigen::VectorXd r;                     ///< impulses, 2 per candidate, N s
+    Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
 };
 
@@ -54,9 +70,14 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage);
 
-/// Builds the Coulomb problem of the framed candidates. Warm starts from `warm`, matched by id.
+/// Builds the Coulomb problem of the framed candidates and of the links. Warm starts from `warm`, matched by id.
+/// `again`: `rods` hold the solution of an earlier linearisation.
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-            ContactStage& stage);
+            bool again, ContactStage& stage);
+
+/// Rows for the unknowns of a rod: held motions taken out, their velocity added to `offset`.
+void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
+            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced);
 
 /// Solves, and puts the new velocities into rods (contact-free ones get their free velocity) and into stage.motion.
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,

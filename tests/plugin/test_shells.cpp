@@ -144,8 +144,10 @@ TEST_CASE("bad holds are refused", "[plugin]") {
         CHECK_FALSE(hold.error().empty());
     }
     CHECK(shells.world().rods[0].holds.empty());
-    CHECK(*shells.hold(a, 0.0, HoldKind::Pin) == 0);
-    CHECK(*shells.hold(a, 1.0, HoldKind::Clamp) == 1);
+    const HoldHandle pin = *shells.hold(a, 0.0, HoldKind::Pin);
+    const HoldHandle clamp = *shells.hold(a, 1.0, HoldKind::Clamp);
+    CHECK_FALSE(pin == clamp);
+    CHECK(shells.world().rods[0].holds.size() == 2);
 }
 
 TEST_CASE("the machine takes bodies the host has, and none else", "[plugin]") {

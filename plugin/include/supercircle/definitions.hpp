@@ -12,6 +12,9 @@ struct Point {
     double y = 0.0; ///< m
 };
 
+/// Names a kind of surface whose friction against others can be set pair by pair; 0: no particular one.
+using MaterialId = std::uint32_t;
+
 /// A flexible open shell: an inextensible elastic rod of circular arcs. The default is the paper's shell
 /// (PET-G, R = 19.2 mm, h = 0.5 mm, w = 10 mm) with phi_bar = 0.75.
 struct ShellDef {
@@ -35,6 +38,8 @@ struct ShellDef {
     double spin = 0.0;                     ///< rad/s
     std::uint16_t category = 1;            ///< collision filter as in Box2D
     std::uint16_t mask = 0xffff;
+    std::int16_t group = 0;  ///< as in Box2D: negative groups never collide among themselves, positive ones always
+    MaterialId material = 0; ///< for friction of pairs (Shells::set_friction), 0: none
     std::uint64_t user_data = 0;
     std::string name;
 };

@@ -1,22 +1,13 @@
-// Speed-up is worked out, not measured: a benchmark machine has a few shared cores, and on those a measured speed-up
-// says more about the neighbours. One thread does everything; each loop that several threads could share is timed turn
-// by turn and dealt out to 1 .. 64 imagined ones. Uneven turns, loops of too few turns and everything outside of loops
-// count in full, and every loop costs kWake for waking and waiting. Shared caches and memory bandwidth are left out.
-
 #include "plugin/cli/bench_scaling.h"
 
 #include "plugin/cli/bench_run.h"
 #include "plugin/cli/verbs.h"
 #include "plugin/record/files.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
-#include <cmath>
+#include <atomic>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <sys/resource.h>
 
 namespace supercircle::cli {
@@ -24,8 +15,6 @@ namespace supercircle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kWake = 5e-6; ///< s a loop; an empty one of TBB on two threads takes 0.6 us, because its caller does all
 
 /// Box and force grow with the square root of the shells, as in a scaled copy of the experiment.
 struct Size {
@@ -47,113 +36,127 @@ std::string rowName(int shells) {
     return "scaling/" + number("%04.0f", shells);
 }
 
-double cpuTime() {
-    timespec t{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+double sum(const VirtualThreads::Costs& costs) {
+    double all = 0.0;
+    for (const VirtualThreads::Cost& cost : costs)
+        all += cost.total;
+    return all;
 }
 
-double figure(const record::Recording& recording, const std::string& key) {
-    for (const auto& [name, value] : recording.summary)
-        if (name == key) {
-            if (const auto* d = std::get_if<double>(&value))
-                return *d;
-            if (const auto* i = std::get_if<std::int64_t>(&value))
-                return static_cast<double>(*i);
-        }
-    return 0.0;
+/// One solve and what led to it.
+struct Solve {
+    double contacts, loaded, pivots, factorisations, sweeps, ms, solverMs;
+    bool solved;
+};
+
+FullLoad fullLoad(const std::vector<Solve>& solves) {
+    FullLoad out;
+    double most = 0.0;
+    for (const Solve& s : solves)
+        most = std::max(most, s.loaded);
+    for (const Solve& s : solves) {
+        if (s.loaded < 0.9 * most)
+            continue;
+        out.solves += 1.0;
+        out.contacts += s.contacts;
+        out.loaded += s.loaded;
+        out.pivots += s.pivots;
+        out.mostPivots = std::max(out.mostPivots, s.pivots);
+        out.factorisations += s.factorisations;
+        out.sweeps += s.sweeps;
+        out.ms += s.ms;
+        out.solverMs += s.solverMs;
+        out.pathOnly += s.sweeps > 0.0 ? 0.0 : 1.0;
+        out.unsolved += s.solved ? 0.0 : 1.0;
+    }
+    const double n = std::max(1.0, out.solves);
+    for (double* mean : {&out.contacts, &out.loaded, &out.pivots, &out.factorisations, &out.sweeps, &out.ms,
+                         &out.solverMs, &out.pathOnly, &out.unsolved})
+        *mean /= n;
+    return out;
 }
+
+/// Listens to a run.
+class Listener {
+public:
+    lab::Options options() {
+        lab::Options o;
+        o.loop = machine_.loop();
+        o.interrupt = &interrupted;
+        o.onStage = [this](step::Stage stage) { machine_.enter(stage); };
+        o.progress = [this](const lab::Progress& p) { progress(p); };
+        o.onSolve = [this](const coulomb::Problem& problem, const coulomb::SolveReport& report) {
+            solved(problem, report);
+        };
+        return o;
+    }
+
+    void report(ScalingRow& row) {
+        row.reached = reached_;
+        row.costs = machine_.costs();
+        (inCycle_ ? row.cycleCpu : row.dropCpu) = sum(row.costs);
+        if (inCycle_)
+            row.dropCpu = dropCpu_;
+        row.solves = static_cast<double>(solves_.size());
+        for (const Solve& s : solves_)
+            row.contacts = std::max(row.contacts, s.contacts);
+        row.full = fullLoad(solves_);
+    }
+
+private:
+    void progress(const lab::Progress& p) {
+        reached_ = p.phase + ", " + number("%.3g N", p.force);
+        if (inCycle_ || p.phase.rfind("load", 0) != 0)
+            return;
+        inCycle_ = true;
+        dropCpu_ = sum(machine_.costs());
+        machine_.reset();
+        solves_.clear();
+        before_ = beforeSolver_ = 0.0;
+    }
+
+    void solved(const coulomb::Problem& problem, const coulomb::SolveReport& report) {
+        const VirtualThreads::Costs& costs = machine_.costs();
+        const double now = sum(costs), solver = costs[static_cast<std::size_t>(step::Stage::Solve)].total;
+        solves_.push_back({static_cast<double>(problem.contacts.size()), static_cast<double>(report.loaded),
+                           static_cast<double>(report.pivots), static_cast<double>(report.factorisations),
+                           static_cast<double>(report.sweeps), 1e3 * (now - before_), 1e3 * (solver - beforeSolver_),
+                           report.converged});
+        before_ = now;
+        beforeSolver_ = solver;
+    }
+
+    VirtualThreads machine_;
+    std::vector<Solve> solves_;
+    std::string reached_ = "nothing";
+    bool inCycle_ = false;
+    double dropCpu_ = 0.0, before_ = 0.0, beforeSolver_ = 0.0;
+};
 
 std::string runSize(const Size& size, ScalingRow& row) {
-    VirtualThreads machine;
-    bool inCycle = false;
-    double inside = 0.0;
-    std::array<double, VirtualThreads::kThreads.size()> before{};
-    std::size_t loops = 0;
-    lab::Options options;
-    options.loop = machine.loop();
-    options.progress = [&](const lab::Progress& p) {
-        if (inCycle || p.phase.rfind("load", 0) != 0)
-            return;
-        inCycle = true;
-        inside = machine.inside();
-        loops = machine.loops();
-        for (std::size_t i = 0; i < before.size(); ++i)
-            before[i] = machine.makespan(i);
-    };
+    Listener listener;
     lab::Outcome out;
     const std::string error =
         runScene("stack30",
                  {"shells=" + std::to_string(size.shells), "width=" + number("%g", size.width),
                   "together=" + std::to_string(size.together), "max_force=" + number("%g", size.force)},
-                 options, out);
+                 listener.options(), out);
     if (!error.empty())
         return error;
     row.shells = size.shells;
     row.complete = out.end == lab::End::Done;
-    row.contacts = figure(out.recording, "contacts_max");
-    row.loaded = figure(out.recording, "loaded_contacts_max");
-    row.cycleCpu = figure(out.recording, "protocol_cpu_s");
-    row.dropCpu = figure(out.recording, "cpu_s") - row.cycleCpu;
-    row.steps = figure(out.recording, "protocol_steps");
-    row.solves = figure(out.recording, "protocol_solves");
-    row.pivots = figure(out.recording, "protocol_pivots");
+    listener.report(row);
+    for (const auto& [name, value] : out.recording.summary)
+        if (const auto* steps = std::get_if<std::int64_t>(&value);
+            steps != nullptr && name == (row.cycleCpu > 0.0 ? "protocol_steps" : "steps"))
+            row.steps = static_cast<double>(*steps);
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
     row.memory = static_cast<double>(usage.ru_maxrss) / 1024.0;
-    const double serial = std::max(0.0, row.cycleCpu - (machine.inside() - inside));
-    for (std::size_t i = 0; inCycle && i < before.size(); ++i) {
-        const double waking = i == 0 ? 0.0 : kWake * static_cast<double>(machine.loops() - loops);
-        row.speedUp[i] = row.cycleCpu / (serial + machine.makespan(i) - before[i] + waking);
-    }
-    return {};
+    return keepScaling(row);
 }
 
-/// Hours of work are kept: a size whose figures lie in out/scaling is read from there.
-std::string keptFile(int shells) {
-    return "out/" + rowName(shells) + ".json";
-}
-
-std::string keep(const ScalingRow& row) {
-    const nlohmann::json json = {{"shells", row.shells},
-                                 {"complete", row.complete},
-                                 {"contacts", row.contacts},
-                                 {"loaded", row.loaded},
-                                 {"drop_cpu_s", row.dropCpu},
-                                 {"cycle_cpu_s", row.cycleCpu},
-                                 {"steps", row.steps},
-                                 {"solves", row.solves},
-                                 {"pivots", row.pivots},
-                                 {"memory_MB", row.memory},
-                                 {"threads", VirtualThreads::kThreads},
-                                 {"speed_up", row.speedUp}};
-    const fs::path path(keptFile(row.shells));
-    std::error_code ignored;
-    fs::create_directories(path.parent_path(), ignored);
-    return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), json.dump(2) + "\n"}});
-}
-
-bool recall(int shells, ScalingRow& row) {
-    std::ifstream file(keptFile(shells));
-    const nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
-    if (!json.is_object() || json.value("threads", std::vector<int>{}) !=
-                                 std::vector<int>(VirtualThreads::kThreads.begin(), VirtualThreads::kThreads.end()))
-        return false;
-    row.shells = json.value("shells", 0);
-    row.complete = json.value("complete", false);
-    row.contacts = json.value("contacts", 0.0);
-    row.loaded = json.value("loaded", 0.0);
-    row.dropCpu = json.value("drop_cpu_s", 0.0);
-    row.cycleCpu = json.value("cycle_cpu_s", 0.0);
-    row.steps = json.value("steps", 0.0);
-    row.solves = json.value("solves", 0.0);
-    row.pivots = json.value("pivots", 0.0);
-    row.memory = json.value("memory_MB", 0.0);
-    row.speedUp = json.value("speed_up", row.speedUp);
-    return row.shells == shells;
-}
-
-/// The rows of this run, for the table below them.
+/// The rows of this run, for the tables below them.
 std::vector<ScalingRow>& measured() {
     static std::vector<ScalingRow> rows;
     return rows;
@@ -161,12 +164,9 @@ std::vector<ScalingRow>& measured() {
 
 Measurement measurementOf(const ScalingRow& row) {
     Measurement m = summarise(rowName(row.shells), {1e3 * (row.dropCpu + row.cycleCpu)});
-    m.more = {{"complete", row.complete ? 1.0 : 0.0},
-              {"contacts", row.contacts},
-              {"loaded", row.loaded},
-              {"drop_cpu_s", row.dropCpu},
-              {"cycle_cpu_s", row.cycleCpu},
-              {"solves", row.solves}};
+    m.more = {
+        {"complete", row.complete ? 1.0 : 0.0}, {"contacts", row.contacts},    {"drop_cpu_s", row.dropCpu},
+        {"cycle_cpu_s", row.cycleCpu},          {"full_load_ms", row.full.ms}, {"full_load_pivots", row.full.pivots}};
     return m;
 }
 
@@ -174,7 +174,7 @@ std::string finish(const std::vector<Measurement>&, const std::string& json) {
     const std::vector<ScalingRow>& rows = measured();
     if (rows.empty())
         return {};
-    std::printf("\n%s\n", scalingTable(rows).c_str());
+    std::printf("\n%s\n", scalingTables(rows).c_str());
     if (json.empty())
         return {};
     std::string error;
@@ -187,55 +187,11 @@ std::string finish(const std::vector<Measurement>&, const std::string& json) {
 
 } // namespace
 
-parallel::For VirtualThreads::loop() {
-    return [this](std::size_t count, const std::function<void(std::size_t)>& body) {
-        turns_.clear();
-        for (std::size_t i = 0; i < count; ++i) {
-            const double start = cpuTime();
-            body(i);
-            turns_.push_back(cpuTime() - start);
-        }
-        deal();
-    };
-}
-
-void VirtualThreads::deal() {
-    ++loops_;
-    for (const double turn : turns_)
-        inside_ += turn;
-    for (std::size_t i = 0; i < kThreads.size(); ++i) {
-        load_.assign(static_cast<std::size_t>(kThreads[i]), 0.0);
-        for (const double turn : turns_)
-            *std::min_element(load_.begin(), load_.end()) += turn;
-        makespan_[i] += *std::max_element(load_.begin(), load_.end());
-    }
-}
-
-std::string scalingTable(const std::vector<ScalingRow>& rows) {
-    std::string out =
-        "| shells | contacts | loaded | drop, CPU s | cycle, CPU s | solves | ms a solve | pivots a solve | "
-        "memory, MB |";
-    std::string rule = "\n|---:|---:|---:|---:|---:|---:|---:|---:|---:|";
-    for (const int threads : VirtualThreads::kThreads)
-        if (threads > 1) {
-            out += " x" + std::to_string(threads) + " |";
-            rule += "---:|";
-        }
-    out += rule;
-    for (const ScalingRow& row : rows) {
-        const double solves = std::max(1.0, row.solves);
-        out += "\n| " + std::to_string(row.shells) + (row.complete ? "" : " (stopped)");
-        for (const auto& [format, value] :
-             {std::pair{"%.0f", row.contacts}, std::pair{"%.0f", row.loaded}, std::pair{"%.3g", row.dropCpu},
-              std::pair{"%.4g", row.cycleCpu}, std::pair{"%.0f", row.solves},
-              std::pair{"%.3g", 1e3 * row.cycleCpu / solves}, std::pair{"%.3g", row.pivots / solves},
-              std::pair{"%.0f", row.memory}})
-            out += " | " + number(format, value);
-        for (std::size_t i = 1; i < row.speedUp.size(); ++i)
-            out += " | " + (row.speedUp[i] > 0.0 ? number("%.2f", row.speedUp[i]) : std::string("-"));
-        out += " |";
-    }
-    return out + "\n";
+double ScalingRow::speedUp(std::size_t i) const {
+    VirtualThreads::Cost all;
+    for (const VirtualThreads::Cost& cost : costs)
+        all += cost;
+    return all.total > 0.0 ? all.total / all.time(i) : 0.0;
 }
 
 void addScalingBenchmarks(std::vector<Benchmark>& all) {
@@ -248,12 +204,9 @@ void addScalingBenchmarks(std::vector<Benchmark>& all) {
             if (!wanted(rowName(size.shells)))
                 continue;
             ScalingRow row;
-            if (!recall(size.shells, row)) {
+            if (!recallScaling(size.shells, row))
                 if (std::string error = runSize(size, row); !error.empty())
                     return error;
-                if (std::string error = keep(row); !error.empty())
-                    return error;
-            }
             measured().push_back(row);
             done(measurementOf(row));
         }

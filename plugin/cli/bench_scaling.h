@@ -2,50 +2,45 @@
 // What a stack costs against its number of shells and of threads.
 
 #include "plugin/cli/bench.h"
-#include "supercircle/parallel/parallel.h"
+#include "plugin/cli/virtual_threads.h"
 
-#include <array>
-#include <mutex>
 #include <string>
 #include <vector>
 
 namespace supercircle::cli {
 
-/// Plays a machine with any number of cores: runs the turns of every loop one after the other, takes their CPU times,
-/// and deals them out to so many threads, each turn to the one that is free first. What is not in a loop is serial.
-class VirtualThreads {
-public:
-    static constexpr std::array kThreads{1, 2, 4, 8, 16, 32, 64};
-
-    /// A loop to hand to the steps; the object must outlive it.
-    parallel::For loop();
-    /// CPU time of all turns, s.
-    [[nodiscard]] double inside() const { return inside_; }
-    /// The same as kThreads[i] threads would have taken, s.
-    [[nodiscard]] double makespan(std::size_t i) const { return makespan_[i]; }
-    [[nodiscard]] std::size_t loops() const { return loops_; }
-
-private:
-    void deal();
-    double inside_ = 0.0;
-    std::array<double, kThreads.size()> makespan_{};
-    std::size_t loops_ = 0;
-    std::vector<double> turns_, load_;
+/// Means over the solves of the cycle with at least 90 % of the most contacts under load.
+struct FullLoad {
+    double solves = 0.0, contacts = 0.0, loaded = 0.0;
+    double pivots = 0.0, mostPivots = 0.0, factorisations = 0.0, sweeps = 0.0;
+    double ms = 0.0;       ///< CPU time of a solve with everything around it: the cost of one linearised step
+    double solverMs = 0.0; ///< of that, the Coulomb solver
+    double pathOnly = 0.0; ///< share of solves that regions and paths settled without a sweep
+    double unsolved = 0.0; ///< share
 };
 
 /// One size: a pile made and squeezed once.
 struct ScalingRow {
     int shells = 0;
-    bool complete = false; ///< false: stopped before the end of the cycle
-    double contacts = 0.0, loaded = 0.0;
+    bool complete = false;                ///< false: stopped before the end of the cycle
+    std::string reached;                  ///< how far it got
+    double contacts = 0.0;                ///< most at once
     double dropCpu = 0.0, cycleCpu = 0.0; ///< s
-    double steps = 0.0, solves = 0.0, pivots = 0.0;
-    double memory = 0.0;                                           ///< MB
-    std::array<double, VirtualThreads::kThreads.size()> speedUp{}; ///< of the cycle
+    double steps = 0.0, solves = 0.0;     ///< of the cycle, or of the drop if no cycle began
+    double memory = 0.0;                  ///< peak, MB
+    FullLoad full;
+    VirtualThreads::Costs costs; ///< of the cycle, or of the drop if no cycle began
+
+    [[nodiscard]] double speedUp(std::size_t i) const;
 };
 
-std::string scalingTable(const std::vector<ScalingRow>& rows);
+std::string scalingTables(const std::vector<ScalingRow>& rows);
 /// PNG; empty `error` on success.
 std::string scalingPicture(const std::vector<ScalingRow>& rows, std::string& error);
+
+/// Hours of work are kept: the file of a size, below the current directory.
+std::string scalingFile(int shells);
+std::string keepScaling(const ScalingRow& row);
+bool recallScaling(int shells, ScalingRow& row);
 
 } // namespace supercircle::cli

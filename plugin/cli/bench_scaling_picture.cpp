@@ -86,10 +86,10 @@ void drawCost(report::Canvas& canvas, const report::Plot& plot, const std::vecto
     slope(canvas, plot, 1.3, -0.6, 2.0, "N squared");
     series(canvas, plot, rows, kDrop, [](const ScalingRow& r) { return r.dropCpu; });
     series(canvas, plot, rows, kCycle, [](const ScalingRow& r) { return r.complete ? r.cycleCpu : 0.0; });
-    series(canvas, plot, rows, kStep, [](const ScalingRow& r) { return 1e3 * r.cycleCpu / std::max(1.0, r.solves); });
+    series(canvas, plot, rows, kStep, [](const ScalingRow& r) { return r.full.ms; });
     legend(canvas, plot, 0.0, kDrop, "making the pile");
     legend(canvas, plot, 1.0, kCycle, "one cycle of squeezing");
-    legend(canvas, plot, 2.0, kStep, "a thousand solves of the cycle");
+    legend(canvas, plot, 2.0, kStep, "a thousand steps under full load");
 }
 
 void drawSpeedUp(report::Canvas& canvas, const report::Plot& plot, const std::vector<ScalingRow>& rows) {
@@ -99,9 +99,9 @@ void drawSpeedUp(report::Canvas& canvas, const report::Plot& plot, const std::ve
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const Colour colour = kSizes[k % std::size(kSizes)];
         std::vector<report::Point> points;
-        for (std::size_t i = 0; i < rows[k].speedUp.size(); ++i)
-            if (rows[k].speedUp[i] > 0.0)
-                points.push_back(plot.at(std::log2(VirtualThreads::kThreads[i]), std::log2(rows[k].speedUp[i])));
+        for (std::size_t i = 0; i < VirtualThreads::kThreads.size(); ++i)
+            if (const double gain = rows[k].speedUp(i); gain > 0.0)
+                points.push_back(plot.at(std::log2(VirtualThreads::kThreads[i]), std::log2(gain)));
         canvas.path(points, false, {.stroke = report::Stroke{colour, 1.8}});
         for (const report::Point& p : points)
             canvas.circle(p, 3.5, {.fill = colour});
@@ -118,8 +118,7 @@ std::string scalingPicture(const std::vector<ScalingRow>& rows, std::string& err
     canvas.text({left, 34.0}, "Stacks of many shells", {theme::titleSize, theme::ink, report::Anchor::Start, true});
     double least = 1e300, most = 0.0;
     for (const ScalingRow& row : rows)
-        for (const double y :
-             {row.dropCpu, row.complete ? row.cycleCpu : row.dropCpu, 1e3 * row.cycleCpu / std::max(1.0, row.solves)})
+        for (const double y : {row.dropCpu, row.complete ? row.cycleCpu : row.dropCpu, row.full.ms})
             if (y > 0.0) {
                 least = std::min(least, y);
                 most = std::max(most, y);

@@ -5,6 +5,7 @@
 #include "plugin/scene/scene.h"
 #include "supercircle/coulomb/solver.h"
 #include "supercircle/step/port.h"
+#include "supercircle/step/world.h"
 
 #include <atomic>
 #include <functional>
@@ -32,6 +33,7 @@ struct Options {
     std::function<void(const Progress&)> progress; ///< called now and then
     const std::atomic<bool>* interrupt = nullptr;  ///< becomes true: stop and keep what is done
     std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve; ///< every contact problem
+    std::function<void(step::Stage)> onStage; ///< step::Stepper::watchStages; must not throw
 };
 
 enum class End : std::uint8_t { Done, BadScene, Failed, Interrupted };

@@ -44,6 +44,7 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     shells_.stepper().loop = options.loop;
     s.witness = options.witness;
     shells_.stepper().onSolve = options.onSolve;
+    shells_.stepper().watchStages(options.onStage);
     out_.scene = scene.name;
     out_.about = scene.about;
     out_.R = scene.report.R;

@@ -12,10 +12,15 @@ namespace supercircle::step {
 class StageTimer {
 public:
     StageTimer(StageTimes& times, Stage stage)
-        : times_(times), stage_(stage), start_(std::chrono::steady_clock::now()) {}
+        : times_(times), stage_(stage), start_(std::chrono::steady_clock::now()) {
+        if (times_.onStage)
+            times_.onStage(stage_);
+    }
     ~StageTimer() {
         times_[static_cast<std::size_t>(stage_)] +=
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+        if (times_.onStage)
+            times_.onStage(Stage::Count);
     }
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;

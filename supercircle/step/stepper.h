@@ -45,7 +45,9 @@ struct FrameOutcome {
 };
 
 /// Wall time per stage, s.
-using StageTimes = std::array<double, static_cast<std::size_t>(Stage::Count)>;
+struct StageTimes : std::array<double, static_cast<std::size_t>(Stage::Count)> {
+    std::function<void(Stage)> onStage; ///< called when a stage begins, and with Stage::Count when it ends
+};
 
 class Stepper {
 public:
@@ -69,6 +71,9 @@ public:
     static void learnFromHost(World& world, Port& port, double advanced);
 
     [[nodiscard]] const StageTimes& times() const { return times_; }
+    /// Tells whoever measures which stage runs: at the start of every stage, and Stage::Count at its end. Must not
+    /// throw.
+    void watchStages(std::function<void(Stage)> watcher) { times_.onStage = std::move(watcher); }
     /// The contact problem of the last solve, for dumps.
     [[nodiscard]] const coulomb::Problem& lastProblem() const;
     [[nodiscard]] const std::vector<contact::Candidate>& lastCandidates() const;

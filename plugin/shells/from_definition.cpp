@@ -71,11 +71,16 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
         !(std::hypot(d.position.x, d.position.y) < 1e12))
         return "the shell is too far away, too heavy, too fast or too strongly bent for its energy to be a number";
     const rod::RodModel model(r);
+    // An element that turns more than once lies upon itself; a million turns would take memory without end to draw.
+    constexpr double kMostTurn = 8.0 * M_PI;
+    for (int i = 0; i < d.elements; ++i)
+        for (const double k : {r.naturalCurvature[static_cast<std::size_t>(i)], curvature[static_cast<std::size_t>(i)]})
+            if (!(std::abs(k) * model.elementLength(i) <= kMostTurn))
+                return "natural_curvature, curvature and radius may turn an element by 8 pi at most: element " +
+                       std::to_string(i) + " would turn by " + std::to_string(k * model.elementLength(i)) + " rad";
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {
-        if (!std::isfinite(curvature[static_cast<std::size_t>(i)]))
-            return "curvature must be finite";
         out.q[model.dofOfElement(i)] = curvature[static_cast<std::size_t>(i)];
     }
     out.q[model.dofX()] = d.position.x;

@@ -64,7 +64,12 @@ Shells& Shells::operator=(Shells&&) noexcept = default;
 
 void Shells::set_quality(Quality quality) {
     impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
-    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
+    const SleepSettings sleep = sleep_settings(); // is no matter of quality
+    step::Settings& s = impl_->stepper.settings();
+    s = settingsFor(quality, s.threads);
+    s.autoSleep = sleep.automatic;
+    s.sleepDrift = sleep.drift;
+    s.sleepAfter = sleep.delay;
 }
 Quality Shells::quality() const {
     return qualityOf(impl_->stepper.settings());

@@ -304,7 +304,11 @@ private:
         for (const ShellHandle& h : all) {
             const Result<ShellMeasures> m = s.measure(h);
             if (!m || !std::isfinite(m->centre.x) || !std::isfinite(m->box.upper.y) || !std::isfinite(m->stored_energy))
-                tally_.broken = "a shell has bad numbers";
+                tally_.broken = "a shell has bad numbers: " + (m ? "centre " + std::to_string(m->centre.x) +
+                                                                       ", box up to " + std::to_string(m->box.upper.y) +
+                                                                       ", stored " + std::to_string(m->stored_energy) +
+                                                                       " J" + (m->quarantined ? ", quarantined" : "")
+                                                                 : m.error());
         }
         if (!std::isfinite(s.time()) || !std::isfinite(s.books().kinetic))
             tally_.broken = "the books have bad numbers: kinetic " + std::to_string(s.books().kinetic) + " J";

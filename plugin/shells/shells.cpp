@@ -64,7 +64,12 @@ Outcome Shells::set_quality(Quality quality) {
     return impl_->change([&] {
         if (quality != Quality::Laboratory && quality != Quality::Game)
             return refused("a quality is Laboratory or Game");
-        impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
+        const SleepSettings sleep = sleep_settings(); // is no matter of quality
+        step::Settings& s = impl_->stepper.settings();
+        s = settingsFor(quality, s.threads);
+        s.autoSleep = sleep.automatic;
+        s.sleepDrift = sleep.drift;
+        s.sleepAfter = sleep.delay;
         impl_->recorder.record(Call::SetQuality, quality);
         return done();
     });
@@ -124,8 +129,8 @@ Outcome Shells::carry(const std::string& body_name) {
 
 Outcome Shells::set_machine_velocity(Point velocity) {
     return impl_->change([&] {
-        if (!finite(velocity))
-            return refused("the machine's velocity must be finite");
+        if (!(std::hypot(velocity.x, velocity.y) < 1e5))
+            return refused("the machine's velocity must be finite and below 1e5 m/s");
         if (impl_->world.machineVelocity != vec(velocity))
             step::wakeAll(impl_->world);
         impl_->world.machineVelocity = vec(velocity);
@@ -146,7 +151,12 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         report.failure = kStepping;
         return report;
     }
-    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest && std::isfinite(dt)) {
+    if (!(dt > 0.0) || !std::isfinite(dt)) {
+        report.failure = "pre_step: the frame must be a positive number of seconds";
+        m.advanced = 0.0;
+        return report;
+    }
+    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest) {
         report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
         m.advanced = 0.0;
         return report;

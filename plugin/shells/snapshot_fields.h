@@ -58,8 +58,8 @@ void io(Ar& ar, Is<FilterDef> auto& d) {
 
 template <class Ar>
 void io(Ar& ar, Is<SleepSettings> auto& s) {
-    auto& [automatic, speed, delay] = s;
-    ar(automatic, speed, delay);
+    auto& [automatic, drift, delay] = s;
+    ar(automatic, drift, delay);
 }
 
 template <class Ar>
@@ -155,9 +155,9 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs, width,
-           material, group, island, rested] = r;
+           material, group, island, rested, restPlace] = r;
     ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material, group,
-       island, rested);
+       island, rested, restPlace);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || qGood.size() != n || static_cast<int>(u.size()) != model.gaussPoints() ||
@@ -263,12 +263,13 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
-    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations,
-           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed,
-           sleepAfter, witness] = s;
+    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep,
+           sleepDrift, sleepAfter, witness] = s;
     (void)threads; // belongs to the machine
-    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations, contact,
-       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed, sleepAfter, witness);
+    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
+       contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepDrift, sleepAfter,
+       witness);
 }
 
 template <class Ar>

@@ -15,6 +15,11 @@ struct Record {
     std::vector<std::uint8_t> arguments;
 };
 
+template <class T>
+constexpr bool kIsHandle = std::is_same_v<T, ShellHandle>;
+template <class Part>
+constexpr bool kIsHandle<PartHandle<Part>> = true;
+
 /// Makes the calls of a log on other Shells.
 class Replay {
 public:
@@ -41,7 +46,7 @@ private:
     /// A recorded handle as it is called here; everything else is what it is.
     template <class T>
     void translate(T& x) const {
-        if constexpr (requires { std::get<Pairs<T>>(handles_); }) {
+        if constexpr (kIsHandle<T>) {
             const Pairs<T>& pairs = std::get<Pairs<T>>(handles_);
             const auto it = std::find_if(pairs.rbegin(), pairs.rend(), [&](const auto& p) { return p.first == x; });
             if (it != pairs.rend())

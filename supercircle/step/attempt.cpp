@@ -155,6 +155,15 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     markTouching(rods, stage);
 }
 
+/// Whether an element turns far more often than a shell can: motion at the end of its numbers.
+[[nodiscard]] static bool curledUp(const rod::RodModel& model, const Eigen::VectorXd& q) {
+    constexpr double kMostTurn = 16.0 * M_PI;
+    for (int i = 0; i < model.elements(); ++i)
+        if (std::abs(q[model.dofOfElement(i)]) * model.elementLength(i) > kMostTurn)
+            return true;
+    return false;
+}
+
 /// How far everything moved, and whether the candidates reached that far; if not, the world's range is widened.
 Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& widened, bool first) {
     error = moved = 0.0;
@@ -165,7 +174,8 @@ Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& wid
         error = std::max(error, w.error);
         if (w.touching)
             moved = std::max(moved, w.moved);
-        if (!world.rods[i].quarantined && w.moved > dt * soundSpeed(world.rods[i].model.definition()))
+        if (!world.rods[i].quarantined && (w.moved > dt * soundSpeed(world.rods[i].model.definition()) ||
+                                           (!w.frozen && curledUp(world.rods[i].model, w.q1))))
             runaways.push_back(i);
         if (w.shift > world.range[i] + 0.4 * settings.margin * h) {
             outOfRange = true;
@@ -235,6 +245,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
+    stage.overlap = 2.0 * settings.rejectPenetration * h;
+    stage.recovery = settings.recovery * h;
     begin(world, settings);
     int widened = 0;
     for (int iteration = 0;;) {

@@ -115,13 +115,6 @@ bool Stepper::acceptable(Verdict verdict, int cuts) const {
     return work_->attempt.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
 }
 
-/// How long each rod has rested.
-void Stepper::rest(World& world) const {
-    const double limit = settings_.sleepSpeed * work_->attempt.h;
-    for (Rod& r : world.rods)
-        r.rested = r.speed < limit ? r.rested + work_->attempt.dt : 0.0;
-}
-
 FrameOutcome Stepper::advance(World& world, double frame, Port* port,
                               const std::function<bool(const World&)>& observer) {
     FrameOutcome out;
@@ -177,7 +170,8 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             StageTimer timer(times_, Stage::Advance);
             accept(world, attempt);
         }
-        rest(world);
+        if (settings_.autoSleep)
+            measureRest(world, settings_, attempt.h, attempt.dt);
         work_->lastDt = attempt.dt;
         world.dtNext = nextSize(settings_, attempt, cuts > 0);
         cuts = 0;

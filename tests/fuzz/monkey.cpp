@@ -280,7 +280,7 @@ private:
         else
             ++tally_.refused;
         if (inner == 0 && !(dt > 0.0 && dt < 1.0) && s.hash() != before)
-            tally_.broken = "a refused frame changed the state";
+            tally_.broken = "a refused frame changed the state: dt = " + std::to_string(dt) + " s, " + r.failure;
         if (depth == 0)
             look(s);
         if (&s == shells_.get() && tape_.chance(230) && !world_.IsLocked())
@@ -304,10 +304,14 @@ private:
         for (const ShellHandle& h : all) {
             const Result<ShellMeasures> m = s.measure(h);
             if (!m || !std::isfinite(m->centre.x) || !std::isfinite(m->box.upper.y) || !std::isfinite(m->stored_energy))
-                tally_.broken = "a shell has bad numbers";
+                tally_.broken = "a shell has bad numbers: " + (m ? "centre " + std::to_string(m->centre.x) +
+                                                                       ", box up to " + std::to_string(m->box.upper.y) +
+                                                                       ", stored " + std::to_string(m->stored_energy) +
+                                                                       " J" + (m->quarantined ? ", quarantined" : "")
+                                                                 : m.error());
         }
         if (!std::isfinite(s.time()) || !std::isfinite(s.books().kinetic))
-            tally_.broken = "the books have bad numbers";
+            tally_.broken = "the books have bad numbers: kinetic " + std::to_string(s.books().kinetic) + " J";
     }
 
     void ask(Shells& s) {

@@ -32,9 +32,14 @@ Quality qualityOf(const step::Settings& settings) {
     return settings.prune ? Quality::Game : Quality::Laboratory; // long steps: what only games want
 }
 
-void Shells::set_quality(Quality quality) {
-    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
-    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings());
+Outcome Shells::set_quality(Quality quality) {
+    return impl_->change([&] {
+        if (quality != Quality::Laboratory && quality != Quality::Game)
+            return refused("a quality is Laboratory or Game");
+        impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings());
+        impl_->recorder.record(Call::SetQuality, quality);
+        return done();
+    });
 }
 
 Quality Shells::quality() const {
@@ -45,8 +50,8 @@ Outcome Shells::set_frame_budget(std::uint64_t work) {
     return impl_->change([&] {
         if (quality() != Quality::Game)
             return refused("only Quality::Game has a budget");
-        impl_->recorder.record(Call::SetFrameBudget, impl_->inner, work);
         impl_->stepper.settings().frameWork = work;
+        impl_->recorder.record(Call::SetFrameBudget, work);
         return done();
     });
 }

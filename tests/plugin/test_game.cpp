@@ -109,8 +109,8 @@ scene::Drop dropOf(int count, double width) {
 } // namespace
 
 TEST_CASE("a snap at 60 frames a second has the force of theory whatever the number of arcs", "[plugin][game]") {
-    // Solved references T2 (zero thickness). Measured errors at most 1 % (Type I; its half is the shell's thickness) and
-    // 0.9 % (Type II); 3 % is what a game is promised, and 2 % that the number of arcs makes no difference.
+    // Solved references T2 (zero thickness). Measured errors at most 1 % (Type I; its half is the shell's thickness)
+    // and 0.9 % (Type II); 3 % is what a game is promised, and 2 % that the number of arcs makes no difference.
     const auto check = [](double phiBar, double mu, double theory) {
         double least = 1e9, most = 0.0;
         for (const int elements : {15, 31, 61}) {

@@ -6,6 +6,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
+#include <map>
+#include <thread>
 
 using namespace supercircle;
 using namespace supercircle::test;
@@ -141,4 +144,29 @@ TEST_CASE("a loop over four threads has four threads at work, on a machine with 
             std::this_thread::yield();
     });
     CHECK(all);
+}
+
+// Not asserted, and only when asked for: `test_step "[speed]"`. The best of many short pieces is the only wall time
+// worth anything on a machine with neighbours.
+TEST_CASE("wall time of a loaded pile on one and two threads", "[.][speed]") {
+    Pile start(16, 4);
+    (void)squeeze(start, kSqueeze, 1);
+    std::map<int, double> best;
+    std::size_t loaded = 0;
+    for (int i = 0; i < 150; ++i)
+        for (const int threads : {1, 2}) {
+            Pile pile = start;
+            step::Settings settings;
+            settings.threads = threads;
+            settings.localError = 1.0;
+            step::Stepper s(settings);
+            frame(s, pile.world, pile.host, 1e-4); // makes the threads and the work spaces
+            const auto from = std::chrono::steady_clock::now();
+            frame(s, pile.world, pile.host, 4e-4);
+            const double ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+            best[threads] = best.count(threads) == 0 ? ms : std::min(best[threads], ms);
+            loaded = pile.world.impulses.size();
+        }
+    std::printf("%zu loaded contacts, best of 150: %.2f ms on one thread, %.2f ms on two: x%.2f\n", loaded, best[1],
+                best[2], best[1] / best[2]);
 }

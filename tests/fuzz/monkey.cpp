@@ -241,8 +241,8 @@ private:
         const std::uint64_t before = s.hash();
         if (s.size() >= kMostShells) {
             const std::vector<ShellHandle> all = s.list();
-            called(static_cast<bool>(s.destroy(all[tape_.below(static_cast<std::uint32_t>(all.size()))])), s, before,
-                   "destroy");
+            const ShellHandle victim = all[tape_.below(static_cast<std::uint32_t>(all.size()))];
+            called(static_cast<bool>(s.destroy(victim)), s, before, "destroy");
             return;
         }
         const Result<ShellHandle> made = s.create(definition());
@@ -425,8 +425,7 @@ private:
             called(static_cast<bool>(s.carry(tape_.chance(200) ? "plate" : "nobody")), s, before, "carry");
             break;
         case 6:
-            s.set_machine_velocity(tape_.point(0.5, 10));
-            ++tally_.calls;
+            called(static_cast<bool>(s.set_machine_velocity(tape_.point(0.5, 10))), s, before, "set_machine_velocity");
             break;
         case 7:
         case 8:
@@ -454,10 +453,10 @@ private:
             break;
         }
         case 16:
-            called(s.set_name(handle(), "b"), s, before, "set_name");
+            called(static_cast<bool>(s.set_name(handle(), "b")), s, before, "set_name");
             break;
         case 17:
-            called(s.set_user_data(handle(), 7), s, before, "set_user_data");
+            called(static_cast<bool>(s.set_user_data(handle(), 7)), s, before, "set_user_data");
             break;
         case 18: {
             EventSettings e;

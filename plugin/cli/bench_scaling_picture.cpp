@@ -65,7 +65,7 @@ void series(report::Canvas& canvas, const report::Plot& plot, const std::vector<
 
 void slope(report::Canvas& canvas, const report::Plot& plot, double x, double y, double exponent,
            const std::string& name) {
-    const double to = plot.x.hi - 0.1;
+    const double to = std::min(plot.x.hi - 0.1, x + (plot.y.hi - 0.15 - y) / exponent);
     const report::Point a = plot.at(x, y), b = plot.at(to, y + exponent * (to - x));
     canvas.pushClip(plot.area);
     canvas.line(a, b, {theme::muted, 1.0, {4.0, 4.0}});
@@ -82,14 +82,14 @@ void legend(report::Canvas& canvas, const report::Plot& plot, double row, Colour
 void drawCost(report::Canvas& canvas, const report::Plot& plot, const std::vector<ScalingRow>& rows) {
     decades(canvas, plot, false);
     labels(canvas, plot, "shells", "CPU time on one core / s");
-    slope(canvas, plot, 1.3, -0.6, 1.0, "N");
-    slope(canvas, plot, 1.3, -0.6, 2.0, "N squared");
+    slope(canvas, plot, 1.5, plot.y.lo + 0.1, 1.0, "N");
+    slope(canvas, plot, 1.5, plot.y.lo + 0.1, 2.0, "N squared");
     series(canvas, plot, rows, kDrop, [](const ScalingRow& r) { return r.dropCpu; });
     series(canvas, plot, rows, kCycle, [](const ScalingRow& r) { return r.complete ? r.cycleCpu : 0.0; });
     series(canvas, plot, rows, kStep, [](const ScalingRow& r) { return r.full.ms; });
     legend(canvas, plot, 0.0, kDrop, "making the pile");
     legend(canvas, plot, 1.0, kCycle, "one cycle of squeezing");
-    legend(canvas, plot, 2.0, kStep, "a thousand steps under full load");
+    legend(canvas, plot, 2.0, kStep, "a thousand solves under full load");
 }
 
 void drawSpeedUp(report::Canvas& canvas, const report::Plot& plot, const std::vector<ScalingRow>& rows) {

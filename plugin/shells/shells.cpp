@@ -150,6 +150,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     const step::Counters before = m.world.counters;
     const double start = m.world.time;
     std::uint64_t inner = 0; // steps
+    std::string thrown;
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
     m.recorder.record(Call::PreStep, dt);
     const Outcome ended = Impl::caught([&] {
@@ -158,13 +159,16 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
             ++inner;
             m.watch.afterStep(world, m.stepper, handleOf);
-            const bool stop = observer && observer();
+            // An observer that throws stops the frame in order: else the host would never get this frame's impulses.
+            const auto stop = Impl::caught([&] { return Result<bool>(observer && observer()); });
             m.watch.remember(world);
-            return stop;
+            if (!stop)
+                thrown = stop.error();
+            return !stop || *stop;
         });
         report.stopped = out.stopped;
         report.late = out.late;
-        report.failure = out.failure;
+        report.failure = out.failure.empty() ? thrown : out.failure;
         m.watch.end(m.world, handleOf);
         return done();
     });

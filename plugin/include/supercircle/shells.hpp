@@ -47,7 +47,7 @@ enum class Quality : std::uint8_t {
 struct FrameReport {
     double advanced = 0.0; ///< s; less than asked for only when stopped, late or failed
     bool late = false;     ///< Quality::Game: the frame's budget was used up; the rest of dt was not simulated
-    bool stopped = false;  ///< the observer asked to stop
+    bool stopped = false;  ///< the observer asked to stop, or threw (then failure says what)
     std::string failure;   ///< empty unless the shells could not go on
     std::uint64_t steps = 0;
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance

@@ -7,6 +7,7 @@
 
 #include "bridge/body_registry.h"
 #include "bridge/build.h"
+#include "bridge/constraints.h"
 #include "bridge/outlines.h"
 #include "bridge/rigid_check.h"
 
@@ -97,6 +98,7 @@ struct Box2dPort::Impl {
     std::map<std::string, BodyId> names;
     std::map<BodyId, Driven> driven;
     std::vector<Deferred> deferred;
+    double lastDt = 0.0; ///< of the host's last step as far as told, s
     std::uint64_t refused = 0;
     std::string lastRefusal;
 
@@ -262,6 +264,11 @@ bool Box2dPort::state(BodyId body, BodyState& out) const {
     return true;
 }
 
+void Box2dPort::constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const {
+    impl_->refresh(false);
+    appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt, out);
+}
+
 void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) {
     impl_->refresh(false);
     const double scale = impl_->scale;
@@ -356,6 +363,7 @@ void Box2dPort::forget(const b2Body& body) {
 }
 
 void Box2dPort::stepped(double dt) {
+    impl_->lastDt = dt;
     impl_->refresh(false);
     for (auto it = impl_->driven.begin(); it != impl_->driven.end();) {
         const b2Body* b = impl_->registry.body(it->first);

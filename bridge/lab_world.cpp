@@ -31,6 +31,9 @@ public:
     [[nodiscard]] double unitsPerMetre() const override { return port_.unitsPerMetre(); }
     void query(const step::Box& box, std::vector<BodyOutline>& out) const override { port_.query(box, out); }
     [[nodiscard]] bool state(BodyId body, BodyState& out) const override { return port_.state(body, out); }
+    void constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const override {
+        port_.constraints(seeds, dt, out);
+    }
     void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) override {
         port_.applyImpulse(body, impulse, angularImpulse);
     }

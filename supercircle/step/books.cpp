@@ -1,6 +1,7 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/rod_stage.h"
 
 #include <algorithm>
@@ -37,7 +38,7 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
         } else {
             Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
             body.force -= force;
-            const int index = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+            const int index = stage.place[static_cast<std::size_t>(k.bodyB)].block;
             if (index >= 0) {
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
@@ -73,7 +74,7 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        h.coupled |= !stage.candidates.empty() && stage.bodyProblemIndex[i] >= 0;
+        h.coupled |= !stage.candidates.empty() && stage.place[i].block >= 0;
     }
     world.machineTravel += dt * world.machineVelocity;
 }
@@ -99,6 +100,7 @@ void accept(World& world, Attempt& t) {
         l.work += b.holdWork;
         l.pushOut -= b.rollingWork;
     }
+    acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);
     world.impulses = t.impulses;
     world.candidates = stage.after;

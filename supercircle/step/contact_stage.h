@@ -11,6 +11,18 @@ struct BodyMotion {
     double spin = 0.0;            ///< rad/s
 };
 
+/// Where a host body stands in the contact problem.
+struct BodyPlace {
+    int block = -1;   ///< index into the problem's bodies, -1: not in it
+    int column = 0;   ///< of its first freedom in the block
+    int freedoms = 0; ///< 3, or 2 where rotation is fixed; 0: not in the problem
+};
+
+/// Indices into World::bodies of what a host constraint connects, -1: nobody.
+struct BodyEnds {
+    int a = -1, b = -1;
+};
+
 /// Everything the contacts of one attempt need.
 struct ContactStage {
     std::vector<contact::Curve> curves, curvesMiddle;
@@ -19,8 +31,11 @@ struct ContactStage {
     std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
     std::vector<ContactWork> work;
-    std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
+    std::vector<BodyPlace> place;      ///< per World::bodies
     std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
+    std::vector<BodyEnds> contactEnds; ///< of World::constraints.contacts
+    std::vector<BodyEnds> rowEnds;     ///< of World::constraints.rows
+    std::vector<int> hostEntries; ///< the problem's contacts after the candidates: k = host contact, -1 - k = limit
     coulomb::Problem problem;
     coulomb::Solver solver;
     coulomb::SolveReport report;
@@ -29,12 +44,11 @@ struct ContactStage {
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
 };
 
+/// Index into World::bodies, -1 if there is no such body.
+int bodyIndex(const World& world, BodyId id);
+
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);
-
-/// Velocity of a dynamic body at the end of a step without shells, in Box2D's order of gravity, damping and
-/// constraints; the constraints are `host` (m/s^2) and `hostSpin` (rad/s^2).
-BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt);
 
 /// Outlines in the world frame; `ahead` seconds along `motion`.
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,

@@ -52,14 +52,13 @@ void takeUp(const Body& old, double frame, Body& b) {
     }
 }
 
-/// The bodies of `outlines` with fresh states; driven ones keep our pose, known ones what was learnt about them.
-std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyOutline>& outlines,
-                             double frame) {
-    std::vector<BodyId> ids = world.machineBodies;
-    for (const BodyOutline& o : outlines)
-        ids.push_back(o.body);
+void unique(std::vector<BodyId>& ids) {
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+/// The bodies `ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about them.
+std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyId>& ids, double frame) {
     std::vector<Body> bodies;
     for (const BodyId id : ids) {
         Body b;
@@ -104,7 +103,18 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
     std::vector<BodyOutline> outlines;
     if (!world.rods.empty())
         port.query(reach(world, frame), outlines);
-    std::vector<Body> bodies = readBodies(world, port, outlines, frame);
+    std::vector<BodyId> ids = world.machineBodies;
+    for (const BodyOutline& o : outlines)
+        ids.push_back(o.body);
+    unique(ids);
+    world.constraints = HostConstraints{};
+    port.constraints(ids, frame, world.constraints);
+    for (const HostContact& c : world.constraints.contacts)
+        ids.insert(ids.end(), {c.a, c.b});
+    for (const HostRow& r : world.constraints.rows)
+        ids.insert(ids.end(), {r.a, r.b});
+    unique(ids);
+    std::vector<Body> bodies = readBodies(world, port, ids, frame);
     std::erase_if(outlines, [&](const BodyOutline& o) {
         return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });

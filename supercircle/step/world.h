@@ -130,6 +130,7 @@ struct World {
     std::vector<Rod> rods;
     std::vector<Body> bodies;             ///< sorted by id
     std::vector<BodyOutline> outlines;    ///< of those bodies, as pulled last
+    HostConstraints constraints;          ///< the host's own, on those bodies and their neighbours
     std::vector<ContactImpulse> impulses; ///< sorted by id
     Vec2 machineVelocity = Vec2::Zero();  ///< of everything the machine carries, m/s
     Vec2 machineTravel = Vec2::Zero();    ///< integral of it, m

@@ -305,6 +305,35 @@ void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
     b->SetAngularVelocity(static_cast<float>(spin));
 }
 
+void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
+    impl_->refresh(false);
+    if (!fits(centre, impl_->scale) || !(std::abs(angle) < kMaxHost)) {
+        impl_->refuse("place: the pose is not finite or too far away");
+        return;
+    }
+    b2Body* b = impl_->registry.body(body);
+    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
+        impl_->refuse("place: no dynamic body of an unlocked world");
+        return;
+    }
+    b2Vec2 way = toHost(centre, impl_->scale) - b->GetWorldCenter();
+    bool blocked = false;
+    for (const b2ContactEdge* e = b->GetContactList(); e != nullptr; e = e->next) {
+        if (e->other->GetType() == b2_dynamicBody || !e->contact->IsTouching() || !pushes(*e->contact))
+            continue;
+        b2WorldManifold manifold;
+        e->contact->GetWorldManifold(&manifold);
+        const b2Vec2 out = e->contact->GetFixtureB()->GetBody() == b ? manifold.normal : -manifold.normal;
+        if (const float in = b2Dot(way, out); in < 0.0F) {
+            way -= in * out;
+            blocked = true;
+        }
+    }
+    const float turned = blocked ? b->GetAngle() : static_cast<float>(angle);
+    const b2Vec2 target = b->GetWorldCenter() + way;
+    b->SetTransform(target - b2Mul(b2Rot(turned), b->GetLocalCenter()), turned);
+}
+
 void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
     impl_->refresh(false);
     if (!fits(centre, impl_->scale) || !fits(velocity, impl_->scale) || !(std::abs(angle) < kMaxHost) ||

@@ -49,6 +49,7 @@ public:
     void constraints(const std::vector<step::BodyId>& seeds, double dt, step::HostConstraints& out) const override;
     void applyImpulse(step::BodyId body, const step::Vec2& impulse, double angularImpulse) override;
     void setVelocity(step::BodyId body, const step::Vec2& velocity, double spin) override;
+    void place(step::BodyId body, const step::Vec2& centre, double angle) override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
     [[nodiscard]] step::BodyId find(const std::string& name) const override;

@@ -279,35 +279,63 @@ void JointRows::add(b2Joint& joint) {
     }
 }
 
-void appendContact(const BodyRegistry& registry, b2Contact& contact, double scale, double lastDt,
+/// Relative velocity of b at a point.
+Vec2 relativeVelocity(const b2Body& a, const b2Body& b, const b2Vec2& at) {
+    return wide(b.GetLinearVelocityFromWorldPoint(at) - a.GetLinearVelocityFromWorldPoint(at));
+}
+
+/// The manifold the coming step will find (what the contact shows is that of the last step's start), with the impulses
+/// of the points that stay.
+b2Manifold presentManifold(b2Contact& contact) {
+    b2Manifold m{};
+    contact.Evaluate(&m, contact.GetFixtureA()->GetBody()->GetTransform(),
+                     contact.GetFixtureB()->GetBody()->GetTransform());
+    const b2Manifold& old = *contact.GetManifold();
+    for (int32 i = 0; i < m.pointCount; ++i) {
+        m.points[i].normalImpulse = m.points[i].tangentImpulse = 0.0F;
+        for (int32 k = 0; k < (contact.IsTouching() ? old.pointCount : 0); ++k)
+            if (old.points[k].id.key == m.points[i].id.key) {
+                m.points[i].normalImpulse = old.points[k].normalImpulse;
+                m.points[i].tangentImpulse = old.points[k].tangentImpulse;
+            }
+    }
+    return m;
+}
+
+/// False when the shapes do not touch.
+bool appendContact(const BodyRegistry& registry, b2Contact& contact, double scale, double lastDt,
                    std::vector<HostContact>& out) {
-    const b2Manifold& manifold = *contact.GetManifold();
+    const b2Manifold manifold = presentManifold(contact);
+    b2Fixture &fixtureA = *contact.GetFixtureA(), &fixtureB = *contact.GetFixtureB();
+    b2Body &a = *fixtureA.GetBody(), &b = *fixtureB.GetBody();
     b2WorldManifold world;
-    contact.GetWorldManifold(&world);
-    b2Body* a = contact.GetFixtureA()->GetBody();
-    b2Body* b = contact.GetFixtureB()->GetBody();
+    world.Initialize(&manifold, a.GetTransform(), fixtureA.GetShape()->m_radius, b.GetTransform(),
+                     fixtureB.GetShape()->m_radius);
     const double perTime = lastDt > 0.0 ? 1.0 / (lastDt * scale) : 0.0;
     for (int32 i = 0; i < manifold.pointCount; ++i) {
         HostContact c;
-        c.a = registry.id(a);
-        c.b = registry.id(b);
-        c.armA = wide(world.points[i] - a->GetWorldCenter()) / scale;
-        c.armB = wide(world.points[i] - b->GetWorldCenter()) / scale;
+        c.a = registry.id(&a);
+        c.b = registry.id(&b);
+        c.armA = wide(world.points[i] - a.GetWorldCenter()) / scale;
+        c.armB = wide(world.points[i] - b.GetWorldCenter()) / scale;
         c.normal = wide(world.normal).normalized();
         c.friction = static_cast<double>(contact.GetFriction());
         c.conveyor = -static_cast<double>(contact.GetTangentSpeed()) / scale; // its tangent is -perp(normal)
+        const double approach = -relativeVelocity(a, b, world.points[i]).dot(wide(world.normal));
+        if (approach > static_cast<double>(contact.GetRestitutionThreshold()))
+            c.bounce = static_cast<double>(contact.GetRestitution()) * approach / scale;
         c.normalForce = std::max(0.0, static_cast<double>(manifold.points[i].normalImpulse)) * perTime;
         c.tangentForce = -static_cast<double>(manifold.points[i].tangentImpulse) * perTime;
         out.push_back(c);
     }
-}
-
-bool pushes(const b2Contact& contact) {
-    return contact.IsTouching() && contact.IsEnabled() && !contact.GetFixtureA()->IsSensor() &&
-           !contact.GetFixtureB()->IsSensor();
+    return manifold.pointCount > 0;
 }
 
 } // namespace
+
+bool pushes(const b2Contact& contact) {
+    return contact.IsEnabled() && !contact.GetFixtureA()->IsSensor() && !contact.GetFixtureB()->IsSensor();
+}
 
 void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& seeds, double unitsPerMetre, double dt,
                        double lastDt, step::HostConstraints& out) {
@@ -326,8 +354,8 @@ void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& 
         for (b2ContactEdge* e = body->GetContactList(); e != nullptr; e = e->next) {
             if (!pushes(*e->contact) || done.contains(registry.id(e->other)))
                 continue;
-            appendContact(registry, *e->contact, unitsPerMetre, lastDt, out.contacts);
-            take(e->other);
+            if (appendContact(registry, *e->contact, unitsPerMetre, lastDt, out.contacts))
+                take(e->other);
         }
         for (b2JointEdge* e = body->GetJointList(); e != nullptr; e = e->next) {
             if (!e->joint->IsEnabled() || done.contains(registry.id(e->other)))

@@ -6,6 +6,9 @@
 
 namespace supercircle::bridge {
 
+/// Whether a contact acts on its bodies when it touches.
+bool pushes(const b2Contact& contact);
+
 /// Appends contacts and joints of `seeds` and of all dynamic bodies reached from them. `dt`: the coming step, s;
 /// `lastDt`: the last one (impulses are of that), s. Gear joints are left out: they tie four bodies, and what they do
 /// is followed from frame to frame instead.

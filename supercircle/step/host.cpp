@@ -1,5 +1,6 @@
 // The shells' side of the host: what is pulled before a frame, handed over after it, and learnt from the host's step.
 
+#include "supercircle/step/handover.h"
 #include "supercircle/step/stepper.h"
 
 #include <algorithm>
@@ -35,16 +36,13 @@ void takeUp(const Body& old, double frame, Body& b) {
     const BodyState &now = b.state, &seen = old.handover.seen;
     Handover& h = b.handover;
     h.unexplained = old.handover.unexplained;
-    h.unexplainedSpin = old.handover.unexplainedSpin;
-    h.acceleration = old.handover.acceleration;
-    h.angularAcceleration = old.handover.angularAcceleration;
-    if (!old.handover.coupled)
-        return;
-    if (now.velocity == seen.velocity && now.spin == seen.spin) { // else its user set it
+    h.all = old.handover.all;
+    const bool moved = now.centre != seen.centre || now.angle != seen.angle; // by its user
+    if (now.velocity == seen.velocity && now.spin == seen.spin) {
         b.state.velocity = old.state.velocity;
         b.state.spin = old.state.spin;
     }
-    if (now.centre == seen.centre && now.angle == seen.angle) { // else its user moved it
+    if (!moved) {
         h.drift = (now.centre - old.state.centre) / frame;
         h.driftSpin = (now.angle - old.state.angle) / frame;
         b.state.centre = old.state.centre;
@@ -155,26 +153,34 @@ void Stepper::pushToHost(World& world, Port& port, double advanced) {
 }
 
 void Stepper::learnFromHost(World& world, Port& port, double advanced) {
+    if (!(advanced > 0.0))
+        return;
     for (Body& b : world.bodies) {
-        BodyState now;
-        if (!b.dynamic || !(advanced > 0.0) || !port.state(b.id, now)) {
-            b.handover.known = false;
-            continue;
-        }
         Handover& h = b.handover;
+        BodyState now;
+        h.known = b.dynamic && port.state(b.id, now);
+        if (!h.known)
+            continue;
         const Vec2 change = now.velocity - h.handed;
-        const double changeSpin = now.spin - h.handedSpin;
-        h.acceleration = (h.hostImpulse / now.mass + change) / advanced;
-        h.angularAcceleration = ((now.inertia > 0.0 ? h.hostTurnImpulse / now.inertia : 0.0) + changeSpin) / advanced;
-        h.unexplained = change / advanced;
-        h.unexplainedSpin = changeSpin / advanced;
+        const double turn = now.spin - h.handedSpin;
+        const BodyState& s = b.state;
+        const Vec2 expected = h.hostImpulse / s.mass;
+        const double expectedTurn = s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
+        h.all.learn((expected + change) / advanced, (expectedTurn + turn) / advanced);
+        const bool explained = h.coupled;
+        h.unexplained.learn(explained ? Vec2(change / advanced + h.unexplained.expectedLinear) : Vec2(Vec2::Zero()),
+                            explained ? turn / advanced + h.unexplained.expectedAngular : 0.0);
         if (h.coupled) {
             b.state.velocity += change;
-            b.state.spin += changeSpin;
+            b.state.spin += turn;
             port.setVelocity(b.id, b.state.velocity, b.state.spin);
+        } else {
+            b.state.velocity = now.velocity;
+            b.state.spin = now.spin;
         }
-        h.known = port.state(b.id, h.seen);
+        port.state(b.id, h.seen);
     }
+    settlePlaces(world, port);
 }
 
 } // namespace supercircle::step

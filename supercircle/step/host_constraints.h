@@ -24,6 +24,7 @@ struct HostContact {
     Vec2 normal = Vec2::UnitY(); ///< from a to b
     double friction = 0.0;       ///< 1
     double conveyor = 0.0;       ///< tangent velocity of b's surface over a's that friction strives for, m/s
+    double bounce = 0.0;         ///< separation velocity the host's restitution asks for in the coming step, m/s
     double normalForce = 0.0;    ///< mean of the host's last step, then of ours, N
     double tangentForce = 0.0;   ///< N
     double room = 0.0;           ///< normal distance opened in this frame, m (grows with the steps)

@@ -250,7 +250,8 @@ void addHostBlocks(const World& world, double dt, ContactStage& stage) {
     for (const int i : bodies) {
         const Body& body = world.bodies[static_cast<std::size_t>(i)];
         const BodyPlace& p = placeOf(stage, i);
-        const BodyMotion free = freeMotion(world, body, body.handover.unexplained, body.handover.unexplainedSpin, dt);
+        const BodyMotion free = freeMotion(world, body, body.handover.unexplained.expectedLinear,
+                                           body.handover.unexplained.expectedAngular, dt);
         Eigen::MatrixXd& A = stage.problem.bodies[static_cast<std::size_t>(p.block)].A;
         const double m = body.state.mass, inertia = body.state.inertia;
         A.diagonal().segment(p.column, p.freedoms) = Eigen::Vector3d(m, m, inertia).head(p.freedoms);
@@ -284,7 +285,7 @@ void addHostContacts(const World& world, double dt, ContactStage& stage) {
         coulomb::Contact out;
         putRows(world, stage, e, contactSides(c, c.normal), contactSides(c, rod::perp(c.normal)), out);
         out.mu = c.friction;
-        out.w += Vec2(c.room / dt, -c.conveyor);
+        out.w += Vec2(c.room > 0.0 ? c.room / dt : -c.bounce, -c.conveyor);
         append(stage, static_cast<int>(k), std::move(out), dt * c.normalForce, dt * c.tangentForce);
     }
     for (std::size_t k = 0; k < stage.rowEnds.size(); ++k) {
@@ -308,7 +309,7 @@ void readHostBlocks(const World& world, ContactStage& stage) {
         if (!b.dynamic)
             continue;
         const Handover& h = b.handover;
-        BodyMotion m = freeMotion(world, b, h.acceleration, h.angularAcceleration, stage.problem.dt);
+        BodyMotion m = freeMotion(world, b, h.all.expectedLinear, h.all.expectedAngular, stage.problem.dt);
         const BodyPlace p = stage.candidates.empty() ? BodyPlace{} : stage.place[i];
         if (p.block >= 0) {
             const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(p.block)];

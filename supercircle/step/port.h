@@ -61,6 +61,9 @@ public:
     /// Sets the velocity of the centre of mass and the spin of a dynamic body after a host step, m/s and rad/s; wakes
     /// nobody.
     virtual void setVelocity(BodyId body, const Vec2& velocity, double spin) = 0;
+    /// Moves a dynamic body after a host step without a change of velocity, as far as immovable bodies it touches let
+    /// it.
+    virtual void place(BodyId body, const Vec2& centre, double angle) = 0;
     /// Places a kinematic body for the coming host step: pose at its start and velocity through it.
     virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
     /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why

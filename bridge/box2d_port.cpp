@@ -269,6 +269,11 @@ void Box2dPort::constraints(const std::vector<BodyId>& seeds, double dt, step::H
     appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt, out);
 }
 
+void Box2dPort::impulses(double dt, step::HostConstraints& io) const {
+    impl_->refresh(true);
+    readImpulses(impl_->registry, impl_->scale, dt, io);
+}
+
 void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) {
     impl_->refresh(false);
     const double scale = impl_->scale;

@@ -47,6 +47,7 @@ public:
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
     /// Contacts as Box2D's last step left them; gear joints are left out (bridge/constraints.h).
     void constraints(const std::vector<step::BodyId>& seeds, double dt, step::HostConstraints& out) const override;
+    void impulses(double dt, step::HostConstraints& io) const override;
     void applyImpulse(step::BodyId body, const step::Vec2& impulse, double angularImpulse) override;
     void setVelocity(step::BodyId body, const step::Vec2& velocity, double spin) override;
     void place(step::BodyId body, const step::Vec2& centre, double angle) override;

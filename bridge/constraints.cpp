@@ -166,6 +166,8 @@ void JointRows::distance(b2DistanceJoint& j) {
                static_cast<double>(j.GetStiffness()), static_cast<double>(j.GetDamping()));
     HostRow r = along(axis, rA, rB);
     out_.pop_back();
+    if (j.GetStiffness() > 0.0F)
+        r.last = 0.0; // the spring's row has the whole
     limits(r, length, lower, upper);
 }
 
@@ -279,9 +281,28 @@ void JointRows::add(b2Joint& joint) {
     }
 }
 
+void appendJoint(const BodyRegistry& registry, b2Joint& joint, double scale, double dt, double lastDt,
+                 std::vector<HostRow>& out) {
+    const std::size_t first = out.size();
+    JointRows(registry, joint, scale, dt, lastDt, out).add(joint);
+    for (std::size_t i = first; i < out.size(); ++i)
+        out[i].key = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(&joint));
+}
+
 /// Relative velocity of b at a point.
 Vec2 relativeVelocity(const b2Body& a, const b2Body& b, const b2Vec2& at) {
     return wide(b.GetLinearVelocityFromWorldPoint(at) - a.GetLinearVelocityFromWorldPoint(at));
+}
+
+/// Tells the points of one body pair apart: addresses of fixtures serve as names only and order nothing.
+std::uint64_t keyOf(b2Contact& contact, const b2ManifoldPoint& point) {
+    const auto name = [](const void* p) { return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(p)); };
+    std::uint64_t key = name(contact.GetFixtureA()) * 0x9E3779B97F4A7C15ULL + name(contact.GetFixtureB());
+    for (const std::uint64_t part :
+         {static_cast<std::uint64_t>(contact.GetChildIndexA()), static_cast<std::uint64_t>(contact.GetChildIndexB()),
+          static_cast<std::uint64_t>(point.id.key)})
+        key = (key ^ part) * 0xBF58476D1CE4E5B9ULL;
+    return key;
 }
 
 /// The manifold the coming step will find (what the contact shows is that of the last step's start), with the impulses
@@ -314,6 +335,7 @@ bool appendContact(const BodyRegistry& registry, b2Contact& contact, double scal
     const double perTime = lastDt > 0.0 ? 1.0 / (lastDt * scale) : 0.0;
     for (int32 i = 0; i < manifold.pointCount; ++i) {
         HostContact c;
+        c.key = keyOf(contact, manifold.points[i]);
         c.a = registry.id(&a);
         c.b = registry.id(&b);
         c.armA = wide(world.points[i] - a.GetWorldCenter()) / scale;
@@ -360,10 +382,42 @@ void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& 
         for (b2JointEdge* e = body->GetJointList(); e != nullptr; e = e->next) {
             if (!e->joint->IsEnabled() || done.contains(registry.id(e->other)))
                 continue;
-            JointRows(registry, *e->joint, unitsPerMetre, dt, lastDt, out.rows).add(*e->joint);
+            appendJoint(registry, *e->joint, unitsPerMetre, dt, lastDt, out.rows);
             take(e->other);
         }
         done.insert(found[i]);
+    }
+}
+
+void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt, step::HostConstraints& io) {
+    for (HostContact& c : io.contacts) {
+        b2Body *a = registry.body(c.a), *b = registry.body(c.b);
+        for (b2ContactEdge* e = a && b ? a->GetContactList() : nullptr; e != nullptr && !c.told; e = e->next) {
+            if (e->other != b)
+                continue;
+            const b2Manifold& m = *e->contact->GetManifold();
+            for (int32 i = 0; i < m.pointCount; ++i) {
+                if (keyOf(*e->contact, m.points[i]) != c.key)
+                    continue;
+                c.hostNormal = static_cast<double>(m.points[i].normalImpulse) / unitsPerMetre;
+                c.hostTangent = -static_cast<double>(m.points[i].tangentImpulse) / unitsPerMetre;
+                c.told = e->contact->IsTouching() && e->contact->IsEnabled();
+            }
+        }
+    }
+    std::vector<HostRow> now;
+    for (std::size_t i = 0, next = 0; i < io.rows.size(); i = next) {
+        while (next < io.rows.size() && io.rows[next].key == io.rows[i].key)
+            ++next;
+        now.clear();
+        b2Body* body = registry.body(io.rows[i].b);
+        for (b2JointEdge* e = body ? body->GetJointList() : nullptr; e != nullptr; e = e->next)
+            if (io.rows[i].key == static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(e->joint)))
+                appendJoint(registry, *e->joint, unitsPerMetre, dt, dt, now);
+        for (std::size_t k = i; k < next && now.size() == next - i; ++k) {
+            io.rows[k].host = now[k - i].last * dt;
+            io.rows[k].told = true;
+        }
     }
 }
 

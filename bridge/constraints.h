@@ -15,4 +15,7 @@ bool pushes(const b2Contact& contact);
 void appendConstraints(const BodyRegistry& registry, const std::vector<step::BodyId>& seeds, double unitsPerMetre,
                        double dt, double lastDt, step::HostConstraints& out);
 
+/// After a step of `dt` s: fills in Box2D's impulses of the constraints in `io` that still exist.
+void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt, step::HostConstraints& io);
+
 } // namespace supercircle::bridge

@@ -34,6 +34,7 @@ public:
     void constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const override {
         port_.constraints(seeds, dt, out);
     }
+    void impulses(double dt, step::HostConstraints& io) const override { port_.impulses(dt, io); }
     void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) override {
         port_.applyImpulse(body, impulse, angularImpulse);
     }

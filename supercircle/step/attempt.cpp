@@ -2,6 +2,7 @@
 
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
 
@@ -106,6 +107,10 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     {
         StageTimer timer(times, Stage::Solve);
         solveContacts(world, rods, settings.contact, stage);
+        for (int again = 0; again < 3 && boundHostRows(world, stage, dt); ++again) {
+            couple(world, rods, dt, impulses, stage);
+            solveContacts(world, rods, settings.contact, stage);
+        }
         ++world.counters.solves;
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);

@@ -74,7 +74,10 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        h.coupled |= !stage.candidates.empty() && stage.place[i].block >= 0;
+        if (!stage.candidates.empty() && stage.place[i].block >= 0) {
+            h.coupled = true;
+            h.coupledTime += dt;
+        }
     }
     world.machineTravel += dt * world.machineVelocity;
 }

@@ -76,13 +76,49 @@ std::vector<int> intruders(const World& world, const std::vector<int>& suspects,
 
 } // namespace
 
-void settlePlaces(World& world, Port& port) {
+std::vector<BodyMotion> unsolvedByHost(const World& world, double advanced) {
+    std::vector<BodyMotion> out(world.bodies.size());
+    const auto add = [&](BodyId id, const Vec2& impulse, double turn) {
+        const int i = bodyIndex(world, id);
+        if (i < 0)
+            return;
+        const Body& b = world.bodies[static_cast<std::size_t>(i)];
+        if (!b.dynamic || b.handover.coupledTime < 0.999 * advanced)
+            return;
+        out[static_cast<std::size_t>(i)].velocity += impulse / b.state.mass;
+        if (b.state.inertia > 0.0)
+            out[static_cast<std::size_t>(i)].spin += turn / b.state.inertia;
+    };
+    for (const HostContact& c : world.constraints.contacts) {
+        if (!c.told)
+            continue;
+        const Vec2 f = (c.hostNormal - c.sumNormal) * c.normal + (c.hostTangent - c.sumTangent) * rod::perp(c.normal);
+        add(c.a, -f, -rod::cross(c.armA, f));
+        add(c.b, f, rod::cross(c.armB, f));
+    }
+    for (const HostRow& r : world.constraints.rows) {
+        if (!r.told)
+            continue;
+        const double f = r.host - r.sum;
+        add(r.a, f * r.axisA, f * r.turnA);
+        add(r.b, f * r.axisB, f * r.turnB);
+    }
+    return out;
+}
+
+void settlePlaces(World& world, Port& port, const std::vector<BodyMotion>& unsolved, double advanced) {
     const double h = thinnest(world);
     std::vector<int> suspects;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
         if (!b.handover.known)
             continue;
+        const Vec2 astray = advanced * unsolved[i].velocity;
+        const double turned = advanced * unsolved[i].spin;
+        if (astray.norm() + std::abs(turned) * farthestPoint(world, b) > 0.1 * kLeave * h) {
+            port.place(b.id, b.handover.seen.centre - astray, b.handover.seen.angle - turned);
+            port.state(b.id, b.handover.seen);
+        }
         const BodyState& seen = b.handover.seen;
         const double off =
             (seen.centre - b.state.centre).norm() + std::abs(seen.angle - b.state.angle) * farthestPoint(world, b);

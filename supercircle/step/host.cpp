@@ -155,21 +155,23 @@ void Stepper::pushToHost(World& world, Port& port, double advanced) {
 void Stepper::learnFromHost(World& world, Port& port, double advanced) {
     if (!(advanced > 0.0))
         return;
-    for (Body& b : world.bodies) {
+    port.impulses(advanced, world.constraints);
+    const std::vector<BodyMotion> unsolved = unsolvedByHost(world, advanced);
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        Body& b = world.bodies[i];
         Handover& h = b.handover;
         BodyState now;
         h.known = b.dynamic && port.state(b.id, now);
         if (!h.known)
             continue;
-        const Vec2 change = now.velocity - h.handed;
-        const double turn = now.spin - h.handedSpin;
+        const Vec2 change = now.velocity - h.handed - unsolved[i].velocity;
+        const double turn = now.spin - h.handedSpin - unsolved[i].spin;
         const BodyState& s = b.state;
         const Vec2 expected = h.hostImpulse / s.mass;
         const double expectedTurn = s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
         h.all.learn((expected + change) / advanced, (expectedTurn + turn) / advanced);
-        const bool explained = h.coupled;
-        h.unexplained.learn(explained ? Vec2(change / advanced + h.unexplained.expectedLinear) : Vec2(Vec2::Zero()),
-                            explained ? turn / advanced + h.unexplained.expectedAngular : 0.0);
+        h.unexplained.learn(h.coupled ? Vec2(change / advanced + h.unexplained.expectedLinear) : Vec2(Vec2::Zero()),
+                            h.coupled ? turn / advanced + h.unexplained.expectedAngular : 0.0);
         if (h.coupled) {
             b.state.velocity += change;
             b.state.spin += turn;
@@ -180,7 +182,7 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) {
         }
         port.state(b.id, h.seen);
     }
-    settlePlaces(world, port);
+    settlePlaces(world, port, unsolved, advanced);
 }
 
 } // namespace supercircle::step

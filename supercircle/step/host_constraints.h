@@ -27,6 +27,12 @@ struct HostContact {
     double bounce = 0.0;         ///< separation velocity the host's restitution asks for in the coming step, m/s
     double normalForce = 0.0;    ///< mean of the host's last step, then of ours, N
     double tangentForce = 0.0;   ///< N
+    std::uint64_t key = 0;       ///< the host's, to find the point again after its step
+    double sumNormal = 0.0;      ///< impulse in this frame as solved here, N s
+    double sumTangent = 0.0;     ///< N s
+    double hostNormal = 0.0;     ///< impulse in the same frame as the host's own solver has it, N s
+    double hostTangent = 0.0;    ///< N s
+    bool told = false;           ///< the last two are filled
     double room = 0.0;           ///< normal distance opened in this frame, m (grows with the steps)
 };
 
@@ -47,10 +53,14 @@ struct HostRow {
     double speed = 0.0;                                        ///< Rigid: wanted relative velocity
     double strength = std::numeric_limits<double>::infinity(); ///< Rigid: largest force
     double force = 0.0;                                        ///< Soft: at relative velocity 0
-    double damping = 0.0; ///< Soft: of the whole host step, which is implicit: true damping + dt * stiffness
-    double room = 0.0;    ///< Limit: left before it is met (shrinks with the steps)
-    double last = 0.0;    ///< mean force in the host's last step
-    int saturated = 0;    ///< Rigid: sign of the force when it is at its strength
+    double damping = 0.0;  ///< Soft: of the whole host step, which is implicit: true damping + dt * stiffness
+    double room = 0.0;     ///< Limit: left before it is met (shrinks with the steps)
+    double last = 0.0;     ///< mean force in the host's last step
+    std::uint64_t key = 0; ///< the host's; the rows of one joint follow each other
+    double sum = 0.0;      ///< impulse in this frame as solved here
+    double host = 0.0;     ///< impulse in the same frame as the host's own solver has it
+    bool told = false;     ///< `host` is filled
+    int saturated = 0;     ///< Rigid: sign of the force when it is at its strength
 };
 
 struct HostConstraints {

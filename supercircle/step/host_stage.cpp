@@ -182,6 +182,17 @@ Sides contactSides(const HostContact& c, const Vec2& direction) {
     return {-direction, direction, -rod::cross(c.armA, direction), rod::cross(c.armB, direction)};
 }
 
+double relative(const World& world, const ContactStage& stage, const BodyEnds& e, const Sides& s) {
+    const auto side = [&](int body, const Vec2& axis, double turn) {
+        if (body < 0)
+            return 0.0;
+        const Body& b = world.bodies[static_cast<std::size_t>(body)];
+        const BodyMotion& m = stage.motion[static_cast<std::size_t>(body)];
+        return axis.dot(m.velocity - b.handover.drift) + turn * (m.spin - b.handover.driftSpin);
+    };
+    return side(e.a, s.axisA, s.turnA) + side(e.b, s.axisB, s.turnB);
+}
+
 /// Writes two rows into a contact of the problem; bodies outside it go into w.
 void putRows(const World& world, ContactStage& stage, const BodyEnds& e, const Sides& n, const Sides& t,
              coulomb::Contact& out) {
@@ -320,19 +331,27 @@ void readHostBlocks(const World& world, ContactStage& stage) {
     }
 }
 
+bool boundHostRows(World& world, const ContactStage& stage, double dt) {
+    bool changed = false;
+    for (std::size_t k = 0; k < stage.rowEnds.size() && !stage.candidates.empty(); ++k) {
+        const BodyEnds& e = stage.rowEnds[k];
+        HostRow& row = world.constraints.rows[k];
+        if (row.kind != HostRowKind::Rigid || row.saturated != 0 || !std::isfinite(row.strength) ||
+            !touchesProblem(stage, e) || onBorder(world, stage, e))
+            continue;
+        const double u = relative(world, stage, e, {row.axisA, row.axisB, row.turnA, row.turnB});
+        const double force = rigidDamping(world, row, e, dt) * (row.speed - u);
+        if (std::abs(force) <= row.strength)
+            continue;
+        row.saturated = force > 0.0 ? 1 : -1;
+        changed = true;
+    }
+    return changed;
+}
+
 void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
     if (stage.candidates.empty())
         return;
-    const auto relative = [&](const BodyEnds& e, const Sides& s) {
-        const auto side = [&](int body, const Vec2& axis, double turn) {
-            if (body < 0)
-                return 0.0;
-            const Body& b = world.bodies[static_cast<std::size_t>(body)];
-            const BodyMotion& m = stage.motion[static_cast<std::size_t>(body)];
-            return axis.dot(m.velocity - b.handover.drift) + turn * (m.spin - b.handover.driftSpin);
-        };
-        return side(e.a, s.axisA, s.turnA) + side(e.b, s.axisB, s.turnB);
-    };
     const std::size_t first = stage.candidates.size();
     for (std::size_t i = 0; i < stage.hostEntries.size(); ++i) {
         const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * (first + i)));
@@ -340,31 +359,39 @@ void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
         if (entry >= 0) {
             const BodyEnds& e = stage.contactEnds[static_cast<std::size_t>(entry)];
             HostContact& c = world.constraints.contacts[static_cast<std::size_t>(entry)];
-            c.room = std::max(0.0, c.room + dt * relative(e, contactSides(c, c.normal)));
+            c.room = std::max(0.0, c.room + dt * relative(world, stage, e, contactSides(c, c.normal)));
             c.normalForce = r.x() / dt;
             c.tangentForce = r.y() / dt;
+            c.sumNormal += r.x();
+            c.sumTangent += r.y();
         } else {
             const auto k = static_cast<std::size_t>(-1 - entry);
             HostRow& row = world.constraints.rows[k];
-            row.room =
-                std::max(0.0, row.room + dt * relative(stage.rowEnds[k], {row.axisA, row.axisB, row.turnA, row.turnB}));
+            row.room = std::max(0.0, row.room + dt * relative(world, stage, stage.rowEnds[k],
+                                                              {row.axisA, row.axisB, row.turnA, row.turnB}));
             row.last = r.x() / dt;
+            row.sum += r.x();
         }
     }
     for (std::size_t k = 0; k < stage.rowEnds.size(); ++k) {
         const BodyEnds& e = stage.rowEnds[k];
         HostRow& row = world.constraints.rows[k];
-        if (row.kind != HostRowKind::Rigid || !touchesProblem(stage, e) || onBorder(world, stage, e))
+        if (row.kind == HostRowKind::Limit || !touchesProblem(stage, e) || onBorder(world, stage, e))
             continue;
-        const double missing = row.speed - relative(e, {row.axisA, row.axisB, row.turnA, row.turnB});
+        const double u = relative(world, stage, e, {row.axisA, row.axisB, row.turnA, row.turnB});
+        if (row.kind == HostRowKind::Soft) {
+            row.sum += dt * (row.force - row.damping * u);
+            continue;
+        }
+        const double missing = row.speed - u;
         if (row.saturated != 0) {
+            row.sum += dt * row.saturated * row.strength;
             if (row.saturated * missing < 0.0)
                 row.saturated = 0;
             continue;
         }
         row.last = rigidDamping(world, row, e, dt) * missing;
-        if (std::abs(row.last) > row.strength)
-            row.saturated = row.last > 0.0 ? 1 : -1;
+        row.sum += dt * row.last;
     }
 }
 

@@ -20,6 +20,9 @@ void addHostContacts(const World& world, double dt, ContactStage& stage);
 /// Writes the solution back into stage.motion.
 void readHostBlocks(const World& world, ContactStage& stage);
 
+/// Rigid rows whose solved force is beyond their strength go to it. True if there were any: solve again.
+bool boundHostRows(World& world, const ContactStage& stage, double dt);
+
 /// After an accepted step: rooms, forces and saturation of the world's constraints.
 void acceptHostConstraints(World& world, const ContactStage& stage, double dt);
 

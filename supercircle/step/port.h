@@ -56,6 +56,8 @@ public:
     /// Appends the host's own constraints on these bodies and on all dynamic ones they lead to: points of touching
     /// contacts, rows of joints. `dt` is the coming host step, s (a soft joint's damping depends on it).
     virtual void constraints(const std::vector<BodyId>&, double /*dt*/, HostConstraints&) const {}
+    /// After the host's step of `dt` s: fills in the impulses its solver found for constraints listed before the step.
+    virtual void impulses(double /*dt*/, HostConstraints&) const {}
     /// Adds an impulse (N s) and an angular impulse about the centre of mass (N m s); wakes the body.
     virtual void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) = 0;
     /// Sets the velocity of the centre of mass and the spin of a dynamic body after a host step, m/s and rad/s; wakes

@@ -62,6 +62,7 @@ struct HostPush {
 /// What passes between a dynamic body's copy here and the host's original (the scheme is in handover.h).
 struct Handover {
     bool coupled = false;            ///< the copy took part in a contact problem of this frame
+    double coupledTime = 0.0;        ///< for how long, s
     Vec2 travel = Vec2::Zero();      ///< of the copy in this frame, without drift, m
     double turn = 0.0;               ///< rad
     Vec2 hostImpulse = Vec2::Zero(); ///< what the host's own constraints are expected to give it in this frame, N s

@@ -336,6 +336,7 @@ bool appendContact(const BodyRegistry& registry, b2Contact& contact, double scal
     for (int32 i = 0; i < manifold.pointCount; ++i) {
         HostContact c;
         c.key = keyOf(contact, manifold.points[i]);
+        c.point = manifold.points[i].id.key;
         c.a = registry.id(&a);
         c.b = registry.id(&b);
         c.armA = wide(world.points[i] - a.GetWorldCenter()) / scale;
@@ -353,6 +354,22 @@ bool appendContact(const BodyRegistry& registry, b2Contact& contact, double scal
     return manifold.pointCount > 0;
 }
 
+void readImpulse(b2Contact& contact, double scale, HostContact& c) {
+    const b2Manifold& m = *contact.GetManifold();
+    b2ManifoldPoint point{};
+    point.id.key = c.point;
+    if (keyOf(contact, point) != c.key || !contact.IsEnabled())
+        return;
+    for (int32 i = 0; i < m.pointCount && !c.told; ++i) {
+        if (m.points[i].id.key != c.point)
+            continue;
+        c.hostNormal = static_cast<double>(m.points[i].normalImpulse) / scale;
+        c.hostTangent = -static_cast<double>(m.points[i].tangentImpulse) / scale;
+        c.told = contact.IsTouching();
+    }
+    c.lost = !c.told; // a second look within the step, at its impacts with static bodies, replaced the manifold
+}
+
 } // namespace
 
 bool pushes(const b2Contact& contact) {
@@ -361,6 +378,8 @@ bool pushes(const b2Contact& contact) {
 
 void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& seeds, double unitsPerMetre, double dt,
                        double lastDt, step::HostConstraints& out) {
+    out.farthest = static_cast<double>(b2_maxTranslation) / unitsPerMetre;
+    out.mostTurn = static_cast<double>(b2_maxRotation);
     std::vector<BodyId> found = seeds;
     std::set<BodyId> in(seeds.begin(), seeds.end());
     const auto take = [&](const b2Body* body) {
@@ -392,18 +411,9 @@ void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& 
 void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt, step::HostConstraints& io) {
     for (HostContact& c : io.contacts) {
         b2Body *a = registry.body(c.a), *b = registry.body(c.b);
-        for (b2ContactEdge* e = a && b ? a->GetContactList() : nullptr; e != nullptr && !c.told; e = e->next) {
-            if (e->other != b)
-                continue;
-            const b2Manifold& m = *e->contact->GetManifold();
-            for (int32 i = 0; i < m.pointCount; ++i) {
-                if (keyOf(*e->contact, m.points[i]) != c.key)
-                    continue;
-                c.hostNormal = static_cast<double>(m.points[i].normalImpulse) / unitsPerMetre;
-                c.hostTangent = -static_cast<double>(m.points[i].tangentImpulse) / unitsPerMetre;
-                c.told = e->contact->IsTouching() && e->contact->IsEnabled();
-            }
-        }
+        for (b2ContactEdge* e = a && b ? a->GetContactList() : nullptr; e != nullptr && !c.told; e = e->next)
+            if (e->other == b)
+                readImpulse(*e->contact, unitsPerMetre, c);
     }
     std::vector<HostRow> now;
     for (std::size_t i = 0, next = 0; i < io.rows.size(); i = next) {

@@ -74,22 +74,30 @@ std::vector<int> intruders(const World& world, const std::vector<int>& suspects,
     return found;
 }
 
+/// Its constraints were in our problem all the frame long, so that our impulses can be compared with the host's.
+bool solvedThroughout(const Body& b, double advanced) {
+    return b.dynamic && b.handover.coupledTime > 0.999 * advanced;
+}
+
 } // namespace
 
-std::vector<BodyMotion> unsolvedByHost(const World& world, double advanced) {
+std::vector<BodyMotion> unsolvedByHost(const World& world, const Port& port, double advanced) {
     std::vector<BodyMotion> out(world.bodies.size());
     const auto add = [&](BodyId id, const Vec2& impulse, double turn) {
         const int i = bodyIndex(world, id);
         if (i < 0)
             return;
         const Body& b = world.bodies[static_cast<std::size_t>(i)];
-        if (!b.dynamic || b.handover.coupledTime < 0.999 * advanced)
+        if (!solvedThroughout(b, advanced))
             return;
         out[static_cast<std::size_t>(i)].velocity += impulse / b.state.mass;
         if (b.state.inertia > 0.0)
             out[static_cast<std::size_t>(i)].spin += turn / b.state.inertia;
     };
+    std::vector<BodyId> lost;
     for (const HostContact& c : world.constraints.contacts) {
+        if (c.lost)
+            lost.insert(lost.end(), {c.a, c.b});
         if (!c.told)
             continue;
         const Vec2 f = (c.hostNormal - c.sumNormal) * c.normal + (c.hostTangent - c.sumTangent) * rod::perp(c.normal);
@@ -102,6 +110,17 @@ std::vector<BodyMotion> unsolvedByHost(const World& world, double advanced) {
         const double f = r.host - r.sum;
         add(r.a, f * r.axisA, f * r.turnA);
         add(r.b, f * r.axisB, f * r.turnB);
+    }
+    const HostConstraints& c = world.constraints;
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        const Body& b = world.bodies[i];
+        BodyState now;
+        if (!solvedThroughout(b, advanced) || !port.state(b.id, now))
+            continue;
+        const bool capped =
+            advanced * now.velocity.norm() > 0.99 * c.farthest || advanced * std::abs(now.spin) > 0.99 * c.mostTurn;
+        if (capped || std::find(lost.begin(), lost.end(), b.id) != lost.end()) // all of it counts as error
+            out[i] = {now.velocity - b.handover.handed, now.spin - b.handover.handedSpin};
     }
     return out;
 }

@@ -156,7 +156,7 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) {
     if (!(advanced > 0.0))
         return;
     port.impulses(advanced, world.constraints);
-    const std::vector<BodyMotion> unsolved = unsolvedByHost(world, advanced);
+    const std::vector<BodyMotion> unsolved = unsolvedByHost(world, port, advanced);
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
         Handover& h = b.handover;

@@ -28,11 +28,13 @@ struct HostContact {
     double normalForce = 0.0;    ///< mean of the host's last step, then of ours, N
     double tangentForce = 0.0;   ///< N
     std::uint64_t key = 0;       ///< the host's, to find the point again after its step
+    std::uint32_t point = 0;     ///< the host's name of the point in its contact
     double sumNormal = 0.0;      ///< impulse in this frame as solved here, N s
     double sumTangent = 0.0;     ///< N s
     double hostNormal = 0.0;     ///< impulse in the same frame as the host's own solver has it, N s
     double hostTangent = 0.0;    ///< N s
     bool told = false;           ///< the last two are filled
+    bool lost = false;           ///< it acted, but the host no longer knows how much
     double room = 0.0;           ///< normal distance opened in this frame, m (grows with the steps)
 };
 
@@ -66,6 +68,8 @@ struct HostRow {
 struct HostConstraints {
     std::vector<HostContact> contacts;
     std::vector<HostRow> rows;
+    double farthest = std::numeric_limits<double>::infinity(); ///< the host lets a body move in one step, m
+    double mostTurn = std::numeric_limits<double>::infinity(); ///< rad
 };
 
 } // namespace supercircle::step

@@ -54,7 +54,7 @@ void chainEdge(const b2ChainShape& shape, int32 child, const ToLocal& local, Out
 } // namespace
 
 bool isSolid(const b2Fixture& fixture) {
-    return !fixture.IsSensor() && fixture.GetFilterData().maskBits != 0;
+    return !fixture.IsSensor() && (fixture.GetFilterData().maskBits != 0 || fixture.GetFilterData().groupIndex > 0);
 }
 
 Outline outlineOf(const b2Fixture& fixture, int32 child, double unitsPerMetre, std::uint32_t key) {
@@ -62,6 +62,7 @@ Outline outlineOf(const b2Fixture& fixture, int32 child, double unitsPerMetre, s
     out.key = key;
     out.category = fixture.GetFilterData().categoryBits;
     out.mask = fixture.GetFilterData().maskBits;
+    out.group = fixture.GetFilterData().groupIndex;
     const ToLocal local{fixture.GetBody()->GetLocalCenter(), unitsPerMetre};
     const b2Shape* shape = fixture.GetShape();
     switch (shape->GetType()) {

@@ -111,6 +111,8 @@ int bench(const std::string& filter, const std::string& json) {
     addPartBenchmarks(all);
     addContactBenchmarks(all);
     addSolverBenchmarks(all);
+    addGameBenchmarks(all);
+    addPeerBenchmarks(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;
     bool any = false;

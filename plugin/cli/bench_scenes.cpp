@@ -1,5 +1,6 @@
 #include "plugin/cli/bench.h"
 #include "plugin/cli/bench_run.h"
+#include "plugin/cli/data.h"
 #include "plugin/cli/input.h"
 #include "plugin/cli/verbs.h"
 
@@ -13,7 +14,7 @@ namespace {
 std::string sceneFile(const std::string& name) {
     const std::string here = "scenes/" + name + ".json";
     std::error_code error;
-    return std::filesystem::exists(here, error) ? here : std::string(SC_SCENES_DIR) + "/" + name + ".json";
+    return std::filesystem::exists(here, error) ? here : scenesFolder() + "/" + name + ".json";
 }
 
 double figure(const record::Recording& recording, const std::string& key) {

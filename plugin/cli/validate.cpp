@@ -1,4 +1,5 @@
 #include "bridge/lab_world.h"
+#include "plugin/cli/data.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/verbs.h"
 #include "plugin/validation/validation.h"
@@ -33,7 +34,7 @@ int validate(const ValidateArguments& a) {
     settings.host = [](const step::RigidWorldDefinition& definition, std::string& error) {
         return std::shared_ptr<step::HostWorld>(bridge::makeWorld(definition, error));
     };
-    settings.scenes = SC_SCENES_DIR;
+    settings.scenes = scenesFolder();
     settings.data = a.data;
     settings.quick = a.quick;
     settings.filter = a.filter;

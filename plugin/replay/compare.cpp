@@ -39,34 +39,6 @@ Landmark halfway(const Readings& r, std::size_t i, std::size_t j) {
     return mark;
 }
 
-/// Pairs landmarks of the same direction, nearest first.
-std::vector<std::pair<std::size_t, std::size_t>> match(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                                                       double farthest) {
-    std::vector<std::pair<std::size_t, std::size_t>> pairs;
-    std::vector<char> usedA(a.size(), 0), usedB(b.size(), 0);
-    for (;;) {
-        double best = farthest;
-        std::pair<std::size_t, std::size_t> next;
-        bool found = false;
-        for (std::size_t i = 0; i < a.size(); ++i)
-            for (std::size_t j = 0; j < b.size(); ++j) {
-                const double apart = std::abs(a[i].time - b[j].time);
-                const bool alike = (a[i].after > a[i].before) == (b[j].after > b[j].before);
-                if (!usedA[i] && !usedB[j] && alike && apart <= best) {
-                    best = apart;
-                    next = {i, j};
-                    found = true;
-                }
-            }
-        if (!found)
-            break;
-        usedA[next.first] = usedB[next.second] = 1;
-        pairs.push_back(next);
-    }
-    std::sort(pairs.begin(), pairs.end());
-    return pairs;
-}
-
 std::vector<Interval> windows(const Comparison& c, const Window& w) {
     std::vector<Interval> all;
     std::vector<char> usedA(c.recorded.size(), 0), usedB(c.simulated.size(), 0);
@@ -158,13 +130,40 @@ std::vector<Landmark> findLandmarks(const Readings& r, double share) {
     return found;
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vector<Landmark>& a,
+                                                                const std::vector<Landmark>& b, double farthest) {
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
+    std::vector<char> usedA(a.size(), 0), usedB(b.size(), 0);
+    for (;;) {
+        double best = farthest;
+        std::pair<std::size_t, std::size_t> next;
+        bool found = false;
+        for (std::size_t i = 0; i < a.size(); ++i)
+            for (std::size_t j = 0; j < b.size(); ++j) {
+                const double apart = std::abs(a[i].time - b[j].time);
+                const bool alike = (a[i].after > a[i].before) == (b[j].after > b[j].before);
+                if (!usedA[i] && !usedB[j] && alike && apart <= best) {
+                    best = apart;
+                    next = {i, j};
+                    found = true;
+                }
+            }
+        if (!found)
+            break;
+        usedA[next.first] = usedB[next.second] = 1;
+        pairs.push_back(next);
+    }
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+}
+
 Comparison compare(const Run& run, const Simulated& simulated, const Window& window) {
     Comparison c;
     c.peakRecorded = peak(run.readings.force);
     c.peakSimulated = peak(simulated.readings.force);
     c.recorded = findLandmarks(run.readings);
     c.simulated = findLandmarks(simulated.readings);
-    c.matches = match(c.recorded, c.simulated, window.farthest);
+    c.matches = matchLandmarks(c.recorded, c.simulated, window.farthest);
     const std::vector<Interval> windowed = windows(c, window);
     compareForces(run, simulated.readings, windowed, c);
     compareMarkers(run, simulated, windowed, c);

@@ -27,6 +27,11 @@ struct Landmark {
 /// factor of three. In the order of time.
 std::vector<Landmark> findLandmarks(const experiment::Readings& readings, double share = 0.15);
 
+/// Pairs (index into a, index into b) of jumps of the same direction, nearest in time first, at most `farthest` seconds
+/// apart; in the order of a.
+std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vector<Landmark>& a,
+                                                                const std::vector<Landmark>& b, double farthest);
+
 struct Comparison {
     double peakRecorded = 0.0; ///< largest |force|, N
     double peakSimulated = 0.0;

@@ -219,6 +219,11 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
     out.forceZero = count > 0 ? sum / static_cast<double>(count) : 0.0;
     for (double& f : r.force)
         f -= out.forceZero;
+    for (std::size_t i = 0; i < trace.force.size(); ++i) {
+        out.trace.time.push_back(trace.forceTime[i]);
+        out.trace.displacement.push_back(commanded(run, trace.forceTime[i]));
+        out.trace.force.push_back(trace.force[i] - out.forceZero);
+    }
     const std::vector<double> markerTimes =
         run.markers.time.empty() ? evenTimes(run, run.markersSamplingRate) : run.markers.time;
     const Weights seen(trace.time, markerTimes);

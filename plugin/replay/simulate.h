@@ -32,6 +32,7 @@ struct Simulated {
     bool stopped = false;             ///< interrupted
     experiment::Readings readings;    ///< displacement as commanded
     experiment::MarkerTracks markers; ///< at the recording's marker times
+    experiment::Readings trace;       ///< the same between the samples: at the simulation's own steps
     double forceZero = 0.0;           ///< N, what was subtracted
     double cpuSeconds = 0.0;          ///< of the calling thread, s
     std::uint64_t steps = 0;          ///< accepted

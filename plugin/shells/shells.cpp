@@ -1,7 +1,10 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "supercircle/step/stepper.h"
+#include "plugin/shells/quality.h"
+#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
+#include "supercircle/step/sleep.h"
 
 #include <atomic>
 #include <cmath>
@@ -9,6 +12,9 @@
 namespace supercircle {
 
 namespace {
+
+/// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
+constexpr double kMostSteps = 4096.0;
 
 /// A number per Shells of this process; it only tells handles apart and touches no result.
 std::uint32_t nextTag() {
@@ -18,29 +24,34 @@ std::uint32_t nextTag() {
 
 } // namespace
 
-struct Shells::Impl {
-    std::shared_ptr<step::Port> port;
-    step::World world;
-    step::Stepper stepper{step::Settings{}};
-    struct Slot {
-        std::uint32_t generation = 0;
-        std::uint32_t key = 0; ///< of the rod, 0: free
-    };
-    std::vector<Slot> slots;
-    double advanced = 0.0;
-    std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
+Shells::Impl::Impl() : tag(nextTag()) {}
 
-    /// Index of the rod in the world, or -1.
-    [[nodiscard]] int find(ShellHandle h) const {
-        if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
-            slots[h.index].key == 0)
-            return -1;
-        for (std::size_t i = 0; i < world.rods.size(); ++i)
-            if (world.rods[i].key == slots[h.index].key)
-                return static_cast<int>(i);
+int Shells::Impl::find(ShellHandle h) const {
+    if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
+        slots[h.index].key == 0)
         return -1;
-    }
-};
+    return step::rodIndex(world, slots[h.index].key);
+}
+
+ShellHandle Shells::Impl::handleOf(std::uint32_t key) const {
+    for (std::uint32_t i = 0; i < slots.size(); ++i)
+        if (slots[i].key == key)
+            return {i, slots[i].generation, tag};
+    return {};
+}
+
+ShellHandle Shells::Impl::adopt(std::uint32_t key, std::string name, std::uint64_t userData) {
+    std::uint32_t i = 0;
+    while (i < slots.size() && slots[i].key != 0)
+        ++i;
+    if (i == slots.size())
+        slots.emplace_back();
+    slots[i].generation = ++slots[i].highest;
+    slots[i].key = key;
+    slots[i].name = std::move(name);
+    slots[i].userData = userData;
+    return {i, slots[i].generation, tag};
+}
 
 Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>()) {
     impl_->port = std::move(port);
@@ -51,33 +62,47 @@ Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
 
-Result<ShellHandle> Shells::create(const ShellDef& definition) {
-    RodFromDefinition rod;
-    if (std::string why = fromDefinition(definition, rod); !why.empty())
-        return Result<ShellHandle>::failure(std::move(why));
-    step::World& w = impl_->world;
-    const std::size_t index = step::addRod(w, rod.definition, rod.q, rod.v, definition.mu);
-    w.rods[index].category = definition.category;
-    w.rods[index].mask = definition.mask;
-    w.range.clear();
-    std::uint32_t slot = 0;
-    while (slot < impl_->slots.size() && impl_->slots[slot].key != 0)
-        ++slot;
-    if (slot == impl_->slots.size())
-        impl_->slots.emplace_back();
-    impl_->slots[slot].generation++;
-    impl_->slots[slot].key = w.rods[index].key;
-    return ShellHandle{slot, impl_->slots[slot].generation, impl_->tag};
+void Shells::set_quality(Quality quality) {
+    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
+    const SleepSettings sleep = sleep_settings(); // is no matter of quality
+    step::Settings& s = impl_->stepper.settings();
+    s = settingsFor(quality, s.threads);
+    s.autoSleep = sleep.automatic;
+    s.sleepDrift = sleep.drift;
+    s.sleepAfter = sleep.delay;
+}
+Quality Shells::quality() const {
+    return qualityOf(impl_->stepper.settings());
 }
 
-bool Shells::destroy(ShellHandle shell) {
-    const int i = impl_->find(shell);
-    if (i < 0)
-        return false;
-    step::removeRod(impl_->world, static_cast<std::size_t>(i));
-    impl_->world.range.clear();
-    impl_->slots[shell.index].key = 0;
-    return true;
+Result<ShellHandle> Shells::create(const ShellDef& definition) {
+    return impl_->change([&] {
+        RodFromDefinition rod;
+        if (std::string why = fromDefinition(definition, rod); !why.empty())
+            return Result<ShellHandle>::failure(std::move(why));
+        step::World& w = impl_->world;
+        step::Rod& added = w.rods[step::addRod(w, rod.definition, rod.q, rod.v, definition.mu)];
+        added.category = definition.category;
+        added.mask = definition.mask;
+        added.group = definition.group;
+        added.material = definition.material;
+        added.width = definition.width;
+        const ShellHandle made = impl_->adopt(added.key, definition.name, definition.user_data);
+        impl_->recorder.record(Call::Create, impl_->inner, definition, made);
+        return Result<ShellHandle>(made);
+    });
+}
+
+Outcome Shells::destroy(ShellHandle shell) {
+    return impl_->change([&] {
+        const int i = impl_->find(shell);
+        if (i < 0)
+            return refused(kNoSuchShell);
+        step::removeRod(impl_->world, static_cast<std::size_t>(i));
+        impl_->slots[shell.index].key = 0;
+        impl_->recorder.record(Call::Destroy, impl_->inner, shell);
+        return done();
+    });
 }
 
 std::size_t Shells::size() const {
@@ -87,34 +112,28 @@ bool Shells::valid(ShellHandle shell) const {
     return impl_->find(shell) >= 0;
 }
 
-Result<int> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind kind, bool on_machine) {
-    const int i = impl_->find(shell);
-    if (i < 0)
-        return Result<int>::failure("no such shell (stale or foreign handle)");
-    if (!(arc_fraction >= 0.0 && arc_fraction <= 1.0))
-        return Result<int>::failure("arc_fraction must lie between 0 and 1");
-    step::Rod& rod = impl_->world.rods[static_cast<std::size_t>(i)];
-    step::Hold h;
-    h.s = arc_fraction * rod.model.definition().length;
-    h.clamped = kind == HoldKind::Clamp;
-    h.onMachine = on_machine;
-    const rod::Place at = rod::locate(rod.model, h.s);
-    h.target = rod.kin.point(at);
-    h.targetAngle = rod.kin.angle(at);
-    rod.holds.push_back(h);
-    return static_cast<int>(rod.holds.size()) - 1;
+Outcome Shells::carry(const std::string& body_name) {
+    return impl_->change([&] {
+        const step::BodyId id = impl_->port ? impl_->port->find(body_name) : 0;
+        if (id == 0)
+            return refused("the host has no body called '" + body_name + "'");
+        step::wakeAll(impl_->world);
+        impl_->world.machineBodies.push_back(id);
+        impl_->recorder.record(Call::Carry, impl_->inner, body_name);
+        return done();
+    });
 }
 
-bool Shells::carry(const std::string& body_name) {
-    const step::BodyId id = impl_->port ? impl_->port->find(body_name) : 0;
-    if (id == 0)
-        return false;
-    impl_->world.machineBodies.push_back(id);
-    return true;
-}
-
-void Shells::set_machine_velocity(Point velocity) {
-    impl_->world.machineVelocity = {velocity.x, velocity.y};
+Outcome Shells::set_machine_velocity(Point velocity) {
+    return impl_->change([&] {
+        if (!(std::hypot(velocity.x, velocity.y) < 1e5))
+            return refused("the machine's velocity must be finite and below 1e5 m/s");
+        if (impl_->world.machineVelocity != vec(velocity))
+            step::wakeAll(impl_->world);
+        impl_->world.machineVelocity = vec(velocity);
+        impl_->recorder.record(Call::MachineVelocity, impl_->inner, velocity);
+        return done();
+    });
 }
 
 Point Shells::machine_force() const {
@@ -124,31 +143,71 @@ Point Shells::machine_force() const {
 
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
-    const step::Counters before = impl_->world.counters;
-    try {
-        const step::FrameOutcome out = impl_->stepper.advance(
-            impl_->world, dt, impl_->port.get(), [&](const step::World&) { return observer && observer(); });
-        report.advanced = out.advanced;
-        report.stopped = out.stopped;
-        report.failure = out.failure;
-    } catch (const std::exception& e) { // the host program never dies of us
-        report.failure = e.what();
+    Impl& m = *impl_; // stays where it is, even if the observer moves this object
+    if (m.inside) {
+        report.failure = kStepping;
+        return report;
     }
-    impl_->advanced = report.advanced;
-    report.steps = impl_->world.counters.steps - before.steps;
-    report.unconverged = impl_->world.counters.unconverged - before.unconverged;
+    if (!(dt > 0.0) || !std::isfinite(dt)) {
+        report.failure = "pre_step: the frame must be a positive number of seconds";
+        m.advanced = 0.0;
+        return report;
+    }
+    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest) {
+        report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
+        m.advanced = 0.0;
+        return report;
+    }
+    struct Inside { // until the call is over, however it ends
+        bool& flag;
+        explicit Inside(bool& f) : flag(f) { flag = true; }
+        ~Inside() { flag = false; }
+    };
+    const step::Counters before = m.world.counters;
+    const double start = m.world.time;
+    const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
+    m.recorder.record(Call::PreStep, 0, dt);
+    const Outcome ended = Impl::caught([&] {
+        const Inside inside(m.inside);
+        m.watch.begin(m.world);
+        const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
+            ++m.inner;
+            m.watch.afterStep(world, m.stepper, handleOf);
+            const bool stop = observer && observer();
+            m.watch.remember(world);
+            return stop;
+        });
+        report.stopped = out.stopped;
+        report.late = out.late;
+        report.failure = out.failure;
+        m.watch.end(m.world, handleOf);
+        return done();
+    });
+    if (!ended)
+        report.failure = ended.error();
+    m.recorder.record(Call::FrameEnd, 0, m.inner, report.stopped);
+    m.inner = 0;
+    report.advanced = m.world.time - start;
+    m.advanced = report.advanced;
+    report.steps = m.world.counters.steps - before.steps;
+    report.unconverged = m.world.counters.unconverged - before.unconverged;
     return report;
 }
 
-void Shells::post_step() {
-    if (impl_->port)
-        step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+Outcome Shells::post_step() {
+    return impl_->change([&] {
+        impl_->recorder.record(Call::PostStep, 0);
+        if (impl_->port)
+            step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+        impl_->advanced = 0.0; // learnt once
+        return done();
+    });
 }
 
 Result<ShellPose> Shells::pose(ShellHandle shell) const {
     const int i = impl_->find(shell);
     if (i < 0)
-        return Result<ShellPose>::failure("no such shell (stale or foreign handle)");
+        return Result<ShellPose>::failure(kNoSuchShell);
     const step::Rod& rod = impl_->world.rods[static_cast<std::size_t>(i)];
     ShellPose p;
     p.start = {rod.kin.node(0).x(), rod.kin.node(0).y()};

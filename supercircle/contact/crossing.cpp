@@ -36,11 +36,18 @@ using witness::ElementBoxes;
 using witness::Meeting;
 using witness::Moving;
 using witness::Piece;
+using witness::Pieces;
 using witness::RodWay;
 using witness::Ways;
 
+bool seesItself(const Curve& c) {
+    return (c.category & c.mask) != 0;
+}
+
 template <class A, class B>
 bool filtersAgree(const A& a, const B& b) {
+    if (a.group == b.group && a.group != 0)
+        return a.group > 0;
     return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
@@ -49,36 +56,44 @@ bool neighbours(std::size_t a, std::size_t b, const Curve& c) {
     return apart <= 1 || (c.closed && apart + 1 == c.arcs.size());
 }
 
-/// The search for pairs whose boxes meet: rods by a sweep, their elements all against all. Storage is kept.
-class PairSearch {
-public:
-    PairSearch(Ways& ways, const std::vector<Curve>& curves, bool skipStill)
-        : ways_(ways), curves_(curves), skipStill_(skipStill) {}
-
-    /// Calls test(a, b) for all pairs that involve a rod (as a); order depends on geometry only.
-    template <class Test>
-    void rodPairs(Test test);
-    /// `outlineMoves[o]` tells whether an outline moves; a rod at rest meets only those.
-    template <class Test>
-    void outlinePairs(const std::vector<Outline>& outlines, const std::vector<char>& outlineMoves, Test test);
-
-private:
+/// Rods by the lower ends of their boxes, in the direction in which they are spread widest.
+struct Sweep {
     struct Item {
         double low, high;
         std::uint32_t rod;
         bool operator<(const Item& o) const { return low != o.low ? low < o.low : rod < o.rod; }
     };
-    struct Scratch {
-        std::vector<Item> items;
-        std::vector<std::uint32_t> elements;
-        ElementBoxes boxes;
-        std::vector<double> gaps;
-    };
-    static Scratch& scratch() {
-        static thread_local Scratch kept;
-        return kept;
+    std::vector<Item> items;
+    int across = 1; ///< the other direction
+
+    void prepare(const Ways& ways);
+};
+
+/// Work space of one search; storage is kept.
+struct Scratch {
+    Pieces pieces;
+    std::vector<std::uint32_t> elements;
+    ElementBoxes boxes;
+    std::vector<double> gaps;
+};
+
+/// The search for pairs whose boxes meet: rods by a sweep, their elements all against all.
+class PairSearch {
+public:
+    PairSearch(const Ways& ways, const std::vector<Curve>& curves, bool skipStill, Scratch& scratch)
+        : ways_(ways), curves_(curves), skipStill_(skipStill), scratch_(scratch) {
+        scratch_.pieces.begin(ways);
     }
-    void sweepItems(std::vector<Item>& items, int& across) const;
+
+    /// Calls test(a, b) for all pairs of a rod of [begin, end) in the sweep with itself and those after it; order
+    /// depends on geometry only.
+    template <class Test>
+    void rodPairs(const Sweep& sweep, std::size_t begin, std::size_t end, Test test);
+    /// The same with outlines (as b). `outlineMoves[o]` tells whether an outline moves; a rod at rest meets only those.
+    template <class Test>
+    void outlinePairs(const std::vector<Outline>& outlines, const std::vector<char>& outlineMoves, Test test);
+
+private:
     /// Elements of a rod whose boxes meet `box`, into `elements`.
     void near(const RodWay& rod, const AlignedBox& box, std::vector<std::uint32_t>& elements) const;
     template <class Test>
@@ -86,16 +101,16 @@ private:
     template <class Test>
     void piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test);
 
-    Ways& ways_;
+    const Ways& ways_;
     const std::vector<Curve>& curves_;
     bool skipStill_;
+    Scratch& scratch_;
 };
 
-/// Rods by the lower ends of their boxes, in the direction in which they are spread widest.
-void PairSearch::sweepItems(std::vector<Item>& items, int& across) const {
+void Sweep::prepare(const Ways& ways) {
     Vec2 spread = Vec2::Zero(), sizes = Vec2::Zero();
     AlignedBox all;
-    for (const RodWay& rod : ways_.rods) {
+    for (const RodWay& rod : ways.rods) {
         if (rod.count == 0)
             continue;
         all.include(rod.box.lower);
@@ -106,8 +121,8 @@ void PairSearch::sweepItems(std::vector<Item>& items, int& across) const {
     const int axis = spread.x() * sizes.y() >= spread.y() * sizes.x() ? 0 : 1;
     across = 1 - axis;
     items.clear();
-    for (std::size_t r = 0; r < ways_.rods.size(); ++r) {
-        const RodWay& rod = ways_.rods[r];
+    for (std::size_t r = 0; r < ways.rods.size(); ++r) {
+        const RodWay& rod = ways.rods[r];
         if (rod.count > 0)
             items.push_back({rod.box.lower[axis], rod.box.upper[axis], static_cast<std::uint32_t>(r)});
     }
@@ -115,15 +130,14 @@ void PairSearch::sweepItems(std::vector<Item>& items, int& across) const {
 }
 
 template <class Test>
-void PairSearch::rodPairs(Test test) {
-    std::vector<Item>& items = scratch().items;
-    int across = 1;
-    sweepItems(items, across);
-    for (std::size_t i = 0; i < items.size(); ++i) {
+void PairSearch::rodPairs(const Sweep& sweep, std::size_t begin, std::size_t end, Test test) {
+    const std::vector<Sweep::Item>& items = sweep.items;
+    const int across = sweep.across;
+    for (std::size_t i = begin; i < end; ++i) {
         const std::size_t a = items[i].rod;
         const RodWay& rodA = ways_.rods[a];
         const bool still = skipStill_ && rodA.still;
-        if (!still && filtersAgree(curves_[a], curves_[a]))
+        if (!still && seesItself(curves_[a]))
             elementPairs(a, a, test);
         for (std::size_t j = i + 1; j < items.size() && items[j].low <= items[i].high; ++j) {
             const std::size_t b = items[j].rod;
@@ -153,7 +167,7 @@ void PairSearch::elementPairs(std::size_t a, std::size_t b, Test test) {
     const RodWay& rodA = ways_.rods[a];
     const RodWay& rodB = ways_.rods[b];
     const ElementBoxes& all = ways_.boxes;
-    Scratch& s = scratch();
+    Scratch& s = scratch_;
     near(rodB, rodA.box, s.elements);
     const std::size_t n = s.elements.size();
     if (n == 0)
@@ -190,17 +204,18 @@ void PairSearch::elementPairs(std::size_t a, std::size_t b, Test test) {
 
 template <class Test>
 void PairSearch::piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test) {
-    const Ways::Range first = ways_.pieces(rodA, a);
-    const Ways::Range second = ways_.pieces(rodB, b);
+    Pieces& pieces = scratch_.pieces;
+    const Pieces::Range first = pieces.of(rodA, a);
+    const Pieces::Range second = pieces.of(rodB, b);
     const witness::Motion& motionA = ways_.rods[rodA].motion;
     const witness::Motion& motionB = ways_.rods[rodB].motion;
     const double way = motionA.travel + motionB.travel + 2.0 * (motionA.slack + motionB.slack);
     for (std::size_t i = first.first; i < first.first + first.count; ++i)
         for (std::size_t j = second.first; j < second.first + second.count; ++j) {
-            if (witness::separation(ways_.piece(i).before, ways_.piece(j).before) > way)
+            if (witness::separation(pieces.piece(i).before, pieces.piece(j).before) > way)
                 continue; // whatever they do, they do not reach each other
-            const Moving& one = ways_.completed(i);
-            const Moving& other = ways_.completed(j);
+            const Moving& one = pieces.completed(i);
+            const Moving& other = pieces.completed(j);
             if (one.box.meets(other.box))
                 test(one, other);
         }
@@ -208,7 +223,8 @@ void PairSearch::piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, s
 
 template <class Test>
 void PairSearch::outlinePairs(const std::vector<Outline>& outlines, const std::vector<char>& outlineMoves, Test test) {
-    std::vector<std::uint32_t>& elements = scratch().elements;
+    std::vector<std::uint32_t>& elements = scratch_.elements;
+    Pieces& pieces = scratch_.pieces;
     for (const Moving& m : ways_.outlines) {
         const auto o = static_cast<std::size_t>(m.outline);
         for (std::size_t r = 0; r < ways_.rods.size(); ++r) {
@@ -219,10 +235,10 @@ void PairSearch::outlinePairs(const std::vector<Outline>& outlines, const std::v
                 continue;
             near(rod, m.box, elements);
             for (const std::uint32_t e : elements) {
-                const Ways::Range range = ways_.pieces(r, e);
+                const Pieces::Range range = pieces.of(r, e);
                 for (std::size_t i = range.first; i < range.first + range.count; ++i)
-                    if (ways_.completed(i).box.meets(m.box))
-                        test(ways_.piece(i), m);
+                    if (pieces.completed(i).box.meets(m.box))
+                        test(pieces.piece(i), m);
             }
         }
     }
@@ -369,13 +385,31 @@ void keepFirst(std::vector<Crossing>& out, Once once) {
               out.end());
 }
 
+/// Rods whose pairs one thread tests at a time.
+constexpr std::size_t kGrain = 24;
+
+/// What is kept from call to call: storage only.
+struct Kept {
+    Ways ways;
+    Sweep sweep;
+    std::vector<char> moves;
+    parallel::Pool<Scratch> scratch;
+    std::vector<std::vector<Crossing>> found;
+};
+Kept& kept() { // to be called outside of loops: other threads have another one
+    static thread_local Kept storage;
+    return storage;
+}
+
 } // namespace
 
 void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>& outlines, std::vector<Crossing>& out) {
     out.clear();
-    static thread_local Ways ways; // storage only, prepared anew
-    ways.prepare(curves, curves, outlines, outlines);
-    PairSearch search(ways, curves, false);
+    Kept& k = kept();
+    k.ways.prepare(curves, curves, outlines, outlines, {});
+    k.sweep.prepare(k.ways);
+    const parallel::Pool<Scratch>::Loan scratch(k.scratch);
+    PairSearch search(k.ways, curves, false, *scratch);
     const std::vector<char> moves(outlines.size(), 0);
     const auto test = [&](const Moving& a, const Moving& b) {
         if (witness::separation(a.before, b.before) > 0.0)
@@ -387,9 +421,9 @@ void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>&
             out.push_back(crossingOf(a, b, m.sA, m.where));
         }
     };
-    search.rodPairs(test);
+    search.rodPairs(k.sweep, 0, k.sweep.items.size(), test);
     search.outlinePairs(outlines, moves, test);
-    findInside(curves, ways, outlines, moves, false, out);
+    findInside(curves, k.ways, outlines, moves, false, out);
     findOverturned(curves, out);
     keepFirst(out, [&](const Crossing& c) { // a solid is entered once, however often its faces are crossed
         return c.outline >= 0 && outlines[static_cast<std::size_t>(c.outline)].kind != OutlineKind::Segment;
@@ -398,23 +432,34 @@ void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>&
 
 void findCrossingsSwept(const std::vector<Curve>& before, const std::vector<Curve>& after,
                         const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
-                        std::vector<Crossing>& out) {
+                        std::vector<Crossing>& out, const parallel::For& loop) {
     out.clear();
-    static thread_local Ways ways; // storage only, prepared anew
-    static thread_local std::vector<char> moves;
-    ways.prepare(before, after, outlinesBefore, outlinesAfter);
-    moves.clear();
+    Kept& k = kept();
+    k.ways.prepare(before, after, outlinesBefore, outlinesAfter, loop);
+    k.sweep.prepare(k.ways);
+    k.moves.clear();
     for (std::size_t o = 0; o < outlinesAfter.size(); ++o)
-        moves.push_back(o >= outlinesBefore.size() || outlinesBefore[o].points != outlinesAfter[o].points ? 1 : 0);
-    PairSearch search(ways, before, true);
-    const auto test = [&](const Moving& a, const Moving& b) {
-        Crossing c;
-        if (meetOnTheWay(a, b, c))
-            out.push_back(c);
+        k.moves.push_back(o >= outlinesBefore.size() || outlinesBefore[o].points != outlinesAfter[o].points ? 1 : 0);
+    const auto into = [](std::vector<Crossing>& found) {
+        return [&found](const Moving& a, const Moving& b) {
+            Crossing c;
+            if (meetOnTheWay(a, b, c))
+                found.push_back(c);
+        };
     };
-    search.rodPairs(test);
-    search.outlinePairs(outlinesBefore, moves, test);
-    findInside(after, ways, outlinesAfter, moves, true, out);
+    const std::size_t rods = k.sweep.items.size();
+    k.found.resize(std::max(k.found.size(), parallel::chunkCount(loop, rods, kGrain)));
+    for (std::vector<Crossing>& found : k.found)
+        found.clear();
+    parallel::forChunks(loop, rods, kGrain, [&](std::size_t c, std::size_t begin, std::size_t end) {
+        const parallel::Pool<Scratch>::Loan scratch(k.scratch);
+        PairSearch(k.ways, before, true, *scratch).rodPairs(k.sweep, begin, end, into(k.found[c]));
+    });
+    for (const std::vector<Crossing>& found : k.found)
+        out.insert(out.end(), found.begin(), found.end());
+    const parallel::Pool<Scratch>::Loan scratch(k.scratch);
+    PairSearch(k.ways, before, true, *scratch).outlinePairs(outlinesBefore, k.moves, into(out));
+    findInside(after, k.ways, outlinesAfter, k.moves, true, out);
     findOverturned(after, out);
     keepFirst(out, [](const Crossing&) { return true; });
 }

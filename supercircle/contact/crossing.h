@@ -4,6 +4,7 @@
 // seen by the other.
 
 #include "supercircle/contact/geometry.h"
+#include "supercircle/parallel/parallel.h"
 
 #include <string>
 #include <vector>
@@ -28,6 +29,6 @@ void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>&
 /// of rods that rest (Curve::resting in both, not a digit changed), or of one and an outline that does not move, too.
 void findCrossingsSwept(const std::vector<Curve>& before, const std::vector<Curve>& after,
                         const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
-                        std::vector<Crossing>& out);
+                        std::vector<Crossing>& out, const parallel::For& loop = {});
 
 } // namespace supercircle::contact

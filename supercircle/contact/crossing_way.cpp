@@ -180,29 +180,27 @@ void ElementBoxes::resize(std::size_t n) {
         v->resize(n);
 }
 
-void Ways::prepare(const std::vector<Curve>& before, const std::vector<Curve>& after,
-                   const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter) {
-    before_ = &before;
-    after_ = &after;
-    rods.assign(std::min(before.size(), after.size()), RodWay{});
+void Ways::prepare(const std::vector<Curve>& first, const std::vector<Curve>& last,
+                   const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
+                   const parallel::For& loop) {
+    before = &first;
+    after = &last;
+    rods.assign(std::min(first.size(), last.size()), RodWay{});
     std::size_t elements = 0;
     for (std::size_t r = 0; r < rods.size(); ++r) {
         rods[r].first = elements;
-        elements += before[r].arcs.size();
+        elements += first[r].arcs.size();
     }
     boxes.resize(elements);
-    used_ = 0;
-    ranges_.assign(elements, Range{});
-    for (std::size_t r = 0; r < rods.size(); ++r)
-        addRod(r);
+    parallel::forEach(loop, rods.size(), 32, [this](std::size_t r) { addRod(r); });
     outlines.clear();
     for (std::size_t o = 0; o < outlinesBefore.size() && o < outlinesAfter.size(); ++o)
         addOutline(o, outlinesBefore[o], outlinesAfter[o]);
 }
 
 void Ways::addRod(std::size_t r) {
-    const Curve& from = (*before_)[r];
-    const Curve& to = (*after_)[r];
+    const Curve& from = (*before)[r];
+    const Curve& to = (*after)[r];
     RodWay& way = rods[r];
     const std::size_t n = from.arcs.size();
     if (n == 0 || n != to.arcs.size())
@@ -236,15 +234,23 @@ void Ways::addRod(std::size_t r) {
         way.count = 0;
 }
 
-Ways::Range Ways::pieces(std::size_t rod, std::size_t element) {
-    Range& range = ranges_[rods[rod].first + element];
-    if (range.count > 0)
+void Pieces::begin(const Ways& ways) {
+    ways_ = &ways;
+    used_ = 0;
+    ++search_;
+    if (ranges_.size() < ways.boxes.lowX.size())
+        ranges_.resize(ways.boxes.lowX.size());
+}
+
+Pieces::Range Pieces::of(std::size_t rod, std::size_t element) {
+    Range& range = ranges_[ways_->rods[rod].first + element];
+    if (range.search == search_)
         return range;
-    const Curve& from = (*before_)[rod];
+    const Curve& from = (*ways_->before)[rod];
     const Arc& arc = from.arcs[element];
-    const Arc& to = (*after_)[rod].arcs[element];
+    const Arc& to = (*ways_->after)[rod].arcs[element];
     const int n = std::max(cuts(arc.curvature * arc.length), cuts(to.curvature * arc.length));
-    range = {used_, static_cast<std::size_t>(n)};
+    range = {used_, static_cast<std::size_t>(n), search_};
     used_ += range.count;
     if (pieces_.size() < used_)
         pieces_.resize(std::max(used_, 2 * pieces_.size()));
@@ -260,17 +266,17 @@ Ways::Range Ways::pieces(std::size_t rod, std::size_t element) {
     return range;
 }
 
-const Moving& Ways::completed(std::size_t i) {
+const Moving& Pieces::completed(std::size_t i) {
     Moving& m = pieces_[i];
     if (m.complete)
         return m;
     const auto rod = static_cast<std::size_t>(m.rod);
     const auto element = static_cast<std::size_t>(m.element);
-    const Range range = ranges_[rods[rod].first + element];
-    const Arc& from = (*before_)[rod].arcs[element];
+    const Range range = ranges_[ways_->rods[rod].first + element];
+    const Arc& from = (*ways_->before)[rod].arcs[element];
     const double length = from.length / static_cast<double>(range.count);
     const double s = static_cast<double>(i - range.first) * length;
-    setWay(m, from, (*after_)[rod].arcs[element], s, length, rods[rod].frame);
+    setWay(m, from, (*ways_->after)[rod].arcs[element], s, length, ways_->rods[rod].frame);
     return m;
 }
 

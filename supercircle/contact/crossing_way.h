@@ -6,8 +6,10 @@
 // a sine; only where boxes of two rods' elements meet are the pieces made.
 
 #include "supercircle/contact/crossing_piece.h"
+#include "supercircle/parallel/parallel.h"
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace supercircle::contact::witness {
@@ -92,31 +94,43 @@ class Ways {
 public:
     /// Boxes of all rods, pieces of all outlines. The lists must live as long as pieces are asked for.
     void prepare(const std::vector<Curve>& before, const std::vector<Curve>& after,
-                 const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter);
-    /// The pieces of an element, made (not completed) when first asked for: [first, first + count) of `piece`.
-    struct Range {
-        std::size_t first = 0;
-        std::size_t count = 0;
-    };
-    Range pieces(std::size_t rod, std::size_t element);
-    /// As it is; references hold until the next call of `pieces`.
-    [[nodiscard]] const Moving& piece(std::size_t i) const { return pieces_[i]; }
-    /// With its way.
-    const Moving& completed(std::size_t i);
+                 const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
+                 const parallel::For& loop);
 
     std::vector<RodWay> rods;
     ElementBoxes boxes;
     std::vector<Moving> outlines;
+    const std::vector<Curve>* before = nullptr;
+    const std::vector<Curve>* after = nullptr;
 
 private:
     void addRod(std::size_t r);
     void addOutline(std::size_t o, const Outline& from, const Outline& to);
+};
 
-    const std::vector<Curve>* before_ = nullptr;
-    const std::vector<Curve>* after_ = nullptr;
+/// The pieces that one search has asked for; storage is kept from search to search.
+class Pieces {
+public:
+    /// Forgets all pieces. `ways` must live as long as pieces are asked for.
+    void begin(const Ways& ways);
+    /// The pieces of an element, made (not completed) when first asked for: [first, first + count) of `piece`.
+    struct Range {
+        std::size_t first = 0;
+        std::size_t count = 0;
+        std::uint64_t search = 0; ///< for which they were made
+    };
+    Range of(std::size_t rod, std::size_t element);
+    /// As it is; references hold until the next call of `of`.
+    [[nodiscard]] const Moving& piece(std::size_t i) const { return pieces_[i]; }
+    /// With its way.
+    const Moving& completed(std::size_t i);
+
+private:
+    const Ways* ways_ = nullptr;
     std::vector<Moving> pieces_; ///< the first `used_` of them; the rest is storage
     std::size_t used_ = 0;
-    std::vector<Range> ranges_; ///< of every element; count 0: not made yet
+    std::vector<Range> ranges_; ///< of every element
+    std::uint64_t search_ = 0;
 };
 
 } // namespace supercircle::contact::witness

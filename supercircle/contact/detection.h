@@ -2,6 +2,7 @@
 // From curves and outlines to contact candidates.
 
 #include "supercircle/contact/geometry.h"
+#include "supercircle/parallel/parallel.h"
 
 #include <cstdint>
 #include <memory>
@@ -43,7 +44,7 @@ public:
     Detector& operator=(Detector&&) noexcept;
 
     void detect(const std::vector<Curve>& curves, const std::vector<Outline>& outlines, const DetectionOptions& options,
-                std::vector<Candidate>& out);
+                std::vector<Candidate>& out, const parallel::For& loop = {});
 
 private:
     struct Impl;

@@ -23,10 +23,17 @@ namespace {
 struct Filter {
     std::uint32_t category = 0;
     std::uint32_t mask = 0;
+    std::int32_t group = 0;
     bool operator==(const Filter&) const = default;
 };
 
+bool mayTouchItself(const Filter& a) {
+    return (a.category & a.mask) != 0;
+}
+
 bool mayTouch(const Filter& a, const Filter& b) {
+    if (a.group != 0 && a.group == b.group)
+        return a.group > 0;
     return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
@@ -44,7 +51,8 @@ struct RodState {
     double allowance = -1.0;
     double displaced = 0.0; ///< since the snapshot, m
     bool known = false;
-    bool fresh = false; ///< new snapshot in this call
+    bool fresh = false;   ///< new snapshot in this call
+    bool renamed = false; ///< new key in this call
 };
 
 struct OutlineState {
@@ -113,6 +121,16 @@ double grant(double motion, double size) {
     return 3.0 * motion + size;
 }
 
+/// Work of one thread at a time: a rod's preparation takes some microseconds, a pair's checks about one.
+constexpr std::size_t kRodGrain = 16;
+constexpr std::size_t kPairGrain = 32;
+
+/// What one chunk of pairs needs and finds.
+struct Chunk {
+    Collector collector;
+    std::vector<Candidate> found;
+};
+
 constexpr std::uint32_t kKeyLimit = 1U << 20U;
 
 } // namespace
@@ -127,12 +145,14 @@ struct Detector::Impl {
     std::vector<std::int32_t> free;
     std::vector<SweepItem> sweep;
     std::vector<std::uint32_t> keys;
-    Collector collector;
+    std::vector<const Pair*> awake;
+    std::vector<Chunk> chunks;
     double margin = -1.0;
 
     void forget();
     void checkKeys();
-    void updateRods(const std::vector<Curve>& curves);
+    void updateRod(const Curve& curve, RodState& rod) const;
+    void updateRods(const std::vector<Curve>& curves, const parallel::For& loop);
     void updateOutlines(const std::vector<Outline>& given);
     void updatePairs();
     void sortSweep(int axis);
@@ -140,6 +160,8 @@ struct Detector::Impl {
     void findOutlinePairs();
     void addPair(std::int32_t a, std::int32_t b, bool rigid);
     bool listChecks(const Pair& pair);
+    void evaluate(const Pair& pair, const std::vector<Curve>& curves, const std::vector<Outline>& given,
+                  Collector& collector, std::vector<Candidate>& out) const;
 };
 
 void Detector::Impl::forget() {
@@ -172,44 +194,45 @@ void Detector::Impl::checkKeys() {
     check("outline");
 }
 
-void Detector::Impl::updateRods(const std::vector<Curve>& curves) {
-    rods.resize(curves.size());
-    bool newKeys = false;
-    for (std::size_t i = 0; i < curves.size(); ++i) {
-        const Curve& curve = curves[i];
-        RodState& rod = rods[i];
-        const bool unchanged = prepared(rod, curve);
-        if (!unchanged) {
-            prepare(curve, rod.shape);
-            rod.arcs = curve.arcs;
-            rod.nodeS = curve.nodeS;
-            rod.midS = curve.midS;
-        }
-        rod.resting = curve.resting;
-        const Filter filter{curve.category, curve.mask};
-        if (rod.key != curve.key || !rod.known)
-            newKeys = true;
-        const double size = std::max(curve.halfThickness, 0.5 * margin);
-        const double granted = grant(curve.motion, size);
-        // A wide allowance makes long lists, which nobody reads while the rod rests.
-        rod.fresh = !rod.known || rod.key != curve.key || rod.filter != filter || rod.half != curve.halfThickness ||
-                    (rod.allowance > 3.0 * granted && !curve.resting);
-        if (!rod.fresh && !(unchanged && rod.displaced + curve.motion <= rod.allowance)) {
-            rod.displaced = displacement(rod.shape, rod.snapshot);
-            rod.fresh = !(rod.displaced + curve.motion <= rod.allowance);
-        }
-        rod.known = true;
-        if (!rod.fresh)
-            continue;
-        rod.key = curve.key;
-        rod.filter = filter;
-        rod.half = curve.halfThickness;
-        rod.allowance = granted;
-        rod.displaced = 0.0;
-        takeSnapshot(rod.shape, rod.snapshot);
-        rod.box = rod.snapshot.box.grown(rod.half + rod.allowance + 0.5 * margin);
+void Detector::Impl::updateRod(const Curve& curve, RodState& rod) const {
+    const bool unchanged = prepared(rod, curve);
+    if (!unchanged) {
+        prepare(curve, rod.shape);
+        rod.arcs = curve.arcs;
+        rod.nodeS = curve.nodeS;
+        rod.midS = curve.midS;
     }
-    if (newKeys)
+    rod.resting = curve.resting;
+    const Filter filter{curve.category, curve.mask, curve.group};
+    rod.renamed = rod.key != curve.key || !rod.known;
+    const double size = std::max(curve.halfThickness, 0.5 * margin);
+    const double granted = grant(curve.motion, size);
+    // A wide allowance makes long lists, which nobody reads while the rod rests.
+    rod.fresh = !rod.known || rod.key != curve.key || rod.filter != filter || rod.half != curve.halfThickness ||
+                (rod.allowance > 3.0 * granted && !curve.resting);
+    if (!rod.fresh && !(unchanged && rod.displaced + curve.motion <= rod.allowance)) {
+        rod.displaced = displacement(rod.shape, rod.snapshot);
+        rod.fresh = !(rod.displaced + curve.motion <= rod.allowance);
+    }
+    rod.known = true;
+    if (!rod.fresh)
+        return;
+    rod.key = curve.key;
+    rod.filter = filter;
+    rod.half = curve.halfThickness;
+    rod.allowance = granted;
+    rod.displaced = 0.0;
+    takeSnapshot(rod.shape, rod.snapshot);
+    rod.box = rod.snapshot.box.grown(rod.half + rod.allowance + 0.5 * margin);
+}
+
+void Detector::Impl::updateRods(const std::vector<Curve>& curves, const parallel::For& loop) {
+    rods.resize(curves.size());
+    parallel::forChunks(loop, rods.size(), kRodGrain, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            updateRod(curves[i], rods[i]);
+    });
+    if (std::any_of(rods.begin(), rods.end(), [](const RodState& rod) { return rod.renamed; }))
         checkKeys();
 }
 
@@ -220,7 +243,7 @@ void Detector::Impl::updateOutlines(const std::vector<Outline>& given) {
         const Outline& now = given[i];
         OutlineState& state = outlines[i];
         prepare(now, state.shape);
-        const Filter filter{now.category, now.mask};
+        const Filter filter{now.category, now.mask, now.group};
         if (state.key != now.key || !state.known)
             newKeys = true;
         const double granted = grant(now.motion, margin);
@@ -312,7 +335,7 @@ void Detector::Impl::findRodPairs() {
         const RodState& rod = rods[static_cast<std::size_t>(item.rod)];
         if (!rod.fresh)
             continue;
-        if (mayTouch(rod.filter, rod.filter))
+        if (mayTouchItself(rod.filter))
             addPair(item.rod, item.rod, false);
         const SweepItem from{item.low - width[axis], -1};
         for (auto it = std::lower_bound(sweep.begin(), sweep.end(), from); it != sweep.end(); ++it) {
@@ -364,13 +387,28 @@ void Detector::Impl::updatePairs() {
     pairs.swap(merged);
 }
 
+void Detector::Impl::evaluate(const Pair& pair, const std::vector<Curve>& curves, const std::vector<Outline>& given,
+                              Collector& collector, std::vector<Candidate>& out) const {
+    const auto a = static_cast<std::size_t>(pair.a);
+    const auto b = static_cast<std::size_t>(pair.b);
+    const Checks& checks = pool[static_cast<std::size_t>(pair.checks)];
+    const RodSide rod{&rods[a].shape, pair.a, pair.keyA};
+    if (pair.rigid) {
+        const OutlineSide outline{&outlines[b].shape, pair.b, pair.keyB};
+        evaluateOutlinePair(rod, outline, checks.outline, margin + curves[a].motion + given[b].motion, collector, out);
+    } else {
+        const RodSide other{&rods[b].shape, pair.b, pair.keyB};
+        evaluateRodPair(rod, other, checks.rods, margin + curves[a].motion + curves[b].motion, collector, out);
+    }
+}
+
 Detector::Detector() : impl_(std::make_unique<Impl>()) {}
 Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
 void Detector::detect(const std::vector<Curve>& curves, const std::vector<Outline>& outlines,
-                      const DetectionOptions& options, std::vector<Candidate>& out) {
+                      const DetectionOptions& options, std::vector<Candidate>& out, const parallel::For& loop) {
     Impl& m = *impl_;
     out.clear();
     if (!(options.margin >= 0.0))
@@ -384,32 +422,29 @@ void Detector::detect(const std::vector<Curve>& curves, const std::vector<Outlin
         m.margin = options.margin;
     }
     try {
-        m.updateRods(curves);
+        m.updateRods(curves, loop);
         m.updateOutlines(outlines);
     } catch (...) {
         m.margin = -1.0; // half updated: forget everything at the next call
         throw;
     }
     m.updatePairs();
-    for (const Pair& pair : m.pairs) {
-        if (pair.idle)
-            continue;
-        const auto a = static_cast<std::size_t>(pair.a);
-        const auto b = static_cast<std::size_t>(pair.b);
-        if (m.rods[a].resting && (pair.rigid || m.rods[b].resting))
-            continue;
-        const Checks& checks = m.pool[static_cast<std::size_t>(pair.checks)];
-        const RodSide rod{&m.rods[a].shape, pair.a, pair.keyA};
-        if (pair.rigid) {
-            const OutlineSide outline{&m.outlines[b].shape, pair.b, pair.keyB};
-            evaluateOutlinePair(rod, outline, checks.outline, options.margin + curves[a].motion + outlines[b].motion,
-                                m.collector, out);
-        } else {
-            const RodSide other{&m.rods[b].shape, pair.b, pair.keyB};
-            evaluateRodPair(rod, other, checks.rods, options.margin + curves[a].motion + curves[b].motion, m.collector,
-                            out);
-        }
-    }
+    m.awake.clear();
+    for (const Pair& pair : m.pairs)
+        if (!pair.idle && !(m.rods[static_cast<std::size_t>(pair.a)].resting &&
+                            (pair.rigid || m.rods[static_cast<std::size_t>(pair.b)].resting)))
+            m.awake.push_back(&pair);
+    const std::size_t count = parallel::chunkCount(loop, m.awake.size(), kPairGrain);
+    if (m.chunks.size() < count)
+        m.chunks.resize(count);
+    parallel::forChunks(loop, m.awake.size(), kPairGrain, [&](std::size_t c, std::size_t begin, std::size_t end) {
+        std::vector<Candidate>& found = count > 1 ? m.chunks[c].found : out;
+        found.clear();
+        for (std::size_t i = begin; i < end; ++i)
+            m.evaluate(*m.awake[i], curves, outlines, m.chunks[c].collector, found);
+    });
+    for (std::size_t c = 0; count > 1 && c < count; ++c)
+        out.insert(out.end(), m.chunks[c].found.begin(), m.chunks[c].found.end());
 }
 
 } // namespace supercircle::contact

@@ -23,6 +23,8 @@ struct Curve {
     std::uint32_t key = 0;      ///< stable identity of the rod (survives insertion and removal of others), < 2^20
     std::uint32_t category = 1; ///< collision filter bits, as in Box2D
     std::uint32_t mask = 0xffffffffu;
+    std::int32_t group = 0; ///< as in Box2D: a pair of the same group other than 0 collides where it is positive,
+                            ///< whatever the masks say, and never where it is negative; not for a rod and itself
     /// Asleep: pairs of two resting curves, of one with itself and with outlines make no candidates and cost nothing.
     bool resting = false;
 };
@@ -50,6 +52,7 @@ struct Outline {
     double motion = 0.0;    ///< bound on how far any of its points moves in the step to come, m
     std::uint32_t category = 1;
     std::uint32_t mask = 0xffffffffu;
+    std::int32_t group = 0;
 };
 
 } // namespace supercircle::contact

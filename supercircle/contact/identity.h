@@ -24,6 +24,21 @@ inline Feature featureOf(std::uint64_t id) {
     return static_cast<Feature>((id >> 21U) & 7U);
 }
 
+inline std::uint32_t keyAOf(std::uint64_t id) {
+    return static_cast<std::uint32_t>(id >> 44U) & 0xfffffu;
+}
+inline std::uint32_t keyBOf(std::uint64_t id) {
+    return static_cast<std::uint32_t>(id >> 24U) & 0xfffffu;
+}
+/// Side B is a rod too, not an outline.
+inline bool betweenRods(std::uint64_t id) {
+    const Feature kind = featureOf(id);
+    return kind == Feature::SampleRod || kind == Feature::TipTip || kind == Feature::Interior;
+}
+inline bool concernsRod(std::uint64_t id, std::uint32_t key) {
+    return keyAOf(id) == key || (betweenRods(id) && keyBOf(id) == key);
+}
+
 inline std::uint32_t samplePayload(std::int32_t sample, bool left, std::uint32_t rank) {
     return ((static_cast<std::uint32_t>(sample) & 0x7ffu) << 10U) | (left ? 0x200u : 0u) | (rank & 0x1ffu);
 }

@@ -72,29 +72,40 @@ void GaussSeidel::prepare(const Whitened& problem) {
               [this](std::int32_t a, std::int32_t b) { return rank_[a] != rank_[b] ? rank_[a] < rank_[b] : a < b; });
 }
 
+/// The exact law of contact c at the present velocities; returns d |dr|^2.
+inline double GaussSeidel::update(const Whitened& problem, std::int32_t c, Iterate& x) const {
+    const Whitened::Contact& contact = problem.contacts()[c];
+    double* w = x.w.data();
+    double& rn = x.r[2 * c];
+    double& rt = x.r[2 * c + 1];
+    if (rn == 0.0 && rt == 0.0 && !contact.tied() && problem.normalProduct(contact, w) + contact.wn >= 0.0) {
+        x.piece[c] = Piece::Open;
+        return 0.0;
+    }
+    const Whitened::Velocity u = problem.velocity(contact, w);
+    const LocalImpulse next =
+        law_[c].solve(u.n - contact.Wnn * rn - contact.Wnt * rt, u.t - contact.Wnt * rn - contact.Wtt * rt);
+    const double dn = next.n - rn;
+    const double dt = next.t - rt;
+    x.piece[c] = next.piece;
+    rn = next.n;
+    rt = next.t;
+    problem.apply(contact, dn, dt, w);
+    return contact.d * (dn * dn + dt * dt);
+}
+
 double GaussSeidel::sweep(const Whitened& problem, Iterate& x) const {
     double change = 0.0;
-    double* w = x.w.data();
-    for (const std::int32_t c : order_) {
-        const Whitened::Contact& contact = problem.contacts()[c];
-        double& rn = x.r[2 * c];
-        double& rt = x.r[2 * c + 1];
-        if (rn == 0.0 && rt == 0.0 && !contact.tied() && problem.normalProduct(contact, w) + contact.wn >= 0.0) {
-            x.piece[c] = Piece::Open;
-            continue;
-        }
-        const Whitened::Velocity u = problem.velocity(contact, w);
-        const LocalImpulse next =
-            law_[c].solve(u.n - contact.Wnn * rn - contact.Wnt * rt, u.t - contact.Wnt * rn - contact.Wtt * rt);
-        const double dn = next.n - rn;
-        const double dt = next.t - rt;
-        x.piece[c] = next.piece;
-        rn = next.n;
-        rt = next.t;
-        change += contact.d * (dn * dn + dt * dt);
-        problem.apply(contact, dn, dt, w);
-    }
+    for (const std::int32_t c : order_)
+        change += update(problem, c, x);
     return change;
+}
+
+void GaussSeidel::sweepSome(const Whitened& problem, std::span<const std::int32_t> contacts, int sweeps,
+                            Iterate& x) const {
+    for (int done = 0; done < sweeps; ++done)
+        for (const std::int32_t c : contacts)
+            update(problem, c, x);
 }
 
 namespace {

@@ -3,6 +3,8 @@
 
 #include "supercircle/coulomb/iterate.h"
 
+#include <span>
+
 namespace supercircle::coulomb {
 
 class GaussSeidel {
@@ -13,6 +15,9 @@ public:
     /// One pass over all contacts; returns sum d |dr|^2 (J).
     double sweep(const Whitened& problem, Iterate& x) const;
 
+    /// `sweeps` plain sweeps over some contacts only, in the order given.
+    void sweepSome(const Whitened& problem, std::span<const std::int32_t> contacts, int sweeps, Iterate& x) const;
+
     /// Up to `sweeps` plain sweeps; judges now and then, offers to `best`, stops when `target` is reached.
     int run(const Whitened& problem, Iterate& x, int sweeps, const Target& target, Best& best) const;
 
@@ -20,6 +25,8 @@ public:
     int runAccelerated(const Whitened& problem, Iterate& x, int sweeps, const Target& target, Best& best);
 
 private:
+    double update(const Whitened& problem, std::int32_t c, Iterate& x) const;
+
     std::vector<LocalLaw> law_;
     std::vector<std::int32_t> order_;
     std::vector<std::int32_t> rank_;

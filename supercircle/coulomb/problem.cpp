@@ -1,5 +1,6 @@
 #include "supercircle/coulomb/problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -7,13 +8,18 @@ namespace supercircle::coulomb {
 
 namespace {
 
+bool shapeFits(const Body& body) {
+    return body.A.rows() == body.A.cols() && body.A.rows() == body.vFree.size() && body.A.rows() > 0;
+}
+
+bool bodyFits(const Body& body) {
+    return shapeFits(body) && body.A.allFinite() && body.vFree.allFinite();
+}
+
+/// Only asked where the body does not fit.
 std::string bodyFault(const Body& body, std::size_t index) {
-    const bool finite = body.A.allFinite() && body.vFree.allFinite();
-    const bool fits = body.A.rows() == body.A.cols() && body.A.rows() == body.vFree.size() && body.A.rows() > 0;
-    if (fits && finite)
-        return {};
     const std::string name = "body " + std::to_string(index);
-    if (!fits)
+    if (!shapeFits(body))
         return name + ": A is " + std::to_string(body.A.rows()) + " x " + std::to_string(body.A.cols()) +
                ", vFree has " + std::to_string(body.vFree.size()) + " entries";
     return name + ": A or vFree is not finite";
@@ -37,37 +43,55 @@ std::string sideFault(const Problem& problem, std::int32_t body, const Eigen::Ma
     return H.allFinite() ? std::string() : name + ": H is not finite";
 }
 
+bool lawFits(const Contact& contact) {
+    if (contact.kind == Kind::Unilateral)
+        return contact.mu >= 0.0 && std::isfinite(contact.mu) && contact.w.allFinite();
+    const bool either = contact.mu == 0.0 || contact.mu == std::numeric_limits<double>::infinity();
+    return contact.kind == Kind::Bilateral && either && contact.w.allFinite();
+}
+
+/// Only asked where the law does not fit.
 std::string lawFault(const Contact& contact, std::size_t index) {
-    if (contact.kind == Kind::Unilateral && contact.mu >= 0.0 && std::isfinite(contact.mu) && contact.w.allFinite())
-        return {};
     const std::string name = "contact " + std::to_string(index);
     if (contact.kind == Kind::Unilateral)
         return name + ": mu must be finite and not negative, w finite";
     if (contact.kind != Kind::Bilateral)
         return name + ": unknown kind " + std::to_string(static_cast<int>(contact.kind));
-    const bool either = contact.mu == 0.0 || contact.mu == std::numeric_limits<double>::infinity();
-    return either && contact.w.allFinite() ? std::string()
-                                           : name + ": mu of a bilateral contact must be 0 or infinite, w finite";
+    return name + ": mu of a bilateral contact must be 0 or infinite, w finite";
+}
+
+/// Index of the first item that does not fit, or their number.
+template <class Fits>
+std::size_t firstMisfit(const parallel::For& loop, std::size_t items, std::vector<std::size_t>& found, Fits&& fits) {
+    constexpr std::size_t kGrain = 128;
+    found.assign(parallel::chunkCount(loop, items, kGrain), items);
+    parallel::forChunks(loop, items, kGrain, [&](std::size_t c, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && found[c] == items; ++i)
+            if (!fits(i))
+                found[c] = i;
+    });
+    return *std::min_element(found.begin(), found.end());
 }
 
 } // namespace
 
-std::string findFault(const Problem& problem) {
-    for (std::size_t b = 0; b < problem.bodies.size(); ++b)
-        if (std::string fault = bodyFault(problem.bodies[b], b); !fault.empty())
-            return fault;
-    for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
+std::string findFault(const Problem& problem, const parallel::For& loop) {
+    std::vector<std::size_t> found;
+    const std::size_t b =
+        firstMisfit(loop, problem.bodies.size(), found, [&](std::size_t i) { return bodyFits(problem.bodies[i]); });
+    if (b < problem.bodies.size())
+        return bodyFault(problem.bodies[b], b);
+    const std::size_t c = firstMisfit(loop, problem.contacts.size(), found, [&](std::size_t i) {
+        const Contact& contact = problem.contacts[i];
+        return lawFits(contact) && sideFits(problem, contact.a, contact.Ha) && sideFits(problem, contact.b, contact.Hb);
+    });
+    if (c < problem.contacts.size()) {
         const Contact& contact = problem.contacts[c];
-        if (std::string fault = lawFault(contact, c); !fault.empty())
-            return fault;
-        if (sideFits(problem, contact.a, contact.Ha) && sideFits(problem, contact.b, contact.Hb))
-            continue; // the usual way: no string is built
+        if (!lawFits(contact))
+            return lawFault(contact, c);
         const std::string name = "contact " + std::to_string(c);
         std::string fault = sideFault(problem, contact.a, contact.Ha, name + " side a");
-        if (fault.empty())
-            fault = sideFault(problem, contact.b, contact.Hb, name + " side b");
-        if (!fault.empty())
-            return fault;
+        return fault.empty() ? sideFault(problem, contact.b, contact.Hb, name + " side b") : fault;
     }
     if (problem.r0.size() != 0 && problem.r0.size() != 2 * static_cast<Eigen::Index>(problem.contacts.size()))
         return "warm start has " + std::to_string(problem.r0.size()) + " entries, expected " +

@@ -2,6 +2,8 @@
 // One frictional contact problem as plain data: what a time step hands to a solver, what the judge reads and what an
 // FCP2D file holds. Nothing here knows rods, geometry or time stepping beyond `dt`.
 
+#include "supercircle/parallel/parallel.h"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
@@ -49,6 +51,6 @@ struct Problem {
 
 /// Empty if sizes, indices, signs and numbers are in order, else one sentence naming the body or contact at fault.
 /// Whether A is positive definite shows only when it is factored: the solver reports that.
-std::string findFault(const Problem& problem);
+std::string findFault(const Problem& problem, const parallel::For& loop = {});
 
 } // namespace supercircle::coulomb

@@ -28,24 +28,36 @@ void Regions::addBody(std::int32_t body) {
     bodies_.push_back(body);
 }
 
-const Region& Regions::grow(const Whitened& problem, std::int32_t seed, std::size_t most) {
+/// False if a busy body was met.
+bool Regions::growBodies(const Whitened& problem, std::int32_t seed, std::size_t most,
+                         std::span<const std::uint8_t> busy) {
     for (const std::int32_t b : bodies_)
         rank_[b] = -1;
     bodies_.clear();
-    for (std::int32_t s = 0; s < problem.contact(seed).sides; ++s)
-        addBody(problem.contact(seed).side[s].body);
     std::size_t touching = 0; // counts inner contacts twice, which is near enough
-    for (const std::int32_t b : bodies_)
-        touching += contactsOf(b).size();
+    const auto take = [&](std::int32_t body) {
+        addBody(body);
+        touching += contactsOf(body).size();
+        return busy.empty() || busy[body] == 0;
+    };
+    for (std::int32_t s = 0; s < problem.contact(seed).sides; ++s)
+        if (!take(problem.contact(seed).side[s].body))
+            return false;
     for (std::size_t head = 0; head < bodies_.size() && touching < 2 * most; ++head)
         for (const std::int32_t c : contactsOf(bodies_[head])) {
             const Whitened::Contact& contact = problem.contact(c);
             for (std::int32_t s = 0; s < contact.sides; ++s)
-                if (const std::int32_t b = contact.side[s].body; rank_[b] < 0 && touching < 2 * most) {
-                    addBody(b);
-                    touching += contactsOf(b).size();
-                }
+                if (const std::int32_t b = contact.side[s].body; rank_[b] < 0 && touching < 2 * most)
+                    if (!take(b))
+                        return false;
         }
+    return true;
+}
+
+const Region* Regions::grow(const Whitened& problem, std::int32_t seed, std::size_t most,
+                            std::span<const std::uint8_t> busy) {
+    if (!growBodies(problem, seed, most, busy))
+        return nullptr;
     region_.contacts.clear();
     region_.outside.clear();
     region_.core.clear();
@@ -71,8 +83,7 @@ const Region& Regions::grow(const Whitened& problem, std::int32_t seed, std::siz
     for (const std::int32_t c : region_.outside)
         taken_[c] = 0;
     std::sort(region_.contacts.begin(), region_.contacts.end());
-    std::sort(region_.outside.begin(), region_.outside.end());
-    return region_;
+    return &region_;
 }
 
 } // namespace supercircle::coulomb

@@ -20,8 +20,10 @@ public:
     /// Lists the contacts of every body.
     void prepare(const Whitened& problem);
 
-    /// Grows a region around contact `seed`, neighbour by neighbour, until it holds `most` contacts.
-    const Region& grow(const Whitened& problem, std::int32_t seed, std::size_t most);
+    /// Grows a region around contact `seed`, neighbour by neighbour, until it holds `most` contacts. Null if it would
+    /// hold one of the bodies marked in `busy` (one entry a body, or none).
+    const Region* grow(const Whitened& problem, std::int32_t seed, std::size_t most,
+                       std::span<const std::uint8_t> busy = {});
 
     /// All contacts (ascending) that touch body b.
     std::span<const std::int32_t> contactsOf(std::int32_t b) const {
@@ -29,6 +31,7 @@ public:
     }
 
 private:
+    bool growBodies(const Whitened& problem, std::int32_t seed, std::size_t most, std::span<const std::uint8_t> busy);
     void addBody(std::int32_t body);
 
     std::vector<std::size_t> first_;

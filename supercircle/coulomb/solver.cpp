@@ -15,13 +15,7 @@
 //
 // Every stage has a cap.
 
-#include "supercircle/coulomb/solver.h"
-
-#include "supercircle/coulomb/gauss_seidel.h"
-#include "supercircle/coulomb/islands.h"
-#include "supercircle/coulomb/newton.h"
-#include "supercircle/coulomb/path.h"
-#include "supercircle/coulomb/regions.h"
+#include "supercircle/coulomb/cascade.h"
 
 #include <algorithm>
 #include <array>
@@ -50,18 +44,11 @@ std::string_view name(Method m) {
 
 namespace {
 
-/// One try of the path: sweeps before it, proximal term, slacks.
-struct Try {
-    int sweeps;
-    double eps;
-    double slack;
-};
 constexpr std::array kTries{Try{0, 1e-6, 0.3}, Try{0, 1e-8, 1.0}, Try{30, 1e-5, 1.0}, Try{60, 1e-7, 0.3},
                             Try{100, 1e-4, 3.0}};
 
 /// Straight from the pieces of a warm start, no sweep before. They take few pivots or go astray: a small cap.
 constexpr std::array kWarmTries{Try{0, 1e-7, 0.3}, Try{0, 1e-9, 1.0}};
-constexpr int kWarmPivots = 150;
 constexpr std::size_t kFewContacts = 60;
 constexpr int kFewSweeps = 3;
 
@@ -77,53 +64,7 @@ constexpr int kBudget = 5;
 constexpr double kMostWork = 4e7; ///< pivots times loaded contacts: a large problem without solution must end, too
 constexpr int kNewtonSteps = 30;
 
-/// Islands with more loaded contacts than this are first solved region by region.
-constexpr std::size_t kRegionLoad = 200;
-constexpr std::size_t kRegionSize = 180; ///< contacts; doubled with every pass after the second
-constexpr int kRegionPivots = 80;        ///< a pass with fewer pivots is the last one
-constexpr int kRegionMost = 150; ///< pivots of one region; with 600 the hopeless ones of cold starts eat the budget
-constexpr std::uint32_t kRegionPasses = 8;
-constexpr int kRegionDiscount = 16;  ///< so many pivots in a region count as one of the whole
-constexpr double kRegionSkip = 0.1;  ///< of the present mean error: contacts below need no region of their own
-constexpr double kRegionShare = 0.1; ///< of the error a contact may keep in the end
-
 } // namespace
-
-struct Solver::Impl {
-    Whitened whitened;
-    GaussSeidel sweeps;
-    Islands islands;
-    Regions regions;
-    std::vector<std::uint8_t> covered;
-    Path path;
-    Newton newton;
-    Iterate x, start;
-    Best best;
-    Target target;
-    int pivotsLeft = 0;
-
-    void run(const SolverOptions& options, SolveReport& report);
-    bool judgeNow(Method method, SolveReport& report);
-    void restoreBest();
-    double islandError(std::span<const std::int32_t> island) const;
-    std::size_t loaded(std::span<const std::int32_t> island) const;
-    std::size_t loaded() const;
-    void allowPivots(const SolverOptions& options);
-    void runPaths(const PathSettings& settings, SolveReport& report);
-    bool tryPath(const Try& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report);
-    bool tryLadder(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
-    double contactError(std::int32_t c) const;
-    void passRegions(std::span<const std::int32_t> island, double allowed, std::uint32_t seed, std::size_t size,
-                     PathCounts& counts);
-    bool tryRegions(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
-    void book(const PathCounts& counts, SolveReport& report);
-    bool tryFew(SolveReport& report);
-    bool tryWarm(const SolverOptions& options, SolveReport& report);
-    bool tryNewton(SolveReport& report);
-    bool tryAccelerated(int count, SolveReport& report);
-    template <class Visit>
-    void forEachUnsolved(Visit&& visit);
-};
 
 /// Judges x freshly, keeps it if it is the best; true if it meets the target.
 bool Solver::Impl::judgeNow(Method method, SolveReport& report) {
@@ -162,14 +103,10 @@ std::size_t Solver::Impl::loaded() const {
     return count;
 }
 
-/// Visits the islands whose error is above their share of what the target allows, with that share.
-template <class Visit>
-void Solver::Impl::forEachUnsolved(Visit&& visit) {
-    const double allowed = 0.9 * target.eta * target.eta * best.residual.scale /
-                           static_cast<double>(std::max<std::size_t>(1, islands.count()));
-    for (std::size_t i = 0; i < islands.count(); ++i)
-        if (!(islandError(islands.contacts(i)) <= allowed))
-            visit(islands.contacts(i), allowed);
+/// An island's share of what the target allows, J.
+double Solver::Impl::allowedError() const {
+    return 0.9 * target.eta * target.eta * best.residual.scale /
+           static_cast<double>(std::max<std::size_t>(1, islands.count()));
 }
 
 void Solver::Impl::allowPivots(const SolverOptions& options) {
@@ -178,13 +115,60 @@ void Solver::Impl::allowPivots(const SolverOptions& options) {
     pivotsLeft = static_cast<int>(std::min(most, kMostWork / std::max(1.0, load)));
 }
 
-void Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
+/// Islands share nothing, so each may have its own thread. What counts is as if they had come one after the other:
+/// those for which no pivots were left by then are put back. False if a path did not arrive.
+bool Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
+    const std::size_t count = islands.count();
+    const bool together = loop && count > 1;
+    const double allowed = allowedError();
+    if (together)
+        kept = x;
+    if (turns.size() < count)
+        turns.resize(count);
+    const auto run = [&](std::size_t i) {
+        Turn& turn = turns[i];
+        turn.ran = false;
+        turn.arrived = true;
+        turn.counts = {};
+        const std::span<const std::int32_t> island = islands.contacts(i);
+        if (islandError(island) <= allowed || loaded(island) > kPathLimit)
+            return;
+        turn.ran = true;
+        const parallel::Pool<Path>::Loan path(pathPool);
+        const Path::Outcome outcome = path->run(whitened, island, {}, settings, allowed, x, turn.counts);
+        turn.arrived = outcome == Path::Outcome::Solved || outcome == Path::Outcome::Stalled;
+    };
+    if (together)
+        loop(count, run);
     PathCounts counts;
-    forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
-        if (loaded(island) <= kPathLimit && counts.pivots < pivotsLeft)
-            path.run(whitened, island, {}, settings, allowed, x, counts);
-    });
+    bool arrived = true;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (counts.pivots >= pivotsLeft) {
+            if (together && turns[i].ran)
+                undo(islands.contacts(i));
+            continue;
+        }
+        if (!together)
+            run(i);
+        counts.pivots += turns[i].counts.pivots;
+        counts.factorisations += turns[i].counts.factorisations;
+        arrived = arrived && turns[i].arrived;
+    }
     book(counts, report);
+    return arrived;
+}
+
+void Solver::Impl::undo(std::span<const std::int32_t> island) {
+    for (const std::int32_t c : island) {
+        x.r[2 * c] = kept.r[2 * c];
+        x.r[2 * c + 1] = kept.r[2 * c + 1];
+        x.piece[c] = kept.piece[c];
+        const Whitened::Contact& contact = whitened.contact(c);
+        for (std::int32_t s = 0; s < contact.sides; ++s) {
+            const auto at = static_cast<std::ptrdiff_t>(contact.side[s].velocity);
+            std::copy_n(kept.w.begin() + at, contact.side[s].padded, x.w.begin() + at);
+        }
+    }
 }
 
 void Solver::Impl::book(const PathCounts& counts, SolveReport& report) {
@@ -211,59 +195,6 @@ bool Solver::Impl::tryLadder(std::uint32_t seed, const SolverOptions& options, S
         runPaths({eps, seed % 2 == 0 ? 1.0 : 0.1, seed, options.maxPivots, eps > 1e-5 ? 2 : 12}, report);
         if (judgeNow(Method::Path, report))
             return true;
-    }
-    return false;
-}
-
-double Solver::Impl::contactError(std::int32_t c) const {
-    const std::array one{c};
-    return islandError(one);
-}
-
-/// One path in the neighbourhood of every contact that is not at rest yet; cores do not overlap.
-void Solver::Impl::passRegions(std::span<const std::int32_t> island, double allowed, std::uint32_t seed,
-                               std::size_t size, PathCounts& counts) {
-    const double share =
-        std::max(kRegionShare * allowed, kRegionSkip * islandError(island)) / static_cast<double>(island.size());
-    for (const std::int32_t c : island) {
-        if (covered[c] || contactError(c) <= share)
-            continue;
-        const Region& region = regions.grow(whitened, c, size);
-        for (const std::int32_t k : region.core)
-            covered[k] = 1;
-        const double most = share * static_cast<double>(region.contacts.size());
-        path.run(whitened, region.contacts, region.outside, {1e-6, 0.3, seed, kRegionMost, 4}, most, x, counts);
-    }
-}
-
-/// Large islands: paths in regions until the pieces hardly change any more, then one path of the whole island, which
-/// has little left to do. A pivot of the whole costs as much as some tenth of a pass over all regions.
-bool Solver::Impl::tryRegions(std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
-    regions.prepare(whitened);
-    for (std::uint32_t round = 0; round < 2 && pivotsLeft > 0; ++round) {
-        for (std::uint32_t pass = 0; pass < kRegionPasses; ++pass) {
-            PathCounts counts;
-            covered.assign(whitened.contactCount(), 0);
-            forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
-                if (loaded(island) > kRegionLoad)
-                    passRegions(island, allowed, seed + kRegionPasses * round + pass,
-                                kRegionSize << (pass > 1 ? pass - 1 : 0), counts);
-            });
-            const int pivotsLeftBefore = pivotsLeft;
-            book(counts, report);
-            pivotsLeft = pivotsLeftBefore - counts.pivots / kRegionDiscount;
-            if (judgeNow(Method::Path, report))
-                return true;
-            if (counts.pivots < kRegionPivots)
-                break;
-        }
-        // Redundant contacts whose pieces contradict each other by round-off: their impulses drift apart, the faster
-        // the weaker the proximal term, until one of them opens or slips. The last digits may need that.
-        for (const double eps : {1e-7, 1e-9, 1e-11}) {
-            runPaths({eps, 0.3, seed, std::min(options.maxPivots, kWarmPivots), 20}, report);
-            if (judgeNow(Method::Path, report))
-                return true;
-        }
     }
     return false;
 }
@@ -375,11 +306,12 @@ Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 
 SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, Eigen::VectorXd& r,
-                          std::vector<Eigen::VectorXd>& v) {
+                          std::vector<Eigen::VectorXd>& v, const parallel::For& loop) {
     SolveReport report;
     Impl& s = *impl_;
+    s.loop = loop;
     r.setZero(2 * static_cast<Eigen::Index>(problem.contacts.size()));
-    report.error = s.whitened.build(problem);
+    report.error = s.whitened.build(problem, loop);
     if (!report.error.empty()) {
         report.eta = std::numeric_limits<double>::infinity();
         v.resize(problem.bodies.size());

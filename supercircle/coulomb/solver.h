@@ -2,6 +2,7 @@
 // The one door to the contact solvers: the method cascade, its settings, and what it reports back.
 
 #include "supercircle/coulomb/problem.h"
+#include "supercircle/parallel/parallel.h"
 
 #include <memory>
 #include <string>
@@ -44,7 +45,7 @@ struct SolveReport {
 };
 
 /// A solver keeps its work space between calls (allocation-free once warm) but no other memory: the answer depends on
-/// (problem, options) only. Not thread-safe; use one per thread.
+/// (problem, options) only. Not thread-safe; use one per thread, or hand in a loop.
 class Solver {
 public:
     Solver();
@@ -53,9 +54,9 @@ public:
     Solver& operator=(Solver&&) noexcept;
 
     /// Solves `problem`; `r` (2 per contact) receives the best iterate found, always finite; `v` (one vector per body)
-    /// the bodies' velocities for it.
+    /// the bodies' velocities for it. `loop` runs what is independent on several threads, with the same digits.
     SolveReport solve(const Problem& problem, const SolverOptions& options, Eigen::VectorXd& r,
-                      std::vector<Eigen::VectorXd>& v);
+                      std::vector<Eigen::VectorXd>& v, const parallel::For& loop = {});
 
 private:
     struct Impl;

@@ -78,26 +78,42 @@ bool Whitened::factor(Factor& body, const double* A) {
     return true;
 }
 
-std::size_t Whitened::layoutBodies(const Problem& problem) {
+void Whitened::layoutBodies(const Problem& problem) {
     bodies_.resize(problem.bodies.size());
     std::size_t offset = 0;
-    std::size_t longest = 0;
+    longest_ = 0;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
         bodies_[b].n = static_cast<std::size_t>(problem.bodies[b].vFree.size());
         bodies_[b].padded = even(bodies_[b].n);
         bodies_[b].velocity = offset;
         offset += bodies_[b].padded;
-        longest = std::max(longest, bodies_[b].padded);
+        longest_ = std::max(longest_, bodies_[b].padded);
     }
     free_.assign(offset, 0.0);
-    scratch_.resize(longest);
-    return offset;
 }
 
-void Whitened::addSide(Contact& contact, const Factor& body, std::int32_t index, const Eigen::Matrix<double, 2, -1>& H,
-                       const Eigen::Matrix<double, 2, -1>* other) {
+/// Sides of a contact and where their rows will be.
+void Whitened::layoutContact(const coulomb::Contact& source, Contact& contact) {
+    const auto add = [&](std::int32_t index) {
+        const Factor& body = bodies_[index];
+        Side& side = contact.side[contact.sides++];
+        side.body = index;
+        side.padded = static_cast<std::int32_t>(body.padded);
+        side.velocity = body.velocity;
+        side.row = rowsUsed_;
+        rowsUsed_ += 2 * body.padded;
+    };
+    if (source.a >= 0)
+        add(source.a);
+    if (source.b >= 0 && source.b != source.a)
+        add(source.b);
+}
+
+void Whitened::fillSide(Contact& contact, Side& side, const Eigen::Matrix<double, 2, -1>& H,
+                        const Eigen::Matrix<double, 2, -1>* other, std::vector<Pair>& scratch) {
+    const Factor& body = bodies_[side.body];
     const std::size_t n = body.n;
-    Pair* x = scratch_.data();
+    Pair* x = scratch.data();
     for (std::size_t i = 0; i < n; ++i) {
         x[i] = Pair{H.data()[2 * i], H.data()[2 * i + 1]};
         if (other)
@@ -112,12 +128,6 @@ void Whitened::addSide(Contact& contact, const Factor& body, std::int32_t index,
         for (std::size_t i = j + 1; i < n; ++i)
             x[i] -= Pair{column[i], column[i]} * value;
     }
-    Side& side = contact.side[contact.sides++];
-    side.body = index;
-    side.padded = static_cast<std::int32_t>(body.padded);
-    side.velocity = body.velocity;
-    side.row = rows_.size();
-    rows_.resize(rows_.size() + 2 * body.padded, 0.0);
     double* gn = rows_.data() + side.row;
     double* gt = gn + body.padded;
     const double* v = free_.data() + body.velocity;
@@ -131,6 +141,8 @@ void Whitened::addSide(Contact& contact, const Factor& body, std::int32_t index,
         square += x[i] * x[i];
         cross += x[i][0] * x[i][1];
     }
+    for (std::size_t i = n; i < body.padded; ++i)
+        gn[i] = gt[i] = 0.0;
     contact.qn += q[0];
     contact.qt += q[1];
     contact.Wnn += square[0];
@@ -140,39 +152,53 @@ void Whitened::addSide(Contact& contact, const Factor& body, std::int32_t index,
     findRanges(gn, gt, side.padded, side);
 }
 
-std::string Whitened::build(const Problem& problem) {
-    if (std::string fault = findFault(problem); !fault.empty())
+void Whitened::fillContact(const coulomb::Contact& source, Contact& contact, std::vector<Pair>& scratch) {
+    contact.wn = contact.qn = source.w[0];
+    contact.wt = contact.qt = source.w[1];
+    contact.mu = source.bilateral() ? 0.0 : source.mu;
+    contact.tie = source.locked() ? Tie::Both : source.bilateral() ? Tie::Normal : Tie::None;
+    for (std::int32_t s = 0; s < contact.sides; ++s) {
+        const bool first = contact.side[s].body == source.a;
+        const bool self = first && source.a == source.b;
+        fillSide(contact, contact.side[s], first ? source.Ha : source.Hb, self ? &source.Hb : nullptr, scratch);
+    }
+    contact.d = 0.5 * (contact.Wnn + contact.Wtt);
+}
+
+std::string Whitened::build(const Problem& problem, const parallel::For& loop) {
+    if (std::string fault = findFault(problem, loop); !fault.empty())
         return fault;
     layoutBodies(problem);
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    good_.assign(bodies_.size(), 0);
+    parallel::forEach(loop, bodies_.size(), 16, [&](std::size_t b) {
         Factor& body = bodies_[b];
         if (!factor(body, problem.bodies[b].A.data()))
-            return "body " + std::to_string(b) + ": A is not positive definite";
+            return;
+        good_[b] = 1;
         for (std::size_t j = 0; j < body.n; ++j) {
             double sum = 0.0;
             for (std::size_t i = j; i < body.n; ++i)
                 sum += body.lower[j * body.n + i] * problem.bodies[b].vFree[static_cast<Eigen::Index>(i)];
             free_[body.velocity + j] = sum;
         }
-    }
+    });
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+        if (good_[b] == 0)
+            return "body " + std::to_string(b) + ": A is not positive definite";
     contacts_.assign(problem.contacts.size(), Contact{});
-    rows_.clear();
+    rowsUsed_ = 0;
+    for (std::size_t c = 0; c < contacts_.size(); ++c)
+        layoutContact(problem.contacts[c], contacts_[c]);
+    if (rows_.size() < rowsUsed_)
+        rows_.resize(rowsUsed_);
+    parallel::forChunks(loop, contacts_.size(), 64, [&](std::size_t, std::size_t begin, std::size_t end) {
+        std::vector<Pair> scratch(longest_);
+        for (std::size_t c = begin; c < end; ++c)
+            fillContact(problem.contacts[c], contacts_[c], scratch);
+    });
     double largest = 0.0;
-    for (std::size_t c = 0; c < contacts_.size(); ++c) {
-        const coulomb::Contact& source = problem.contacts[c];
-        Contact& contact = contacts_[c];
-        contact.wn = contact.qn = source.w[0];
-        contact.wt = contact.qt = source.w[1];
-        contact.mu = source.bilateral() ? 0.0 : source.mu;
-        contact.tie = source.locked() ? Tie::Both : source.bilateral() ? Tie::Normal : Tie::None;
-        const bool self = source.a == source.b;
-        if (source.a >= 0)
-            addSide(contact, bodies_[source.a], source.a, source.Ha, self ? &source.Hb : nullptr);
-        if (source.b >= 0 && !self)
-            addSide(contact, bodies_[source.b], source.b, source.Hb, nullptr);
-        contact.d = 0.5 * (contact.Wnn + contact.Wtt);
+    for (const Contact& contact : contacts_)
         largest = std::max(largest, contact.d);
-    }
     const double floor = largest > 0.0 ? 1e-12 * largest : 1.0;
     for (Contact& contact : contacts_)
         contact.d = std::max(contact.d, floor);

@@ -68,7 +68,7 @@ public:
 
     /// Factors, whitens and precomputes. Returns a sentence if the problem is at fault, else an empty string.
     /// A body whose A is bit for bit that of the last call keeps its factor (which therefore is the same numbers).
-    std::string build(const Problem& problem);
+    std::string build(const Problem& problem, const parallel::For& loop = {});
 
     std::size_t contactCount() const { return contacts_.size(); }
     std::size_t bodyCount() const { return bodies_.size(); }
@@ -115,16 +115,20 @@ private:
         std::vector<double> inverseDiagonal;
     };
 
-    bool factor(Factor& body, const double* A);
-    void addSide(Contact& contact, const Factor& body, std::int32_t index, const Eigen::Matrix<double, 2, -1>& H,
-                 const Eigen::Matrix<double, 2, -1>* other);
-    std::size_t layoutBodies(const Problem& problem);
+    static bool factor(Factor& body, const double* A);
+    void layoutContact(const coulomb::Contact& source, Contact& contact);
+    void fillContact(const coulomb::Contact& source, Contact& contact, std::vector<Pair>& scratch);
+    void fillSide(Contact& contact, Side& side, const Eigen::Matrix<double, 2, -1>& H,
+                  const Eigen::Matrix<double, 2, -1>* other, std::vector<Pair>& scratch);
+    void layoutBodies(const Problem& problem);
 
     std::vector<Factor> bodies_;
     std::vector<Contact> contacts_;
     std::vector<double> rows_;
     std::vector<double> free_;
-    std::vector<Pair> scratch_;
+    std::vector<std::uint8_t> good_; ///< bodies whose A is positive definite
+    std::size_t rowsUsed_ = 0;
+    std::size_t longest_ = 0; ///< body, padded
 };
 
 // ---- kernels, inline because a Gauss-Seidel sweep is nothing else ----

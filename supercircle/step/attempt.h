@@ -28,7 +28,8 @@ private:
 
 enum class Verdict : std::uint8_t {
     Accept,
-    Smaller ///< not acceptable at this size: cut the step and try again
+    Smaller, ///< not acceptable at this size: cut the step and try again
+    Woken    ///< somebody pressed on a sleeper, who is awake now: try again
 };
 
 /// Work space of attempts; what it holds after `solve` belongs to the last attempt.
@@ -39,13 +40,16 @@ struct Attempt {
     ContactStage stage;
     std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
     std::vector<ContactImpulse> impulses; ///< of the last solve
+    std::vector<contact::Candidate> kept; ///< of the world's candidates those this step needs (Settings::prune)
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::Curve> curvesBefore;
     std::vector<contact::Outline> outlinesBefore;
     std::vector<contact::Crossing> crossings; ///< found by the witness on the way, if it is on
     double error = 0.0;                       ///< largest local error, m
     double moved = 0.0;                       ///< farthest motion of a touching rod, m
+    std::vector<std::size_t> runaways;        ///< rods faster than sound in their own material
     bool rejectedBeforeEnd = true;            ///< the last attempt was given up before its end was looked at
+    int threads = 1;                          ///< of stage.loop
 
     /// Solves at most settings.maxIterations linearisations; the result is left in rods and stage.
     Verdict solve(World& world, const Settings& settings, StageTimes& times,
@@ -56,7 +60,11 @@ struct Attempt {
 
 private:
     enum class Reach : std::uint8_t { Enough, Wider, Never };
+    void useThreads(int threads);
+    bool wakeTouched(World& world) const;
+    [[nodiscard]] bool partsOff(const World& world, double tolerance) const;
     void begin(const World& world, const Settings& settings);
+    const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings);
     void solveOnce(World& world, const Settings& settings, StageTimes& times, bool first);
     Reach measure(World& world, const Settings& settings, int& widened, bool first);
     void collideEnd(const World& world, const Settings& settings);

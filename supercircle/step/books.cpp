@@ -2,6 +2,8 @@
 
 #include "supercircle/step/attempt.h"
 #include "supercircle/step/host_stage.h"
+#include "supercircle/step/link_stage.h"
+#include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
 
 #include <algorithm>
@@ -74,7 +76,7 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        if (!stage.candidates.empty() && stage.place[i].block >= 0) {
+        if (!stage.problem.contacts.empty() && stage.place[i].block >= 0) {
             h.coupled = true;
             h.coupledTime += dt;
         }
@@ -89,22 +91,29 @@ void accept(World& world, Attempt& t) {
     ContactStage& stage = t.stage;
     const double dt = t.dt;
     bookContacts(world, rods, stage, dt);
+    bookLinks(world, rods, stage, dt);
     Ledger& l = world.ledger;
+    std::vector<RodBooks> books(rods.size());
+    forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
+        if (!world.rods[i].frozen())
+            books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
+    });
     for (std::size_t i = 0; i < rods.size(); ++i) {
-        if (world.rods[i].quarantined)
+        if (world.rods[i].frozen())
             continue;
-        const RodBooks b = acceptRod(world, world.rods[i], dt, rods[i]);
+        const RodBooks& b = books[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
         l.kinetic += b.kineticChange;
         l.bending += b.bendingChange;
         l.gravity += b.gravityChange;
         l.impact += impact;
         l.numerical += b.kineticLoss - impact + b.secondOrder;
-        l.work += b.holdWork;
+        l.work += b.holdWork + b.loadWork;
         l.pushOut -= b.rollingWork;
     }
     acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);
+    advanceLinks(world, dt);
     world.impulses = t.impulses;
     world.candidates = stage.after;
     world.range = t.nextRange;

@@ -2,6 +2,7 @@
 
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/host_stage.h"
+#include "supercircle/step/link_stage.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,16 +23,6 @@ void surfaceRows(const Rod& rod, const RodWork& w, const contact::RodPoint& at, 
     w.kin.pointRows(rod.model, place, surface - w.kin.point(place), n, t, rows);
 }
 
-void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
-            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
-    if (w.C.rows() == 0) {
-        reduced = sign * full;
-        return;
-    }
-    reduced = sign * (full * w.Z);
-    offset += sign * (full * w.vp);
-}
-
 const BodyOutline& pieceOf(const World& world, const contact::Candidate& c) {
     return world.outlines[static_cast<std::size_t>(c.outline)];
 }
@@ -48,9 +39,28 @@ Vec2 surfaceVelocity(const BodyMotion& m, const Vec2& arm) {
     return m.velocity + m.spin * rod::perp(arm);
 }
 
+std::uint32_t materialOf(const World& world, BodyId id) {
+    const auto it = std::lower_bound(world.bodyMaterials.begin(), world.bodyMaterials.end(), id,
+                                     [](const BodyMaterial& b, BodyId want) { return b.body < want; });
+    return it != world.bodyMaterials.end() && it->body == id ? it->material : 0;
+}
+
+/// What a pair's own friction says, else the geometric mean.
+double frictionOf(const World& world, std::uint32_t a, double muA, std::uint32_t b, double muB) {
+    if (a != 0 && b != 0) {
+        const PairFriction want{std::min(a, b), std::max(a, b), 0.0};
+        const auto it = std::lower_bound(
+            world.pairFriction.begin(), world.pairFriction.end(), want,
+            [](const PairFriction& x, const PairFriction& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+        if (it != world.pairFriction.end() && it->a == want.a && it->b == want.b)
+            return it->mu;
+    }
+    return mixedFriction(muA, muB);
+}
+
 /// Rows and bias of one candidate.
 void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, double gapAtStart,
-               const contact::Candidate& c, ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
+               const contact::Candidate& c, const ContactStage& stage, ContactWork& k, coulomb::Contact& out) {
     const Vec2 n = c.normal, t = rod::perp(c.normal);
     const auto ia = static_cast<std::size_t>(c.a.rod);
     const Rod& rodA = world.rods[ia];
@@ -61,25 +71,26 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     surfaceRows(rodA, rods[ia], c.a, c.pointA, n, t, k.Ja);
     out.w.setZero();
     out.kind = coulomb::Kind::Unilateral;
-    out.a = rods[ia].body;
+    out.a = rods[ia].body; // -1 when asleep: an obstacle
     out.b = -1;
     out.Hb.resize(2, 0);
-    reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
+    if (out.a >= 0)
+        reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
     if (c.b.rod >= 0) {
         const auto ib = static_cast<std::size_t>(c.b.rod);
         surfaceRows(world.rods[ib], rods[ib], c.b, c.pointB, n, t, k.Jb);
-        out.b = rods[ib].body;
-        reduce(rods[ib], k.Jb, -1.0, out.w, out.Hb);
-        out.mu = mixedFriction(rodA.mu, world.rods[ib].mu);
+        (out.a < 0 ? out.a : out.b) = rods[ib].body;
+        if (rods[ib].body >= 0)
+            reduce(rods[ib], k.Jb, -1.0, out.w, out.b < 0 ? out.Ha : out.Hb);
+        out.mu = frictionOf(world, rodA.material, rodA.mu, world.rods[ib].material, world.rods[ib].mu);
     } else {
         const BodyOutline& piece = pieceOf(world, c);
         k.bodyB = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
         const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
         k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
-        out.mu = mixedFriction(rodA.mu, piece.friction);
-        const BodyPlace& place = stage.place[static_cast<std::size_t>(k.bodyB)];
-        out.b = place.block;
+        out.mu = frictionOf(world, rodA.material, rodA.mu, materialOf(world, piece.body), piece.friction);
+        out.b = stage.place[static_cast<std::size_t>(k.bodyB)].block;
         if (out.b >= 0) {
             out.Hb.setZero(2, stage.problem.bodies[static_cast<std::size_t>(out.b)].vFree.size());
             addToRow(stage, k.bodyB, -n, -n.dot(rod::perp(k.armB)), out.Hb.row(0));
@@ -90,38 +101,56 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         k.surface = Vec2(n.dot(given), t.dot(given));
         out.w -= k.surface;
     }
-    out.w.x() += gapAtStart / dt;
+    // No step makes overlaps deeper than stage.overlap: deeper ones were put there, and to close them at once would be
+    // an explosion.
+    out.w.x() += gapAtStart < -stage.overlap ? std::max(gapAtStart / dt, -stage.recovery) : gapAtStart / dt;
     out.id = c.id;
 }
 
-void addRodBodies(std::vector<RodWork>& rods, ContactStage& stage) {
+void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& stage) {
     for (RodWork& w : rods)
         w.body = -1;
     int count = 0;
     const auto take = [&](int rod) {
-        if (rod >= 0 && rods[static_cast<std::size_t>(rod)].body < 0)
+        if (rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen())
             rods[static_cast<std::size_t>(rod)].body = 0;
     };
     for (const contact::Candidate& c : stage.candidates) {
         take(c.a.rod);
         take(c.b.rod);
     }
+    for (std::size_t i = 0; i < stage.linkCount; ++i) {
+        take(stage.linkRows[i].rodA);
+        take(stage.linkRows[i].rodB);
+    }
     for (RodWork& w : rods)
         if (w.body == 0)
             w.body = count++;
     stage.problem.bodies.resize(static_cast<std::size_t>(count));
-    for (RodWork& w : rods)
-        if (w.body >= 0) {
-            coulomb::Body& b = stage.problem.bodies[static_cast<std::size_t>(w.body)];
-            if (w.C.rows() == 0)
-                b.A = w.A;
-            else
-                b.A = w.Z.transpose() * w.A * w.Z;
-            b.vFree = w.vFree;
-        }
+    parallel::forEach(stage.loop, rods.size(), 32, [&](std::size_t i) {
+        const RodWork& w = rods[i];
+        if (w.body < 0)
+            return;
+        coulomb::Body& b = stage.problem.bodies[static_cast<std::size_t>(w.body)];
+        if (w.C.rows() == 0)
+            b.A = w.A;
+        else
+            b.A = w.Z.transpose() * w.A * w.Z;
+        b.vFree = w.vFree;
+    });
 }
 
 } // namespace
+
+void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
+            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
+    if (w.C.rows() == 0) {
+        reduced = sign * full;
+        return;
+    }
+    reduced = sign * (full * w.Z);
+    offset += sign * (full * w.vp);
+}
 
 void predictMotion(const World& world, ContactStage& stage) {
     stage.motion.resize(world.bodies.size());
@@ -159,19 +188,22 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
              std::vector<contact::Candidate>& out) {
     placeOutlines(world, stage.motion, ahead, motionTime, stage.outlines);
     stage.curves.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+    parallel::forEach(stage.loop, world.rods.size(), 32, [&](std::size_t i) {
         toCurve(world.rods[i], *kin[i], stage.curves[i]);
         stage.curves[i].motion = range[i];
-    }
-    stage.detector.detect(stage.curves, stage.outlines, {margin}, out);
+    });
+    stage.detector.detect(stage.curves, stage.outlines, {margin}, out, stage.loop);
+    collectExcluded(world, stage);
+    std::erase_if(out,
+                  [&](const contact::Candidate& c) { return excluded(world, stage, c.a.rod, c.b.rod, c.outline); });
 }
 
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage) {
     placeOutlines(world, stage.motion, 0.5 * dt, 0.0, stage.outlinesMiddle);
     stage.curvesMiddle.resize(world.rods.size());
-    for (std::size_t i = 0; i < world.rods.size(); ++i)
-        toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]);
+    parallel::forEach(stage.loop, world.rods.size(), 32,
+                      [&](std::size_t i) { toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]); });
     stage.candidates = start;
     stage.gapAtStart.clear();
     for (const contact::Candidate& c : start)
@@ -183,7 +215,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         std::sort(known.begin(), known.end());
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (std::binary_search(known.begin(), known.end(), c.id))
+            if (c.gap > stage.addBelow || std::binary_search(known.begin(), known.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -202,44 +234,47 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
             stage.gapAtStart.push_back(gap);
         }
     }
-    for (contact::Candidate& c : stage.candidates)
-        contact::refresh(c, stage.curvesMiddle, stage.outlinesMiddle);
+    parallel::forEach(stage.loop, stage.candidates.size(), 64, [&](std::size_t i) {
+        contact::refresh(stage.candidates[i], stage.curvesMiddle, stage.outlinesMiddle);
+    });
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-            ContactStage& stage) {
+            bool again, ContactStage& stage) {
     stage.problem.dt = dt;
-    addRodBodies(rods, stage);
+    prepareLinks(world, rods, dt, again, stage);
+    addRodBodies(world, rods, stage);
     addHostBlocks(world, dt, stage);
     const std::size_t n = stage.candidates.size();
-    stage.problem.contacts.resize(n);
+    stage.problem.contacts.resize(n + stage.linkCount);
     stage.work.resize(n);
-    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * n));
+    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * (n + stage.linkCount)));
     const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
-    for (std::size_t i = 0; i < n; ++i) {
+    parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
         const ContactImpulse before = forceBefore(warm, present, c);
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
-    }
+    });
+    coupleLinks(world, rods, dt, stage);
     addHostContacts(world, dt, stage);
 }
 
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage) {
-    if (stage.candidates.empty()) {
+    const bool any = !stage.problem.contacts.empty();
+    if (!any) {
         stage.r.resize(0);
         stage.report = {};
         stage.report.converged = true;
     } else {
-        stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity);
+        stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity, stage.loop);
     }
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
-        const Eigen::VectorXd& x =
-            w.body >= 0 && !stage.candidates.empty() ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
-        if (world.rods[i].quarantined)
+        const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
+        if (w.frozen)
             w.v.setZero(world.rods[i].model.dofs());
         else if (w.C.rows() == 0)
             w.v = x;

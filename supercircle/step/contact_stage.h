@@ -1,6 +1,7 @@
 #pragma once
 // From contact candidates to one Coulomb problem and back (private to step/): stages collide, couple and solve.
 
+#include "supercircle/parallel/parallel.h"
 #include "supercircle/step/work.h"
 
 namespace supercircle::step {
@@ -23,6 +24,19 @@ struct BodyEnds {
     int a = -1, b = -1;
 };
 
+enum class LinkRowKind : std::uint8_t { Point, Angle, Pull };
+
+/// One contact of the problem that is (part of) a link, see link_stage.h. ContactWork::surface is the given velocity.
+struct LinkRow : ContactWork {
+    int link = -1; ///< index into World::links
+    LinkRowKind kind = LinkRowKind::Point;
+    Vec2 normal = Vec2::UnitX();                 ///< towards which a positive impulse pushes rod A
+    double lever = 0.0;                          ///< m, makes an angle a length
+    Vec2 bias = Vec2::Zero();                    ///< gap / dt, m/s
+    int bodyProblem = -1;                        ///< block of the other end's body in the problem
+    Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that block, the sign of the body included
+};
+
 /// Everything the contacts of one attempt need.
 struct ContactStage {
     std::vector<contact::Curve> curves, curvesMiddle;
@@ -30,22 +44,26 @@ struct ContactStage {
     std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
     std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
+    double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
     std::vector<BodyPlace> place;      ///< per World::bodies
     std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
     std::vector<BodyEnds> contactEnds; ///< of World::constraints.contacts
     std::vector<BodyEnds> rowEnds;     ///< of World::constraints.rows
-    std::vector<int> hostEntries; ///< the problem's contacts after the candidates: k = host contact, -1 - k = limit
-    coulomb::Problem problem;
+    std::vector<int> hostEntries;      ///< the problem's contacts after the links: k = host contact, -1 - k = limit
+    std::vector<LinkRow> linkRows;     ///< storage; the first linkCount belong to this attempt
+    std::size_t linkCount = 0;
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
+    double overlap = 0.0;                                          ///< deeper overlaps are not closed at once, m
+    double recovery = 0.0;                                         ///< but at this speed, m/s
+    coulomb::Problem problem; ///< contacts: of the candidates, then of linkRows, then of the host
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;
-    Eigen::VectorXd r;                     ///< impulses, 2 per candidate, N s
+    parallel::For loop;                    ///< over the threads of the settings; empty: one
+    Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
 };
-
-/// Index into World::bodies, -1 if there is no such body.
-int bodyIndex(const World& world, BodyId id);
 
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);
@@ -65,9 +83,14 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage);
 
-/// Builds the Coulomb problem of the framed candidates. Warm starts from `warm`, matched by id.
+/// Builds the Coulomb problem of the framed candidates and of the links. Warm starts from `warm`, matched by id.
+/// `again`: `rods` hold the solution of an earlier linearisation.
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-            ContactStage& stage);
+            bool again, ContactStage& stage);
+
+/// Rows for the unknowns of a rod: held motions taken out, their velocity added to `offset`.
+void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
+            Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced);
 
 /// Solves, and puts the new velocities into rods (contact-free ones get their free velocity) and into stage.motion.
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,

@@ -151,6 +151,20 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
             w.beyond[side].assign(model.side(side).size(), Vec2::Zero());
         for (const Hold& h : world.rods[i].holds)
             pull(model, rod::locate(model, h.s), h.reaction, w);
+        for (const PointForce& f : world.rods[i].forces)
+            pull(model, rod::locate(model, f.s), f.force, w);
+        for (const Grab& g : world.rods[i].grabs)
+            pull(model, rod::locate(model, g.s), g.force, w);
+    }
+    for (const Link& l : world.links) {
+        const int a = rodIndex(world, l.rodA), b = l.end == LinkEnd::Rod ? rodIndex(world, l.rodB) : -1;
+        const auto at = [&](int rod, double s, const Vec2& force) {
+            const auto i = static_cast<std::size_t>(rod);
+            if (rod >= 0 && !force.isZero(0.0))
+                pull(world.rods[i].model, rod::locate(world.rods[i].model, s), force, rods[i]);
+        };
+        at(a, l.sA, l.force);
+        at(b, l.sB, -l.force);
     }
     for (const contact::Candidate& c : stage.candidates) {
         const ContactImpulse* before = findImpulse(warm, c.id);

@@ -1,6 +1,7 @@
 // The shells' side of the host: what is pulled before a frame, handed over after it, and learnt from the host's step.
 
 #include "supercircle/step/handover.h"
+#include "supercircle/step/sleep.h"
 #include "supercircle/step/stepper.h"
 
 #include <algorithm>
@@ -27,7 +28,8 @@ Box reach(const World& world, double frame) {
 bool sameOutlines(const std::vector<BodyOutline>& a, const std::vector<BodyOutline>& b) {
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
                return x.body == y.body && x.local.key == y.local.key && x.friction == y.friction &&
-                      x.local.points == y.local.points;
+                      x.local.points == y.local.points && x.local.category == y.local.category &&
+                      x.local.mask == y.local.mask && x.local.group == y.local.group;
            });
 }
 
@@ -97,6 +99,7 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
         world.ledger.gravity += change;
         world.ledger.added += change;
         world.gravity = g;
+        wakeAll(world);
     }
     std::vector<BodyOutline> outlines;
     if (!world.rods.empty())
@@ -104,6 +107,9 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
     std::vector<BodyId> ids = world.machineBodies;
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
+    for (const Link& l : world.links)
+        if (l.end == LinkEnd::Body)
+            ids.push_back(l.body);
     unique(ids);
     world.constraints = HostConstraints{};
     port.constraints(ids, frame, world.constraints);
@@ -116,10 +122,18 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
     std::erase_if(outlines, [&](const BodyOutline& o) {
         return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
+    wakeByHost(world, bodies, outlines, frame);
     if (!sameOutlines(outlines, world.outlines) || !samePoses(bodies, world.bodies))
         world.range.clear(); // candidates refer to outlines by index and to poses
     world.outlines = std::move(outlines);
     world.bodies = std::move(bodies);
+    std::erase_if(world.links, [&](const Link& l) { // as in Box2D: a body takes its joints with it
+        const bool gone = l.end == LinkEnd::Body && bodyIndex(world, l.body) < 0;
+        if (gone)
+            if (const int rod = rodIndex(world, l.rodA); rod >= 0)
+                wake(world, static_cast<std::size_t>(rod));
+        return gone;
+    });
 }
 
 void Stepper::pushToHost(World& world, Port& port, double advanced) {
@@ -183,6 +197,7 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) {
         port.state(b.id, h.seen);
     }
     settlePlaces(world, port, unsolved, advanced);
+    world.constraints = HostConstraints{}; // names the host's addresses: nothing to keep between frames
 }
 
 } // namespace supercircle::step

@@ -35,7 +35,7 @@ std::vector<BodyEnds> endsOf(const World& world, const std::vector<Constraint>& 
     return out;
 }
 
-/// Bodies of the problem, nearest to the shells first: those at candidates, then their neighbours and so on.
+/// Bodies of the problem, nearest to the shells first: those at candidates and links, then their neighbours and so on.
 std::vector<int> gatherBodies(const World& world, const ContactStage& stage) {
     std::vector<int> found;
     std::vector<char> in(world.bodies.size(), 0);
@@ -48,6 +48,8 @@ std::vector<int> gatherBodies(const World& world, const ContactStage& stage) {
     for (const contact::Candidate& c : stage.candidates)
         if (c.b.rod < 0)
             take(bodyIndex(world, world.outlines[static_cast<std::size_t>(c.outline)].body));
+    for (std::size_t i = 0; i < stage.linkCount; ++i)
+        take(stage.linkRows[i].bodyB);
     if (found.empty() || (stage.contactEnds.empty() && stage.rowEnds.empty()))
         return found;
     std::vector<std::vector<int>> neighbours(world.bodies.size());
@@ -230,12 +232,6 @@ void append(ContactStage& stage, int entry, coulomb::Contact&& c, double rn, dou
 
 } // namespace
 
-int bodyIndex(const World& world, BodyId id) {
-    const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
-                                     [](const Body& b, BodyId want) { return b.id < want; });
-    return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
-}
-
 BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt) {
     const BodyState& s = b.state;
     return {(s.velocity + dt * s.gravityScale * world.gravity) / (1.0 + dt * s.linearDamping) + dt * host,
@@ -321,7 +317,7 @@ void readHostBlocks(const World& world, ContactStage& stage) {
             continue;
         const Handover& h = b.handover;
         BodyMotion m = freeMotion(world, b, h.all.expectedLinear, h.all.expectedAngular, stage.problem.dt);
-        const BodyPlace p = stage.candidates.empty() ? BodyPlace{} : stage.place[i];
+        const BodyPlace p = stage.problem.contacts.empty() ? BodyPlace{} : stage.place[i];
         if (p.block >= 0) {
             const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(p.block)];
             m.velocity = x.segment<2>(p.column);
@@ -333,7 +329,7 @@ void readHostBlocks(const World& world, ContactStage& stage) {
 
 bool boundHostRows(World& world, const ContactStage& stage, double dt) {
     bool changed = false;
-    for (std::size_t k = 0; k < stage.rowEnds.size() && !stage.candidates.empty(); ++k) {
+    for (std::size_t k = 0; k < stage.rowEnds.size() && !stage.problem.contacts.empty(); ++k) {
         const BodyEnds& e = stage.rowEnds[k];
         HostRow& row = world.constraints.rows[k];
         if (row.kind != HostRowKind::Rigid || row.saturated != 0 || !std::isfinite(row.strength) ||
@@ -350,9 +346,9 @@ bool boundHostRows(World& world, const ContactStage& stage, double dt) {
 }
 
 void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
-    if (stage.candidates.empty())
+    if (stage.problem.contacts.empty())
         return;
-    const std::size_t first = stage.candidates.size();
+    const std::size_t first = stage.candidates.size() + stage.linkCount;
     for (std::size_t i = 0; i < stage.hostEntries.size(); ++i) {
         const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * (first + i)));
         const int entry = stage.hostEntries[i];

@@ -10,11 +10,12 @@
 
 namespace supercircle::step {
 
-/// Puts the dynamic bodies among the candidates, and those that host contacts and joints connect to them, into
-/// stage.problem as blocks. Fills stage.place and the ends of the constraints.
+/// Puts the dynamic bodies among the candidates and links, and those that host contacts and joints connect to them,
+/// into stage.problem as blocks. Fills stage.place and the ends of the constraints.
 void addHostBlocks(const World& world, double dt, ContactStage& stage);
 
-/// Appends the host's contact points and joint limits to the problem's contacts, which hold the candidates already.
+/// Appends the host's contact points and joint limits to the problem's contacts, which hold the candidates and links
+/// already.
 void addHostContacts(const World& world, double dt, ContactStage& stage);
 
 /// Writes the solution back into stage.motion.

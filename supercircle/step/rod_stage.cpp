@@ -1,5 +1,7 @@
 #include "supercircle/step/rod_stage.h"
 
+#include "supercircle/step/loads.h"
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -29,13 +31,13 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     for (const Hold& h : rod.holds) {
         const rod::Place at = rod::locate(rod.model, h.s);
         w.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
-        const Vec2 velocity = h.onMachine ? world.machineVelocity : h.velocity;
-        const Vec2 missing = h.target + dt * velocity - rod.kin.point(at);
+        const Pose goal = poseAfter(world, h, dt);
+        const Vec2 missing = goal.point - rod.kin.point(at);
         put(pair.row(0), missing.x());
         put(pair.row(1), missing.y());
         if (h.clamped) {
             w.kin.angleRow(rod.model, at, turn);
-            put(turn, h.targetAngle + dt * h.spin - rod.kin.angle(at));
+            put(turn, goal.angle - rod.kin.angle(at));
         }
     }
     if (closed) { // both ends are one material point
@@ -94,6 +96,7 @@ void placeAt(const Rod& rod, RodWork& w) {
 }
 
 void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w) {
+    w.frozen = false;
     const double share = std::min(1.0, farthest / std::max(0.5 * dt * rod.speed, 1e-300));
     w.qk = rod.q + (0.5 * dt * share) * rod.v;
     placeAt(rod, w);
@@ -104,7 +107,23 @@ void relineariseInMiddle(const Rod& rod, RodWork& w) {
     placeAt(rod, w);
 }
 
-void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
+void freezeRod(const Rod& rod, RodWork& w) {
+    w.body = -1;
+    w.touching = w.loaded = false;
+    w.rolling.clear();
+    w.C.resize(0, rod.model.dofs());
+    w.moved = w.shift = w.error = 0.0;
+    if (w.frozen && w.qk == rod.q)
+        return; // known from the step before
+    w.frozen = true;
+    w.qk = w.q1 = rod.q;
+    w.v.setZero(rod.model.dofs());
+    w.kin = w.kin1 = rod.kin;
+    w.gauss = rod.gauss;
+    w.u0 = w.u1 = rod.u;
+}
+
+void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodWork& w) {
     rod::massMatrix(rod.model, w.kin, w.gauss, w.A);
     for (int i = 0; i < rod.model.elements(); ++i)
         w.A(i, i) += dt * dt * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i));
@@ -121,6 +140,7 @@ void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w) {
         w.A += (0.5 * dt * dt) * w.axial;
         w.rhs += dt * (w.axial * (w.qk - rod.q));
     }
+    addLoads(rod, dt, first, w);
     evaluateHolds(world, rod, dt, w);
 }
 
@@ -184,10 +204,10 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
             h.reaction = Vec2(impulse[row], impulse[row + 1]) / dt;
             row += 2;
             h.reactionTorque = h.clamped ? impulse[row++] / dt : 0.0;
-            h.target += dt * (h.onMachine ? world.machineVelocity : h.velocity);
-            h.targetAngle += dt * h.spin;
+            advanceTarget(world, dt, h);
         }
     }
+    books.loadWork = bookLoads(rod, dt, w);
     const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
     const double turned = meanAngle(rod.model, w.kin1) - meanAngle(rod.model, w.kin);
     rod.u = w.u1;

@@ -11,8 +11,11 @@ namespace supercircle::step {
 void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w);
 /// Moves the linearisation point to the middle of the attempt just solved.
 void relineariseInMiddle(const Rod& rod, RodWork& w);
-/// A, rhs and hold constraints at the linearisation point (stages evaluate and predict).
-void evaluateRod(const World& world, const Rod& rod, double dt, RodWork& w);
+/// A rod that does not move in this attempt.
+void freezeRod(const Rod& rod, RodWork& w);
+/// A, rhs and hold constraints at the linearisation point (stages evaluate and predict). `first`: nothing was solved in
+/// this attempt yet.
+void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodWork& w);
 /// Velocity without contacts.
 void predictRod(const Rod& rod, RodWork& w);
 /// New configuration, displacement and local error from w.v.
@@ -23,6 +26,7 @@ struct RodBooks {
     double kineticLoss = 0.0; ///< 1/2 |u_new - u_old|^2
     double secondOrder = 0.0; ///< of implicit bending and of gravity
     double holdWork = 0.0;    ///< work of holds
+    double loadWork = 0.0;    ///< work of forces and grabs
     double rollingWork = 0.0; ///< of contact forces while their points roll and turn (contact_stiffness.h)
 };
 /// Accepts the attempt: state, material velocities, hold reactions.

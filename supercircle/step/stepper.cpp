@@ -1,6 +1,8 @@
 #include "supercircle/step/stepper.h"
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/loads.h"
+#include "supercircle/step/sleep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,23 +22,26 @@ double thinnest(const World& world) {
     return std::isfinite(h) ? h : 1e-3;
 }
 
-/// Rods with numbers that are not finite are put back where they were last good, frozen, and no longer collide.
-void check(World& world) {
-    for (Rod& r : world.rods) {
-        if (r.quarantined || (r.q.allFinite() && r.v.allFinite()))
-            continue;
-        r.quarantined = true;
-        r.q = r.qGood;
-        r.v.setZero();
-        const double kinetic = rod::kineticEnergy(r.gauss, r.u);
-        if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
-            world.ledger.kinetic -= kinetic;
-            world.ledger.added -= kinetic;
-        }
-        refreshRod(r);
-        world.range.clear();
-        ++world.counters.quarantined;
+/// Puts a rod back where it was last good, freezes it and takes it out of collision.
+void quarantine(World& world, Rod& r) {
+    r.quarantined = true;
+    r.q = r.qGood;
+    r.v.setZero();
+    const double kinetic = rod::kineticEnergy(r.gauss, r.u);
+    if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
+        world.ledger.kinetic -= kinetic;
+        world.ledger.added -= kinetic;
     }
+    refreshRod(r);
+    world.range.clear();
+    ++world.counters.quarantined;
+}
+
+/// Rods with numbers that are not finite.
+void check(World& world) {
+    for (Rod& r : world.rods)
+        if (!r.quarantined && !(r.q.allFinite() && r.v.allFinite()))
+            quarantine(world, r);
 }
 
 /// Longest power-of-two part of the frame that is no longer than `want` seconds and than what is left.
@@ -96,6 +101,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
         if (b.driven)
             b.state.velocity = world.machineVelocity;
     }
+    startPaths(world, frame);
     work_->attempt.h = thinnest(world);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;
@@ -106,7 +112,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
 bool Stepper::acceptable(Verdict verdict, int cuts) const {
     if (verdict == Verdict::Smaller)
         return false;
-    return work_->attempt.stage.report.converged || cuts >= 2 || settings_.fixedDt > 0.0;
+    return work_->attempt.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
 }
 
 FrameOutcome Stepper::advance(World& world, double frame, Port* port,
@@ -119,10 +125,14 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
     prepare(world, frame, port);
     Attempt& attempt = work_->attempt;
     const double start = world.time;
+    const std::uint64_t budget = static_cast<std::uint64_t>(std::max(0, settings_.frameSolves));
+    const std::uint64_t solvesBefore = world.counters.solves;
     int cuts = 0;
-    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped;) {
-        const double want = settings_.fixedDt > 0.0 ? settings_.fixedDt * std::pow(0.5, cuts)
-                                                    : std::clamp(world.dtNext, settings_.dtMin, settings_.dtMax);
+    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.late;) {
+        const bool still = std::all_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.frozen(); });
+        const double want = still                     ? frame
+                            : settings_.fixedDt > 0.0 ? settings_.fixedDt * std::pow(0.5, cuts)
+                                                      : std::clamp(world.dtNext, settings_.dtMin, settings_.dtMax);
         const std::int64_t ticks = ticksFor(want, frame, left);
         attempt.dt = frame * static_cast<double>(ticks) / kTicks;
         {
@@ -130,11 +140,21 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             attempt.collidePresent(world, settings_);
         }
         const Verdict verdict = attempt.solve(world, settings_, times_, onSolve);
+        if (verdict == Verdict::Woken)
+            continue;
         const bool smallest = attempt.dt <= 2.0 * settings_.dtMin || ticks == 1 || cuts >= kGiveUp;
         if (!acceptable(verdict, cuts) && !smallest) {
             ++world.counters.rejected;
             ++cuts;
             world.dtNext = 0.5 * attempt.dt;
+            continue;
+        }
+        if (!attempt.runaways.empty() && settings_.fixedDt <= 0.0) {
+            // Shells put into each other are pushed apart faster than any force could, and every list of contacts
+            // grows with their speed. The others go on without them.
+            for (const std::size_t i : attempt.runaways)
+                quarantine(world, world.rods[i]);
+            cuts = 0;
             continue;
         }
         const bool finite = std::all_of(attempt.rods.begin(), attempt.rods.end(),
@@ -150,14 +170,20 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             StageTimer timer(times_, Stage::Advance);
             accept(world, attempt);
         }
+        if (settings_.autoSleep)
+            measureRest(world, settings_, attempt.h, attempt.dt);
         work_->lastDt = attempt.dt;
         world.dtNext = nextSize(settings_, attempt, cuts > 0);
         cuts = 0;
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         out.stopped = observer && observer(world);
+        out.late = budget > 0 && left > 0 && world.counters.solves - solvesBefore >= budget;
     }
     out.advanced = world.time - start;
+    endOfFrame(world);
+    if (settings_.autoSleep)
+        sleepAtRest(world, settings_);
     if (port) {
         StageTimer timer(times_, Stage::Push);
         pushToHost(world, *port, out.advanced);

@@ -37,8 +37,9 @@ enum class Verdict : std::uint8_t;
 
 /// How a frame ended.
 struct FrameOutcome {
-    double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it or it failed
+    double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it, it was late or failed
     bool stopped = false;  ///< the observer asked to stop
+    bool late = false;     ///< Settings::frameSolves were used up
     std::string failure;   ///< empty unless the simulation cannot go on
 };
 

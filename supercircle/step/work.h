@@ -17,6 +17,14 @@ struct Rolling {
     double lag = 0.0;    ///< rotation of the other side since the linearisation point, as far as known, rad
 };
 
+/// A grab inside an attempt (loads.h).
+struct GrabWork {
+    Eigen::Matrix<double, 2, Eigen::Dynamic> J; ///< rows of its point
+    Vec2 stretch = Vec2::Zero();                ///< target minus point at the start of the step, m
+    double stiffness = 0.0;                     ///< as far as the largest force allows, N/m
+    double damping = 0.0;                       ///< N s/m
+};
+
 /// One rod inside an attempt.
 struct RodWork {
     rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
@@ -37,7 +45,11 @@ struct RodWork {
     rod::Kinematics kin1; ///< at q1
     std::vector<Vec2> u1; ///< new material velocities at the linearisation point
     std::vector<Rolling> rolling;
-    bool loaded = false;            ///< has point forces, so that `axial` counts
+    Eigen::VectorXd load; ///< generalised force of the applied forces, or empty
+    std::vector<GrabWork> grabs;
+    Eigen::Matrix<double, 2, Eigen::Dynamic> rowsOfLoad; ///< storage
+    bool frozen = false;                                 ///< quarantined or asleep: stays where it is
+    bool loaded = false;                                 ///< has point forces, so that `axial` counts
     std::vector<Vec2> beyond[2];    ///< per side and segment: force that pulls at it from the tip's side, N
     std::vector<double> tension[2]; ///< per side and segment: axial force times length where in tension, else 0, N m
     Eigen::MatrixXd axial;          ///< geometric stiffness of those, n x n

@@ -1,5 +1,9 @@
 #include "supercircle/step/world.h"
 
+#include "supercircle/contact/identity.h"
+#include "supercircle/step/sleep.h"
+
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -47,29 +51,149 @@ double gravityPotential(const World& world, const Rod& rod) {
 }
 
 void book(World& world, const Rod& rod, double sign) {
-    const double kinetic = rod::kineticEnergy(rod.gauss, rod.u);
-    const double bending = rod::bendingEnergy(rod.model, rod.q);
-    const double gravity = gravityPotential(world, rod);
+    // A rod that somebody spoilt takes what it owns out of the world, but must not take the books along.
+    const auto number = [](double energy) { return std::isfinite(energy) ? energy : 0.0; };
+    const double kinetic = number(rod::kineticEnergy(rod.gauss, rod.u));
+    const double bending = number(rod::bendingEnergy(rod.model, rod.q));
+    const double gravity = number(gravityPotential(world, rod));
     world.ledger.kinetic += sign * kinetic;
     world.ledger.bending += sign * bending;
     world.ledger.gravity += sign * gravity;
     world.ledger.added += sign * (kinetic + bending + gravity);
 }
 
+/// Detection's ids leave 20 bits for a rod: when they are used up, keys of rods that are gone come again.
+std::uint32_t freeKey(World& world) {
+    constexpr std::uint32_t limit = 1U << 20U;
+    if (world.nextKey < limit)
+        return world.nextKey++;
+    std::vector<std::uint32_t> used;
+    for (const Rod& r : world.rods)
+        used.push_back(r.key);
+    std::sort(used.begin(), used.end());
+    std::uint32_t key = 1;
+    for (const std::uint32_t u : used)
+        if (u == key)
+            ++key;
+    return key;
+}
+
+/// Drops what is remembered about contacts of rod `key`.
+void forgetContacts(World& world, std::uint32_t key) {
+    const auto of = [key](const ContactImpulse& c) { return contact::concernsRod(c.id, key); };
+    std::erase_if(world.impulses, of);
+    std::erase_if(world.sleepingImpulses, of);
+    world.range.clear();
+    world.candidates.clear();
+}
+
 } // namespace
+
+int rodIndex(const World& world, std::uint32_t key) {
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        if (world.rods[i].key == key)
+            return static_cast<int>(i);
+    return -1;
+}
+
+int bodyIndex(const World& world, BodyId id) {
+    const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
+                                     [](const Body& b, BodyId want) { return b.id < want; });
+    return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
+}
 
 std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eigen::VectorXd& q,
                    const Eigen::VectorXd& v, double mu) {
-    Rod rod{rod::RodModel(definition), q, v, q, {}, {}, mu, world.nextKey++, 1, 0xffff, false, 0.0, {}, {}};
+    Rod rod{rod::RodModel(definition), q, v, q, {}, {}, mu, freeKey(world), 1, 0xffff, false, 0.0, {}, {}, {}, {}};
     refreshRod(rod);
     book(world, rod, 1.0);
     world.rods.push_back(std::move(rod));
+    world.range.clear();
     return world.rods.size() - 1;
 }
 
 void removeRod(World& world, std::size_t index) {
+    wake(world, index);
+    const std::uint32_t key = world.rods[index].key;
     book(world, world.rods[index], -1.0);
     world.rods.erase(world.rods.begin() + static_cast<std::ptrdiff_t>(index));
+    std::erase_if(world.links,
+                  [key](const Link& l) { return l.rodA == key || (l.end == LinkEnd::Rod && l.rodB == key); });
+    forgetContacts(world, key);
+}
+
+void changeRod(World& world, std::size_t index, const rod::RodDefinition& definition) {
+    wake(world, index);
+    Rod& rod = world.rods[index];
+    book(world, rod, -1.0);
+    rod.model = rod::RodModel(definition);
+    const std::vector<Vec2> u = rod.u;
+    refreshRod(rod);
+    rod.u = u; // the motion stays what it was, to the last digit
+    book(world, rod, 1.0);
+    world.range.clear();
+}
+
+void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    wake(world, index);
+    Rod& rod = world.rods[index];
+    book(world, rod, -1.0);
+    const bool moved = rod.q != q;
+    rod.q = rod.qGood = q;
+    rod.v = v;
+    refreshRod(rod);
+    book(world, rod, 1.0);
+    if (moved)
+        forgetContacts(world, rod.key);
+    world.range.clear();
+}
+
+void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) {
+    wake(world, index);
+    Rod& rod = world.rods[index];
+    book(world, rod, -1.0);
+    const rod::RodModel& m = rod.model;
+    const double turn = angle - rod.q[m.dofTheta()], c = std::cos(turn), s = std::sin(turn);
+    const auto turned = [&](const Vec2& x) { return Vec2(c * x.x() - s * x.y(), s * x.x() + c * x.y()); };
+    rod.q[m.dofX()] = middle.x();
+    rod.q[m.dofY()] = middle.y();
+    rod.q[m.dofTheta()] = angle;
+    const Vec2 velocity = turned({rod.v[m.dofX()], rod.v[m.dofY()]});
+    rod.v[m.dofX()] = velocity.x();
+    rod.v[m.dofY()] = velocity.y();
+    rod.qGood = rod.q;
+    std::vector<Vec2> u = rod.u;
+    std::transform(u.begin(), u.end(), u.begin(), turned);
+    refreshRod(rod);
+    rod.u = u; // carried momentum is more than J v knows
+    book(world, rod, 1.0);
+    forgetContacts(world, rod.key);
+}
+
+void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse) {
+    wake(world, index);
+    Rod& rod = world.rods[index];
+    const rod::Place at = rod::locate(rod.model, s);
+    const Eigen::Index n = rod.model.dofs();
+    Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, n);
+    Eigen::RowVectorXd turn(n);
+    rod.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), rows);
+    rod.kin.angleRow(rod.model, at, turn);
+    Eigen::MatrixXd mass;
+    rod::massMatrix(rod.model, rod.kin, rod.gauss, mass);
+    const Eigen::VectorXd change = mass.llt().solve(rows.transpose() * impulse + angularImpulse * turn.transpose());
+    std::vector<Vec2> du;
+    rod::velocityField(rod.model, rod.kin, rod.gauss, change, du);
+    const double before = rod::kineticEnergy(rod.gauss, rod.u);
+    for (std::size_t g = 0; g < du.size(); ++g) {
+        rod.u[g] += du[g];
+        rod.speed = std::max(rod.speed, rod.u[g].norm());
+    }
+    rod.v += change;
+    const double gained = rod::kineticEnergy(rod.gauss, rod.u) - before;
+    world.ledger.kinetic += gained;
+    world.ledger.work += gained;
+    world.range.clear();
 }
 
 void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve) {
@@ -84,6 +208,8 @@ void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve) 
     curve.key = rod.key;
     curve.category = rod.quarantined ? 0u : rod.category;
     curve.mask = rod.quarantined ? 0u : rod.mask;
+    curve.group = rod.quarantined ? 0 : rod.group;
+    curve.resting = rod.asleep();
 }
 
 contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double angle) {

@@ -7,28 +7,17 @@
 #include "supercircle/coulomb/solver.h"
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/inertia.h"
+#include "supercircle/step/joint.h"
 #include "supercircle/step/ledger.h"
 #include "supercircle/step/port.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace supercircle::step {
-
-/// Holds one material point of a rod: position, and direction too when `clamped`.
-struct Hold {
-    double s = 0.0;               ///< rod arc length, m
-    bool clamped = true;          ///< false: pinned (position only)
-    bool onMachine = false;       ///< carried by the machine: moves with World::machineVelocity
-    Vec2 target = Vec2::Zero();   ///< where the point is to be at the current time, m
-    double targetAngle = 0.0;     ///< rad
-    Vec2 velocity = Vec2::Zero(); ///< of the target when not on the machine, m/s
-    double spin = 0.0;            ///< rad/s
-    Vec2 reaction = Vec2::Zero(); ///< force on the rod in the last step, N
-    double reactionTorque = 0.0;  ///< N m
-};
 
 /// One shell: constant model, state, and what others need to know about it.
 struct Rod {
@@ -47,6 +36,18 @@ struct Rod {
 
     rod::Kinematics kin;   ///< at q
     rod::GaussField gauss; ///< at q
+
+    std::vector<PointForce> forces;
+    std::vector<Grab> grabs;
+    double width = 0.010;       ///< m, only for changes of the material
+    std::uint32_t material = 0; ///< for friction of pairs, 0: none
+    std::int16_t group = 0;     ///< collision group, as in Box2D; not between a shell and itself
+    std::uint32_t island = 0;   ///< number of the sleeping island it is in, 0: awake
+    double rested = 0.0; ///< how long its tips and middle have stayed within Settings::sleepDrift of `restPlace`, s
+    std::array<Vec2, 3> restPlace{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
+    [[nodiscard]] bool asleep() const { return island != 0; }
+    /// Does not move in a step, whatever acts on it.
+    [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
 
 /// A mean acceleration the host gave a body, and what is expected of the coming frame: the smaller of the last two
@@ -106,10 +107,19 @@ struct Settings {
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
     double relinearise = 0.001;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
+    double recovery = 20.0;          ///< h/s, at which shells that were put into each other are parted
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
-    bool witness = false; ///< run the independent crossing check on each step; a step that crosses is cut
+    bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
+    std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
+    int cappedSweeps = 40;               ///< ... this many
+    bool prune = false;      ///< leave out candidates that cannot meet within the step (prune.h): for long steps
+    int frameSolves = 0;     ///< linearisations solved per frame after which it ends early; 0: as many as it takes
+    bool autoSleep = false;  ///< islands at rest fall asleep at the end of a frame (sleep.h)
+    double sleepDrift = 0.1; ///< h, no farther may an island have come from where it was
+    double sleepAfter = 0.5; ///< s ago
+    bool witness = false;    ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
 /// What the steps so far took; counts only grow.
@@ -153,6 +163,12 @@ struct World {
     double dt = 0.0;           ///< last accepted step, s
     double dtNext = 0.0;       ///< what the controller wants next, s
     std::uint32_t nextKey = 1;
+    std::vector<Link> links;
+    std::uint32_t nextPart = 1;                   ///< key of the next hold, force, grab or link
+    std::vector<PairFriction> pairFriction;       ///< sorted by (a, b)
+    std::vector<BodyMaterial> bodyMaterials;      ///< sorted by body
+    std::vector<ContactImpulse> sleepingImpulses; ///< of sleeping islands, sorted by id
+    std::uint32_t nextIsland = 1;
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
     [[nodiscard]] Vec2 machineForce() const;
@@ -164,6 +180,22 @@ std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eig
                    const Eigen::VectorXd& v, double mu);
 /// Removes a rod (its energy is booked as removed); contacts forget it.
 void removeRod(World& world, std::size_t index);
+
+/// Changes what a rod is made of, its shape and motion kept; lengths and number of elements must stay. The change of
+/// its energy is booked as added.
+void changeRod(World& world, std::size_t index, const rod::RodDefinition& definition);
+/// Sets q and v; the change of energy is booked as added and its contacts are forgotten.
+void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+/// Puts the middle of a rod at a place with its tangent at an angle, shape and motion relative to itself kept; energies
+/// and contacts as placeRod.
+void moveRod(World& world, std::size_t index, const Vec2& middle, double angle);
+/// Changes the motion of a rod at once by an impulse (N s) and an angular impulse (N m s) at arc length `s`; the change
+/// of its energy is booked as work.
+void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse);
+/// Index of the rod with this key, -1 if there is none.
+[[nodiscard]] int rodIndex(const World& world, std::uint32_t key);
+/// Index of the body in World::bodies, -1 if it is not there.
+[[nodiscard]] int bodyIndex(const World& world, BodyId id);
 
 /// Re-evaluates geometry and material velocities after q or v were set from outside.
 void refreshRod(Rod& rod);

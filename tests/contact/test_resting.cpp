@@ -149,6 +149,7 @@ TEST_CASE("the witness's boxes hold every point of an element on its way", "[res
     std::mt19937 rng(31);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     witness::Ways ways;
+    witness::Pieces pieces;
     for (int round = 0; round < 300; ++round) {
         const double size = std::pow(10.0, -3.0 + 3.0 * u(rng)); // from micrometres to metres
         std::vector<Curve> before, after;
@@ -169,15 +170,16 @@ TEST_CASE("the witness's boxes hold every point of an element on its way", "[res
             before.push_back(from);
             after.push_back(to);
         }
-        ways.prepare(before, after, {}, {});
+        ways.prepare(before, after, {}, {}, {});
+        pieces.begin(ways);
         for (std::size_t r = 0; r < before.size(); ++r)
             for (std::size_t e = 0; e < before[r].arcs.size(); ++e) {
                 const std::size_t box = ways.rods[r].first + e;
-                const witness::Ways::Range range = ways.pieces(r, e);
+                const witness::Pieces::Range range = pieces.of(r, e);
                 double out = -1.0; // how far a point is outside
                 for (std::size_t i = range.first; i < range.first + range.count; ++i)
                     for (int a = 0; a <= 10; ++a) {
-                        const witness::Piece piece = ways.completed(i).at(0.1 * a);
+                        const witness::Piece piece = pieces.completed(i).at(0.1 * a);
                         for (int b = -4; b <= 4; ++b) {
                             const Vec2 p = piece.at(0.25 * b * piece.half);
                             out = std::max({out, ways.boxes.lowX[box] - p.x(), p.x() - ways.boxes.highX[box],

@@ -37,7 +37,7 @@ TEST_CASE("a region holds all contacts of its bodies, inside or outside") {
     Regions regions;
     regions.prepare(problem);
     for (const std::int32_t seed : {0, 17, 399, 200, 17}) {
-        const Region region = regions.grow(problem, seed, 40);
+        const Region region = *regions.grow(problem, seed, 40);
         CHECK(std::is_sorted(region.contacts.begin(), region.contacts.end()));
         CHECK(std::binary_search(region.contacts.begin(), region.contacts.end(), seed));
         CHECK(std::find(region.core.begin(), region.core.end(), seed) != region.core.end());
@@ -62,6 +62,28 @@ TEST_CASE("a region holds all contacts of its bodies, inside or outside") {
     }
 }
 
+TEST_CASE("a region does not grow into a body that is taken") {
+    generator::Random random(13);
+    const Problem source = generator::nest({.shells = 12, .perPair = 10}, random);
+    Whitened problem;
+    REQUIRE(problem.build(source).empty());
+    Regions regions;
+    regions.prepare(problem);
+    const std::vector<std::int32_t> inside = regions.grow(problem, 0, 40)->contacts;
+    std::vector<std::uint8_t> busy(source.bodies.size(), 1);
+    for (const std::int32_t c : inside)
+        for (const std::int32_t body : {source.contacts[c].a, source.contacts[c].b})
+            if (body >= 0)
+                busy[body] = 0;
+    REQUIRE(std::count(busy.begin(), busy.end(), 1) > 0);
+    REQUIRE(regions.grow(problem, 0, 40, busy) != nullptr); // its own bodies are free
+    CHECK(regions.grow(problem, 0, 40, busy)->contacts == inside);
+    CHECK(regions.grow(problem, 0, 400, busy) == nullptr);
+    busy[source.contacts[0].a] = 1;
+    CHECK(regions.grow(problem, 0, 40, busy) == nullptr);
+    CHECK(regions.grow(problem, 0, 40)->contacts == inside); // a refusal leaves nothing behind
+}
+
 TEST_CASE("a path in a region solves it and leaves the rest alone") {
     const Problem source = warmNest(6, 4);
     Whitened problem;
@@ -71,7 +93,7 @@ TEST_CASE("a path in a region solves it and leaves the rest alone") {
     const Iterate before = x;
     Regions regions;
     regions.prepare(problem);
-    const Region region = regions.grow(problem, 0, problem.contactCount() / 3);
+    const Region region = *regions.grow(problem, 0, problem.contactCount() / 3);
     REQUIRE_FALSE(region.outside.empty());
     Path path;
     PathCounts counts;

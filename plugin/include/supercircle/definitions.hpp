@@ -12,6 +12,9 @@ struct Point {
     double y = 0.0; ///< m
 };
 
+/// Names a kind of surface whose friction against others can be set pair by pair; 0: no particular one.
+using MaterialId = std::uint32_t;
+
 /// A flexible open shell: an inextensible elastic rod of circular arcs. The default is the paper's shell
 /// (PET-G, R = 19.2 mm, h = 0.5 mm, w = 10 mm) with phi_bar = 0.75.
 struct ShellDef {
@@ -35,6 +38,8 @@ struct ShellDef {
     double spin = 0.0;                     ///< rad/s
     std::uint16_t category = 1;            ///< collision filter as in Box2D
     std::uint16_t mask = 0xffff;
+    std::int16_t group = 0;  ///< as in Box2D: negative groups never collide among themselves, positive ones always
+    MaterialId material = 0; ///< for friction of pairs (Shells::set_friction), 0: none
     std::uint64_t user_data = 0;
     std::string name;
 };
@@ -42,6 +47,23 @@ struct ShellDef {
 /// Bending modulus B = E w h^3 / 12, N m^2.
 inline double bendingModulus(const ShellDef& d) {
     return d.young_modulus * d.width * d.thickness * d.thickness * d.thickness / 12.0;
+}
+
+/// The paper's shell at another size, for games: thickness and bending stiffness keep their proportions to radius and
+/// weight, so that under gravity 9.81 m/s^2 a shell of radius 1 m sags, rolls and snaps as one of 19.2 mm does.
+/// Its width (depth of the plane) is 1 m. `stiffness` multiplies the bending modulus.
+/// `radius` m and `mass` kg must be positive.
+inline ShellDef scaledShell(double radius, double mass, double phi_bar = 0.75, double stiffness = 1.0) {
+    const ShellDef paper;
+    const double k = radius / paper.radius;
+    ShellDef d;
+    d.phi_bar = phi_bar;
+    d.radius = radius;
+    d.thickness = k * paper.thickness;
+    d.width = 1.0;
+    d.density = mass / (6.283185307179586 * phi_bar * radius * d.thickness);           // per metre of width
+    d.young_modulus = stiffness * paper.young_modulus * k * d.density / paper.density; // keeps weight R^2 / B
+    return d;
 }
 
 enum class HoldKind : std::uint8_t {

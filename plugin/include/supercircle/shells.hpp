@@ -5,15 +5,27 @@
 //     auto shell  = shells.create(ShellDef{});
 //     shells.pre_step(dt);  world.Step(dt, 8, 3);  shells.post_step();      // you keep calling world.Step
 //
-// Definitions in, handles out; SI units; no exceptions leave pre_step and post_step; bad input is answered by a Result.
+// Definitions in, handles out; SI units. Bad input is answered by a Result and changes nothing; no call lets an
+// exception out (std::bad_alloc excepted). Any number of Shells may live side by side, each to be used by one thread at
+// a time.
+//
+// During pre_step (from its observer, or from a host that is asked) the shells may be read but not changed: every
+// changing call is refused with kStepping, and is to be made after pre_step. Between pre_step and post_step - also from
+// the callbacks of the host's own step - everything is allowed.
 
 #include "definitions.hpp"
+#include "draw.hpp"
+#include "events.hpp"
+#include "handle.hpp"
+#include "mechanics.hpp"
+#include "queries.hpp"
+#include "snapshot.hpp"
 
 #include <functional>
+#include <limits>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
+#include <vector>
 
 namespace supercircle {
 
@@ -24,40 +36,17 @@ struct Settings;
 class Stepper;
 } // namespace step
 
-/// Names a shell; survives misuse: a stale or foreign handle gives an error, never a crash. Zero is nobody.
-struct ShellHandle {
-    std::uint32_t index = 0;
-    std::uint32_t generation = 0;
-    std::uint32_t world = 0; ///< which Shells it belongs to
-    [[nodiscard]] bool null() const { return generation == 0; }
-    friend bool operator==(const ShellHandle&, const ShellHandle&) = default;
-};
-
-/// A value or the reason why there is none.
-template <class T>
-class Result {
-public:
-    Result(T value) : value_(std::move(value)) {}
-    static Result failure(std::string why) {
-        Result r;
-        r.error_ = std::move(why);
-        return r;
-    }
-    explicit operator bool() const { return value_.has_value(); }
-    [[nodiscard]] const T& value() const { return *value_; }
-    [[nodiscard]] const T& operator*() const { return *value_; }
-    [[nodiscard]] const T* operator->() const { return &*value_; }
-    [[nodiscard]] const std::string& error() const { return error_; }
-
-private:
-    Result() = default;
-    std::optional<T> value_;
-    std::string error_;
+/// How much work the numbers are worth. Both obey the same law: inextensible shells, exact Coulomb friction, no
+/// crossing.
+enum class Quality : std::uint8_t {
+    Laboratory, ///< steps as short as the accuracy of forces and energies asks for, however many: the default
+    Game        ///< steps up to a frame of 1/60 s and a budget of work per frame (docs/guide.md has the errors)
 };
 
 /// What one frame did.
 struct FrameReport {
-    double advanced = 0.0; ///< s; less than asked for only when stopped or failed
+    double advanced = 0.0; ///< s; less than asked for only when stopped, late or failed
+    bool late = false;     ///< Quality::Game: the frame's budget was used up; the rest of dt was not simulated
     bool stopped = false;  ///< the observer asked to stop
     std::string failure;   ///< empty unless the shells could not go on
     std::uint64_t steps = 0;
@@ -79,6 +68,9 @@ struct ShellPose {
     double bending_energy = 0.0;   ///< J
 };
 
+/// Why changing calls are refused during pre_step.
+inline const char* const kStepping = "the shells are being stepped: change them after pre_step, not from its observer";
+
 class Shells {
 public:
     /// `port` is the host world (bridge::attach); null: shells alone, without gravity and walls.
@@ -87,33 +79,169 @@ public:
     Shells(Shells&&) noexcept;
     Shells& operator=(Shells&&) noexcept;
 
+    /// Selects the resolution of the numerics; at any time. Settings made through stepper() are replaced.
+    void set_quality(Quality quality);
+    [[nodiscard]] Quality quality() const;
+
     /// Puts a shell into the world. Fails with a reason on bad numbers.
     Result<ShellHandle> create(const ShellDef& definition);
-    /// False if the handle is stale.
-    bool destroy(ShellHandle shell);
+    /// Takes it out, with all that holds, joins and pulls it. Fails if the handle is stale.
+    Outcome destroy(ShellHandle shell);
     [[nodiscard]] std::size_t size() const;
     [[nodiscard]] bool valid(ShellHandle shell) const;
 
-    /// Holds the point at `arc_fraction` where it is now. Returns the hold's number on that shell.
-    Result<int> hold(ShellHandle shell, double arc_fraction, HoldKind kind, bool on_machine = false);
+    // ---- Mechanics: mechanics.hpp. Places on a shell are arc fractions, 0 = first end, 1 = last end. ----
+
+    /// Holds the point at `arc_fraction` where it is now, on the ground or on the machine.
+    Result<HoldHandle> hold(ShellHandle shell, double arc_fraction, HoldKind kind, bool on_machine = false);
+    Result<HoldHandle> clamp(ShellHandle shell, double arc_fraction) {
+        return hold(shell, arc_fraction, HoldKind::Clamp);
+    }
+    Result<HoldHandle> pin(ShellHandle shell, double arc_fraction) { return hold(shell, arc_fraction, HoldKind::Pin); }
+    /// Where the held point shall be at the end of the coming frame. Not for holds on the machine.
+    Outcome drive(HoldHandle hold, const DriveDef& to);
+    /// Where it is asked to be now, and its velocity: what to start a DriveDef from.
+    [[nodiscard]] Result<DriveDef> target(HoldHandle hold) const;
+    [[nodiscard]] Result<Reaction> reaction(HoldHandle hold) const;
+    Outcome release(HoldHandle hold);
+
+    Result<JointHandle> join(const JointDef& definition);
+    /// Moves the place a tether is tied to (tethers to the world only; angle and spin do not count).
+    Outcome drive(JointHandle joint, const DriveDef& to);
+    [[nodiscard]] Result<DriveDef> target(JointHandle joint) const;
+    /// Makes a tether longer or shorter at `rate` (m/s, positive) until it has `length` (m, positive).
+    Outcome reel(JointHandle joint, double length, double rate);
+    [[nodiscard]] Result<double> length(JointHandle joint) const; ///< of a tether now, m
+    [[nodiscard]] Result<Reaction> reaction(JointHandle joint) const;
+    Outcome release(JointHandle joint);
+
+    Result<GrabHandle> grab(ShellHandle shell, const GrabDef& definition);
+    Outcome move(GrabHandle grab, Point target);
+    [[nodiscard]] Result<Reaction> reaction(GrabHandle grab) const;
+    Outcome release(GrabHandle grab);
+
+    /// Force (N) and torque (N m) during the coming pre_step; several add up.
+    Outcome apply_force(ShellHandle shell, double arc_fraction, Point force, double torque = 0.0);
+    Outcome apply_torque(ShellHandle shell, double arc_fraction, double torque);
+    /// Changes the motion at once by an impulse (N s) and an angular impulse (N m s).
+    Outcome apply_impulse(ShellHandle shell, double arc_fraction, Point impulse, double angular_impulse = 0.0);
+    /// A force that lasts until it is changed or released.
+    Result<ForceHandle> add_force(ShellHandle shell, double arc_fraction, Point force, double torque = 0.0);
+    Outcome set_force(ForceHandle handle, Point force, double torque = 0.0);
+    Outcome release(ForceHandle handle);
+
+    [[nodiscard]] bool valid(HoldHandle handle) const;
+    [[nodiscard]] bool valid(JointHandle handle) const;
+    [[nodiscard]] bool valid(GrabHandle handle) const;
+    [[nodiscard]] bool valid(ForceHandle handle) const;
+
+    /// Puts the middle of the shell at a place (m) with its tangent at an angle (rad), its shape and its velocity in
+    /// its own frame kept; whether it is free of others there is not checked. Refused while it is held or joined.
+    Outcome teleport(ShellHandle shell, Point position, double angle);
+    /// Gives it the velocity of a rigid body: of its middle (m/s), and spin (rad/s).
+    Outcome set_velocity(ShellHandle shell, Point velocity, double spin = 0.0);
+    Outcome set_material(ShellHandle shell, const MaterialDef& change);
+    Outcome set_filter(ShellHandle shell, const FilterDef& filter);
+    [[nodiscard]] Result<FilterDef> filter(ShellHandle shell) const;
+
+    /// Friction coefficient between two materials (neither 0), of shells or bodies, in place of sqrt(mu_a mu_b).
+    Outcome set_friction(MaterialId a, MaterialId b, double mu);
+    /// Back to sqrt(mu_a mu_b).
+    Outcome reset_friction(MaterialId a, MaterialId b);
+    Outcome set_surface(ShellHandle shell, MaterialId material);
+    Outcome set_surface(BodyId body, MaterialId material);
+    /// The host's body of that name.
+    [[nodiscard]] Result<BodyId> body(const std::string& name) const;
+
+    /// Sleep. An island is what touches and is joined; it sleeps and wakes as a whole, does not move and costs nothing.
+    /// It wakes when an awake shell presses on it, a body of the host moves near it, gravity changes, or a call changes
+    /// one of its shells. Islands that touch or are joined to dynamic or moving bodies do not sleep.
+    Outcome set_sleep(const SleepSettings& settings);
+    [[nodiscard]] SleepSettings sleep_settings() const;
+    Outcome sleep(ShellHandle shell);
+    Outcome wake(ShellHandle shell);
+    [[nodiscard]] Result<bool> asleep(ShellHandle shell) const;
+
+    // ---- End of mechanics. ----
 
     /// Names the kinematic host bodies that the machine carries; they follow the machine velocity from now on.
-    bool carry(const std::string& body_name);
+    Outcome carry(const std::string& body_name);
     /// Velocity of the machine: of the bodies it carries and of the holds on it, m/s.
-    void set_machine_velocity(Point velocity);
+    Outcome set_machine_velocity(Point velocity);
     /// Force of the shells on the machine in the last step, N.
     [[nodiscard]] Point machine_force() const;
 
     /// Advances the shells by dt (s), in as many inner steps as they need, and hands impulses to the host. Call before
     /// the host's own step. `observer` sees each inner step; returning true ends the frame there (then step the host by
-    /// FrameReport::advanced).
+    /// FrameReport::advanced). Refused, with a reason and nothing changed: dt that is not a positive number or
+    /// thousands of steps long, and a pre_step from within an observer.
     FrameReport pre_step(double dt, const std::function<bool()>& observer = {});
-    /// Call after the host's own step.
-    void post_step();
+    /// Call after the host's own step. Fails if the host does; the next pre_step then learns nothing from that step.
+    Outcome post_step();
 
     [[nodiscard]] Result<ShellPose> pose(ShellHandle shell) const;
     [[nodiscard]] EnergyBooks books() const;
     [[nodiscard]] double time() const; ///< s
+
+    // ---- Observing: events.hpp, queries.hpp, draw.hpp, snapshot.hpp; names. None of it changes how shells move. ----
+
+    /// What happened in the last pre_step; good until the next one.
+    [[nodiscard]] const FrameEvents& events() const;
+    [[nodiscard]] const EventSettings& event_settings() const;
+    /// Refused, and nothing changed, unless all are positive numbers.
+    Outcome set_event_settings(const EventSettings& settings);
+
+    /// All shells, in the order of creation.
+    [[nodiscard]] std::vector<ShellHandle> list() const;
+    /// The first shell of that name in the order of creation; null if there is none.
+    [[nodiscard]] ShellHandle find(const std::string& name) const;
+    [[nodiscard]] Result<std::string> name(ShellHandle shell) const;
+    [[nodiscard]] Result<std::uint64_t> user_data(ShellHandle shell) const;
+    /// False if the handle is stale.
+    bool set_name(ShellHandle shell, const std::string& name);
+    bool set_user_data(ShellHandle shell, std::uint64_t data);
+
+    /// Where the way from `from` to `to` first enters a shell. Fails when it meets none, or its ends are not finite or
+    /// the same.
+    [[nodiscard]] Result<RayHit> ray_cast(Point from, Point to, QueryMask mask = 0xffff) const;
+    /// Every place where it enters a shell (the same one more than once if it comes back), nearest first; of equal ones
+    /// the shell made first.
+    [[nodiscard]] Result<std::vector<RayHit>> ray_cast_all(Point from, Point to, QueryMask mask = 0xffff) const;
+    /// Shells that contain the point, meet the (filled) box or the disc; in the order of creation.
+    [[nodiscard]] Result<std::vector<ShellHandle>> overlap_point(Point point, QueryMask mask = 0xffff) const;
+    [[nodiscard]] Result<std::vector<ShellHandle>> overlap_box(const Box& box, QueryMask mask = 0xffff) const;
+    [[nodiscard]] Result<std::vector<ShellHandle>> overlap_circle(Point centre, double radius,
+                                                                  QueryMask mask = 0xffff) const;
+    /// The surface point of a shell, or of any shell no farther than `farthest` (m), nearest to a point.
+    [[nodiscard]] Result<NearestPoint> nearest(ShellHandle shell, Point point) const;
+    [[nodiscard]] Result<NearestPoint> nearest(Point point, double farthest = std::numeric_limits<double>::infinity(),
+                                               QueryMask mask = 0xffff) const;
+    [[nodiscard]] Result<ShellSection> section(ShellHandle shell, double arc_fraction) const;
+    [[nodiscard]] Result<ShellMeasures> measure(ShellHandle shell) const;
+
+    /// Draws everything; fails with the reason if `canvas` throws or the options are not usable.
+    Outcome draw(DebugDraw& canvas, const DrawOptions& options = {}) const;
+
+    /// All that the shells' future depends on, with names, user data and numerical settings (but not the number of
+    /// threads, nor what an observer or the log remembers).
+    [[nodiscard]] Snapshot save() const;
+    /// Puts everything back; handles of then are valid again, those of shells made since are stale for good. In other
+    /// Shells than it came from, find the shells by name or list(). Fails, and changes nothing, on a snapshot that is
+    /// empty or does not fit together, and from within an observer.
+    Outcome restore(const Snapshot& snapshot);
+    /// Of all that decides the future of the shells, on every machine the same: equal states, equal hashes. Not in it:
+    /// counters of the numerics, handles, names and user data.
+    [[nodiscard]] std::uint64_t hash() const;
+
+    /// Forgets what was logged and logs every changing call from now on; `seed` is the user's own.
+    void start_log(std::uint64_t seed = 0);
+    void stop_log();
+    [[nodiscard]] CallLog log() const;
+    /// Makes the calls of a log again, here. `host_step(seconds)` is called where the host's own step is due, between
+    /// pre_step and post_step; false ends the replay. Handles are translated.
+    Outcome replay(const CallLog& log, const std::function<bool(double)>& host_step = {});
+
+    // ---- End of observing. ----
 
     /// The core behind the facade, for laboratories (include the core's headers to use it).
     [[nodiscard]] step::World& world();

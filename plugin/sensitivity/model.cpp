@@ -1,0 +1,93 @@
+#include "plugin/sensitivity/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::sensitivity {
+
+namespace {
+
+using experiment::Experiment;
+
+/// Change worth looking at of a parameter whose interval is not stated: what a laboratory may be off by.
+double usualScale(const Experiment& e, const std::string& name, double value) {
+    if (name == "gravity_x" || name == "gravity_y")
+        return 0.17; // m/s^2: a base that is out of level by one degree
+    if (name == "contact_arm")
+        return 1.0; // all of its range
+    if (name == "gap_shift")
+        return 5e-5; // m
+    if (name == "friction")
+        return std::max(0.02, 0.1 * value);
+    if (name == "series_compliance") {
+        // m/N: the give at the largest recorded force is a fiftieth of a percent of the way of the head
+        double force = 0.0, way = 0.0;
+        for (const experiment::Run& run : e.runs) {
+            for (const double f : run.readings.force)
+                force = std::isfinite(f) ? std::max(force, std::abs(f)) : force;
+            for (const double d : run.driveDisplacement)
+                way = std::max(way, std::abs(d));
+        }
+        return force > 0.0 ? 2e-3 * way / force : 1e-5;
+    }
+    return value != 0.0 ? 0.02 * std::abs(value) : 1.0;
+}
+
+Column columnOf(const Experiment& e, const replay::ParameterInfo& info, double value) {
+    Column c;
+    c.name = info.name;
+    c.unit = info.unit;
+    c.about = info.about;
+    c.value = value;
+    c.scale = info.stated.halfWidth > 0.0 ? info.stated.halfWidth : usualScale(e, info.name, value);
+    const std::string base = info.name.substr(0, info.name.find('.'));
+    if (base == "bending_modulus" || base == "thickness" || base == "linear_mass")
+        c.lower = 1e-3 * value;
+    if (base == "friction" || base == "contact_arm" || base == "series_compliance")
+        c.lower = 0.0;
+    if (base == "contact_arm")
+        c.upper = 1.0;
+    return c;
+}
+
+} // namespace
+
+Model replayModel(const Experiment& e, const replay::Parameters& parameters, const replay::Resolution& resolution,
+                  const std::vector<std::string>& names, std::string& error) {
+    Model model;
+    model.runs = e.runs.size();
+    const std::vector<replay::ParameterInfo> all = replay::parameterList(e);
+    const auto add = [&](const replay::ParameterInfo& info) {
+        model.columns.push_back(columnOf(e, info, replay::get(parameters, e, info.name).value_or(0.0)));
+    };
+    for (const replay::ParameterInfo& info : all)
+        if (names.empty() && info.name.find('.') == std::string::npos)
+            add(info);
+    for (const std::string& name : names) {
+        const auto found =
+            std::find_if(all.begin(), all.end(), [&](const replay::ParameterInfo& info) { return info.name == name; });
+        if (found != all.end()) {
+            add(*found);
+            continue;
+        }
+        replay::Parameters copy = parameters;
+        error = replay::set(copy, e, name, 0.0); // says what is known
+        return {};
+    }
+    // A shared name must not undo what its specimens differ by: only what differs from the centre is set.
+    model.simulate = [&e, parameters, resolution, columns = model.columns](
+                         std::size_t run, const std::vector<double>& values, const replay::Options& options) {
+        replay::Parameters p = parameters;
+        for (std::size_t i = 0; i < columns.size() && i < values.size(); ++i)
+            if (values[i] != columns[i].value)
+                if (const std::string why = replay::set(p, e, columns[i].name, values[i]); !why.empty()) {
+                    replay::Simulated failed;
+                    failed.failure = why;
+                    return failed;
+                }
+        return replay::simulate(e, run, p, resolution, options);
+    };
+    return model;
+}
+
+} // namespace supercircle::sensitivity

@@ -1,0 +1,239 @@
+// Holds, grabs and forces: what acts on one shell alone.
+
+#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
+#include "supercircle/step/loads.h"
+#include "supercircle/step/sleep.h"
+
+namespace supercircle {
+
+namespace {
+
+bool finite(const DriveDef& d) {
+    return finite(d.position) && finite(d.velocity) && std::isfinite(d.angle) && std::isfinite(d.spin);
+}
+
+/// A goal for the coming frame; its times are given by the step. What was under way before ends here.
+template <class Moving>
+void setGoal(const DriveDef& to, Moving& target) {
+    target.path.active = false;
+    target.path.to = vec(to.position);
+    target.path.toVelocity = vec(to.velocity);
+    target.path.toAngle = to.angle;
+    target.path.toSpin = to.spin;
+    target.pending = true;
+}
+
+} // namespace
+
+Result<HoldHandle> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind kind, bool on_machine) {
+    using R = Result<HoldHandle>;
+    return impl_->change([&] {
+        const int i = impl_->find(shell);
+        if (i < 0)
+            return R::failure(kNoSuchShell);
+        if (!isFraction(arc_fraction))
+            return R::failure(kBadFraction);
+        if (kind != HoldKind::Pin && kind != HoldKind::Clamp)
+            return R::failure("a hold is a pin or a clamp");
+        step::wake(impl_->world, static_cast<std::size_t>(i));
+        step::Rod& rod = impl_->rod(i);
+        step::Hold h;
+        h.s = arc_fraction * rod.model.definition().length;
+        h.clamped = kind == HoldKind::Clamp;
+        h.onMachine = on_machine;
+        const rod::Place at = rod::locate(rod.model, h.s);
+        h.target = rod.kin.point(at);
+        h.targetAngle = rod.kin.angle(at);
+        h.key = impl_->world.nextPart++;
+        rod.holds.push_back(h);
+        impl_->recorder.record(Call::Hold, impl_->inner, shell, arc_fraction, kind, on_machine);
+        return R(HoldHandle{rod.key, h.key, impl_->tag});
+    });
+}
+
+Outcome Shells::drive(HoldHandle hold, const DriveDef& to) {
+    return impl_->change([&] {
+        const auto found = impl_->find(hold, &step::Rod::holds);
+        if (!found.part)
+            return refused(kNoSuchPart);
+        if (found.part->onMachine)
+            return refused("this hold is carried by the machine: set_machine_velocity moves it");
+        if (!finite(to))
+            return refused("position, angle, velocity and spin must be finite");
+        step::wake(impl_->world, found.index);
+        setGoal(to, *found.part);
+        return done();
+    });
+}
+
+Result<DriveDef> Shells::target(HoldHandle hold) const {
+    const auto found = impl_->find(hold, &step::Rod::holds);
+    if (!found.part)
+        return Result<DriveDef>::failure(kNoSuchPart);
+    const step::Pose p = step::poseAfter(impl_->world, *found.part, 0.0);
+    return DriveDef{point(p.point), p.angle, point(p.velocity), p.spin};
+}
+
+Result<Reaction> Shells::reaction(HoldHandle hold) const {
+    const auto found = impl_->find(hold, &step::Rod::holds);
+    if (!found.part)
+        return Result<Reaction>::failure(kNoSuchPart);
+    return Reaction{point(found.part->reaction), found.part->reactionTorque};
+}
+
+namespace {
+
+/// Takes a part out of its rod's list.
+template <class Found, class Part>
+Outcome removePart(step::World& world, const Found& found, std::vector<Part> step::Rod::*list) {
+    if (!found.part)
+        return refused(kNoSuchPart);
+    step::wake(world, found.index);
+    auto& parts = found.rod->*list;
+    parts.erase(parts.begin() + (found.part - parts.data()));
+    return done();
+}
+
+} // namespace
+
+Outcome Shells::release(HoldHandle hold) {
+    return impl_->change(
+        [&] { return removePart(impl_->world, impl_->find(hold, &step::Rod::holds), &step::Rod::holds); });
+}
+
+Result<GrabHandle> Shells::grab(ShellHandle shell, const GrabDef& d) {
+    using R = Result<GrabHandle>;
+    return impl_->change([&] {
+        const int i = impl_->find(shell);
+        if (i < 0)
+            return R::failure(kNoSuchShell);
+        if (!isFraction(d.arc_fraction))
+            return R::failure(kBadFraction);
+        if (!finite(d.target))
+            return R::failure("target must be finite");
+        if (!(d.frequency > 0.0) || !std::isfinite(d.frequency))
+            return R::failure("frequency must be positive and finite");
+        if (!(d.damping_ratio >= 0.0) || !std::isfinite(d.damping_ratio))
+            return R::failure("damping_ratio must be finite and not negative");
+        if (!(d.max_force >= 0.0) || !std::isfinite(d.max_force))
+            return R::failure("max_force must be finite and not negative (0: mass times 1000 m/s^2)");
+        const double mass = impl_->rod(i).model.mass(), omega = 2.0 * M_PI * d.frequency;
+        step::Grab g;
+        g.stiffness = mass * omega * omega;
+        g.damping = 2.0 * mass * d.damping_ratio * omega;
+        if (!std::isfinite(g.stiffness) || !std::isfinite(g.damping))
+            return R::failure("frequency or damping_ratio is too large");
+        g.s = d.arc_fraction * impl_->rod(i).model.definition().length;
+        g.target = vec(d.target);
+        g.maxForce = d.max_force > 0.0 ? d.max_force : 1000.0 * mass;
+        g.key = impl_->world.nextPart++;
+        step::wake(impl_->world, static_cast<std::size_t>(i));
+        impl_->rod(i).grabs.push_back(g);
+        return R(GrabHandle{impl_->rod(i).key, g.key, impl_->tag});
+    });
+}
+
+Outcome Shells::move(GrabHandle grab, Point target) {
+    return impl_->change([&] {
+        const auto found = impl_->find(grab, &step::Rod::grabs);
+        if (!found.part)
+            return refused(kNoSuchPart);
+        if (!finite(target))
+            return refused("target must be finite");
+        if (found.part->target != vec(target))
+            step::wake(impl_->world, found.index);
+        found.part->target = vec(target);
+        return done();
+    });
+}
+
+Result<Reaction> Shells::reaction(GrabHandle grab) const {
+    const auto found = impl_->find(grab, &step::Rod::grabs);
+    if (!found.part)
+        return Result<Reaction>::failure(kNoSuchPart);
+    return Reaction{point(found.part->force), 0.0};
+}
+
+Outcome Shells::release(GrabHandle grab) {
+    return impl_->change(
+        [&] { return removePart(impl_->world, impl_->find(grab, &step::Rod::grabs), &step::Rod::grabs); });
+}
+
+Result<ForceHandle> Shells::add_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
+    using R = Result<ForceHandle>;
+    return impl_->change([&] {
+        const int i = impl_->find(shell);
+        if (i < 0)
+            return R::failure(kNoSuchShell);
+        if (!isFraction(arc_fraction))
+            return R::failure(kBadFraction);
+        if (!finite(force) || !std::isfinite(torque))
+            return R::failure("force and torque must be finite");
+        step::wake(impl_->world, static_cast<std::size_t>(i));
+        step::Rod& rod = impl_->rod(i);
+        const std::uint32_t key = impl_->world.nextPart++;
+        rod.forces.push_back({arc_fraction * rod.model.definition().length, vec(force), torque, false, key});
+        return R(ForceHandle{rod.key, key, impl_->tag});
+    });
+}
+
+Outcome Shells::set_force(ForceHandle handle, Point force, double torque) {
+    return impl_->change([&] {
+        const auto found = impl_->find(handle, &step::Rod::forces);
+        if (!found.part)
+            return refused(kNoSuchPart);
+        if (!finite(force) || !std::isfinite(torque))
+            return refused("force and torque must be finite");
+        step::wake(impl_->world, found.index);
+        found.part->force = vec(force);
+        found.part->torque = torque;
+        return done();
+    });
+}
+
+Outcome Shells::release(ForceHandle handle) {
+    return impl_->change(
+        [&] { return removePart(impl_->world, impl_->find(handle, &step::Rod::forces), &step::Rod::forces); });
+}
+
+Outcome Shells::apply_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
+    const auto added = add_force(shell, arc_fraction, force, torque);
+    if (!added)
+        return refused(added.error());
+    impl_->find(*added, &step::Rod::forces).part->once = true;
+    return done();
+}
+
+Outcome Shells::apply_torque(ShellHandle shell, double arc_fraction, double torque) {
+    return apply_force(shell, arc_fraction, {}, torque);
+}
+
+Outcome Shells::apply_impulse(ShellHandle shell, double arc_fraction, Point impulse, double angular_impulse) {
+    return impl_->change([&] {
+        const int i = impl_->find(shell);
+        if (i < 0)
+            return refused(kNoSuchShell);
+        if (!isFraction(arc_fraction))
+            return refused(kBadFraction);
+        if (!finite(impulse) || !std::isfinite(angular_impulse))
+            return refused("impulse and angular_impulse must be finite");
+        if (impl_->rod(i).quarantined)
+            return refused("the shell is quarantined: it does not move any more");
+        step::kickRod(impl_->world, static_cast<std::size_t>(i), arc_fraction * impl_->rod(i).model.definition().length,
+                      vec(impulse), angular_impulse);
+        return done();
+    });
+}
+
+bool Shells::valid(HoldHandle handle) const {
+    return impl_->find(handle, &step::Rod::holds).part != nullptr;
+}
+bool Shells::valid(GrabHandle handle) const {
+    return impl_->find(handle, &step::Rod::grabs).part != nullptr;
+}
+bool Shells::valid(ForceHandle handle) const {
+    return impl_->find(handle, &step::Rod::forces).part != nullptr;
+}
+
+} // namespace supercircle

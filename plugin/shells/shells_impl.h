@@ -1,0 +1,116 @@
+#pragma once
+// What stands behind the facade (private to shells/).
+
+#include "plugin/include/supercircle/shells.hpp"
+#include "plugin/shells/events_watch.h"
+#include "plugin/shells/snapshot_log.h"
+#include "supercircle/step/stepper.h"
+
+#include <cmath>
+#include <exception>
+#include <new>
+
+namespace supercircle {
+
+/// Where a handle leads.
+struct Slot {
+    std::uint32_t generation = 0; ///< of the shell that lives here, or of the last one that did
+    std::uint32_t key = 0;        ///< of the rod, 0: free
+    std::uint32_t highest = 0;    ///< highest generation ever given out: a restored past gives none out twice
+    std::string name;
+    std::uint64_t userData = 0;
+};
+
+struct Shells::Impl {
+    std::shared_ptr<step::Port> port;
+    step::World world;
+    step::Stepper stepper{step::Settings{}};
+    std::vector<Slot> slots;
+    double advanced = 0.0; ///< s, by the last pre_step
+    Quality quality = Quality::Laboratory;
+    std::uint32_t tag = 0;   ///< goes into the handles, so that those of another world are refused
+    bool inside = false;     ///< in a pre_step: the observer may not start another one or swap the state
+    std::uint64_t inner = 0; ///< inner steps of the frame that is running, 0 outside
+    Watch watch;
+    CallRecorder recorder;
+
+    Impl();
+    /// Index of the rod in the world, or -1.
+    [[nodiscard]] int find(ShellHandle h) const;
+    /// The handle of a rod; null if it was not made by the facade.
+    [[nodiscard]] ShellHandle handleOf(std::uint32_t key) const;
+    /// Gives a new rod a slot.
+    ShellHandle adopt(std::uint32_t key, std::string name, std::uint64_t userData);
+    [[nodiscard]] step::Rod& rod(int index) { return world.rods[static_cast<std::size_t>(index)]; }
+    [[nodiscard]] const step::Rod& rod(int index) const { return world.rods[static_cast<std::size_t>(index)]; }
+
+    /// A part of a rod (Hold, Grab, PointForce) by its key.
+    template <class Part>
+    struct Found {
+        step::Rod* rod = nullptr;
+        Part* part = nullptr;
+        std::size_t index = 0; ///< of the rod
+    };
+    template <class Part, class Kind>
+    [[nodiscard]] Found<Part> find(const PartHandle<Kind>& h, std::vector<Part> step::Rod::*list) {
+        if (h.null() || h.world != tag)
+            return {};
+        const int i = step::rodIndex(world, h.index);
+        if (i < 0)
+            return {};
+        for (Part& p : rod(i).*list)
+            if (p.key == h.generation)
+                return {&rod(i), &p, static_cast<std::size_t>(i)};
+        return {};
+    }
+    [[nodiscard]] step::Link* findLink(JointHandle h);
+    /// Wakes the rods of a link.
+    void wake(const step::Link& link);
+
+    /// Runs a changing call: refused while the shells are being stepped; what the host throws becomes the failure.
+    template <class Call>
+    auto change(Call call) -> decltype(call()) {
+        using R = decltype(call());
+        if (inside)
+            return R::failure(kStepping);
+        return caught(call);
+    }
+    template <class Call>
+    static auto caught(Call call) -> decltype(call()) {
+        using R = decltype(call());
+        try {
+            return call();
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& e) {
+            return R::failure(e.what());
+        } catch (...) {
+            return R::failure("the host threw something that is no std::exception");
+        }
+    }
+};
+
+inline const char* const kNoSuchShell = "no such shell (stale or foreign handle)";
+inline const char* const kNoSuchPart = "no such part (stale or foreign handle)";
+
+inline Outcome done() {
+    return Outcome(std::monostate{});
+}
+inline Outcome refused(std::string why) {
+    return Outcome::failure(std::move(why));
+}
+inline bool finite(const Point& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y);
+}
+inline bool isFraction(double f) {
+    return f >= 0.0 && f <= 1.0;
+}
+inline step::Vec2 vec(const Point& p) {
+    return {p.x, p.y};
+}
+inline Point point(const step::Vec2& v) {
+    return {v.x(), v.y()};
+}
+inline const char* const kBadFraction = "arc_fraction must lie between 0 and 1";
+
+} // namespace supercircle

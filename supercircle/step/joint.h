@@ -1,0 +1,110 @@
+#pragma once
+// What holds, joins and pulls shells besides contact: plain data of the world. How each enters a step is in loads.h
+// (forces, grabs, moving targets) and link_stage.h (links).
+
+#include "supercircle/step/port.h"
+
+#include <cstdint>
+
+namespace supercircle::step {
+
+/// Where a target is on its way: a cubic in time between two moments, straight on before and after.
+struct Path {
+    bool active = false;
+    double start = 0.0, end = 0.0; ///< World::time, s
+    Vec2 from = Vec2::Zero(), to = Vec2::Zero();
+    Vec2 fromVelocity = Vec2::Zero(), toVelocity = Vec2::Zero();
+    double fromAngle = 0.0, toAngle = 0.0, fromSpin = 0.0, toSpin = 0.0;
+};
+
+/// A moving place: where it is now, how it goes on, and what it was asked to reach next.
+struct Target {
+    Vec2 point = Vec2::Zero();    ///< at the current time, m
+    double angle = 0.0;           ///< rad
+    Vec2 velocity = Vec2::Zero(); ///< m/s
+    double spin = 0.0;            ///< rad/s
+    Path path;                    ///< rules while it is active
+    bool pending = false;         ///< `path` holds a goal (to*) for the coming frame, which gives it its times
+    [[nodiscard]] bool moving() const { return path.active || pending || !velocity.isZero(0.0) || spin != 0.0; }
+};
+
+/// Holds one material point of a rod: position, and direction too when `clamped`.
+struct Hold {
+    double s = 0.0;               ///< rod arc length, m
+    bool clamped = true;          ///< false: pinned (position only)
+    bool onMachine = false;       ///< carried by the machine: moves with World::machineVelocity
+    Vec2 target = Vec2::Zero();   ///< where the point is to be at the current time, m
+    double targetAngle = 0.0;     ///< rad
+    Vec2 velocity = Vec2::Zero(); ///< of the target when not on the machine, m/s
+    double spin = 0.0;            ///< rad/s
+    Vec2 reaction = Vec2::Zero(); ///< force on the rod in the last step, N
+    double reactionTorque = 0.0;  ///< N m
+    Path path;                    ///< of the target while it is active
+    bool pending = false;         ///< `path` holds a goal for the coming frame
+    std::uint32_t key = 0;        ///< stable identity, 0: nobody asks
+};
+
+/// A force (and torque) that somebody else applies, constant in the world frame within a step.
+struct PointForce {
+    double s = 0.0; ///< rod arc length, m
+    Vec2 force = Vec2::Zero();
+    double torque = 0.0;   ///< N m
+    bool once = false;     ///< ends with the coming frame
+    std::uint32_t key = 0; ///< 0: nobody asks
+};
+
+/// A soft hand: spring and damper between a point of the rod and a place, with a largest force. Implicit.
+struct Grab {
+    double s = 0.0; ///< rod arc length, m
+    Vec2 target = Vec2::Zero();
+    double stiffness = 0.0;    ///< N/m
+    double damping = 0.0;      ///< N s/m
+    double maxForce = 0.0;     ///< N
+    Vec2 force = Vec2::Zero(); ///< on the rod in the last step, N
+    std::uint32_t key = 0;
+};
+
+enum class LinkKind : std::uint8_t {
+    Pin,   ///< two points stay together
+    Weld,  ///< and their sections keep their angle
+    Tether ///< two points stay within a length: it only pulls
+};
+
+enum class LinkEnd : std::uint8_t { World, Body, Rod };
+
+/// Joins a point of a rod to a point of the world, of a host body or of a rod. Solved together with contact.
+struct Link {
+    std::uint32_t key = 0;
+    LinkKind kind = LinkKind::Pin;
+    LinkEnd end = LinkEnd::World;
+    bool collide = false;   ///< the two may touch each other; else their contacts are left out
+    std::uint32_t rodA = 0; ///< key of the rod
+    double sA = 0.0;        ///< arc length on it, m
+    std::uint32_t rodB = 0; ///< key
+    double sB = 0.0;        ///< m
+    BodyId body = 0;
+    /// The point on the other end: of a body in its own frame (origin at the centre of mass, unrotated), of a rod as an
+    /// offset in the frame of its section (along the tangent, along the normal), m.
+    Vec2 local = Vec2::Zero();
+    Target target;             ///< the point when the other end is the world
+    double angle = 0.0;        ///< weld: angle of A minus that of the other end, rad
+    double length = 0.0;       ///< tether, m
+    double goal = 0.0;         ///< tether: length it is reeled to, m
+    double reel = 0.0;         ///< tether: rate, m/s
+    Vec2 force = Vec2::Zero(); ///< on rod A in the last step, N
+    double torque = 0.0;       ///< weld: on rod A's section, N m
+};
+
+/// Friction of a pair of materials, instead of the mean of the two.
+struct PairFriction {
+    std::uint32_t a = 0, b = 0; ///< a <= b, neither 0
+    double mu = 0.0;            ///< 1
+};
+
+/// Which material a host body has.
+struct BodyMaterial {
+    BodyId body = 0;
+    std::uint32_t material = 0;
+};
+
+} // namespace supercircle::step

@@ -1,0 +1,287 @@
+#include "supercircle/step/sleep.h"
+
+#include "supercircle/contact/identity.h"
+#include "supercircle/step/contact_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace supercircle::step {
+
+namespace {
+
+void sortById(std::vector<ContactImpulse>& list) {
+    std::sort(list.begin(), list.end(), [](const ContactImpulse& a, const ContactImpulse& b) { return a.id < b.id; });
+}
+
+/// Moves the entries whose first rod is asleep (or awake) from one list to the other.
+void moveImpulses(const World& world, bool asleep, std::vector<ContactImpulse>& from, std::vector<ContactImpulse>& to) {
+    const auto leaves = [&](const ContactImpulse& c) {
+        const int rod = rodIndex(world, contact::keyAOf(c.id));
+        return rod >= 0 && world.rods[static_cast<std::size_t>(rod)].asleep() == asleep;
+    };
+    const std::size_t before = to.size();
+    std::copy_if(from.begin(), from.end(), std::back_inserter(to), leaves);
+    if (to.size() == before)
+        return;
+    std::erase_if(from, leaves);
+    sortById(to);
+}
+
+/// What hangs together, and what keeps it awake.
+struct Islands {
+    std::vector<std::size_t> parent;
+    std::vector<const char*> busy; ///< per root: why it cannot sleep, or null
+
+    std::size_t root(std::size_t i) {
+        while (parent[i] != i)
+            i = parent[i] = parent[parent[i]];
+        return i;
+    }
+    void join(std::size_t a, std::size_t b) {
+        a = root(a);
+        b = root(b);
+        if (a == b)
+            return;
+        if (!busy[a])
+            busy[a] = busy[b];
+        parent[b] = a;
+    }
+    void keepAwake(std::size_t i, const char* why) {
+        const char*& reason = busy[root(i)];
+        if (!reason)
+            reason = why;
+    }
+};
+
+bool moves(const Body& b) {
+    return !b.state.velocity.isZero(0.0) || b.state.spin != 0.0;
+}
+
+void addBody(const World& world, int rod, BodyId id, Islands& islands) {
+    const int i = bodyIndex(world, id);
+    if (rod < 0 || i < 0)
+        return;
+    const Body& b = world.bodies[static_cast<std::size_t>(i)];
+    if (b.dynamic)
+        islands.keepAwake(static_cast<std::size_t>(rod), "it carries or is joined to a dynamic body");
+    else if (moves(b))
+        islands.keepAwake(static_cast<std::size_t>(rod), "it touches or is joined to a moving body");
+}
+
+void addLinks(const World& world, Islands& islands) {
+    for (const Link& l : world.links) {
+        const int a = rodIndex(world, l.rodA), b = l.end == LinkEnd::Rod ? rodIndex(world, l.rodB) : -1;
+        if (a < 0)
+            continue;
+        const auto ia = static_cast<std::size_t>(a);
+        if (b >= 0)
+            islands.join(ia, static_cast<std::size_t>(b));
+        if (l.end == LinkEnd::Body)
+            addBody(world, a, l.body, islands);
+        if ((l.end == LinkEnd::World && l.target.moving()) || (l.kind == LinkKind::Tether && l.goal != l.length))
+            islands.keepAwake(ia, "it is joined to something that moves");
+    }
+}
+
+Islands findIslands(const World& world) {
+    Islands islands;
+    islands.parent.resize(world.rods.size());
+    std::iota(islands.parent.begin(), islands.parent.end(), std::size_t{0});
+    islands.busy.assign(world.rods.size(), nullptr);
+    for (const contact::Candidate& c : world.candidates) {
+        if (!findImpulse(world.impulses, c.id))
+            continue;
+        if (c.b.rod >= 0)
+            islands.join(static_cast<std::size_t>(c.a.rod), static_cast<std::size_t>(c.b.rod));
+        else
+            addBody(world, c.a.rod, world.outlines[static_cast<std::size_t>(c.outline)].body, islands);
+    }
+    addLinks(world, islands);
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        for (const Hold& h : world.rods[i].holds) {
+            const bool still = h.onMachine ? world.machineVelocity.isZero(0.0)
+                                           : h.velocity.isZero(0.0) && h.spin == 0.0 && !h.path.active && !h.pending;
+            if (!still)
+                islands.keepAwake(i, "one of its holds moves");
+        }
+    return islands;
+}
+
+/// Stops a rod; its kinetic energy leaves the books for `account`.
+void stop(World& world, Rod& rod, double& account, double sign) {
+    const double kinetic = rod::kineticEnergy(rod.gauss, rod.u);
+    world.ledger.kinetic -= kinetic;
+    account += sign * kinetic;
+    rod.v.setZero();
+    std::fill(rod.u.begin(), rod.u.end(), Vec2::Zero());
+    rod.speed = 0.0;
+}
+
+void settle(World& world) {
+    moveImpulses(world, true, world.impulses, world.sleepingImpulses);
+    world.range.clear();
+}
+
+} // namespace
+
+void wakeIsland(World& world, std::uint32_t island) {
+    if (island == 0)
+        return;
+    for (Rod& r : world.rods)
+        if (r.island == island) {
+            r.island = 0;
+            r.rested = 0.0;
+        }
+    moveImpulses(world, false, world.sleepingImpulses, world.impulses);
+    world.range.clear();
+}
+
+void wake(World& world, std::size_t rod) {
+    wakeIsland(world, world.rods[rod].island);
+    world.rods[rod].rested = 0.0;
+}
+
+void wakeAll(World& world) {
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        wake(world, i);
+}
+
+std::string putToSleep(World& world, std::size_t rod) {
+    if (world.rods[rod].frozen())
+        return {};
+    if (world.range.size() != world.rods.size())
+        return "its contacts are not known yet: call it after the next pre_step";
+    Islands islands = findIslands(world);
+    const std::size_t root = islands.root(rod);
+    if (islands.busy[root])
+        return islands.busy[root];
+    const std::uint32_t island = world.nextIsland++;
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        if (islands.root(i) == root && !world.rods[i].frozen()) {
+            stop(world, world.rods[i], world.ledger.added, -1.0);
+            world.rods[i].island = island;
+        }
+    settle(world);
+    return {};
+}
+
+void measureRest(World& world, const Settings& settings, double h, double dt) {
+    const double farthest = settings.sleepDrift * h;
+    for (Rod& r : world.rods) {
+        const std::array<Vec2, 3> now{r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
+        const bool stayed =
+            r.rested > 0.0 && std::equal(now.begin(), now.end(), r.restPlace.begin(),
+                                         [&](const Vec2& a, const Vec2& b) { return (a - b).norm() <= farthest; });
+        if (!stayed)
+            r.restPlace = now;
+        r.rested = stayed ? r.rested + dt : dt;
+    }
+}
+
+void sleepAtRest(World& world, const Settings& settings) {
+    const auto tired = [&](const Rod& r) { return !r.frozen() && r.rested >= settings.sleepAfter; };
+    if (world.range.size() != world.rods.size() || std::none_of(world.rods.begin(), world.rods.end(), tired))
+        return;
+    Islands islands = findIslands(world);
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        if (!world.rods[i].frozen() && !tired(world.rods[i]))
+            islands.keepAwake(i, "it moves");
+    std::vector<std::uint32_t> number(world.rods.size(), 0);
+    bool any = false;
+    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+        Rod& r = world.rods[i];
+        const std::size_t root = islands.root(i);
+        if (islands.busy[root] || r.frozen())
+            continue;
+        if (number[root] == 0)
+            number[root] = world.nextIsland++;
+        stop(world, r, world.ledger.numerical, 1.0);
+        r.island = number[root];
+        any = true;
+    }
+    if (any)
+        settle(world);
+}
+
+namespace {
+
+/// Box of an outline from where it is to where its body takes it.
+Box reachOf(const BodyOutline& o, const Body& b, double frame) {
+    const contact::Outline now = placed(o, b.state.centre, b.state.angle);
+    double size = 0.0;
+    for (const Vec2& p : o.local.points)
+        size = std::max(size, p.norm() + o.local.radius);
+    const double way = frame * (b.state.velocity.norm() + std::abs(b.state.spin) * size) + o.local.radius;
+    Box box;
+    box.lower.setConstant(std::numeric_limits<double>::infinity());
+    box.upper.setConstant(-std::numeric_limits<double>::infinity());
+    for (const Vec2& p : now.points) {
+        box.lower = box.lower.cwiseMin(p - Vec2::Constant(way));
+        box.upper = box.upper.cwiseMax(p + Vec2::Constant(way));
+    }
+    return box;
+}
+
+bool near(const Rod& rod, const Box& box) {
+    const double pad = rod.model.definition().thickness + rod.model.longestElement();
+    Vec2 lower = Vec2::Constant(std::numeric_limits<double>::infinity()), upper = -lower;
+    for (int i = 0; i <= rod.model.elements(); ++i) {
+        lower = lower.cwiseMin(rod.kin.node(i));
+        upper = upper.cwiseMax(rod.kin.node(i));
+    }
+    return ((lower.array() - pad) <= box.upper.array()).all() && ((upper.array() + pad) >= box.lower.array()).all();
+}
+
+bool sameOutline(const BodyOutline& a, const BodyOutline& b) {
+    return a.body == b.body && a.local.key == b.local.key && a.friction == b.friction &&
+           a.local.points == b.local.points && a.local.category == b.local.category && a.local.mask == b.local.mask &&
+           a.local.group == b.local.group;
+}
+
+const Body* find(const std::vector<Body>& bodies, BodyId id) {
+    const auto it =
+        std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId want) { return b.id < want; });
+    return it != bodies.end() && it->id == id ? &*it : nullptr;
+}
+
+bool samePose(const Body& a, const Body& b) {
+    return a.state.centre == b.state.centre && a.state.angle == b.state.angle;
+}
+
+} // namespace
+
+void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector<BodyOutline>& outlines, double frame) {
+    if (std::none_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.asleep(); }))
+        return;
+    const auto wakeIn = [&](const Box& box) {
+        for (std::size_t i = 0; i < world.rods.size(); ++i)
+            if (world.rods[i].asleep() && near(world.rods[i], box))
+                wake(world, i);
+    };
+    const auto before = [](const BodyOutline& a, const BodyOutline& b) {
+        return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
+    };
+    // Both lists are sorted by (body, key): walk them together.
+    const std::vector<BodyOutline>& old = world.outlines;
+    std::size_t i = 0, j = 0;
+    while (i < old.size() || j < outlines.size()) {
+        const bool gone = j == outlines.size() || (i < old.size() && before(old[i], outlines[j]));
+        const bool fresh = !gone && (i == old.size() || before(outlines[j], old[i]));
+        const Body* was = i < old.size() && !fresh ? find(world.bodies, old[i].body) : nullptr;
+        const Body* is = !gone ? find(bodies, outlines[j].body) : nullptr;
+        const bool still = was && is && samePose(*was, *is) && !moves(*is) && sameOutline(old[i], outlines[j]);
+        if (!still) {
+            if (was)
+                wakeIn(reachOf(old[i], *was, frame));
+            if (is)
+                wakeIn(reachOf(outlines[j], *is, frame));
+        }
+        i += fresh ? 0 : 1;
+        j += gone ? 0 : 1;
+    }
+}
+
+} // namespace supercircle::step

@@ -1,0 +1,35 @@
+#pragma once
+// Loops for parallel::For that bring out what depends on the order or on the thread of a turn.
+
+#include "supercircle/parallel/parallel.h"
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+namespace supercircle::test {
+
+/// Last turn first.
+inline parallel::For backwards() {
+    return [](std::size_t count, const std::function<void(std::size_t)>& body) {
+        for (std::size_t i = count; i-- > 0;)
+            body(i);
+    };
+}
+
+/// Turns are taken by `threads` new threads as they come.
+inline parallel::For threads(int number) {
+    return [number](std::size_t count, const std::function<void(std::size_t)>& body) {
+        std::atomic<std::size_t> next{0};
+        std::vector<std::thread> all;
+        for (int k = 0; k < number; ++k)
+            all.emplace_back([&] {
+                for (std::size_t i = next++; i < count; i = next++)
+                    body(i);
+            });
+        for (std::thread& t : all)
+            t.join();
+    };
+}
+
+} // namespace supercircle::test

@@ -47,8 +47,9 @@ Result<HoldHandle> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind
         h.targetAngle = rod.kin.angle(at);
         h.key = impl_->world.nextPart++;
         rod.holds.push_back(h);
-        impl_->recorder.record(Call::Hold, impl_->inner, shell, arc_fraction, kind, on_machine);
-        return R(HoldHandle{rod.key, h.key, impl_->tag});
+        const HoldHandle made{rod.key, h.key, impl_->tag};
+        impl_->recorder.record(Call::Hold, shell, arc_fraction, kind, on_machine, made);
+        return R(made);
     });
 }
 
@@ -63,6 +64,7 @@ Outcome Shells::drive(HoldHandle hold, const DriveDef& to) {
             return refused("position, angle, velocity and spin must be finite");
         step::wake(impl_->world, found.index);
         setGoal(to, *found.part);
+        impl_->recorder.record(Call::DriveHold, hold, to);
         return done();
     });
 }
@@ -85,21 +87,24 @@ Result<Reaction> Shells::reaction(HoldHandle hold) const {
 namespace {
 
 /// Takes a part out of its rod's list.
-template <class Found, class Part>
-Outcome removePart(step::World& world, const Found& found, std::vector<Part> step::Rod::*list) {
-    if (!found.part)
-        return refused(kNoSuchPart);
-    step::wake(world, found.index);
-    auto& parts = found.rod->*list;
-    parts.erase(parts.begin() + (found.part - parts.data()));
-    return done();
+template <class Handle, class Part>
+Outcome removePart(auto& impl, Handle handle, std::vector<Part> step::Rod::*list, Call call) {
+    return impl.change([&] {
+        const auto found = impl.find(handle, list);
+        if (!found.part)
+            return refused(kNoSuchPart);
+        step::wake(impl.world, found.index);
+        auto& parts = found.rod->*list;
+        parts.erase(parts.begin() + (found.part - parts.data()));
+        impl.recorder.record(call, handle);
+        return done();
+    });
 }
 
 } // namespace
 
 Outcome Shells::release(HoldHandle hold) {
-    return impl_->change(
-        [&] { return removePart(impl_->world, impl_->find(hold, &step::Rod::holds), &step::Rod::holds); });
+    return removePart(*impl_, hold, &step::Rod::holds, Call::ReleaseHold);
 }
 
 Result<GrabHandle> Shells::grab(ShellHandle shell, const GrabDef& d) {
@@ -130,7 +135,9 @@ Result<GrabHandle> Shells::grab(ShellHandle shell, const GrabDef& d) {
         g.key = impl_->world.nextPart++;
         step::wake(impl_->world, static_cast<std::size_t>(i));
         impl_->rod(i).grabs.push_back(g);
-        return R(GrabHandle{impl_->rod(i).key, g.key, impl_->tag});
+        const GrabHandle made{impl_->rod(i).key, g.key, impl_->tag};
+        impl_->recorder.record(Call::Grab, shell, d, made);
+        return R(made);
     });
 }
 
@@ -144,6 +151,7 @@ Outcome Shells::move(GrabHandle grab, Point target) {
         if (found.part->target != vec(target))
             step::wake(impl_->world, found.index);
         found.part->target = vec(target);
+        impl_->recorder.record(Call::MoveGrab, grab, target);
         return done();
     });
 }
@@ -156,13 +164,14 @@ Result<Reaction> Shells::reaction(GrabHandle grab) const {
 }
 
 Outcome Shells::release(GrabHandle grab) {
-    return impl_->change(
-        [&] { return removePart(impl_->world, impl_->find(grab, &step::Rod::grabs), &step::Rod::grabs); });
+    return removePart(*impl_, grab, &step::Rod::grabs, Call::ReleaseGrab);
 }
 
-Result<ForceHandle> Shells::add_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
+Result<ForceHandle> Shells::Impl::addForce(ShellHandle shell, double arc_fraction, Point force, double torque,
+                                           bool once) {
     using R = Result<ForceHandle>;
-    return impl_->change([&] {
+    Impl* const impl_ = this;
+    return change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
             return R::failure(kNoSuchShell);
@@ -173,9 +182,15 @@ Result<ForceHandle> Shells::add_force(ShellHandle shell, double arc_fraction, Po
         step::wake(impl_->world, static_cast<std::size_t>(i));
         step::Rod& rod = impl_->rod(i);
         const std::uint32_t key = impl_->world.nextPart++;
-        rod.forces.push_back({arc_fraction * rod.model.definition().length, vec(force), torque, false, key});
-        return R(ForceHandle{rod.key, key, impl_->tag});
+        rod.forces.push_back({arc_fraction * rod.model.definition().length, vec(force), torque, once, key});
+        const ForceHandle made{rod.key, key, impl_->tag};
+        impl_->recorder.record(once ? Call::ApplyForce : Call::AddForce, shell, arc_fraction, force, torque, made);
+        return R(made);
     });
+}
+
+Result<ForceHandle> Shells::add_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
+    return impl_->addForce(shell, arc_fraction, force, torque, false);
 }
 
 Outcome Shells::set_force(ForceHandle handle, Point force, double torque) {
@@ -188,21 +203,18 @@ Outcome Shells::set_force(ForceHandle handle, Point force, double torque) {
         step::wake(impl_->world, found.index);
         found.part->force = vec(force);
         found.part->torque = torque;
+        impl_->recorder.record(Call::SetForce, handle, force, torque);
         return done();
     });
 }
 
 Outcome Shells::release(ForceHandle handle) {
-    return impl_->change(
-        [&] { return removePart(impl_->world, impl_->find(handle, &step::Rod::forces), &step::Rod::forces); });
+    return removePart(*impl_, handle, &step::Rod::forces, Call::ReleaseForce);
 }
 
 Outcome Shells::apply_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
-    const auto added = add_force(shell, arc_fraction, force, torque);
-    if (!added)
-        return refused(added.error());
-    impl_->find(*added, &step::Rod::forces).part->once = true;
-    return done();
+    const auto added = impl_->addForce(shell, arc_fraction, force, torque, true);
+    return added ? done() : refused(added.error());
 }
 
 Outcome Shells::apply_torque(ShellHandle shell, double arc_fraction, double torque) {
@@ -222,6 +234,7 @@ Outcome Shells::apply_impulse(ShellHandle shell, double arc_fraction, Point impu
             return refused("the shell is quarantined: it does not move any more");
         step::kickRod(impl_->world, static_cast<std::size_t>(i), arc_fraction * impl_->rod(i).model.definition().length,
                       vec(impulse), angular_impulse);
+        impl_->recorder.record(Call::ApplyImpulse, shell, arc_fraction, impulse, angular_impulse);
         return done();
     });
 }

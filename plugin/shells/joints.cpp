@@ -1,6 +1,6 @@
 // Pins, welds and tethers.
 
-#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/sleep.h"
 
@@ -101,7 +101,9 @@ Result<JointHandle> Shells::join(const JointDef& d) {
         impl_->world.links.push_back(l);
         impl_->wake(l);
         impl_->world.range.clear(); // the pair may not collide any more
-        return R(JointHandle{0, l.key, impl_->tag});
+        const JointHandle made{0, l.key, impl_->tag};
+        impl_->recorder.record(Call::Join, d, made);
+        return R(made);
     });
 }
 
@@ -120,6 +122,7 @@ Outcome Shells::drive(JointHandle joint, const DriveDef& to) {
         l->target.path.toAngle = l->target.path.toSpin = 0.0;
         l->target.pending = true;
         impl_->wake(*l);
+        impl_->recorder.record(Call::DriveJoint, joint, to);
         return done();
     });
 }
@@ -146,6 +149,7 @@ Outcome Shells::reel(JointHandle joint, double length, double rate) {
         l->goal = length;
         l->reel = rate;
         impl_->wake(*l);
+        impl_->recorder.record(Call::Reel, joint, length, rate);
         return done();
     });
 }
@@ -174,6 +178,7 @@ Outcome Shells::release(JointHandle joint) {
         impl_->wake(*l);
         impl_->world.links.erase(impl_->world.links.begin() + (l - impl_->world.links.data()));
         impl_->world.range.clear(); // the pair may collide again
+        impl_->recorder.record(Call::ReleaseJoint, joint);
         return done();
     });
 }

@@ -1,6 +1,6 @@
 // What is changed on living shells: place, motion, material, filter, friction of pairs, sleep.
 
-#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
 
 #include <algorithm>
@@ -53,6 +53,7 @@ Outcome Shells::teleport(ShellHandle shell, Point position, double angle) {
         if (tied(impl_->world, impl_->rod(i)))
             return refused("the shell is held or joined: release it first");
         step::moveRod(impl_->world, static_cast<std::size_t>(i), vec(position), angle);
+        impl_->recorder.record(Call::Teleport, shell, position, angle);
         return done();
     });
 }
@@ -70,6 +71,7 @@ Outcome Shells::set_velocity(ShellHandle shell, Point velocity, double spin) {
         v[m.dofY()] = velocity.y;
         v[m.dofTheta()] = spin;
         step::placeRod(impl_->world, static_cast<std::size_t>(i), Eigen::VectorXd(impl_->rod(i).q), v);
+        impl_->recorder.record(Call::SetVelocity, shell, velocity, spin);
         return done();
     });
 }
@@ -97,6 +99,7 @@ Outcome Shells::set_material(ShellHandle shell, const MaterialDef& change) {
         if (change.mu)
             rod.mu = *change.mu;
         step::changeRod(impl_->world, static_cast<std::size_t>(i), d);
+        impl_->recorder.record(Call::SetMaterial, shell, change);
         return done();
     });
 }
@@ -112,6 +115,7 @@ Outcome Shells::set_filter(ShellHandle shell, const FilterDef& filter) {
         rod.mask = filter.mask;
         rod.group = filter.group;
         impl_->world.range.clear();
+        impl_->recorder.record(Call::SetFilter, shell, filter);
         return done();
     });
 }
@@ -138,6 +142,7 @@ Outcome Shells::set_friction(MaterialId a, MaterialId b, double mu) {
         else
             list.insert(it, pair);
         step::wakeAll(impl_->world);
+        impl_->recorder.record(Call::SetFriction, a, b, mu);
         return done();
     });
 }
@@ -151,6 +156,7 @@ Outcome Shells::reset_friction(MaterialId a, MaterialId b) {
             return refused("these two materials have no friction of their own");
         list.erase(it);
         step::wakeAll(impl_->world);
+        impl_->recorder.record(Call::ResetFriction, a, b);
         return done();
     });
 }
@@ -162,6 +168,7 @@ Outcome Shells::set_surface(ShellHandle shell, MaterialId material) {
             return refused(kNoSuchShell);
         step::wake(impl_->world, static_cast<std::size_t>(i));
         impl_->rod(i).material = material;
+        impl_->recorder.record(Call::SetShellSurface, shell, material);
         return done();
     });
 }
@@ -179,6 +186,7 @@ Outcome Shells::set_surface(BodyId body, MaterialId material) {
         else
             list.insert(it, {body, material});
         step::wakeAll(impl_->world);
+        impl_->recorder.record(Call::SetBodySurface, body, material);
         return done();
     });
 }
@@ -199,6 +207,7 @@ Outcome Shells::set_sleep(const SleepSettings& settings) {
         s.autoSleep = settings.automatic;
         s.sleepDrift = settings.drift;
         s.sleepAfter = settings.delay;
+        impl_->recorder.record(Call::SetSleep, settings);
         return done();
     });
 }
@@ -214,7 +223,10 @@ Outcome Shells::sleep(ShellHandle shell) {
         if (i < 0)
             return refused(kNoSuchShell);
         const std::string why = step::putToSleep(impl_->world, static_cast<std::size_t>(i));
-        return why.empty() ? done() : refused("the shell cannot sleep: " + why);
+        if (!why.empty())
+            return refused("the shell cannot sleep: " + why);
+        impl_->recorder.record(Call::Sleep, shell);
+        return done();
     });
 }
 
@@ -224,6 +236,7 @@ Outcome Shells::wake(ShellHandle shell) {
         if (i < 0)
             return refused(kNoSuchShell);
         step::wake(impl_->world, static_cast<std::size_t>(i));
+        impl_->recorder.record(Call::Wake, shell);
         return done();
     });
 }

@@ -7,6 +7,7 @@
 #include "plugin/shells/snapshot_archive.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace supercircle::archive {
 
@@ -20,6 +21,51 @@ template <class Ar>
 void io(Ar& ar, Is<ShellHandle> auto& h) {
     auto& [index, generation, world] = h;
     ar(index, generation, world);
+}
+
+template <class Ar, class Part>
+void io(Ar& ar, PartHandle<Part>& h) {
+    ar(h.index, h.generation, h.world);
+}
+template <class Ar, class Part>
+void io(Ar& ar, const PartHandle<Part>& h) {
+    ar(h.index, h.generation, h.world);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<DriveDef> auto& d) {
+    auto& [position, angle, velocity, spin] = d;
+    ar(position, angle, velocity, spin);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<JointDef> auto& d) {
+    auto& [kind, shell, arcFraction, other, otherFraction, body, point, length, collideConnected] = d;
+    ar(kind, shell, arcFraction, other, otherFraction, body, point, length, collideConnected);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<GrabDef> auto& d) {
+    auto& [arcFraction, target, frequency, dampingRatio, maxForce] = d;
+    ar(arcFraction, target, frequency, dampingRatio, maxForce);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<FilterDef> auto& d) {
+    auto& [category, mask, group] = d;
+    ar(category, mask, group);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<SleepSettings> auto& s) {
+    auto& [automatic, drift, delay] = s;
+    ar(automatic, drift, delay);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<MaterialDef> auto& d) {
+    auto& [mu, youngModulus, density, naturalCurvature] = d;
+    ar(mu, youngModulus, density, naturalCurvature);
 }
 
 template <class Ar>
@@ -269,8 +315,8 @@ void io(Ar& ar, Is<step::World> auto& w) {
     ar(time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
        ledger);
     ar.aside(counters);
-    ar(candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials, sleepingImpulses,
-       nextIsland);
+    ar.aside(nextPart); // handles only
+    ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland);
 }
 
 // ---- the facade ----

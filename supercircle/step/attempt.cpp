@@ -58,15 +58,15 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 
 } // namespace
 
-void Attempt::useThreads(int wanted) {
-    if (wanted == threads)
-        return;
-    threads = wanted;
-    stage.loop = threadLoop(wanted);
+void Attempt::useThreads(int count, const parallel::For& hostLoop) {
+    if (hostLoop)
+        stage.loop = hostLoop;
+    else if (count != threads)
+        stage.loop = threadLoop(count);
+    threads = hostLoop ? 0 : count;
 }
 
 void Attempt::collidePresent(World& world, const Settings& settings) {
-    useThreads(settings.threads);
     bool known = world.range.size() == world.rods.size();
     for (std::size_t i = 0; known && i < world.rods.size(); ++i)
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
@@ -245,7 +245,6 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                        const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve) {
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
-    useThreads(settings.threads);
     crossings.clear();
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());

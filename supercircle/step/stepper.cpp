@@ -103,6 +103,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
     }
     startPaths(world, frame);
     work_->attempt.h = thinnest(world);
+    work_->attempt.useThreads(settings_.threads, loop);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;
 }

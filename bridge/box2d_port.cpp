@@ -271,6 +271,7 @@ void Box2dPort::constraints(const std::vector<BodyId>& seeds, double dt, step::H
 
 void Box2dPort::impulses(double dt, step::HostConstraints& io) const {
     impl_->refresh(true);
+    impl_->lastDt = dt;
     readImpulses(impl_->registry, impl_->scale, dt, io);
 }
 

@@ -50,23 +50,32 @@ struct Rod {
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
 
+/// A mean acceleration the host gave a body, and what is expected of the coming frame: the smaller of the last two
+/// where they agree in sign, so that a blow is not taken for a force.
+struct HostPush {
+    Vec2 linear = Vec2::Zero(); ///< of the last frame, m/s^2
+    double angular = 0.0;       ///< rad/s^2
+    Vec2 expectedLinear = Vec2::Zero();
+    double expectedAngular = 0.0;
+    void learn(const Vec2& newLinear, double newAngular);
+};
+
 /// What passes between a dynamic body's copy here and the host's original (the scheme is in handover.h).
 struct Handover {
-    bool coupled = false;             ///< the copy took part in a contact problem of this frame
-    Vec2 travel = Vec2::Zero();       ///< of the copy in this frame, without drift, m
-    double turn = 0.0;                ///< rad
-    Vec2 hostImpulse = Vec2::Zero();  ///< what the host's own constraints are expected to give it in this frame, N s
-    double hostTurnImpulse = 0.0;     ///< N m s
-    Vec2 handed = Vec2::Zero();       ///< velocity the original should have after the host's step, m/s
-    double handedSpin = 0.0;          ///< rad/s
-    Vec2 drift = Vec2::Zero();        ///< velocity at which the copy closes up to the original's place, m/s
-    double driftSpin = 0.0;           ///< rad/s
-    Vec2 unexplained = Vec2::Zero();  ///< acceleration by the host beyond what was expected, last frame, m/s^2
-    double unexplainedSpin = 0.0;     ///< rad/s^2
-    Vec2 acceleration = Vec2::Zero(); ///< by all of the host's doing but gravity in the last frame, m/s^2
-    double angularAcceleration = 0.0; ///< rad/s^2
-    bool known = false;               ///< `seen` is filled
-    BodyState seen;                   ///< the original after the last frame, to notice its user's hand
+    bool coupled = false;            ///< the copy took part in a contact problem of this frame
+    double coupledTime = 0.0;        ///< for how long, s
+    Vec2 travel = Vec2::Zero();      ///< of the copy in this frame, without drift, m
+    double turn = 0.0;               ///< rad
+    Vec2 hostImpulse = Vec2::Zero(); ///< what the host's own constraints are expected to give it in this frame, N s
+    double hostTurnImpulse = 0.0;    ///< N m s
+    Vec2 handed = Vec2::Zero();      ///< velocity the original should have after the host's step, m/s
+    double handedSpin = 0.0;         ///< rad/s
+    Vec2 drift = Vec2::Zero();       ///< velocity at which the copy closes up to the original's place, m/s
+    double driftSpin = 0.0;          ///< rad/s
+    HostPush unexplained;            ///< by the host beyond its known constraints
+    HostPush all;                    ///< by all of the host's doing but gravity: for copies in no contact problem
+    bool known = false;              ///< `seen` is filled
+    BodyState seen;                  ///< the original after the last frame, to notice its user's hand
 };
 
 /// A rigid body as the shells see it during a step; double precision between two looks at the host.
@@ -140,6 +149,7 @@ struct World {
     std::vector<Rod> rods;
     std::vector<Body> bodies;             ///< sorted by id
     std::vector<BodyOutline> outlines;    ///< of those bodies, as pulled last
+    HostConstraints constraints;          ///< the host's own, on those bodies and their neighbours
     std::vector<ContactImpulse> impulses; ///< sorted by id
     Vec2 machineVelocity = Vec2::Zero();  ///< of everything the machine carries, m/s
     Vec2 machineTravel = Vec2::Zero();    ///< integral of it, m

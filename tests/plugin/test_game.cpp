@@ -5,6 +5,7 @@
 #include "plugin/player/dropper.h"
 #include "supercircle/contact/crossing.h"
 #include "supercircle/step/stepper.h"
+#include "tests/support/allocations.h"
 #include "tests/support/fake_host.h"
 
 #include <algorithm>
@@ -263,4 +264,26 @@ TEST_CASE("a scaled shell has the paper's proportions", "[plugin][game]") {
     CHECK(softness(big) == Approx(softness(paper)).epsilon(1e-12));
     CHECK(big.thickness / big.radius == Approx(paper.thickness / paper.radius).epsilon(1e-12));
     CHECK(big.density * big.width * big.thickness * 2.0 * M_PI * big.phi_bar * big.radius == Approx(3.0));
+}
+
+TEST_CASE("a warm frame takes nothing from the heap", "[plugin][game][!mayfail]") {
+    // Not yet: some ten to twenty small pieces a step in game quality, most of them in accept, reduce and evaluateRod.
+    if (!test::countsAllocations())
+        return;
+    const auto host = boxHost(6.0);
+    Shells shells(host);
+    shells.set_quality(Quality::Game);
+    player::Random random(7);
+    std::vector<ShellHandle> made;
+    REQUIRE(player::dropBatch(shells, dropOf(6, 6.0), 6, random, made).empty());
+    std::uint64_t most = 0;
+    for (int i = 0; i < 360; ++i) {
+        const std::uint64_t before = test::allocations();
+        const FrameReport r = shells.pre_step(kFrame);
+        if (i >= 300)
+            most = std::max(most, test::allocations() - before);
+        host->step(r.advanced);
+        shells.post_step();
+    }
+    CHECK(most == 0);
 }

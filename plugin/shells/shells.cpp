@@ -1,7 +1,6 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "plugin/shells/quality.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
@@ -59,24 +58,6 @@ Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>(
 Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
-
-Outcome Shells::set_quality(Quality quality) {
-    return impl_->change([&] {
-        if (quality != Quality::Laboratory && quality != Quality::Game)
-            return refused("a quality is Laboratory or Game");
-        const SleepSettings sleep = sleep_settings(); // is no matter of quality
-        step::Settings& s = impl_->stepper.settings();
-        s = settingsFor(quality, s.threads);
-        s.autoSleep = sleep.automatic;
-        s.sleepDrift = sleep.drift;
-        s.sleepAfter = sleep.delay;
-        impl_->recorder.record(Call::SetQuality, quality);
-        return done();
-    });
-}
-Quality Shells::quality() const {
-    return qualityOf(impl_->stepper.settings());
-}
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {

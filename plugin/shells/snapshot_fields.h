@@ -293,11 +293,11 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
-           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep,
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep,
            sleepDrift, sleepAfter, witness] = s;
     (void)threads; // belongs to the machine
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
-       contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepDrift, sleepAfter,
+       contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepDrift, sleepAfter,
        witness);
     if constexpr (Ar::kLoads) { // steps of no length would never end
         constexpr double shortest = 1e-9;

@@ -149,6 +149,7 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
             solveContacts(world, rods, options, stage);
         }
         ++world.counters.solves;
+        contactsSolved += stage.candidates.size();
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
@@ -246,6 +247,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
     crossings.clear();
+    contactsSolved = 0;
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;

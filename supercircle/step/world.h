@@ -114,12 +114,12 @@ struct Settings {
     bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
     std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
     int cappedSweeps = 40;               ///< ... this many
-    bool prune = false;      ///< leave out candidates that cannot meet within the step (prune.h): for long steps
-    int frameSolves = 0;     ///< linearisations solved per frame after which it ends early; 0: as many as it takes
-    bool autoSleep = false;  ///< islands at rest fall asleep at the end of a frame (sleep.h)
-    double sleepDrift = 0.1; ///< h, no farther may an island have come from where it was
-    double sleepAfter = 0.5; ///< s ago
-    bool witness = false;    ///< run the independent crossing check on each step; a step that crosses is cut
+    bool prune = false;          ///< leave out candidates that cannot meet within the step (prune.h): for long steps
+    std::uint64_t frameWork = 0; ///< budget of a frame (budget.h), units of about 3 us; 0: as much as it takes
+    bool autoSleep = false;      ///< islands at rest fall asleep at the end of a frame (sleep.h)
+    double sleepDrift = 0.1;     ///< h, no farther may an island have come from where it was
+    double sleepAfter = 0.5;     ///< s ago
+    bool witness = false;        ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
 /// What the steps so far took; counts only grow.

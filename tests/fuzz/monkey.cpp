@@ -197,7 +197,8 @@ private:
     }
 
     void remember(const std::string& what) {
-        last_ = (last_.size() > 300 ? last_.substr(last_.find(", ", last_.size() - 300) + 2) : last_) + ", " + what;
+        last_ = (last_.size() > 300 ? last_.substr(last_.find(", ", last_.size() - 300) + 2) : last_) + ", " + what +
+                tape_.oddOnes();
     }
 
     /// Counts a call; a refused one must not have changed the state.

@@ -4,7 +4,10 @@
 #include "plugin/include/supercircle/definitions.hpp"
 
 #include <cstdint>
+#include <cstdio>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::fuzz {
@@ -30,8 +33,13 @@ public:
                                           5e-324,
                                           1e30,
                                           1e9};
-        if (chance(odd))
-            return kOdd[byte() % (sizeof(kOdd) / sizeof(double))];
+        if (chance(odd)) {
+            const double x = kOdd[byte() % (sizeof(kOdd) / sizeof(double))];
+            char text[32];
+            std::snprintf(text, sizeof text, " %g", x);
+            odd_ += text;
+            return x;
+        }
         return low + (high - low) * (below(65536) / 65535.0);
     }
     Point point(double reach, int odd = 4) {
@@ -39,9 +47,13 @@ public:
         return {x, number(-0.2 * reach, reach, odd)};
     }
 
+    /// The numbers that are no sensible ones, given since the last time it was asked.
+    std::string oddOnes() { return std::exchange(odd_, {}); }
+
 private:
     const std::vector<std::uint8_t>& bytes_;
     std::size_t at_ = 0;
+    std::string odd_;
 };
 
 } // namespace supercircle::fuzz

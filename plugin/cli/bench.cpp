@@ -114,6 +114,7 @@ int bench(const std::string& filter, const std::string& json) {
     addScalingBenchmarks(all);
     addGameBenchmarks(all);
     addPeerBenchmarks(all);
+    addGuidePictures(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;
     bool any = false;

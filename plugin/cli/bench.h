@@ -56,6 +56,8 @@ void addScalingBenchmarks(std::vector<Benchmark>& all);
 void addGameBenchmarks(std::vector<Benchmark>& all);
 /// Shells of welded boxes beside ours, in the same scenes: only when asked for.
 void addPeerBenchmarks(std::vector<Benchmark>& all);
+/// The pictures of docs/guide.md: only when asked for.
+void addGuidePictures(std::vector<Benchmark>& all);
 /// Whole runs of the project's scenes.
 void addSceneBenchmarks(std::vector<Benchmark>& all);
 

@@ -1,5 +1,6 @@
 // Holds, grabs and forces: what acts on one shell alone.
 
+#include "plugin/shells/limits.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/loads.h"
@@ -9,8 +10,8 @@ namespace supercircle {
 
 namespace {
 
-bool finite(const DriveDef& d) {
-    return finite(d.position) && finite(d.velocity) && std::isfinite(d.angle) && std::isfinite(d.spin);
+bool possible(const DriveDef& d) {
+    return limits::place(d.position) && limits::velocity(d.velocity, d.spin) && limits::angle(d.angle);
 }
 
 /// A goal for the coming frame; its times are given by the step. What was under way before ends here.
@@ -60,8 +61,8 @@ Outcome Shells::drive(HoldHandle hold, const DriveDef& to) {
             return refused(kNoSuchPart);
         if (found.part->onMachine)
             return refused("this hold is carried by the machine: set_machine_velocity moves it");
-        if (!finite(to))
-            return refused("position, angle, velocity and spin must be finite");
+        if (!possible(to))
+            return refused("position and angle must be finite and within 1e12 (m, rad), velocity and spin within 1e9");
         step::wake(impl_->world, found.index);
         setGoal(to, *found.part);
         impl_->recorder.record(Call::DriveHold, hold, to);
@@ -115,20 +116,19 @@ Result<GrabHandle> Shells::grab(ShellHandle shell, const GrabDef& d) {
             return R::failure(kNoSuchShell);
         if (!isFraction(d.arc_fraction))
             return R::failure(kBadFraction);
-        if (!finite(d.target))
-            return R::failure("target must be finite");
-        if (!(d.frequency > 0.0) || !std::isfinite(d.frequency))
-            return R::failure("frequency must be positive and finite");
-        if (!(d.damping_ratio >= 0.0) || !std::isfinite(d.damping_ratio))
-            return R::failure("damping_ratio must be finite and not negative");
-        if (!(d.max_force >= 0.0) || !std::isfinite(d.max_force))
-            return R::failure("max_force must be finite and not negative (0: mass times 1000 m/s^2)");
+        if (!limits::place(d.target))
+            return R::failure(limits::kTooFar);
+        if (!(d.frequency > 0.0) || !(d.frequency < limits::kFastest))
+            return R::failure("frequency must be positive and below 1e9 Hz");
+        if (!(d.damping_ratio >= 0.0) || !(d.damping_ratio < limits::kFastest))
+            return R::failure("damping_ratio must not be negative, and below 1e9");
+        if (!(d.max_force >= 0.0) || !limits::impulse(impl_->rod(i).model, {d.max_force, 0.0}, 0.0))
+            return R::failure("max_force must be finite and not negative (0: mass times 1000 m/s^2), and not move the "
+                              "shell beyond all numbers");
         const double mass = impl_->rod(i).model.mass(), omega = 2.0 * M_PI * d.frequency;
         step::Grab g;
         g.stiffness = mass * omega * omega;
         g.damping = 2.0 * mass * d.damping_ratio * omega;
-        if (!std::isfinite(g.stiffness) || !std::isfinite(g.damping))
-            return R::failure("frequency or damping_ratio is too large");
         g.s = d.arc_fraction * impl_->rod(i).model.definition().length;
         g.target = vec(d.target);
         g.maxForce = d.max_force > 0.0 ? d.max_force : 1000.0 * mass;
@@ -146,8 +146,8 @@ Outcome Shells::move(GrabHandle grab, Point target) {
         const auto found = impl_->find(grab, &step::Rod::grabs);
         if (!found.part)
             return refused(kNoSuchPart);
-        if (!finite(target))
-            return refused("target must be finite");
+        if (!limits::place(target))
+            return refused(limits::kTooFar);
         if (found.part->target != vec(target))
             step::wake(impl_->world, found.index);
         found.part->target = vec(target);
@@ -177,8 +177,8 @@ Result<ForceHandle> Shells::Impl::addForce(ShellHandle shell, double arc_fractio
             return R::failure(kNoSuchShell);
         if (!isFraction(arc_fraction))
             return R::failure(kBadFraction);
-        if (!finite(force) || !std::isfinite(torque))
-            return R::failure("force and torque must be finite");
+        if (!limits::impulse(impl_->rod(i).model, force, torque))
+            return R::failure(limits::kTooStrong);
         step::wake(impl_->world, static_cast<std::size_t>(i));
         step::Rod& rod = impl_->rod(i);
         const std::uint32_t key = impl_->world.nextPart++;
@@ -198,8 +198,8 @@ Outcome Shells::set_force(ForceHandle handle, Point force, double torque) {
         const auto found = impl_->find(handle, &step::Rod::forces);
         if (!found.part)
             return refused(kNoSuchPart);
-        if (!finite(force) || !std::isfinite(torque))
-            return refused("force and torque must be finite");
+        if (!limits::impulse(found.rod->model, force, torque))
+            return refused(limits::kTooStrong);
         step::wake(impl_->world, found.index);
         found.part->force = vec(force);
         found.part->torque = torque;
@@ -228,8 +228,8 @@ Outcome Shells::apply_impulse(ShellHandle shell, double arc_fraction, Point impu
             return refused(kNoSuchShell);
         if (!isFraction(arc_fraction))
             return refused(kBadFraction);
-        if (!finite(impulse) || !std::isfinite(angular_impulse))
-            return refused("impulse and angular_impulse must be finite");
+        if (!limits::impulse(impl_->rod(i).model, impulse, angular_impulse))
+            return refused(limits::kTooStrong);
         if (impl_->rod(i).quarantined)
             return refused("the shell is quarantined: it does not move any more");
         step::kickRod(impl_->world, static_cast<std::size_t>(i), arc_fraction * impl_->rod(i).model.definition().length,

@@ -1,5 +1,6 @@
 // What is changed on living shells: place, motion, material, filter, friction of pairs, sleep.
 
+#include "plugin/shells/limits.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
 
@@ -19,8 +20,8 @@ std::string checkMaterial(const MaterialDef& m, int elements) {
     const auto positive = [](const std::optional<double>& x) { return !x || (std::isfinite(*x) && *x > 0.0); };
     if (!positive(m.young_modulus) || !positive(m.density))
         return "young_modulus and density must be positive and finite";
-    if (m.mu && (!(*m.mu >= 0.0) || !std::isfinite(*m.mu)))
-        return "mu must be finite and not negative";
+    if (m.mu && !limits::friction(*m.mu))
+        return limits::kBadFriction;
     if (!m.natural_curvature)
         return {};
     const std::size_t n = m.natural_curvature->size();
@@ -48,8 +49,8 @@ Outcome Shells::teleport(ShellHandle shell, Point position, double angle) {
         const int i = impl_->find(shell);
         if (i < 0)
             return refused(kNoSuchShell);
-        if (!finite(position) || !std::isfinite(angle))
-            return refused("position and angle must be finite");
+        if (!limits::place(position) || !limits::angle(angle))
+            return refused("position and angle must be finite and within 1e12 (m, rad)");
         if (tied(impl_->world, impl_->rod(i)))
             return refused("the shell is held or joined: release it first");
         step::moveRod(impl_->world, static_cast<std::size_t>(i), vec(position), angle);
@@ -63,9 +64,9 @@ Outcome Shells::set_velocity(ShellHandle shell, Point velocity, double spin) {
         const int i = impl_->find(shell);
         if (i < 0)
             return refused(kNoSuchShell);
-        if (!finite(velocity) || !std::isfinite(spin))
-            return refused("velocity and spin must be finite");
         const rod::RodModel& m = impl_->rod(i).model;
+        if (!limits::velocity(velocity, spin) || !limits::motion(m.definition(), velocity, spin))
+            return refused("velocity and spin must be finite, and the energy of the motion be a number");
         Eigen::VectorXd v = Eigen::VectorXd::Zero(m.dofs());
         v[m.dofX()] = velocity.x;
         v[m.dofY()] = velocity.y;
@@ -94,8 +95,9 @@ Outcome Shells::set_material(ShellHandle shell, const MaterialDef& change) {
             d.naturalCurvature.assign(d.naturalCurvature.size(), change.natural_curvature->front());
         else if (change.natural_curvature)
             d.naturalCurvature = *change.natural_curvature;
-        if (std::string why = rod::validate(d); !why.empty())
-            return refused(std::move(why));
+        for (std::string why : {rod::validate(d), limits::shell(d), limits::turns(rod.model, d.naturalCurvature)})
+            if (!why.empty())
+                return refused(std::move(why));
         if (change.mu)
             rod.mu = *change.mu;
         step::changeRod(impl_->world, static_cast<std::size_t>(i), d);
@@ -132,8 +134,8 @@ Outcome Shells::set_friction(MaterialId a, MaterialId b, double mu) {
     return impl_->change([&] {
         if (a == 0 || b == 0)
             return refused("material 0 is no particular one: give shells and bodies a material first");
-        if (!(mu >= 0.0) || !std::isfinite(mu))
-            return refused("mu must be finite and not negative");
+        if (!limits::friction(mu))
+            return refused(limits::kBadFriction);
         auto& list = impl_->world.pairFriction;
         const step::PairFriction pair = pairOf(a, b, mu);
         const auto it = placeOf(list, pair);

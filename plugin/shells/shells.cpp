@@ -1,7 +1,6 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "plugin/shells/quality.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
@@ -59,24 +58,6 @@ Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>(
 Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
-
-Outcome Shells::set_quality(Quality quality) {
-    return impl_->change([&] {
-        if (quality != Quality::Laboratory && quality != Quality::Game)
-            return refused("a quality is Laboratory or Game");
-        const SleepSettings sleep = sleep_settings(); // is no matter of quality
-        step::Settings& s = impl_->stepper.settings();
-        s = settingsFor(quality, s.threads);
-        s.autoSleep = sleep.automatic;
-        s.sleepDrift = sleep.drift;
-        s.sleepAfter = sleep.delay;
-        impl_->recorder.record(Call::SetQuality, quality);
-        return done();
-    });
-}
-Quality Shells::quality() const {
-    return qualityOf(impl_->stepper.settings());
-}
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {
@@ -169,6 +150,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     const step::Counters before = m.world.counters;
     const double start = m.world.time;
     std::uint64_t inner = 0; // steps
+    std::string thrown;
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
     m.recorder.record(Call::PreStep, dt);
     const Outcome ended = Impl::caught([&] {
@@ -177,13 +159,16 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
             ++inner;
             m.watch.afterStep(world, m.stepper, handleOf);
-            const bool stop = observer && observer();
+            // An observer that throws stops the frame in order: else the host would never get this frame's impulses.
+            const auto stop = Impl::caught([&] { return Result<bool>(observer && observer()); });
             m.watch.remember(world);
-            return stop;
+            if (!stop)
+                thrown = stop.error();
+            return !stop || *stop;
         });
         report.stopped = out.stopped;
         report.late = out.late;
-        report.failure = out.failure;
+        report.failure = out.failure.empty() ? thrown : out.failure;
         m.watch.end(m.world, handleOf);
         return done();
     });

@@ -48,6 +48,7 @@ enum class Call : std::uint8_t {
     SetSleep = 36,
     Sleep = 37,
     Wake = 38,
+    SetFrameBudget = 39,
     Count
 };
 

@@ -118,6 +118,8 @@ private:
             return with<EventSettings>(r, [&](const auto& e) { return s.set_event_settings(e); });
         case Call::SetQuality:
             return with<Quality>(r, [&](auto q) { return s.set_quality(q); });
+        case Call::SetFrameBudget:
+            return with<std::uint64_t>(r, [&](auto work) { return s.set_frame_budget(work); });
         case Call::SetSleep:
             return with<SleepSettings>(r, [&](const auto& e) { return s.set_sleep(e); });
         default:

@@ -2,6 +2,7 @@
 
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
@@ -143,7 +144,12 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
             options.maxSweeps = settings.cappedSweeps;
         }
         solveContacts(world, rods, options, stage);
+        for (int again = 0; again < 3 && boundHostRows(world, stage, dt); ++again) {
+            couple(world, rods, dt, impulses, !first, stage);
+            solveContacts(world, rods, options, stage);
+        }
         ++world.counters.solves;
+        contactsSolved += stage.candidates.size();
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
@@ -241,6 +247,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
     crossings.clear();
+    contactsSolved = 0;
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;

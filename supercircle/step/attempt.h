@@ -55,6 +55,7 @@ struct Attempt {
     std::vector<std::size_t> runaways;        ///< rods faster than sound in their own material
     bool rejectedBeforeEnd = true;            ///< the last attempt was given up before its end was looked at
     int threads = 1;                          ///< of stage.loop; 0: it is the host's
+    std::uint64_t contactsSolved = 0;         ///< of all linearisations of the last attempt together
 
     /// Solves at most settings.maxIterations linearisations; the result is left in rods and stage.
     Verdict solve(World& world, const Settings& settings, StageTimes& times,

@@ -1,6 +1,7 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
@@ -39,7 +40,7 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
         } else {
             Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
             body.force -= force;
-            const int index = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+            const int index = stage.place[static_cast<std::size_t>(k.bodyB)].block;
             if (index >= 0) {
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
@@ -75,7 +76,10 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        h.coupled |= !stage.problem.contacts.empty() && stage.bodyProblemIndex[i] >= 0;
+        if (!stage.problem.contacts.empty() && stage.place[i].block >= 0) {
+            h.coupled = true;
+            h.coupledTime += dt;
+        }
     }
     world.machineTravel += dt * world.machineVelocity;
 }
@@ -107,6 +111,7 @@ void accept(World& world, Attempt& t) {
         l.work += b.holdWork + b.loadWork;
         l.pushOut -= b.rollingWork;
     }
+    acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);
     advanceLinks(world, dt);
     world.impulses = t.impulses;

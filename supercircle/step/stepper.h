@@ -40,7 +40,7 @@ enum class Verdict : std::uint8_t;
 struct FrameOutcome {
     double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it, it was late or failed
     bool stopped = false;  ///< the observer asked to stop
-    bool late = false;     ///< Settings::frameSolves were used up
+    bool late = false;     ///< Settings::frameWork was used up
     std::string failure;   ///< empty unless the simulation cannot go on
 };
 

@@ -47,7 +47,7 @@ enum class Quality : std::uint8_t {
 struct FrameReport {
     double advanced = 0.0; ///< s; less than asked for only when stopped, late or failed
     bool late = false;     ///< Quality::Game: the frame's budget was used up; the rest of dt was not simulated
-    bool stopped = false;  ///< the observer asked to stop
+    bool stopped = false;  ///< the observer asked to stop, or threw (then failure says what)
     std::string failure;   ///< empty unless the shells could not go on
     std::uint64_t steps = 0;
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance
@@ -82,6 +82,11 @@ public:
     /// Selects the resolution of the numerics; at any time. Settings made through stepper() are replaced.
     Outcome set_quality(Quality quality);
     [[nodiscard]] Quality quality() const;
+    /// Quality::Game: work a frame may take, in contacts solved (about 3 us each, a shell counts four); 0: no limit. At
+    /// a quarter of it steps get coarser, at all of it the frame ends early (FrameReport::late). set_quality resets it.
+    Outcome set_frame_budget(std::uint64_t work);
+    /// Threads that pre_step may use, 1 to 256; the results do not depend on it.
+    Outcome set_threads(int threads);
 
     /// Puts a shell into the world. Fails with a reason on bad numbers.
     Result<ShellHandle> create(const ShellDef& definition);

@@ -118,7 +118,7 @@ std::vector<Entry> table() {
     return {
         {"set_quality(Quality)", Call::SetQuality, [](Stage& s) { return ok(s.shells.set_quality(Quality::Game)); }},
         {"set_frame_budget(uint64_t)", Call::SetFrameBudget,
-         [](Stage& s) { return ok(s.shells.set_frame_budget(1u << 30)); }},
+         [](Stage& s) { return ok(s.shells.set_frame_budget(30000)); }},
         {"create(ShellDef)", Call::Create,
          [](Stage& s) {
              s.a = s.make({-0.03, 0.05}, 0.3);
@@ -234,9 +234,9 @@ std::vector<Entry> table() {
 } // namespace
 
 TEST_CASE("every changing call of the header is in the table of the log", "[plugin][log]") {
-    std::set<std::string> declared = changingCalls(), listed{"set_threads(int)", "start_log(uint64_t)", "stop_log()",
-                                                             "replay(CallLog,function<bool(double)>)"};
-    // The first ones of the list do not change shells: the log itself, and what belongs to the machine.
+    std::set<std::string> declared = changingCalls(),
+                          listed{"set_threads(int)", // changes no result
+                                 "start_log(uint64_t)", "stop_log()", "replay(CallLog,function<bool(double)>)"};
     CHECK(declared.size() > 40); // else the header was not understood
     for (const Entry& e : table())
         listed.insert(e.declaration);

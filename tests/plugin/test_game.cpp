@@ -267,9 +267,9 @@ TEST_CASE("a scaled shell has the paper's proportions", "[plugin][game]") {
 }
 
 TEST_CASE("a warm frame takes nothing from the heap", "[plugin][game]") {
-    // At rest in a box the set of contacts is constant, so every work space has had its size. What the host takes for
-    // the outlines it hands over (one piece each) is the host's. A pile that still settles adds contacts now and then:
-    // a bound, measured 35 in Game quality.
+    // Once the pile rests its set of contacts is constant and every work space has had its size: nothing. What the host
+    // takes for the outlines it hands over (one piece each) is the host's. While the pile settles, contacts that come
+    // and go still cost a few pieces: at most 35 a frame measured in Game quality, 24 in Laboratory.
     if (!test::countsAllocations())
         return;
     struct CountingHost : FakeHost {
@@ -289,11 +289,11 @@ TEST_CASE("a warm frame takes nothing from the heap", "[plugin][game]") {
         std::vector<ShellHandle> made;
         REQUIRE(player::dropBatch(shells, dropOf(6, 6.0), 6, random, made).empty());
         std::uint64_t settling = 0, constant = 0;
-        for (int i = 0; i < 420; ++i) {
+        for (int i = 0; i < 480; ++i) {
             const std::uint64_t before = test::allocations() - host->own;
             const FrameReport r = shells.pre_step(kFrame);
             const std::uint64_t taken = test::allocations() - host->own - before;
-            std::uint64_t& most = i >= 360 ? constant : settling;
+            std::uint64_t& most = i >= 430 ? constant : settling;
             if (i >= 300)
                 most = std::max(most, taken);
             REQUIRE(r.steps > 0);
@@ -302,6 +302,6 @@ TEST_CASE("a warm frame takes nothing from the heap", "[plugin][game]") {
         }
         CHECK(shells.world().impulses.size() >= 6);
         CHECK(constant == 0);
-        CHECK(settling <= 50);
+        CHECK(settling <= 50); // an upper bound, not physics
     }
 }

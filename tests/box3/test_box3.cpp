@@ -3,14 +3,17 @@
 
 #include "bridge/box3/box3_port.h"
 
+#include <algorithm>
 #include <array>
 #include <box2d/box2d.h>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <supercircle/box2d3.hpp>
 #include <supercircle/shells.hpp>
+#include <vector>
 
 using namespace supercircle;
 
@@ -49,9 +52,9 @@ public:
         const b2Polygon shape = b2MakeBox(halfX, halfY);
         return b2CreatePolygonShape(body, &def, &shape);
     }
-    void frames(Shells& shells, int count) const {
+    void frames(Shells& shells, int count, double dt = kDt) const {
         for (int i = 0; i < count; ++i) {
-            const auto report = shells.pre_step(kDt);
+            const auto report = shells.pre_step(dt);
             INFO(report.failure);
             REQUIRE(report.failure.empty());
             b2World_Step(world, static_cast<float>(report.advanced), kSubsteps);
@@ -330,4 +333,56 @@ TEST_CASE("box3: a shell rests on chain, segment and capsule where Box2D's own b
     CAPTURE(kind);
     CHECK(std::abs(static_cast<double>(b2Body_GetPosition(ball).y) - face - 0.3) < 0.02);
     CHECK(std::abs(shells.measure(*shell)->box.lower.y - face) < 0.05 * d.thickness);
+}
+
+namespace {
+
+struct Stillness {
+    double gap = 0.0;   ///< largest, thicknesses
+    double speed = 0.0; ///< largest of any crate, m/s
+    double lift = 0.0;  ///< of the lowest crate above where the unloaded dome's top was, m; a crate lost falls far
+};
+
+/// A dome with a crate of `mass` kg, and one of `ratio` times as much on it; the last second of six.
+Stillness standing(int told, double dt, double mass, double ratio) {
+    Ground g;
+    Shells shells(box3::attach(g.world, {1.0, told}));
+    const ShellDef d = dome();
+    const auto shell = shells.create(d);
+    g.frames(shells, static_cast<int>(2.0 / dt), dt);
+    const double top = shells.measure(*shell)->box.upper.y;
+    std::vector<b2BodyId> crates;
+    for (const double m : {mass, mass * ratio})
+        if (m > 0.0) {
+            const double y = top + 0.1 + 0.2 * static_cast<double>(crates.size());
+            crates.push_back(g.body(b2_dynamicBody, 0.0F, static_cast<float>(y)));
+            Ground::box(crates.back(), 0.2F, 0.1F, m);
+        }
+    Stillness worst;
+    for (int i = 0; i < static_cast<int>(6.0 / dt); ++i) {
+        g.frames(shells, 1, dt);
+        if (i * dt < 5.0)
+            continue;
+        const double bottom = static_cast<double>(b2Body_GetWorldCenterOfMass(crates[0]).y) - 0.1;
+        worst.gap = std::max(worst.gap, std::abs(bottom - shells.measure(*shell)->box.upper.y) / d.thickness);
+        worst.lift = bottom - top;
+        for (const b2BodyId b : crates)
+            worst.speed = std::max(worst.speed, static_cast<double>(b2Length(b2Body_GetLinearVelocity(b))));
+    }
+    return worst;
+}
+
+} // namespace
+
+// tests/test_box3 '[limits]': the figures of docs/guide.md, "Box2D 3".
+TEST_CASE("box3: how still crates stand on a dome", "[.][box3][limits]") {
+    std::printf("substeps told, T, crate kg, ratio of the one on it: gap / h, speed m/s, lift m\n");
+    for (const int told : {kSubsteps, 1})
+        for (const double dt : {1.0 / 60.0, 1.0 / 240.0})
+            for (const double mass : {0.02, 0.4})
+                for (const double ratio : {0.0, 1.0, 10.0, 100.0}) {
+                    const Stillness s = standing(told, dt, mass, ratio);
+                    std::printf("%d 1/%-3.0f %5.3f %3.0f: %8.1e %8.1e %6.3f\n", told, 1.0 / dt, mass, ratio, s.gap,
+                                s.speed, s.lift);
+                }
 }

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <functional>
 
 namespace supercircle {
 
@@ -157,7 +158,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     const Outcome ended = Impl::caught([&] {
         const Inside inside(m.inside);
         m.watch.begin(m.world);
-        const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
+        const auto observe = [&](const step::World& world) {
             ++inner;
             m.watch.afterStep(world, m.stepper, handleOf);
             // An observer that throws stops the frame in order: else the host would never get this frame's impulses.
@@ -166,7 +167,9 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
             if (!stop)
                 thrown = stop.error();
             return !stop || *stop;
-        });
+        };
+        const step::FrameOutcome out = // by reference: it is too large for a function to hold without the heap
+            m.stepper.advance(m.world, dt, m.port.get(), std::cref(observe));
         report.stopped = out.stopped;
         report.late = out.late;
         report.failure = out.failure.empty() ? thrown : out.failure;

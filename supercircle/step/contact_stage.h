@@ -63,6 +63,12 @@ struct ContactStage {
     parallel::For loop;                    ///< over the threads of the settings; empty: one
     Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
+    // Scratch, kept so that a warm step takes nothing from the heap.
+    std::vector<std::uint64_t> ids; ///< sorted
+    std::vector<LoadedPoint> loadedPoints;
+    std::vector<RollingPair> rollingPairs;
+    std::vector<int> problemBodies; ///< indices into World::bodies
+    std::vector<char> marked;       ///< per World::bodies or rods
 };
 
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.

@@ -15,6 +15,7 @@ namespace {
 
 /// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
 constexpr double kMostSteps = 4096.0;
+constexpr double kShortest = 1e-12; ///< s: velocities are differences of places over it
 
 } // namespace
 
@@ -133,8 +134,8 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         report.failure = kStepping;
         return report;
     }
-    if (!(dt > 0.0) || !std::isfinite(dt)) {
-        report.failure = "pre_step: the frame must be a positive number of seconds";
+    if (!(dt >= kShortest) || !std::isfinite(dt)) {
+        report.failure = "pre_step: the frame must be a positive number of seconds, 1e-12 at least";
         m.advanced = 0.0;
         return report;
     }

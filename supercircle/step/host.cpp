@@ -197,7 +197,7 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) {
             b.state.velocity = now.velocity;
             b.state.spin = now.spin;
         }
-        port.state(b.id, h.seen);
+        (void)port.state(b.id, h.seen); // it answered above
     }
     settlePlaces(world, port, unsolved, advanced);
     world.constraints.clear(); // names the host's addresses: nothing to keep between frames

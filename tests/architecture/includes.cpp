@@ -32,6 +32,10 @@ const std::vector<Rule>& rules() {
         {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
         {"supercircle/step/", {"supercircle/"}, {"Eigen/", "tbb/"}, {}},
         {"supercircle/", {}, {"Eigen/"}, {}},
+        {"bridge/box3/", // the headers of the two Box2Ds do not go together
+         {"bridge/box3/", "bridge/include/supercircle/box2d3.hpp", "supercircle/"},
+         {"Eigen/", "box2d/"},
+         {}},
         {"bridge/", {"bridge/", "supercircle/", "plugin/include/supercircle/draw.hpp"}, {"Eigen/", "box2d/"}, {}},
         {"plugin/include/", {"plugin/include/"}, {}, {}},
         {"plugin/scene/",

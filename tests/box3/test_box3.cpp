@@ -99,8 +99,8 @@ TEST_CASE("box3: a shell dropped on a static box comes to rest on it", "[box3]")
     g.frames(shells, 600);
     const auto m = shells.measure(*shell);
     REQUIRE(m);
-    CHECK(std::abs(m->box.lower.y) < 0.01 * d.thickness); // Box2D's skin plays no part: true faces
-    CHECK(m->kinetic_energy < 1e-6 * d.density * kFall);  // of about m g R = 20 J
+    CHECK(std::abs(m->box.lower.y) < 0.01 * d.thickness);         // Box2D's skin plays no part: true faces
+    CHECK(m->kinetic_energy < 1e-6 * m->mass * kFall * d.radius); // a millionth of the fall's
 }
 
 TEST_CASE("box3: a crate stands on a dome", "[box3]") {

@@ -4,18 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 namespace supercircle::experiment {
 
 namespace {
-
-std::string shown(double v) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", v);
-    return text;
-}
 
 /// E w h^3 / 12 and E w h are stated twice where E, w and h are.
 void judgeModuli(const Specimen& s, const std::string& pointer, std::vector<Remark>& out) {

@@ -120,4 +120,7 @@ struct Experiment {
 /// Name of a protocol in the files.
 const char* name(Protocol protocol);
 
+/// Median time between rows, s; 0 with fewer than two rows.
+double medianStep(const std::vector<double>& time);
+
 } // namespace supercircle::experiment

@@ -11,15 +11,26 @@
 
 namespace supercircle::experiment {
 
-namespace {
-
-using scene::Problem;
-
 std::string shown(double v) {
     char text[32];
     std::snprintf(text, sizeof text, "%.4g", v);
     return text;
 }
+
+double medianStep(const std::vector<double>& time) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < time.size(); ++i)
+        steps.push_back(time[i] - time[i - 1]);
+    if (steps.empty())
+        return 0.0;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    return *middle;
+}
+
+namespace {
+
+using scene::Problem;
 
 /// Where a message about a row points to.
 class Place {
@@ -89,15 +100,6 @@ bool insideDrive(const std::vector<double>& time, const Run& run, Place& place) 
             return false;
         }
     return true;
-}
-
-double medianStep(const std::vector<double>& time) {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < time.size(); ++i)
-        steps.push_back(time[i] - time[i - 1]);
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
 }
 
 std::size_t missing(const std::vector<double>& values) {

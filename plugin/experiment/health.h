@@ -24,6 +24,9 @@ void judgeReadings(const Experiment& experiment, Run& run, const std::string& pa
 void judgeTracks(const Experiment& experiment, Run& run, const std::string& path,
                  std::vector<scene::Problem>& problems);
 
+/// A number in a message, to four digits.
+std::string shown(double v);
+
 /// A remark about the description, at a JSON pointer.
 struct Remark {
     std::string pointer;

@@ -19,17 +19,6 @@ constexpr double kFarthest = 1.0;    ///< s, jumps farther apart are different o
 constexpr double kRingDown = 0.3;    ///< s behind a jump in which the specimen may swing
 constexpr double kLeastNoise = 1e-9; ///< share of the largest force that stands for no noise at all
 
-double medianStep(const std::vector<double>& time) {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < time.size(); ++i)
-        steps.push_back(time[i] - time[i - 1]);
-    if (steps.empty())
-        return 0.0;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
-}
-
 double rms(const VectorXd& v, const Rows* rows = nullptr) {
     double sum = 0.0, count = 0.0;
     for (Index i = 0; i < v.size(); ++i) {
@@ -145,7 +134,7 @@ void refuseRows(const Pair& pair, const Noises& n, const RunNoise& noise, Deriva
 
 Rows awayFromJumps(const std::vector<const Observed*>& curves, const Landmarks& base, const std::vector<double>& time) {
     Rows good = Rows::Constant(static_cast<Index>(time.size()), true);
-    const double ahead = 1.5 * medianStep(time);
+    const double ahead = 1.5 * experiment::medianStep(time);
     for (const replay::Landmark& jump : base.jumps)
         markRows(good, time, jump.time - ahead, jump.time + kRingDown);
     for (const Observed* c : curves) {
@@ -207,7 +196,7 @@ Derivative derivativeOf(const Probes& p, const Observed& base, const experiment:
     q.step = p.step;
     q.oneSided = p.side != 0;
     const std::vector<const Observed*> curves = used(p);
-    judgeJumps(curves, base.landmarks, medianStep(readings.time), q);
+    judgeJumps(curves, base.landmarks, experiment::medianStep(readings.time), q);
     d.usable = noise.quiet && awayFromJumps(curves, base.landmarks, readings.time);
 
     const Pair force = differences(p, base, [](const Observed& o) -> const VectorXd& { return o.force; });

@@ -108,20 +108,20 @@ private:
             for (int k = 1; k < kNoisePoints; ++k) {
                 Job job{r, centre()};
                 for (std::size_t c = 0; c < job.values.size(); ++c) {
-                    const Column& column = model_.columns[c];
-                    const double side = room(column, 1) >= room(column, -1) ? 1.0 : -1.0;
-                    job.values[c] +=
-                        side * k * kNoiseSpacing * std::min(column.scale, std::max(room(column, 1), room(column, -1)));
+                    const double up = room(model_.columns[c], 1), down = room(model_.columns[c], -1);
+                    job.values[c] += k * kNoiseSpacing * (up >= down ? up : -down);
                 }
                 jobs.push_back(std::move(job));
             }
         const std::vector<Observed> seen = batch_.run(jobs, out);
         for (std::size_t r = 0; r < model_.runs; ++r) {
             std::vector<const Observed*> curves{&bases_[r]};
-            for (int k = 1; k < kNoisePoints; ++k)
-                if (const Observed& o = seen[r * (kNoisePoints - 1) + static_cast<std::size_t>(k) - 1];
-                    o.failure.empty())
-                    curves.push_back(&o);
+            for (int k = 1; k < kNoisePoints; ++k) {
+                const Observed& o = seen[r * (kNoisePoints - 1) + static_cast<std::size_t>(k) - 1];
+                if (!o.failure.empty())
+                    break; // what lies behind it is no longer equally spaced with what lies before
+                curves.push_back(&o);
+            }
             noise_.push_back(noiseOf(curves, bases_[r].landmarks, out.runs[r].base.readings.time));
         }
     }

@@ -5,8 +5,8 @@
 // All columns of all runs are one batch of independent simulations, spread over threads; results do not depend on how
 // many there are. Each derivative is taken twice, with a step and with half of it:
 // - the roughness of the solver (noise.h) is measured first; a step is stretched until half of it changes the readings
-//   by at least three times that, but never beyond the column's scale. Then the column is `weak`: what it does is lost
-//   in the solver's noise;
+//   by at least three times that (Settings::leastSignal), but never beyond the column's scale. Where that is not
+//   enough, the column is `weak`: what it does is lost in the solver's noise;
 // - where the two derivatives disagree and the signal allows it, the step is cut. What is left of the disagreement is
 //   in `twoStepError`;
 // - of the two the one with the smaller sum of roughness and disagreement is kept.
@@ -34,7 +34,7 @@ struct Quality {
     double markerSignal = 0.0; ///< the same of the markers
     double twoStepError = 0.0; ///< rms difference of the two derivatives beyond noise, share of the derivative's rms
     double noiseError = 0.0;   ///< rms error of the derivative from the solver's noise, share of the same
-    bool weak = false;         ///< force: signal below 3 at the longest step
+    bool weak = false;         ///< force: signal below Settings::leastSignal at `step`
     bool markersWeak = false;  ///< the same of the markers
     double jumpShift = 0.0;    ///< largest movement of a jump over the steps, samples
     bool reorders = false;     ///< a jump moves by more than a sample, or their number changes

@@ -73,14 +73,12 @@ void drawOutline(const step::Rod& rod, const DrawOptions& options, const Colour&
 
 void drawCentreLine(const step::Rod& rod, const DrawOptions& options, std::vector<Point>& points, DebugDraw& canvas) {
     const std::vector<rod::Arc>& arcs = rod.kin.arcs();
-    const rod::RodDefinition& d = rod.model.definition();
     points.assign({point(arcs.front().start)});
     for (std::size_t i = 0; i < arcs.size(); ++i) {
         addArc(arcs[i], 0.0, options.tolerance, points);
         if (!options.strain || rod.quarantined)
             continue;
-        const double strain = 0.5 * d.thickness * std::abs(arcs[i].curvature - d.naturalCurvature[i]);
-        canvas.polyline(points, strainColour(strain, options.full_strain));
+        canvas.polyline(points, strainColour(surfaceStrain(rod, static_cast<int>(i)), options.full_strain));
         points.assign({points.back()});
     }
     if (points.size() > 1)
@@ -116,7 +114,7 @@ Colour strainColour(double strain, double full) {
 Outcome Shells::draw(DebugDraw& canvas, const DrawOptions& options) const {
     if (!(options.tolerance > 0.0) || !(options.full_strain > 0.0) || !std::isfinite(options.metres_per_newton))
         return Outcome::failure("tolerance and full_strain must be positive, metres_per_newton finite");
-    try {
+    return Impl::caught([&] { // the canvas is the user's
         std::vector<Point> points;
         for (const step::Rod& rod : impl_->world.rods) {
             if (options.outlines)
@@ -129,12 +127,8 @@ Outcome Shells::draw(DebugDraw& canvas, const DrawOptions& options) const {
         }
         if (options.contacts || options.forces)
             drawContacts(impl_->world, options, canvas);
-    } catch (const std::exception& e) { // the canvas is the user's
-        return Outcome::failure(e.what());
-    } catch (...) {
-        return Outcome::failure("the canvas threw something that is not a std::exception");
-    }
-    return std::monostate{};
+        return done();
+    });
 }
 
 } // namespace supercircle

@@ -82,6 +82,8 @@ void Watch::gather(const step::World& world, const step::Stepper& stepper) {
         if (k + 1 < r.size() && r[k] > 0.0)
             loads_.push_back({pairOf(world, candidates[i]), i, r[k], std::abs(r[k + 1])});
     }
+    if (loads_.empty())
+        return;
     std::sort(loads_.begin(), loads_.end(), [](const Load& x, const Load& y) { // a stable sort would take from the heap
         return x.pair != y.pair ? x.pair < y.pair : x.contact < y.contact;
     });

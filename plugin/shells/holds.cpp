@@ -14,17 +14,6 @@ bool possible(const DriveDef& d) {
     return limits::place(d.position) && limits::velocity(d.velocity, d.spin) && limits::angle(d.angle);
 }
 
-/// A goal for the coming frame; its times are given by the step. What was under way before ends here.
-template <class Moving>
-void setGoal(const DriveDef& to, Moving& target) {
-    target.path.active = false;
-    target.path.to = vec(to.position);
-    target.path.toVelocity = vec(to.velocity);
-    target.path.toAngle = to.angle;
-    target.path.toSpin = to.spin;
-    target.pending = true;
-}
-
 } // namespace
 
 Result<HoldHandle> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind kind, bool on_machine) {

@@ -117,11 +117,7 @@ Outcome Shells::drive(JointHandle joint, const DriveDef& to) {
             return refused("only tethers to a place in the world can be driven");
         if (!limits::place(to.position) || !limits::velocity(to.velocity))
             return refused("position must be finite and within 1e12 m, velocity within 1e9 m/s");
-        l->target.path.active = false;
-        l->target.path.to = vec(to.position);
-        l->target.path.toVelocity = vec(to.velocity);
-        l->target.path.toAngle = l->target.path.toSpin = 0.0;
-        l->target.pending = true;
+        setGoal({to.position, 0.0, to.velocity, 0.0}, l->target);
         impl_->wake(*l);
         impl_->recorder.record(Call::DriveJoint, joint, to);
         return done();

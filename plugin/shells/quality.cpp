@@ -29,7 +29,7 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
 }
 
 Quality qualityOf(const step::Settings& settings) {
-    return settings.prune ? Quality::Game : Quality::Laboratory; // long steps: what only games want
+    return settings.prune ? Quality::Game : Quality::Laboratory;
 }
 
 Outcome Shells::set_quality(Quality quality) {

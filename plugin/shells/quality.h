@@ -8,7 +8,7 @@ namespace supercircle {
 
 /// Threads and sleep are kept as they were `before`.
 step::Settings settingsFor(Quality quality, const step::Settings& before);
-/// Which of them these are (a budget per frame: Game); restored snapshots bring settings along.
+/// Which of them these are, told by Settings::prune, which only Game has; restored snapshots bring settings along.
 Quality qualityOf(const step::Settings& settings);
 
 } // namespace supercircle

@@ -52,16 +52,15 @@ RayHit hitAt(const ThickCurve& curve, ShellHandle shell, const Vec2& from, const
     return hit;
 }
 
-bool boxMissed(const ThickCurve& curve, const Vec2& from, const Vec2& to) {
-    const Vec2 low = from.cwiseMin(to), high = from.cwiseMax(to);
-    return (curve.lower.array() > high.array()).any() || (low.array() > curve.upper.array()).any();
+bool apart(const Vec2& lowerA, const Vec2& upperA, const Vec2& lowerB, const Vec2& upperB) {
+    return (lowerA.array() > upperB.array()).any() || (lowerB.array() > upperA.array()).any();
 }
 
 /// Fractions at which the ray enters the body, in order.
 void entries(const ThickCurve& curve, const Vec2& from, const Vec2& to, bool firstOnly, std::vector<double>& cuts,
              std::vector<double>& out) {
     out.clear();
-    if (boxMissed(curve, from, to))
+    if (apart(curve.lower, curve.upper, from.cwiseMin(to), from.cwiseMax(to)))
         return;
     bool inside = nearestOnCentreLine(curve, from).distance <= curve.half;
     if (inside)
@@ -94,26 +93,45 @@ std::string badRay(const Point& from, const Point& to) {
     return {};
 }
 
-/// Calls visit(rod, handle, curve) for the rods the mask lets through.
+/// Calls visit(index, curve) for the rods the mask lets through and that may reach into a box. Curves are as long as
+/// their rods: no point lies farther from the middle than half the length.
 template <class Visit>
-void visitShells(const step::World& world, const std::vector<ShellHandle>& handles, QueryMask mask, Visit&& visit) {
+void visitShells(const step::World& world, QueryMask mask, const Vec2& lower, const Vec2& upper, Visit&& visit) {
     ThickCurve curve;
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
-        if ((world.rods[i].category & mask) == 0)
+        const step::Rod& rod = world.rods[i];
+        if ((rod.category & mask) == 0)
             continue;
-        thicken(world.rods[i], curve);
-        visit(handles[i], curve);
+        const rod::RodDefinition& d = rod.model.definition();
+        const Vec2 middle = rod.kin.middle();
+        const double rounding = 1e-9 * d.length + 1e-12 * middle.lpNorm<1>(); // of sums of positions
+        const Vec2 reach = Vec2::Constant(0.5 * (d.length + d.thickness) + rounding);
+        if (apart(middle - reach, middle + reach, lower, upper))
+            continue;
+        thicken(rod, curve);
+        visit(i, curve);
     }
 }
 
+/// Indices of the rods for which test(curve) holds.
 template <class Test>
-std::vector<ShellHandle> shellsWhere(const step::World& world, const std::vector<ShellHandle>& handles, QueryMask mask,
-                                     Test&& test) {
-    std::vector<ShellHandle> out;
-    visitShells(world, handles, mask, [&](ShellHandle h, const ThickCurve& curve) {
+std::vector<std::size_t> rodsWhere(const step::World& world, QueryMask mask, const Vec2& lower, const Vec2& upper,
+                                   Test&& test) {
+    std::vector<std::size_t> out;
+    visitShells(world, mask, lower, upper, [&](std::size_t i, const ThickCurve& curve) {
         if (test(curve))
-            out.push_back(h);
+            out.push_back(i);
     });
+    return out;
+}
+
+std::vector<ShellHandle> handlesOf(const Shells& shells, const std::vector<std::size_t>& rods) {
+    std::vector<ShellHandle> out;
+    if (rods.empty())
+        return out;
+    const std::vector<ShellHandle> all = shells.list();
+    for (const std::size_t i : rods)
+        out.push_back(all[i]);
     return out;
 }
 
@@ -179,12 +197,18 @@ Result<RayHit> Shells::ray_cast(Point from, Point to, QueryMask mask) const {
     const Vec2 a = vec(from), b = vec(to);
     std::vector<double> cuts, in;
     std::optional<RayHit> best;
-    visitShells(impl_->world, list(), mask, [&](ShellHandle h, const ThickCurve& curve) {
+    std::size_t who = 0;
+    visitShells(impl_->world, mask, a.cwiseMin(b), a.cwiseMax(b), [&](std::size_t i, const ThickCurve& curve) {
         entries(curve, a, b, true, cuts, in);
-        if (!in.empty() && (!best || in.front() < best->fraction))
-            best = hitAt(curve, h, a, b, in.front());
+        if (in.empty() || (best && in.front() >= best->fraction))
+            return;
+        best = hitAt(curve, {}, a, b, in.front());
+        who = i;
     });
-    return best ? Result<RayHit>(*best) : Result<RayHit>::failure("the ray meets no shell");
+    if (!best)
+        return Result<RayHit>::failure("the ray meets no shell");
+    best->shell = impl_->handleOf(impl_->world.rods[who].key);
+    return Result<RayHit>(*best);
 }
 
 Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask mask) const {
@@ -194,8 +218,9 @@ Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask
     const Vec2 a = vec(from), b = vec(to);
     std::vector<double> cuts, in;
     Hits hits;
-    visitShells(impl_->world, list(), mask, [&](ShellHandle h, const ThickCurve& curve) {
+    visitShells(impl_->world, mask, a.cwiseMin(b), a.cwiseMax(b), [&](std::size_t i, const ThickCurve& curve) {
         entries(curve, a, b, false, cuts, in);
+        const ShellHandle h = in.empty() ? ShellHandle{} : impl_->handleOf(impl_->world.rods[i].key);
         for (const double t : in)
             hits.push_back(hitAt(curve, h, a, b, t));
     });
@@ -212,20 +237,20 @@ Result<std::vector<ShellHandle>> Shells::overlap_box(const Box& box, QueryMask m
     using Handles = std::vector<ShellHandle>;
     if (!usable(box.lower) || !usable(box.upper) || box.lower.x > box.upper.x || box.lower.y > box.upper.y)
         return Result<Handles>::failure("the box must be finite, its lower corner below and left of its upper one");
-    return shellsWhere(impl_->world, list(), mask,
-                       [&](const ThickCurve& curve) { return meetsBox(curve, vec(box.lower), vec(box.upper)); });
+    const Vec2 lower = vec(box.lower), upper = vec(box.upper);
+    return handlesOf(*this, rodsWhere(impl_->world, mask, lower, upper,
+                                      [&](const ThickCurve& curve) { return meetsBox(curve, lower, upper); }));
 }
 
 Result<std::vector<ShellHandle>> Shells::overlap_circle(Point centre, double radius, QueryMask mask) const {
     using Handles = std::vector<ShellHandle>;
     if (!usable(centre) || !(radius >= 0.0) || !(radius < kFarthest))
         return Result<Handles>::failure("centre and radius must be finite, the radius not negative");
-    const Vec2 p = vec(centre);
-    return shellsWhere(impl_->world, list(), mask, [&](const ThickCurve& curve) {
-        const Vec2 r = Vec2::Constant(radius);
-        return ((p + r).array() >= curve.lower.array()).all() && ((p - r).array() <= curve.upper.array()).all() &&
+    const Vec2 p = vec(centre), lower = p - Vec2::Constant(radius), upper = p + Vec2::Constant(radius);
+    return handlesOf(*this, rodsWhere(impl_->world, mask, lower, upper, [&](const ThickCurve& curve) {
+        return !apart(curve.lower, curve.upper, lower, upper) &&
                nearestOnCentreLine(curve, p).distance <= curve.half + radius;
-    });
+    }));
 }
 
 Result<NearestPoint> Shells::nearest(ShellHandle shell, Point to) const {
@@ -244,16 +269,23 @@ Result<NearestPoint> Shells::nearest(Point to, double farthest, QueryMask mask) 
         return Result<NearestPoint>::failure("the point must be finite and the distance not negative");
     const Vec2 p = vec(to);
     std::optional<NearestPoint> best;
-    visitShells(impl_->world, list(), mask, [&](ShellHandle h, const ThickCurve& curve) {
+    std::size_t who = 0;
+    const Vec2 far = Vec2::Constant(farthest);
+    visitShells(impl_->world, mask, p - far, p + far, [&](std::size_t i, const ThickCurve& curve) {
         const Vec2 outside = (curve.lower - p).cwiseMax(p - curve.upper).cwiseMax(Vec2::Zero());
         const double limit = best ? std::max(best->distance, 0.0) : farthest;
         if (outside.norm() > limit)
             return;
-        const NearestPoint n = nearestOf(curve, h, p);
-        if (n.distance <= farthest && (!best || n.distance < best->distance))
-            best = n;
+        const NearestPoint n = nearestOf(curve, {}, p);
+        if (n.distance > farthest || (best && n.distance >= best->distance))
+            return;
+        best = n;
+        who = i;
     });
-    return best ? Result<NearestPoint>(*best) : Result<NearestPoint>::failure("no shell is that near");
+    if (!best)
+        return Result<NearestPoint>::failure("no shell is that near");
+    best->shell = impl_->handleOf(impl_->world.rods[who].key);
+    return Result<NearestPoint>(*best);
 }
 
 Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) const {
@@ -283,7 +315,7 @@ Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) con
     out.natural_curvature = d.naturalCurvature[static_cast<std::size_t>(element)];
     const double bent = out.curvature - out.natural_curvature;
     out.bending_moment = d.bendingModulus * bent;
-    out.surface_strain = 0.5 * d.thickness * std::abs(bent);
+    out.surface_strain = surfaceStrain(rod, element);
     out.energy_density = 0.5 * d.bendingModulus * bent * bent;
     return out;
 }
@@ -309,10 +341,7 @@ Result<ShellMeasures> Shells::measure(ShellHandle shell) const {
     out.kinetic_energy = rod::kineticEnergy(rod.gauss, rod.u);
     out.stored_energy = rod::bendingEnergy(rod.model, rod.q);
     for (int e = 0; e < rod.model.elements(); ++e)
-        out.max_surface_strain =
-            std::max(out.max_surface_strain,
-                     0.5 * d.thickness *
-                         std::abs(rod.q[rod.model.dofOfElement(e)] - d.naturalCurvature[static_cast<std::size_t>(e)]));
+        out.max_surface_strain = std::max(out.max_surface_strain, surfaceStrain(rod, e));
     ThickCurve curve;
     thicken(rod, curve);
     Vec2 lower, upper;

@@ -154,7 +154,6 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     std::uint64_t inner = 0; // steps
     std::string thrown;
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
-    m.recorder.record(Call::PreStep, dt);
     const Outcome ended = Impl::caught([&] {
         const Inside inside(m.inside);
         m.watch.begin(m.world);
@@ -178,6 +177,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     });
     if (!ended)
         report.failure = ended.error();
+    m.recorder.record(Call::PreStep, dt); // both here: a log taken by the observer has no frame without an end
     m.recorder.record(Call::FrameEnd, inner, report.stopped);
     report.advanced = m.world.time - start;
     m.advanced = report.advanced;

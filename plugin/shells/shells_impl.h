@@ -26,8 +26,7 @@ struct Shells::Impl {
     step::World world;
     step::Stepper stepper{step::Settings{}};
     std::vector<Slot> slots;
-    double advanced = 0.0; ///< s, by the last pre_step
-    Quality quality = Quality::Laboratory;
+    double advanced = 0.0;         ///< s, by the last pre_step
     std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
     bool inside = false;           ///< in a pre_step: nothing may be changed
     Watch watch;
@@ -69,7 +68,7 @@ struct Shells::Impl {
     /// Wakes the rods of a link.
     void wake(const step::Link& link);
 
-    /// Runs a changing call: refused while the shells are being stepped; what the host throws becomes the failure.
+    /// Runs a changing call: refused while the shells are being stepped; what is thrown becomes the failure.
     template <class Call>
     auto change(Call call) -> decltype(call()) {
         using R = decltype(call());
@@ -77,6 +76,7 @@ struct Shells::Impl {
             return R::failure(kStepping);
         return caught(call);
     }
+    /// What the host, the canvas or a standard container throws becomes the failure.
     template <class Call>
     static auto caught(Call call) -> decltype(call()) {
         using R = decltype(call());
@@ -87,7 +87,7 @@ struct Shells::Impl {
         } catch (const std::exception& e) {
             return R::failure(e.what());
         } catch (...) {
-            return R::failure("the host threw something that is no std::exception");
+            return R::failure("something was thrown that is no std::exception");
         }
     }
 };
@@ -112,6 +112,23 @@ inline step::Vec2 vec(const Point& p) {
 }
 inline Point point(const step::Vec2& v) {
     return {v.x(), v.y()};
+}
+/// Strain of an element's surfaces by bending, 1.
+inline double surfaceStrain(const step::Rod& rod, int element) {
+    const rod::RodDefinition& d = rod.model.definition();
+    return 0.5 * d.thickness *
+           std::abs(rod.q[rod.model.dofOfElement(element)] - d.naturalCurvature[static_cast<std::size_t>(element)]);
+}
+/// A goal for the coming frame, to a hold or to the far end of a tether; its times are given by the step. What was
+/// under way before ends here.
+template <class Moving>
+void setGoal(const DriveDef& to, Moving& target) {
+    target.path.active = false;
+    target.path.to = vec(to.position);
+    target.path.toVelocity = vec(to.velocity);
+    target.path.toAngle = to.angle;
+    target.path.toSpin = to.spin;
+    target.pending = true;
 }
 inline const char* const kBadFraction = "arc_fraction must lie between 0 and 1";
 

@@ -158,40 +158,36 @@ std::uint64_t Shells::hash() const {
 }
 
 Outcome Shells::restore(const Snapshot& snapshot) {
-    if (impl_->inside)
-        return refused(kStepping);
-    archive::State state;
-    try {
+    return impl_->change([&] {
+        archive::State state;
         if (std::string why = parse(snapshot.bytes_, state); !why.empty())
-            return Outcome::failure(std::move(why));
-    } catch (const std::exception& e) {
-        return Outcome::failure(std::string("restore: ") + e.what());
-    }
-    Impl& m = *impl_;
-    const int threads = m.stepper.settings().threads;
-    const bool ours = snapshot.origin_ == m.tag;
-    std::vector<Slot> slots = std::move(state.slots);
-    if (!ours) { // a new name for the world makes every handle given out so far stale
-        m.tag = Impl::nextTag();
-        m.slots.clear();
-    }
-    slots.resize(std::max(slots.size(), m.slots.size()));
-    for (std::size_t i = 0; i < slots.size(); ++i) // none given out since the snapshot is given out again
-        slots[i].highest = std::max(slots[i].generation, i < m.slots.size() ? m.slots[i].highest : 0);
-    if (ours)
-        state.world.nextPart = std::max(state.world.nextPart, m.world.nextPart);
-    for (TouchState& t : state.watched.touching)
-        for (ShellHandle* h : {&t.last.a, &t.last.b})
-            h->world = h->null() ? 0 : m.tag;
-    m.slots = std::move(slots);
-    m.advanced = state.advanced;
-    m.world = std::move(state.world);
-    m.stepper.settings() = state.settings;
-    m.stepper.settings().threads = threads;
-    m.watch.state = std::move(state.watched);
-    m.watch.events = {};
-    m.recorder.record(Call::Restore, snapshot.bytes_, m.tag);
-    return std::monostate{};
+            return refused(std::move(why));
+        Impl& m = *impl_;
+        const int threads = m.stepper.settings().threads;
+        const bool ours = snapshot.origin_ == m.tag;
+        std::vector<Slot> slots = std::move(state.slots);
+        if (!ours) { // a new name for the world makes every handle given out so far stale
+            m.tag = Impl::nextTag();
+            m.slots.clear();
+        }
+        slots.resize(std::max(slots.size(), m.slots.size()));
+        for (std::size_t i = 0; i < slots.size(); ++i) // none given out since the snapshot is given out again
+            slots[i].highest = std::max(slots[i].generation, i < m.slots.size() ? m.slots[i].highest : 0);
+        if (ours)
+            state.world.nextPart = std::max(state.world.nextPart, m.world.nextPart);
+        for (TouchState& t : state.watched.touching)
+            for (ShellHandle* h : {&t.last.a, &t.last.b})
+                h->world = h->null() ? 0 : m.tag;
+        m.slots = std::move(slots);
+        m.advanced = state.advanced;
+        m.world = std::move(state.world);
+        m.stepper.settings() = state.settings;
+        m.stepper.settings().threads = threads;
+        m.watch.state = std::move(state.watched);
+        m.watch.events = {};
+        m.recorder.record(Call::Restore, snapshot.bytes_, m.tag);
+        return done();
+    });
 }
 
 Result<CallLog> CallLog::from_bytes(std::vector<std::uint8_t> bytes) {

@@ -221,7 +221,8 @@ struct Kind {
     char name[9]; ///< eight characters
     std::uint32_t version;
 };
-/// Content with a header: name, version, size, checksum.
+constexpr std::size_t kHeader = 8 + 4 + 8 + 8; ///< bytes of name, version, size and checksum
+/// Content with a header.
 std::vector<std::uint8_t> wrap(const Kind& kind, const std::vector<std::uint8_t>& content);
 /// Where the content begins; empty `fault` when header, size and checksum are in order.
 std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std::string& fault);

@@ -1,7 +1,7 @@
 #pragma once
 // The fields of everything that is saved (private to shells/). Structured bindings name every member of a struct: who
 // adds a member and forgets it here gets a compiler error ("decomposes into n elements"), not a state that is lost. A
-// new field changes the format: raise kStateVersion in snapshot.cpp.
+// new field changes the format: raise the version in kStateKind (snapshot.cpp).
 
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_archive.h"

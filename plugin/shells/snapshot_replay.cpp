@@ -242,14 +242,11 @@ private:
 } // namespace
 
 Outcome Shells::replay(const CallLog& log, const std::function<bool(double)>& host_step) {
-    if (impl_->inside)
-        return refused(kStepping);
-    const Result<CallLog> checked = CallLog::from_bytes(log.bytes()); // also of one that was never filled
-    if (!checked)
-        return refused(checked.error());
-    return Impl::caught([&] { // what the host throws, too
-        constexpr std::size_t kHeader = 8 + 4 + 8 + 8;
-        Loader in(log.bytes().data() + kHeader, log.bytes().size() - kHeader);
+    return impl_->change([&] {
+        const Result<CallLog> checked = CallLog::from_bytes(log.bytes()); // also of one that was never filled
+        if (!checked)
+            return refused(checked.error());
+        Loader in(log.bytes().data() + archive::kHeader, log.bytes().size() - archive::kHeader);
         std::uint64_t seed = 0;
         in(seed);
         std::vector<Record> records;

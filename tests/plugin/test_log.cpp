@@ -310,6 +310,34 @@ TEST_CASE("a restored state with joints to bodies goes on as if nothing had happ
     CHECK(fresh.hash() == end);
 }
 
+TEST_CASE("a log taken or ended by an observer has no frame without an end", "[plugin][log]") {
+    Stage s;
+    s.a = s.make({-0.03, 0.05}, 0.3);
+    const auto bodies = s.host->bodies;
+    REQUIRE(s.shells.start_log());
+    s.frames(2);
+    const std::uint64_t before = s.shells.hash();
+    CallLog taken;
+    REQUIRE(s.shells
+                .pre_step(1e-3,
+                          [&] {
+                              taken = s.shells.log();
+                              s.shells.stop_log();
+                              return false;
+                          })
+                .failure.empty());
+    CHECK(taken.frames() == 2);
+    CHECK(s.shells.log().frames() == 2);
+    auto host = tumbleHost();
+    host->bodies = bodies;
+    Shells other(host);
+    REQUIRE(other.replay(taken, [&](double advanced) {
+        host->step(advanced);
+        return true;
+    }));
+    CHECK(other.hash() == before);
+}
+
 TEST_CASE("an observer that throws stops its frame in order", "[plugin][log]") {
     Stage s;
     s.a = s.make({-0.03, 0.05}, 0.3);

@@ -5,6 +5,7 @@
 #include "tests/plugin/play.h"
 #include "tests/support/tumble.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <random>
@@ -263,6 +264,52 @@ TEST_CASE("of several shells the nearest, the first hit, and those the mask lets
     CHECK(shells.nearest({0.19, 0.1}, 1.0, 0x9)->shell == made[3]);
     CHECK_FALSE(shells.nearest({0.19, 0.1}, 0.01));
     CHECK(*shells.overlap_circle({0.1, 0.0}, 0.09) == std::vector<ShellHandle>{made[0], made[1], made[2]});
+}
+
+TEST_CASE("shells left out because they are far away are far away", "[plugin][queries]") {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    Shells shells(nullptr);
+    std::vector<ShellHandle> made;
+    for (int i = 0; i < 40; ++i) {
+        ShellDef d = crooked(random, 5 + i % 4);
+        d.position = {unit(random), unit(random)};
+        if (i % 5 == 0) // straight ones reach as far as their length allows
+            d.curvature.assign(static_cast<std::size_t>(d.elements), 0.0);
+        made.push_back(*shells.create(d));
+    }
+    for (int i = 0; i < 300; ++i) {
+        const Point p{1.2 * unit(random), 1.2 * unit(random)}, to{1.2 * unit(random), 1.2 * unit(random)};
+        const double radius = 0.3 * std::abs(unit(random));
+        double nearest = kInf;
+        std::vector<ShellHandle> near;
+        for (const ShellHandle& h : made) { // one by one: none is left out
+            const double d = shells.nearest(h, p)->distance;
+            nearest = std::min(nearest, d);
+            if (d <= radius)
+                near.push_back(h);
+        }
+        REQUIRE(shells.nearest(p)->distance == nearest);
+        REQUIRE(*shells.overlap_circle(p, radius) == near);
+        REQUIRE(static_cast<bool>(shells.nearest(p, radius)) == !near.empty());
+        const double side = radius * std::sqrt(0.5); // a box inside the disc, and one around it
+        const auto within = shells.overlap_box({{p.x - side, p.y - side}, {p.x + side, p.y + side}});
+        for (const ShellHandle& h : *within)
+            REQUIRE(std::count(near.begin(), near.end(), h) == 1);
+        const auto around = shells.overlap_box({{p.x - radius, p.y - radius}, {p.x + radius, p.y + radius}});
+        for (const ShellHandle& h : near)
+            REQUIRE(std::count(around->begin(), around->end(), h) == 1);
+        const auto hit = shells.ray_cast(p, to);
+        const double length = std::hypot(to.x - p.x, to.y - p.y);
+        if (nearest < 0.0) { // the ray begins within a shell
+            REQUIRE(hit->fraction == 0.0);
+            continue;
+        }
+        for (int k = 0; k <= 50; ++k) { // nothing of a shell lies on the way to the first hit
+            const double t = (hit ? hit->fraction : 1.0) * k / 50.0;
+            REQUIRE(shells.nearest({p.x + t * (to.x - p.x), p.y + t * (to.y - p.y)})->distance >= -1e-9 * length);
+        }
+    }
 }
 
 TEST_CASE("bad questions are answered by reasons", "[plugin][queries]") {

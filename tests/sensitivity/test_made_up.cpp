@@ -128,6 +128,20 @@ TEST_CASE("the noise of a rough simulator is measured and stays out of the deriv
     CHECK(run.quality[2].step == Approx(0.1)); // although the whole scale was tried
 }
 
+TEST_CASE("a simulation that fails among those that measure the noise leaves no gap in them", "[sensitivity]") {
+    Model m = smooth(0.0);
+    m.simulate = [whole = m.simulate](std::size_t run, const std::vector<double>& v, const replay::Options& options) {
+        replay::Simulated s = whole(run, v, options);
+        if (std::abs(v[0] - 2.01) < 1e-6) // the fifth of seven
+            s.failure = "not here";
+        return s;
+    };
+    const experiment::Experiment e = machine();
+    const Sensitivities s = sensitivity::differentiate(m, e, {});
+    REQUIRE(s.failure.empty());
+    CHECK(s.runs[0].forceNoiseRms < 1e-8); // round-off; unequal spacing would make 1e-6 of b^2
+}
+
 TEST_CASE("roughness of pure noise is its standard deviation, of a parabola nothing", "[sensitivity]") {
     std::vector<double> noise, parabola;
     for (int i = 0; i < 4000; ++i) {

@@ -1,7 +1,8 @@
 #pragma once
 // What happened during the last pre_step. Nothing is called back while the shells are solved: read Shells::events()
-// afterwards. Every list is in the order of time; what falls on one inner step is in the order of creation of the
-// shells. The same input gives the same events, bit for bit, whatever the number of threads.
+// afterwards. Every list is in the order of time, except `impulses`, which is in the order of the pairs; what falls on
+// one inner step is in the order of creation of the shells (of pairs: of `a`, then of `b`, bodies first by their ids).
+// The same input gives the same events, bit for bit, whatever the number of threads.
 
 #include "definitions.hpp"
 #include "handle.hpp"
@@ -67,10 +68,11 @@ struct SnapEndEvent {
     double kinetic_peak = 0.0;    ///< largest kinetic energy of the shell on the way, J
 };
 
-/// A shell was taken out of the motion because its numbers were not finite: it stays where it was last good, neither
-/// moves nor collides any more, and can still be asked and destroyed.
+/// A shell was taken out of the motion: its numbers were not finite, or even the smallest step would have moved it
+/// faster than sound in its material or curled an element up beyond all bounds (shells put deep into each other do). It
+/// stays where it was last good, neither moves nor collides any more, and can still be asked, teleported and destroyed.
 struct QuarantineEvent {
-    double time = 0.0; ///< s
+    double time = 0.0; ///< end of the frame in which it happened, s
     ShellHandle shell{};
 };
 
@@ -78,7 +80,7 @@ struct QuarantineEvent {
 struct FrameEvents {
     std::vector<ContactBeginEvent> contact_begin;
     std::vector<ContactEndEvent> contact_end;
-    std::vector<ImpulseEvent> impulses; ///< in the order of the pairs
+    std::vector<ImpulseEvent> impulses; ///< in the order of the pairs, one each
     std::vector<SnapBeginEvent> snap_begin;
     std::vector<SnapEndEvent> snap_end;
     std::vector<QuarantineEvent> quarantined;

@@ -84,6 +84,7 @@ public:
     [[nodiscard]] Quality quality() const;
     /// Quality::Game: work a frame may take, in contacts solved (about 3 us each, a shell counts four); 0: no limit. At
     /// a quarter of it steps get coarser, at all of it the frame ends early (FrameReport::late). set_quality resets it.
+    /// Refused in Quality::Laboratory.
     Outcome set_frame_budget(std::uint64_t work);
     /// Threads that pre_step may use, 1 to 256; the results do not depend on it.
     Outcome set_threads(int threads);
@@ -237,7 +238,8 @@ public:
     /// is empty or does not fit together, and from within an observer.
     Outcome restore(const Snapshot& snapshot);
     /// Of all that decides the future of the shells, on every machine the same: equal states, equal hashes. Not in it:
-    /// counters of the numerics, handles, names and user data.
+    /// counters of the numerics, handles, names and user data. Of states between frames: what is left of a frame under
+    /// way is neither in it nor in a Snapshot.
     [[nodiscard]] std::uint64_t hash() const;
 
     /// Forgets what was logged and logs every changing call from now on; `seed` is the user's own.

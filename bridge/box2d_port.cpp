@@ -10,6 +10,7 @@
 #include "bridge/constraints.h"
 #include "bridge/outlines.h"
 #include "bridge/rigid_check.h"
+#include "bridge/units.h"
 
 #include <algorithm>
 #include <box2d/box2d.h>
@@ -48,10 +49,6 @@ struct Deferred {
     Vec2 centre = Vec2::Zero();
     double angle = 0.0;
 };
-
-b2Vec2 toHost(const Vec2& v, double scale) {
-    return {static_cast<float>(v.x() * scale), static_cast<float>(v.y() * scale)};
-}
 
 Vec2 toSi(const b2Vec2& v, double scale) {
     return {static_cast<double>(v.x) / scale, static_cast<double>(v.y) / scale};

@@ -45,7 +45,8 @@ public:
     /// single edges are joined to theirs.
     void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override;
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
-    /// Contacts as Box2D's last step left them; gear joints are left out (bridge/constraints.h).
+    /// Contacts by the manifolds of the present poses (those the coming step will find) with the impulses of the last
+    /// step; gear joints are left out (bridge/constraints.h).
     void constraints(const std::vector<step::BodyId>& seeds, double dt, step::HostConstraints& out) const override;
     void impulses(double dt, step::HostConstraints& io) const override;
     void applyImpulse(step::BodyId body, const step::Vec2& impulse, double angularImpulse) override;

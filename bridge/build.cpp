@@ -1,5 +1,7 @@
 #include "bridge/build.h"
 
+#include "bridge/units.h"
+
 #include <box2d/box2d.h>
 
 namespace supercircle::bridge {
@@ -17,9 +19,6 @@ using step::Vec2;
 
 float toFloat(double v) {
     return static_cast<float>(v);
-}
-b2Vec2 toHost(const Vec2& v, double scale) {
-    return {toFloat(v.x() * scale), toFloat(v.y() * scale)};
 }
 
 /// A chain that is solid from both sides is a row of Box2D's two-sided edges.

@@ -1,15 +1,13 @@
 #include "bridge/debug_draw.h"
 
+#include "bridge/units.h"
+
 #include <box2d/box2d.h>
 #include <cmath>
 
 namespace supercircle::bridge {
 
 namespace {
-
-b2Vec2 toHost(const Point& p, double scale) {
-    return {static_cast<float>(p.x * scale), static_cast<float>(p.y * scale)};
-}
 
 b2Color toHost(const Colour& c) {
     return {c.red, c.green, c.blue, c.alpha};

@@ -3,6 +3,8 @@
 
 #include "bridge/include/supercircle/box2d_proxies.hpp"
 
+#include "bridge/units.h"
+
 #include <algorithm>
 #include <box2d/box2d.h>
 #include <cmath>
@@ -12,10 +14,6 @@ namespace supercircle::bridge {
 namespace {
 
 constexpr double kFarthest = 1e7; ///< Box2D units, as in the port: beyond it floats mean little
-
-b2Vec2 toHost(const Point& p, double scale) {
-    return {static_cast<float>(p.x * scale), static_cast<float>(p.y * scale)};
-}
 
 bool fits(const std::vector<Point>& points, double scale) {
     return std::all_of(points.begin(), points.end(), [&](const Point& p) {
@@ -74,7 +72,7 @@ void ShellProxies::begin() {
 }
 
 bool ShellProxies::end() {
-    if (world_ == nullptr || world_->IsLocked())
+    if (world_->IsLocked())
         return false;
     while (bodies_.size() > outlines_.size()) {
         world_->DestroyBody(bodies_.back());
@@ -102,7 +100,7 @@ std::size_t ShellProxies::outline_of(const b2Fixture& fixture) const {
 }
 
 void ShellProxies::release() {
-    if (world_ == nullptr || world_->IsLocked())
+    if (bodies_.empty() || world_->IsLocked()) // with no bodies the world may be gone
         return;
     for (b2Body* b : bodies_)
         world_->DestroyBody(b);

@@ -53,6 +53,7 @@ struct Outline {
     std::uint32_t category = 1;
     std::uint32_t mask = 0xffffffffu;
     std::int32_t group = 0;
+    bool operator==(const Outline&) const = default;
 };
 
 } // namespace supercircle::contact

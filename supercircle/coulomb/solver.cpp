@@ -139,7 +139,7 @@ bool Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
         turn.arrived = outcome == Path::Outcome::Solved || outcome == Path::Outcome::Stalled;
     };
     if (together)
-        loop(count, run);
+        parallel::forEach(loop, count, 1, run);
     PathCounts counts;
     bool arrived = true;
     for (std::size_t i = 0; i < count; ++i) {

@@ -25,14 +25,6 @@ Box reach(const World& world, double frame) {
     return box;
 }
 
-bool sameOutlines(const std::vector<BodyOutline>& a, const std::vector<BodyOutline>& b) {
-    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
-               return x.body == y.body && x.local.key == y.local.key && x.friction == y.friction &&
-                      x.local.points == y.local.points && x.local.category == y.local.category &&
-                      x.local.mask == y.local.mask && x.local.group == y.local.group;
-           });
-}
-
 /// What the copy `old` of the last frame still knows about a body whose original is now in the state `b.state`.
 void takeUp(const Body& old, double frame, Body& b) {
     const BodyState &now = b.state, &seen = old.handover.seen;
@@ -68,14 +60,13 @@ void readBodies(const World& world, const Port& port, const std::vector<BodyId>&
             continue;
         b.driven = std::find(world.machineBodies.begin(), world.machineBodies.end(), id) != world.machineBodies.end();
         b.dynamic = b.state.mass > 0.0 && b.state.enabled && !b.driven;
-        const auto old = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
-                                          [](const Body& x, BodyId want) { return x.id < want; });
-        if (old != world.bodies.end() && old->id == id) {
-            if (b.driven && old->driven)
-                b.state = old->state;
-            b.force = old->force;
-            if (b.dynamic && old->handover.known)
-                takeUp(*old, frame, b);
+        if (const int index = bodyIndex(world, id); index >= 0) {
+            const Body& old = world.bodies[static_cast<std::size_t>(index)];
+            if (b.driven && old.driven)
+                b.state = old.state;
+            b.force = old.force;
+            if (b.dynamic && old.handover.known)
+                takeUp(old, frame, b);
         }
         bodies.push_back(b);
     }
@@ -126,7 +117,7 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
         return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
     wakeByHost(world, bodies, outlines, frame);
-    if (!sameOutlines(outlines, world.outlines) || !samePoses(bodies, world.bodies))
+    if (outlines != world.outlines || !samePoses(bodies, world.bodies))
         world.range.clear();             // candidates refer to outlines by index and to poses
     std::swap(world.outlines, outlines); // the storage of the last frame serves the next one
     std::swap(world.bodies, bodies);

@@ -35,6 +35,7 @@ struct BodyOutline {
     contact::Outline local; ///< `body`, `motion` unused here; `key` is stable for this body, fixture and child
     BodyId body = 0;
     double friction = 0.0; ///< of the fixture, 1; mixed with the shell's by sqrt(mu_a mu_b) unless a pair is set
+    bool operator==(const BodyOutline&) const = default;
 };
 
 struct Box {

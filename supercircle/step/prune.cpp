@@ -26,15 +26,21 @@ Vec2 velocityAt(const Rod& rod, const contact::RodPoint& at) {
            share * rod.u[first + static_cast<std::size_t>(k) + 1];
 }
 
+/// The same with what gravity adds within the step; of sleepers and other frozen rods nothing.
+Vec2 velocityOf(const World& world, const contact::RodPoint& at, const Vec2& fall) {
+    const Rod& rod = world.rods[static_cast<std::size_t>(at.rod)];
+    return rod.frozen() ? Vec2(Vec2::Zero()) : Vec2(velocityAt(rod, at) + fall);
+}
+
 /// Of a point of a body's surface; a body that disappeared stands still.
 Vec2 velocityOf(const World& world, const contact::Candidate& c, double dt) {
     const BodyId id = world.outlines[static_cast<std::size_t>(c.outline)].body;
-    const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
-                                     [](const Body& b, BodyId want) { return b.id < want; });
-    if (it == world.bodies.end() || it->id != id)
+    const int index = bodyIndex(world, id);
+    if (index < 0)
         return Vec2::Zero();
-    const Vec2 fall = it->dynamic ? Vec2(dt * it->state.gravityScale * world.gravity) : Vec2::Zero();
-    return it->state.velocity + fall + it->state.spin * rod::perp(c.pointB - it->state.centre);
+    const Body& body = world.bodies[static_cast<std::size_t>(index)];
+    const Vec2 fall = body.dynamic ? Vec2(dt * body.state.gravityScale * world.gravity) : Vec2::Zero();
+    return body.state.velocity + fall + body.state.spin * rod::perp(c.pointB - body.state.centre);
 }
 
 } // namespace
@@ -44,9 +50,8 @@ void prune(const World& world, double dt, double slack, const std::vector<contac
     kept.clear();
     const Vec2 fall = dt * world.gravity;
     for (const contact::Candidate& c : all) {
-        const Vec2 a = velocityAt(world.rods[static_cast<std::size_t>(c.a.rod)], c.a) + fall;
-        const Vec2 b = c.b.rod >= 0 ? Vec2(velocityAt(world.rods[static_cast<std::size_t>(c.b.rod)], c.b) + fall)
-                                    : velocityOf(world, c, dt);
+        const Vec2 a = velocityOf(world, c.a, fall);
+        const Vec2 b = c.b.rod >= 0 ? velocityOf(world, c.b, fall) : velocityOf(world, c, dt);
         const Vec2 relative = a - b;
         // Approach along the normal, and what the normal may turn into on the way.
         const double approach = dt * (std::max(0.0, -c.normal.dot(relative)) + 0.25 * relative.norm());

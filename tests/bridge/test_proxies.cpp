@@ -4,6 +4,7 @@
 
 #include "tests/bridge/playground.h"
 
+#include <memory>
 #include <vector>
 
 using namespace supercircle;
@@ -135,6 +136,20 @@ TEST_CASE("proxies follow shells, leave with them, and neither bodies nor shells
     const auto with = run(true), without = run(false);
     CHECK(with.first == without.first);
     CHECK((with.second == without.second));
+}
+
+TEST_CASE("released proxies may outlive their world", "[bridge]") {
+    auto world = std::make_unique<b2World>(b2Vec2{0.0F, 0.0F});
+    bridge::ShellProxies proxies(*world);
+    const Point line[] = {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}};
+    proxies.begin();
+    proxies.outline(line, {});
+    REQUIRE(proxies.end());
+    CHECK(world->GetBodyCount() == 1);
+    proxies.release();
+    CHECK(world->GetBodyCount() == 0);
+    world.reset();
+    proxies.release(); // and so does the destructor: neither asks a world that is gone (the sanitizers watch)
 }
 
 TEST_CASE("outlines with bad numbers leave proxies where they were", "[bridge]") {

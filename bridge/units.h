@@ -1,0 +1,19 @@
+#pragma once
+// The float border: places and vectors in metres as Box2D sees them (private to bridge/).
+
+#include <supercircle/definitions.hpp>
+
+#include <Eigen/Core>
+#include <box2d/b2_math.h>
+
+namespace supercircle::bridge {
+
+/// `scale`: Box2D units per metre.
+inline b2Vec2 toHost(const Eigen::Vector2d& v, double scale) {
+    return {static_cast<float>(v.x() * scale), static_cast<float>(v.y() * scale)};
+}
+inline b2Vec2 toHost(const Point& p, double scale) {
+    return {static_cast<float>(p.x * scale), static_cast<float>(p.y * scale)};
+}
+
+} // namespace supercircle::bridge

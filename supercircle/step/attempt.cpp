@@ -2,6 +2,7 @@
 
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
+#include "supercircle/step/effect_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
@@ -197,7 +198,8 @@ void Attempt::witness(const World& world) {
 /// Whether links or grabs ask for another linearisation.
 bool Attempt::partsOff(const World& world, double tolerance) const {
     for (std::size_t i = 0; i < rods.size(); ++i)
-        if (!rods[i].frozen && grabsOff(world.rods[i], dt, rods[i]))
+        if (!rods[i].frozen && (grabsOff(world.rods[i], dt, rods[i]) ||
+                                (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
             return true;
     return linkError(world, rods, dt, tolerance, stage) > 1.0;
 }

@@ -106,6 +106,7 @@ void accept(World& world, Attempt& t) {
         l.numerical += b.kineticLoss - impact + b.secondOrder;
         l.work += b.holdWork + b.loadWork;
         l.pushOut -= b.rollingWork;
+        l.effects += b.effects;
     }
     advanceBodies(world, stage, dt);
     advanceLinks(world, dt);

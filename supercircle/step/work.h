@@ -25,6 +25,15 @@ struct GrabWork {
     double damping = 0.0;                       ///< N s/m
 };
 
+/// The effects on a rod, linearised (effect_stage.h).
+struct EffectWork {
+    std::vector<double> curvature, moment, tangent; ///< per element: where, extra moment (N m), its slope (N m^2)
+    std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows; ///< of the drag's points
+    std::vector<Vec2> way;                                      ///< in the step as predicted, m
+    std::vector<effects::DragPoint> drag;
+    int tries = 0; ///< linearisations of this step so far
+};
+
 /// One rod inside an attempt.
 struct RodWork {
     rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
@@ -60,6 +69,7 @@ struct RodWork {
     int body = -1;                  ///< index into the contact problem, -1: no candidates
     bool touching = false;
     Eigen::VectorXd vFree;
+    EffectWork effects;
     Eigen::LLT<Eigen::MatrixXd> llt; ///< of A, used where the rod has no contact
 };
 

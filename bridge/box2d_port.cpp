@@ -400,6 +400,9 @@ Attachment attach(b2World& world, const Options& options) {
 void Attachment::set_name(const b2Body& body, const std::string& name) const {
     port_->setName(body, name);
 }
+std::uint64_t Attachment::body_id(const b2Body& body) const {
+    return port_->idOf(body);
+}
 void Attachment::forget(const b2Body& body) const {
     port_->forget(body);
 }

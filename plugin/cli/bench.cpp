@@ -111,6 +111,7 @@ int bench(const std::string& filter, const std::string& json) {
     addPartBenchmarks(all);
     addContactBenchmarks(all);
     addSolverBenchmarks(all);
+    addGameBenchmarks(all);
     addPeerBenchmarks(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;

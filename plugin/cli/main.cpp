@@ -4,11 +4,13 @@
 #include "plugin/scene/problem.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <thread>
 
 namespace supercircle::cli {
 std::atomic<bool> interrupted{false};
@@ -114,6 +116,32 @@ CLI::App* describeReplay(CLI::App& app, supercircle::cli::ReplayArguments& a) {
     return replay;
 }
 
+CLI::App* describeSensitivity(CLI::App& app, supercircle::cli::SensitivityArguments& a) {
+    a.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64);
+    CLI::App* verb = app.add_subcommand("sensitivity", "how a recorded experiment's readings depend on its parameters");
+    verb->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
+    addParameters(*verb, a.parameters, kExperimentParameterHelp);
+    verb->add_option("--column", a.columns, "NAME: vary only this parameter (repeatable; default: all)")
+        ->type_name("NAME")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    verb->add_option("--out", a.out,
+                     "folder for the results (default: out/<name of the experiment's folder>_sensitivity)")
+        ->type_name("DIR");
+    verb->add_option("--elements", a.elements, "arcs per specimen, 2 to 500 (default: as the resolution has it)")
+        ->check(CLI::Range(2, 500).description(""))
+        ->type_name("N");
+    verb->add_flag("--full", a.full, "the resolution for residuals instead of the coarse one");
+    verb->add_option("--jobs", a.jobs, "simulations at a time, 1 to 64; the digits do not depend on it")
+        ->check(CLI::Range(1, 64).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    verb->add_flag("--quiet", a.quiet, "print nothing but errors");
+    verb->footer("`supercircle check EXPERIMENT.json` lists the parameters. Exit codes: 0 done; 2 bad input; 3 a run\n"
+                 "could not go on; 4 output could not be written; 130 interrupted.");
+    return verb;
+}
+
 CLI::App* describeValidate(CLI::App& app, supercircle::cli::ValidateArguments& a) {
     a.data = supercircle::cli::referenceFolder();
     CLI::App* validate =
@@ -145,6 +173,9 @@ int dispatch(int argc, char** argv) {
 
     ReplayArguments replayArguments;
     CLI::App* replay = describeReplay(app, replayArguments);
+
+    SensitivityArguments sensitivityArguments;
+    CLI::App* sensitivity = describeSensitivity(app, sensitivityArguments);
 
     std::string file;
     std::vector<std::string> parameters;
@@ -183,6 +214,8 @@ int dispatch(int argc, char** argv) {
         return supercircle::cli::replay(replayArguments);
     if (effects->parsed())
         return supercircle::cli::effects(effectName);
+    if (sensitivity->parsed())
+        return supercircle::cli::sensitivity(sensitivityArguments);
     if (check->parsed())
         return supercircle::cli::check(file, parameters);
     if (validate->parsed())

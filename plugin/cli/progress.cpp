@@ -45,27 +45,43 @@ void ProgressLine::clear() {
     dirty_ = false;
 }
 
-void ProgressLine::show(const lab::Progress& p) {
+bool ProgressLine::due() {
     if (quiet_)
-        return;
+        return false;
     const auto now = std::chrono::steady_clock::now();
     if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? kTerminalInterval : kPlainInterval))
-        return;
+        return false;
     last_ = now;
-    const double spent = std::chrono::duration<double>(now - start_).count();
-    const std::string left =
-        p.fraction > 0.02 ? ", about " + duration(spent * (1.0 - p.fraction) / p.fraction) + " left" : "";
-    char text[160];
-    std::snprintf(text, sizeof text, "%3.0f %%  %-9s t = %.2f s  F = %.3f N  travel = %.1f mm%s", 100.0 * p.fraction,
-                  p.phase.c_str(), p.simulated, p.force, 1e3 * p.displacement, left.c_str());
-    std::string line = text;
-    if (terminal_)
-        line = "\r\033[K" + line.substr(0, terminalWidth() - 1);
-    else
-        line += '\n';
+    return true;
+}
+
+std::string ProgressLine::left(double fraction) const {
+    const double spent = std::chrono::duration<double>(last_ - start_).count();
+    return fraction > 0.02 ? ", about " + duration(spent * (1.0 - fraction) / fraction) + " left" : "";
+}
+
+void ProgressLine::print(const std::string& text) {
+    const std::string line = terminal_ ? "\r\033[K" + text.substr(0, terminalWidth() - 1) : text + '\n';
     std::fputs(line.c_str(), stderr);
     std::fflush(stderr);
     dirty_ = terminal_;
+}
+
+void ProgressLine::show(const lab::Progress& p) {
+    if (!due())
+        return;
+    char text[160];
+    std::snprintf(text, sizeof text, "%3.0f %%  %-9s t = %.2f s  F = %.3f N  travel = %.1f mm%s", 100.0 * p.fraction,
+                  p.phase.c_str(), p.simulated, p.force, 1e3 * p.displacement, left(p.fraction).c_str());
+    print(text);
+}
+
+void ProgressLine::show(double fraction, const std::string& words) {
+    if (!due())
+        return;
+    char text[160];
+    std::snprintf(text, sizeof text, "%3.0f %%  %s%s", 100.0 * fraction, words.c_str(), left(fraction).c_str());
+    print(text);
 }
 
 } // namespace supercircle::cli

@@ -18,10 +18,16 @@ public:
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
     void show(const lab::Progress& p);
+    /// The same for work that is no simulation of its own: share done and what is going on.
+    void show(double fraction, const std::string& words);
     /// Takes the living line away before something else is printed.
     void clear();
 
 private:
+    [[nodiscard]] bool due();
+    [[nodiscard]] std::string left(double fraction) const;
+    void print(const std::string& text);
+
     bool quiet_;
     bool terminal_;
     bool dirty_ = false;

@@ -166,13 +166,11 @@ void simulateRuns(Replay& replay, bool quiet) {
     const std::size_t count = replay.experiment.runs.size();
     for (std::size_t k = 0; k < count && !interrupted; ++k) {
         const experiment::Run& run = replay.experiment.runs[k];
-        lab::Progress progress;
-        progress.phase = "run " + std::to_string(k + 1) + " of " + std::to_string(count);
         replay::Options options;
         options.interrupt = &interrupted;
         options.progress = [&](double fraction) {
-            progress.fraction = (static_cast<double>(k) + fraction) / static_cast<double>(count);
-            line.show(progress);
+            line.show((static_cast<double>(k) + fraction) / static_cast<double>(count),
+                      "run " + std::to_string(k + 1) + " of " + std::to_string(count));
         };
         ReplayedRun done{fs::path(run.file).stem().string(), {}, {}};
         done.simulated = replay::simulate(replay.experiment, k, replay.parameters, replay.resolution, options);

@@ -35,6 +35,17 @@ struct ReplayArguments {
     bool quiet = false;
 };
 
+struct SensitivityArguments {
+    std::string file;
+    std::vector<std::string> parameters; ///< NAME=VALUE
+    std::vector<std::string> columns;    ///< names to vary, empty: all
+    std::string out;                     ///< folder; empty: out/<name of the experiment's folder>_sensitivity
+    int elements = 0;                    ///< arcs per specimen, 0: as the resolution has it
+    bool full = false;                   ///< the resolution for residuals
+    int jobs = 1;
+    bool quiet = false;
+};
+
 struct ValidateArguments {
     std::string data; ///< folder of the reference curves
     std::string out = "out/validation";
@@ -51,6 +62,8 @@ int check(const std::string& file, const std::vector<std::string>& parameters);
 int effects(const std::string& key);
 /// Simulates a recorded experiment and writes what differs.
 int replay(const ReplayArguments& arguments);
+/// Derivatives of a recorded experiment's simulated readings with respect to its parameters.
+int sensitivity(const SensitivityArguments& arguments);
 /// Compares the laboratory with every solved reference and writes one page about it.
 int validate(const ValidateArguments& arguments);
 /// Measures the benchmarks whose name contains `filter`; `json` is a file for the figures, empty: none.

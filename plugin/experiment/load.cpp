@@ -1,5 +1,6 @@
 #include "plugin/experiment/load.h"
 
+#include "plugin/experiment/health.h"
 #include "plugin/experiment/values.h"
 
 #include <algorithm>
@@ -237,6 +238,28 @@ void checkProtocol(Context& context, Object& top, const Experiment& e) {
     need(!standing || floor, "obstacles", "a plane on the ground, facing up, for the specimen that is not clamped");
 }
 
+/// Node a JSON pointer leads to; the deepest one that is there.
+const Node& nodeAt(const Node& root, const std::string& pointer) {
+    const Node* at = &root;
+    for (std::size_t from = 1; from <= pointer.size();) {
+        const std::size_t to = std::min(pointer.find('/', from), pointer.size());
+        const std::string token = pointer.substr(from, to - from);
+        const Node* next = nullptr;
+        if (at->kind == Node::Kind::Array) {
+            std::size_t index = at->children.size();
+            std::from_chars(token.data(), token.data() + token.size(), index);
+            next = index < at->children.size() ? &at->children[index] : nullptr;
+        } else {
+            next = at->find(token);
+        }
+        if (next == nullptr)
+            break;
+        at = next;
+        from = to + 1;
+    }
+    return *at;
+}
+
 void readTop(Context& context, Experiment& e) {
     Object top(context, context.document.root, "");
     if (!top.valid())
@@ -272,6 +295,15 @@ void readTop(Context& context, Experiment& e) {
     top.finish();
     if (!scene::anyError(context.problems))
         checkProtocol(context, top, e);
+    if (scene::anyError(context.problems))
+        return;
+    for (const Remark& r : contradictions(e)) {
+        const Node& node = nodeAt(context.document.root, r.pointer);
+        if (r.error)
+            context.error(node, r.pointer, r.what, r.expected);
+        else
+            context.note(node, r.pointer, r.what);
+    }
 }
 
 } // namespace

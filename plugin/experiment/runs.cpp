@@ -1,9 +1,9 @@
 // The CSV files of the runs.
 
+#include "plugin/experiment/health.h"
 #include "plugin/experiment/load.h"
 #include "plugin/record/csv.h"
 
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -12,15 +12,6 @@ namespace supercircle::experiment {
 namespace {
 
 namespace fs = std::filesystem;
-
-void report(std::vector<scene::Problem>& problems, const std::string& file, const std::string& what,
-            const std::string& expected = {}) {
-    scene::Problem p;
-    p.file = file;
-    p.what = what;
-    p.expected = expected;
-    problems.push_back(std::move(p));
-}
 
 /// The reader's message begins with file:line:column already.
 void reportCsv(std::vector<scene::Problem>& problems, const std::string& file, const std::string& message) {
@@ -44,34 +35,7 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
     return out;
 }
 
-/// Increasing and finite; row numbers in messages count from 1, without the header.
-bool goodTimes(const std::vector<double>& time, const std::string& file, std::vector<scene::Problem>& problems) {
-    if (time.size() < 2) {
-        report(problems, file, "fewer than two rows");
-        return false;
-    }
-    for (std::size_t i = 0; i < time.size(); ++i)
-        if (!std::isfinite(time[i]) || (i > 0 && time[i] <= time[i - 1])) {
-            report(problems, file, "time_s of row " + std::to_string(i + 1) + " is missing or not later than before",
-                   "increasing times");
-            return false;
-        }
-    return true;
-}
-
-/// Samples outside the commanded motion cannot be replayed.
-bool insideDrive(const std::vector<double>& time, const Run& run, const std::string& file,
-                 std::vector<scene::Problem>& problems) {
-    const double slack = 1e-6 + 0.5 / run.samplingRate;
-    if (time.front() >= run.driveTime.front() - slack && time.back() <= run.driveTime.back() + slack)
-        return true;
-    report(problems, file, "the samples reach beyond drive_time_s",
-           "times from " + std::to_string(run.driveTime.front()) + " s to " + std::to_string(run.driveTime.back()) +
-               " s");
-    return false;
-}
-
-void readReadings(Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
+void readReadings(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
     record::CsvOptions options;
     options.required = {"time_s", "displacement_mm", "force_N"};
     const auto csv = record::readCsv(path, options);
@@ -82,15 +46,13 @@ void readReadings(Run& run, const std::string& path, std::vector<scene::Problem>
     run.readings.time = *csv.value.find("time_s");
     run.readings.displacement = scaled(*csv.value.find("displacement_mm"), 1e-3);
     run.readings.force = *csv.value.find("force_N");
-    if (goodTimes(run.readings.time, path, problems))
-        insideDrive(run.readings.time, run, path, problems);
+    judgeReadings(e, run, path, problems);
 }
 
-void readTracks(Run& run, const std::vector<Marker>& markers, const std::string& path,
-                std::vector<scene::Problem>& problems) {
+void readTracks(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
     record::CsvOptions options;
     options.required = {"time_s"};
-    for (const Marker& m : markers)
+    for (const Marker& m : e.markers)
         for (const char* axis : {"_x_mm", "_y_mm"})
             options.required.push_back(m.name + axis);
     const auto csv = record::readCsv(path, options);
@@ -99,12 +61,11 @@ void readTracks(Run& run, const std::vector<Marker>& markers, const std::string&
         return;
     }
     run.markers.time = *csv.value.find("time_s");
-    for (const Marker& m : markers) {
+    for (const Marker& m : e.markers) {
         run.markers.x.push_back(scaled(*csv.value.find(m.name + "_x_mm"), 1e-3));
         run.markers.y.push_back(scaled(*csv.value.find(m.name + "_y_mm"), 1e-3));
     }
-    if (goodTimes(run.markers.time, path, problems))
-        insideDrive(run.markers.time, run, path, problems);
+    judgeTracks(e, run, path, problems);
 }
 
 } // namespace
@@ -112,9 +73,9 @@ void readTracks(Run& run, const std::vector<Marker>& markers, const std::string&
 void readRuns(Experiment& experiment, std::vector<scene::Problem>& problems) {
     const fs::path folder = fs::path(experiment.file).parent_path();
     for (Run& run : experiment.runs) {
-        readReadings(run, (folder / run.file).string(), problems);
+        readReadings(experiment, run, (folder / run.file).string(), problems);
         if (!run.markersFile.empty())
-            readTracks(run, experiment.markers, (folder / run.markersFile).string(), problems);
+            readTracks(experiment, run, (folder / run.markersFile).string(), problems);
     }
 }
 

@@ -215,6 +215,14 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
         message_ = r.failure + " (at t = " + std::to_string(shells_.time()) + " s)";
         return false;
     }
+    if (shells_.world().counters.quarantined > 0) { // a game goes on without the shell, an experiment cannot
+        end_ = End::Failed;
+        message_ =
+            "a shell became faster than sound in its own material, or its numbers were not finite, and was taken "
+            "out of the motion (at t = " +
+            std::to_string(shells_.time()) + " s); look for shells put into each other or driven too fast";
+        return false;
+    }
     return true;
 }
 

@@ -188,6 +188,15 @@ Result<Series> readCsv(const std::string& path, const CsvOptions& options) {
     return text ? parseCsv(text.value, path, options) : Result<Series>::fail(text.error);
 }
 
+std::size_t lineOfRow(std::string_view text, std::size_t row) {
+    Lines lines(text);
+    std::string_view line;
+    for (std::size_t i = 0; i <= row + 1; ++i)
+        if (!lines.next(line))
+            return 0;
+    return lines.number;
+}
+
 Result<std::string> csvText(const Series& series) {
     if (series.names.size() != series.columns.size())
         return Result<std::string>::fail("series: " + std::to_string(series.names.size()) + " names for " +

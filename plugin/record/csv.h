@@ -26,6 +26,10 @@ struct CsvOptions {
 /// The same from a file.
 [[nodiscard]] Result<Series> readCsv(const std::string& path, const CsvOptions& options = {});
 
+/// Line, from 1, on which data row `row` (from 0) of a CSV text stands; 0: there is no such row. For messages about
+/// values that are numbers but make no sense.
+[[nodiscard]] std::size_t lineOfRow(std::string_view text, std::size_t row);
+
 /// CSV text of a series: header, then one row per sample, shortest round-trip numbers, '\n' line ends. An error if the
 /// columns have different lengths or there are not as many names as columns.
 [[nodiscard]] Result<std::string> csvText(const Series& series);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -57,7 +58,9 @@ Simulated Batch::simulate(const Job& job) {
 
 /// Who works on what is left to the scheduler; each result has its own place, so nothing depends on it.
 void Batch::forEach(std::size_t count, const std::function<void(std::size_t)>& work) {
-    tbb::task_arena arena(std::max(1, settings_.jobs));
+    const int jobs = std::max(1, settings_.jobs);
+    const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
+    tbb::task_arena arena(jobs);
     arena.execute([&] {
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, count, 1),

@@ -250,4 +250,32 @@ Sensitivities differentiate(const Model& model, const experiment::Experiment& ex
     return Differentiator(model, experiment, settings).run();
 }
 
+Eigen::MatrixXd similarity(const Sensitivities& all) {
+    const Index n = static_cast<Index>(all.columns.size());
+    Eigen::MatrixXd cosines = Eigen::MatrixXd::Zero(n, n);
+    for (Index a = 0; a < n; ++a)
+        for (Index b = a; b < n; ++b) {
+            double aa = 0.0, bb = 0.0, ab = 0.0;
+            for (const RunSensitivity& run : all.runs) {
+                const Quality &qa = run.quality[static_cast<std::size_t>(a)],
+                              &qb = run.quality[static_cast<std::size_t>(b)];
+                if (qa.weak || qb.weak || !qa.failure.empty() || !qb.failure.empty())
+                    continue;
+                double peak = 1e-300;
+                for (const double f : run.base.readings.force)
+                    peak = std::max(peak, std::abs(f));
+                for (Index i = 0; i < run.force.rows(); ++i) {
+                    if (!run.usable(i, a) || !run.usable(i, b))
+                        continue;
+                    const double x = run.force(i, a) / peak, y = run.force(i, b) / peak;
+                    aa += x * x;
+                    bb += y * y;
+                    ab += x * y;
+                }
+            }
+            cosines(a, b) = cosines(b, a) = aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
+        }
+    return cosines;
+}
+
 } // namespace supercircle::sensitivity

@@ -85,4 +85,8 @@ struct Settings {
 /// All derivatives of the model. `experiment` gives drive, sampling and marker layout of its runs.
 Sensitivities differentiate(const Model& model, const experiment::Experiment& experiment, const Settings& settings);
 
+/// Cosines of the angles between the columns' effects on the force, over all runs (each in units of its peak
+/// force) and the rows usable for both; 0 where a column is weak. 1 or -1: what one does the other can undo.
+Eigen::MatrixXd similarity(const Sensitivities& sensitivities);
+
 } // namespace supercircle::sensitivity

@@ -1,6 +1,8 @@
 #include "plugin/shells/from_definition.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 namespace supercircle {
 
@@ -58,12 +60,27 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     std::vector<double> curvature = d.curvature.empty() ? r.naturalCurvature : d.curvature;
     if (d.closed && d.curvature.empty()) // the round ring: natural curvature may differ, the welded shape may not
         curvature.assign(count, 2.0 * M_PI / r.length);
+    // Finite numbers whose energies are not would spoil the books of everybody.
+    constexpr double kMost = 1e30; // J, and far beyond any world
+    const double size = std::hypot(d.velocity.x, d.velocity.y) + std::abs(d.spin) * r.length;
+    double bend = 0.0;
+    for (const auto* list : std::initializer_list<const std::vector<double>*>{&r.naturalCurvature, &d.curvature})
+        for (const double k : *list)
+            bend = std::max(bend, std::abs(k));
+    if (!(r.linearMass * r.length * size * size < kMost) || !(r.bendingModulus * r.length * bend * bend < kMost) ||
+        !(std::hypot(d.position.x, d.position.y) < 1e12))
+        return "the shell is too far away, too heavy, too fast or too strongly bent for its energy to be a number";
     const rod::RodModel model(r);
+    // An element that turns more than once lies upon itself; a million turns would take memory without end to draw.
+    constexpr double kMostTurn = 8.0 * M_PI;
+    for (int i = 0; i < d.elements; ++i)
+        for (const double k : {r.naturalCurvature[static_cast<std::size_t>(i)], curvature[static_cast<std::size_t>(i)]})
+            if (!(std::abs(k) * model.elementLength(i) <= kMostTurn))
+                return "natural_curvature, curvature and radius may turn an element by 8 pi at most: element " +
+                       std::to_string(i) + " would turn by " + std::to_string(k * model.elementLength(i)) + " rad";
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {
-        if (!std::isfinite(curvature[static_cast<std::size_t>(i)]))
-            return "curvature must be finite";
         out.q[model.dofOfElement(i)] = curvature[static_cast<std::size_t>(i)];
     }
     out.q[model.dofX()] = d.position.x;

@@ -50,18 +50,9 @@ Outcome Shells::teleport(ShellHandle shell, Point position, double angle) {
             return refused(kNoSuchShell);
         if (!finite(position) || !std::isfinite(angle))
             return refused("position and angle must be finite");
-        const step::Rod& rod = impl_->rod(i);
-        if (tied(impl_->world, rod))
+        if (tied(impl_->world, impl_->rod(i)))
             return refused("the shell is held or joined: release it first");
-        const rod::RodModel& m = rod.model;
-        Eigen::VectorXd q = rod.q, v = rod.v;
-        const double turn = angle - q[m.dofTheta()], c = std::cos(turn), s = std::sin(turn);
-        q[m.dofX()] = position.x;
-        q[m.dofY()] = position.y;
-        q[m.dofTheta()] = angle;
-        v[m.dofX()] = c * rod.v[m.dofX()] - s * rod.v[m.dofY()];
-        v[m.dofY()] = s * rod.v[m.dofX()] + c * rod.v[m.dofY()];
-        step::placeRod(impl_->world, static_cast<std::size_t>(i), q, v);
+        step::moveRod(impl_->world, static_cast<std::size_t>(i), vec(position), angle);
         return done();
     });
 }
@@ -201,12 +192,12 @@ Result<BodyId> Shells::body(const std::string& name) const {
 
 Outcome Shells::set_sleep(const SleepSettings& settings) {
     return impl_->change([&] {
-        if (!(settings.speed > 0.0) || !std::isfinite(settings.speed) || !(settings.delay >= 0.0) ||
+        if (!(settings.drift > 0.0) || !std::isfinite(settings.drift) || !(settings.delay >= 0.0) ||
             !std::isfinite(settings.delay))
-            return refused("speed must be positive, delay not negative, both finite");
+            return refused("drift must be positive, delay not negative, both finite");
         step::Settings& s = impl_->stepper.settings();
         s.autoSleep = settings.automatic;
-        s.sleepSpeed = settings.speed;
+        s.sleepDrift = settings.drift;
         s.sleepAfter = settings.delay;
         return done();
     });
@@ -214,7 +205,7 @@ Outcome Shells::set_sleep(const SleepSettings& settings) {
 
 SleepSettings Shells::sleep_settings() const {
     const step::Settings& s = impl_->stepper.settings();
-    return {s.autoSleep, s.sleepSpeed, s.sleepAfter};
+    return {s.autoSleep, s.sleepDrift, s.sleepAfter};
 }
 
 Outcome Shells::sleep(ShellHandle shell) {

@@ -7,10 +7,14 @@
 #include "supercircle/step/sleep.h"
 
 #include <atomic>
+#include <cmath>
 
 namespace supercircle {
 
 namespace {
+
+/// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
+constexpr double kMostSteps = 4096.0;
 
 /// A number per Shells of this process; it only tells handles apart and touches no result.
 std::uint32_t nextTag() {
@@ -60,7 +64,12 @@ Shells& Shells::operator=(Shells&&) noexcept = default;
 
 void Shells::set_quality(Quality quality) {
     impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
-    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
+    const SleepSettings sleep = sleep_settings(); // is no matter of quality
+    step::Settings& s = impl_->stepper.settings();
+    s = settingsFor(quality, s.threads);
+    s.autoSleep = sleep.automatic;
+    s.sleepDrift = sleep.drift;
+    s.sleepAfter = sleep.delay;
 }
 Quality Shells::quality() const {
     return qualityOf(impl_->stepper.settings());
@@ -117,8 +126,8 @@ Outcome Shells::carry(const std::string& body_name) {
 
 Outcome Shells::set_machine_velocity(Point velocity) {
     return impl_->change([&] {
-        if (!finite(velocity))
-            return refused("the machine's velocity must be finite");
+        if (!(std::hypot(velocity.x, velocity.y) < 1e5))
+            return refused("the machine's velocity must be finite and below 1e5 m/s");
         if (impl_->world.machineVelocity != vec(velocity))
             step::wakeAll(impl_->world);
         impl_->world.machineVelocity = vec(velocity);
@@ -137,6 +146,16 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     Impl& m = *impl_; // stays where it is, even if the observer moves this object
     if (m.inside) {
         report.failure = kStepping;
+        return report;
+    }
+    if (!(dt > 0.0) || !std::isfinite(dt)) {
+        report.failure = "pre_step: the frame must be a positive number of seconds";
+        m.advanced = 0.0;
+        return report;
+    }
+    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest) {
+        report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
+        m.advanced = 0.0;
         return report;
     }
     struct Inside { // until the call is over, however it ends
@@ -180,6 +199,7 @@ Outcome Shells::post_step() {
         impl_->recorder.record(Call::PostStep, 0);
         if (impl_->port)
             step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+        impl_->advanced = 0.0; // learnt once
         return done();
     });
 }

@@ -59,7 +59,7 @@ std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std:
 
 namespace {
 
-constexpr archive::Kind kStateKind{"SCSTATE ", 1};
+constexpr archive::Kind kStateKind{"SCSTATE ", 2};
 constexpr archive::Kind kLogKind{"SCCALLS ", 1};
 
 /// What is wrong with a state whose fields could all be read; empty if nothing.
@@ -209,7 +209,7 @@ Result<CallLog> CallLog::from_bytes(std::vector<std::uint8_t> bytes) {
             std::uint64_t inner = 0;
             in(call, inner);
             in.skip(in.count());
-            if (call < Call::Restore || call > Call::SetEventSettings)
+            if (call < Call::Restore || call > Call::Last)
                 in.fail("it holds a call that does not exist");
             log.calls_ += call == Call::FrameEnd ? 0 : 1;
             log.frames_ += call == Call::PreStep ? 1 : 0;

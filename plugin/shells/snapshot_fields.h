@@ -5,6 +5,7 @@
 
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_archive.h"
+#include "plugin/shells/snapshot_effects.h"
 
 #include <algorithm>
 
@@ -109,9 +110,10 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs, width,
-           material, group, island, rested] = r;
+           material, group, island, rested, restPlace, effects] = r;
     ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material, group,
-       island, rested);
+       island, rested, restPlace);
+    ioEffects(ar, model, effects);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || qGood.size() != n || static_cast<int>(u.size()) != model.gaussPoints() ||
@@ -217,23 +219,24 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
-    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations,
-           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed,
-           sleepAfter, witness] = s;
+    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep,
+           sleepDrift, sleepAfter, witness] = s;
     (void)threads; // belongs to the machine
-    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations, contact,
-       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed, sleepAfter, witness);
+    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
+       contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepDrift, sleepAfter,
+       witness);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
     auto& [time, gravity, rods, bodies, outlines, impulses, machineVelocity, machineTravel, machineBodies, ledger,
            counters, candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials,
-           sleepingImpulses, nextIsland] = w;
+           sleepingImpulses, nextIsland, effectsGone] = w;
     ar(time, gravity, rods, bodies, outlines, impulses, machineVelocity, machineTravel, machineBodies, ledger);
     ar.aside(counters);
     ar(candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials, sleepingImpulses,
-       nextIsland);
+       nextIsland, effectsGone);
 }
 
 // ---- the facade ----

@@ -22,7 +22,8 @@ enum class Call : std::uint8_t {
     SetName = 10,
     SetUserData = 11,
     SetEventSettings = 12,
-    SetQuality = 13
+    SetQuality = 13,
+    Last = SetQuality
 };
 
 /// Records are: call (1 byte), inner steps (8), size of the arguments (8), arguments.

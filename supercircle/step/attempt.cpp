@@ -1,8 +1,10 @@
 #include "supercircle/step/attempt.h"
 
+#include "supercircle/step/attraction_stage.h"
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
 #include "supercircle/step/effect_stage.h"
+#include "supercircle/step/friction_state.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
@@ -38,6 +40,11 @@ GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>
             e.loaded = std::max(e.loaded, std::abs(c.gap));
     }
     return e;
+}
+
+/// Of longitudinal waves in the shell's material, sqrt(E / rho), m/s.
+double soundSpeed(const rod::RodDefinition& d) {
+    return std::sqrt(12.0 * d.bendingModulus / d.linearMass) / d.thickness;
 }
 
 void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
@@ -115,9 +122,12 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
         StageTimer timer(times, Stage::Evaluate);
         collectRolling(world, rods, dt, impulses, first, stage);
         collectAxial(world, rods, impulses, stage);
+        collectPulls(world, rods, dt, stage);
         forEachRod(stage.loop, n, [&](std::size_t i) {
-            if (!rods[i].frozen)
-                evaluateRod(world, world.rods[i], dt, first, rods[i]);
+            if (rods[i].frozen)
+                return;
+            evaluateRod(world, world.rods[i], dt, first, rods[i]);
+            addPulls(stage, static_cast<int>(i), dt, rods[i]);
         });
     }
     {
@@ -130,6 +140,7 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     {
         StageTimer timer(times, Stage::Couple);
         couple(world, rods, dt, impulses, !first, stage);
+        applyFrictionState(world, rods, dt, !first, stage);
     }
     {
         StageTimer timer(times, Stage::Solve);
@@ -151,15 +162,28 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     markTouching(rods, stage);
 }
 
+/// Whether an element turns far more often than a shell can: motion at the end of its numbers.
+[[nodiscard]] static bool curledUp(const rod::RodModel& model, const Eigen::VectorXd& q) {
+    constexpr double kMostTurn = 16.0 * M_PI;
+    for (int i = 0; i < model.elements(); ++i)
+        if (std::abs(q[model.dofOfElement(i)]) * model.elementLength(i) > kMostTurn)
+            return true;
+    return false;
+}
+
 /// How far everything moved, and whether the candidates reached that far; if not, the world's range is widened.
 Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& widened, bool first) {
     error = moved = 0.0;
+    runaways.clear();
     bool outOfRange = false;
     for (std::size_t i = 0; i < rods.size(); ++i) {
         const RodWork& w = rods[i];
         error = std::max(error, w.error);
         if (w.touching)
             moved = std::max(moved, w.moved);
+        if (!world.rods[i].quarantined && (w.moved > dt * soundSpeed(world.rods[i].model.definition()) ||
+                                           (!w.frozen && curledUp(world.rods[i].model, w.q1))))
+            runaways.push_back(i);
         if (w.shift > world.range[i] + 0.4 * settings.margin * h) {
             outOfRange = true;
             world.range[i] = 1.5 * w.shift;
@@ -195,13 +219,14 @@ void Attempt::witness(const World& world) {
                   [&](const contact::Crossing& c) { return excluded(world, stage, c.rodA, c.rodB, c.outline); });
 }
 
-/// Whether links or grabs ask for another linearisation.
+/// Whether links, grabs or effects ask for another linearisation.
 bool Attempt::partsOff(const World& world, double tolerance) const {
     for (std::size_t i = 0; i < rods.size(); ++i)
         if (!rods[i].frozen && (grabsOff(world.rods[i], dt, rods[i]) ||
                                 (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
             return true;
-    return linkError(world, rods, dt, tolerance, stage) > 1.0;
+    return frictionError(world, rods, dt, stage) > 1.0 || pullError(world, rods, dt, stage) > 1.0 ||
+           linkError(world, rods, dt, tolerance, stage) > 1.0;
 }
 
 /// Wakes the sleepers that somebody pressed on; false if nobody did.
@@ -229,6 +254,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
+    stage.overlap = 2.0 * settings.rejectPenetration * h;
+    stage.recovery = settings.recovery * h;
     begin(world, settings);
     int widened = 0;
     for (int iteration = 0;;) {
@@ -245,6 +272,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const Reach reach = measure(world, settings, widened, iteration == 0);
         const bool tooFar = adaptive && (moved > settings.motionLimit * h || error > 2.0 * settings.localError * h);
         if (tooFar && dt > 2.0 * settings.dtMin)
+            return Verdict::Smaller;
+        if (adaptive && !runaways.empty())
             return Verdict::Smaller;
         if (reach == Reach::Never)
             return Verdict::Smaller;

@@ -47,6 +47,7 @@ struct Attempt {
     std::vector<contact::Crossing> crossings; ///< found by the witness on the way, if it is on
     double error = 0.0;                       ///< largest local error, m
     double moved = 0.0;                       ///< farthest motion of a touching rod, m
+    std::vector<std::size_t> runaways;        ///< rods faster than sound in their own material
     bool rejectedBeforeEnd = true;            ///< the last attempt was given up before its end was looked at
     int threads = 1;                          ///< of stage.loop
 

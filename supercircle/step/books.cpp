@@ -1,6 +1,8 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/attraction_stage.h"
+#include "supercircle/step/friction_state.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
@@ -89,6 +91,12 @@ void accept(World& world, Attempt& t) {
     bookContacts(world, rods, stage, dt);
     bookLinks(world, rods, stage, dt);
     Ledger& l = world.ledger;
+    const PullBooks pulls = bookPulls(world, rods, dt, stage);
+    l.effects += pulls.taken;
+    l.numerical += pulls.secondOrder;
+    l.work += pulls.work;
+    l.toBodies += pulls.toBodies;
+    advanceSurfaces(world, rods, dt, stage);
     std::vector<RodBooks> books(rods.size());
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
         if (!world.rods[i].frozen())

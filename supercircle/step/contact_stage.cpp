@@ -106,7 +106,9 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         k.surface = Vec2(n.dot(given), t.dot(given));
         out.w -= k.surface;
     }
-    out.w.x() += gapAtStart / dt;
+    // No step makes overlaps deeper than stage.overlap: deeper ones were put there, and to close them at once would be
+    // an explosion.
+    out.w.x() += gapAtStart < -stage.overlap ? std::max(gapAtStart / dt, -stage.recovery) : gapAtStart / dt;
     out.id = c.id;
 }
 

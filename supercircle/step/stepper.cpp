@@ -22,23 +22,26 @@ double thinnest(const World& world) {
     return std::isfinite(h) ? h : 1e-3;
 }
 
-/// Rods with numbers that are not finite are put back where they were last good, frozen, and no longer collide.
-void check(World& world) {
-    for (Rod& r : world.rods) {
-        if (r.quarantined || (r.q.allFinite() && r.v.allFinite()))
-            continue;
-        r.quarantined = true;
-        r.q = r.qGood;
-        r.v.setZero();
-        const double kinetic = rod::kineticEnergy(r.gauss, r.u);
-        if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
-            world.ledger.kinetic -= kinetic;
-            world.ledger.added -= kinetic;
-        }
-        refreshRod(r);
-        world.range.clear();
-        ++world.counters.quarantined;
+/// Puts a rod back where it was last good, freezes it and takes it out of collision.
+void quarantine(World& world, Rod& r) {
+    r.quarantined = true;
+    r.q = r.qGood;
+    r.v.setZero();
+    const double kinetic = rod::kineticEnergy(r.gauss, r.u);
+    if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
+        world.ledger.kinetic -= kinetic;
+        world.ledger.added -= kinetic;
     }
+    refreshRod(r);
+    world.range.clear();
+    ++world.counters.quarantined;
+}
+
+/// Rods with numbers that are not finite.
+void check(World& world) {
+    for (Rod& r : world.rods)
+        if (!r.quarantined && !(r.q.allFinite() && r.v.allFinite()))
+            quarantine(world, r);
 }
 
 /// Longest power-of-two part of the frame that is no longer than `want` seconds and than what is left.
@@ -112,13 +115,6 @@ bool Stepper::acceptable(Verdict verdict, int cuts) const {
     return work_->attempt.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
 }
 
-/// How long each rod has rested.
-void Stepper::rest(World& world) const {
-    const double limit = settings_.sleepSpeed * work_->attempt.h;
-    for (Rod& r : world.rods)
-        r.rested = r.speed < limit ? r.rested + work_->attempt.dt : 0.0;
-}
-
 FrameOutcome Stepper::advance(World& world, double frame, Port* port,
                               const std::function<bool(const World&)>& observer) {
     FrameOutcome out;
@@ -153,6 +149,14 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             world.dtNext = 0.5 * attempt.dt;
             continue;
         }
+        if (!attempt.runaways.empty() && settings_.fixedDt <= 0.0) {
+            // Shells put into each other are pushed apart faster than any force could, and every list of contacts
+            // grows with their speed. The others go on without them.
+            for (const std::size_t i : attempt.runaways)
+                quarantine(world, world.rods[i]);
+            cuts = 0;
+            continue;
+        }
         const bool finite = std::all_of(attempt.rods.begin(), attempt.rods.end(),
                                         [](const RodWork& w) { return w.v.allFinite() && w.q1.allFinite(); });
         if (!finite || attempt.rejectedBeforeEnd || !attempt.crossings.empty()) {
@@ -166,7 +170,8 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             StageTimer timer(times_, Stage::Advance);
             accept(world, attempt);
         }
-        rest(world);
+        if (settings_.autoSleep)
+            measureRest(world, settings_, attempt.h, attempt.dt);
         work_->lastDt = attempt.dt;
         world.dtNext = nextSize(settings_, attempt, cuts > 0);
         cuts = 0;

@@ -79,7 +79,6 @@ public:
 private:
     struct Work;
     void prepare(World& world, double frame, Port* port);
-    void rest(World& world) const;
     [[nodiscard]] bool acceptable(Verdict verdict, int cuts) const;
     Settings settings_;
     std::unique_ptr<Work> work_;

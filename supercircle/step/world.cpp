@@ -43,9 +43,11 @@ double gravityPotential(const World& world, const Rod& rod) {
 }
 
 void book(World& world, const Rod& rod, double sign) {
-    const double kinetic = rod::kineticEnergy(rod.gauss, rod.u);
-    const double bending = rod::bendingEnergy(rod.model, rod.q);
-    const double gravity = gravityPotential(world, rod);
+    // A rod that somebody spoilt takes what it owns out of the world, but must not take the books along.
+    const auto number = [](double energy) { return std::isfinite(energy) ? energy : 0.0; };
+    const double kinetic = number(rod::kineticEnergy(rod.gauss, rod.u));
+    const double bending = number(rod::bendingEnergy(rod.model, rod.q));
+    const double gravity = number(gravityPotential(world, rod));
     world.ledger.kinetic += sign * kinetic;
     world.ledger.bending += sign * bending;
     world.ledger.gravity += sign * gravity;
@@ -103,23 +105,17 @@ void setEffects(World& world, std::size_t index, const effects::Model& model) {
     wake(world, index);
     Rod& rod = world.rods[index];
     book(world, rod, -1.0);
-    for (std::size_t k = 0; k < effects::kKeys; ++k) {
+    for (std::size_t k = 0; k < effects::kKeys; ++k)
         world.effectsGone[k].dissipated += rod.effects.books[k].dissipated;
-        rod.effects.books[k] = {};
-    }
-    rod.effects.material = effects::makeMaterial(rod.model, model.material);
-    rod.effects.drag = effects::makeDrag(rod.model, model.drag);
+    rod.effects = effects::makeRodEffects(rod.model, model);
     refreshEffects(rod);
     book(world, rod, 1.0);
 }
 
 void restEffects(World& world) {
     for (Rod& rod : world.rods) {
-        if (!rod.effects.on())
-            continue;
         book(world, rod, -1.0);
-        effects::rest(rod.effects.material);
-        effects::rest(rod.effects.drag);
+        effects::rest(rod.effects);
         refreshEffects(rod);
         book(world, rod, 1.0);
     }
@@ -201,6 +197,28 @@ void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const E
     if (moved)
         forgetContacts(world, rod.key);
     world.range.clear();
+}
+
+void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) {
+    wake(world, index);
+    Rod& rod = world.rods[index];
+    book(world, rod, -1.0);
+    const rod::RodModel& m = rod.model;
+    const double turn = angle - rod.q[m.dofTheta()], c = std::cos(turn), s = std::sin(turn);
+    const auto turned = [&](const Vec2& x) { return Vec2(c * x.x() - s * x.y(), s * x.x() + c * x.y()); };
+    rod.q[m.dofX()] = middle.x();
+    rod.q[m.dofY()] = middle.y();
+    rod.q[m.dofTheta()] = angle;
+    const Vec2 velocity = turned({rod.v[m.dofX()], rod.v[m.dofY()]});
+    rod.v[m.dofX()] = velocity.x();
+    rod.v[m.dofY()] = velocity.y();
+    rod.qGood = rod.q;
+    std::vector<Vec2> u = rod.u;
+    std::transform(u.begin(), u.end(), u.begin(), turned);
+    refreshRod(rod);
+    rod.u = u; // carried momentum is more than J v knows
+    book(world, rod, 1.0);
+    forgetContacts(world, rod.key);
 }
 
 void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse) {

@@ -12,6 +12,7 @@
 #include "supercircle/step/ledger.h"
 #include "supercircle/step/port.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -43,9 +44,10 @@ struct Rod {
     std::uint32_t material = 0; ///< for friction of pairs, 0: none
     std::int16_t group = 0;     ///< collision group, as in Box2D; not between a shell and itself
     std::uint32_t island = 0;   ///< number of the sleeping island it is in, 0: awake
-    double rested = 0.0;        ///< how long it has been slower than Settings::sleepSpeed, s
+    double rested = 0.0; ///< how long its tips and middle have stayed within Settings::sleepDrift of `restPlace`, s
+    std::array<Vec2, 3> restPlace{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
     [[nodiscard]] bool asleep() const { return island != 0; }
-    effects::RodEffects effects; ///< extra physics of this rod
+    effects::RodEffects effects{}; ///< extra physics of this rod
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
@@ -98,6 +100,7 @@ struct Settings {
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
     double relinearise = 0.001;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
+    double recovery = 20.0;          ///< h/s, at which shells that were put into each other are parted
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
@@ -107,8 +110,8 @@ struct Settings {
     bool prune = false;      ///< leave out candidates that cannot meet within the step (prune.h): for long steps
     int frameSolves = 0;     ///< linearisations solved per frame after which it ends early; 0: as many as it takes
     bool autoSleep = false;  ///< islands at rest fall asleep at the end of a frame (sleep.h)
-    double sleepSpeed = 0.2; ///< h/s, every point of an island must be slower
-    double sleepAfter = 0.5; ///< s, for so long
+    double sleepDrift = 0.1; ///< h, no farther may an island have come from where it was
+    double sleepAfter = 0.5; ///< s ago
     bool witness = false;    ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
@@ -176,6 +179,9 @@ void removeRod(World& world, std::size_t index);
 void changeRod(World& world, std::size_t index, const rod::RodDefinition& definition);
 /// Sets q and v; the change of energy is booked as added and its contacts are forgotten.
 void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+/// Puts the middle of a rod at a place with its tangent at an angle, shape and motion relative to itself kept; energies
+/// and contacts as placeRod.
+void moveRod(World& world, std::size_t index, const Vec2& middle, double angle);
 /// Changes the motion of a rod at once by an impulse (N s) and an angular impulse (N m s) at arc length `s`; the change
 /// of its energy is booked as work.
 void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse);

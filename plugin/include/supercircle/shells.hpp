@@ -173,7 +173,8 @@ public:
 
     /// Advances the shells by dt (s), in as many inner steps as they need, and hands impulses to the host. Call before
     /// the host's own step. `observer` sees each inner step; returning true ends the frame there (then step the host by
-    /// FrameReport::advanced).
+    /// FrameReport::advanced). Refused, with a reason and nothing changed: dt that is not a positive number or
+    /// thousands of steps long, and a pre_step from within an observer.
     FrameReport pre_step(double dt, const std::function<bool()>& observer = {});
     /// Call after the host's own step. Fails if the host does; the next pre_step then learns nothing from that step.
     Outcome post_step();

@@ -111,8 +111,10 @@ int bench(const std::string& filter, const std::string& json) {
     addPartBenchmarks(all);
     addContactBenchmarks(all);
     addSolverBenchmarks(all);
+    addScalingBenchmarks(all);
     addGameBenchmarks(all);
     addPeerBenchmarks(all);
+    addGuidePictures(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;
     bool any = false;

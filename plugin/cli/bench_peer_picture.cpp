@@ -66,7 +66,7 @@ void drawPanel(report::Canvas& canvas, double x, const GameRun& run, const char*
 } // namespace
 
 std::string peerPicture(const GameRun& ours, const GameRun& peer, const GameRun& tuned, std::string& error) {
-    report::CairoCanvas canvas(3.0 * kPanel + 4.0 * 30.0, 80.0 + kTall + 30.0, 2.0);
+    report::CairoCanvas canvas(3.0 * kPanel + 4.0 * 30.0, 80.0 + kTall + 30.0, 1.2);
     canvas.text({30.0, 26.0}, "Thirty shells of radius 1 m, five seconds at 1/60 s",
                 {theme::titleSize, theme::ink, report::Anchor::Start, true});
     drawPanel(canvas, 30.0, ours, "Supercircle, game quality");

@@ -41,8 +41,10 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     if (std::isfinite(thickness) && thickness > 0.0)
         s.localError = scene.numerics.position_tolerance / thickness;
     s.threads = options.threads;
+    shells_.stepper().loop = options.loop;
     s.witness = options.witness;
     shells_.stepper().onSolve = options.onSolve;
+    shells_.stepper().watchStages(options.onStage);
     out_.scene = scene.name;
     out_.about = scene.about;
     out_.R = scene.report.R;

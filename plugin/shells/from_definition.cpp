@@ -1,8 +1,9 @@
 #include "plugin/shells/from_definition.h"
 
+#include "plugin/shells/limits.h"
+
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 
 namespace supercircle {
 
@@ -18,8 +19,8 @@ std::string checkNumbers(const ShellDef& d) {
         return "elements must lie between 1 and 4096";
     if (!positive(d.thickness) || !positive(d.width) || !positive(d.density) || !positive(d.young_modulus))
         return "thickness, width, density and young_modulus must be positive and finite";
-    if (!(d.mu >= 0.0) || !std::isfinite(d.mu))
-        return "mu must be finite and not negative";
+    if (!limits::friction(d.mu))
+        return limits::kBadFriction;
     if (d.length == 0.0 && !(positive(d.phi_bar) && d.phi_bar <= 1.0 && positive(d.radius)))
         return "without a length, radius must be positive and phi_bar lie in (0, 1]";
     if (std::isnan(d.radius) || d.radius == 0.0)
@@ -60,24 +61,18 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     std::vector<double> curvature = d.curvature.empty() ? r.naturalCurvature : d.curvature;
     if (d.closed && d.curvature.empty()) // the round ring: natural curvature may differ, the welded shape may not
         curvature.assign(count, 2.0 * M_PI / r.length);
-    // Finite numbers whose energies are not would spoil the books of everybody.
-    constexpr double kMost = 1e30; // J, and far beyond any world
-    const double size = std::hypot(d.velocity.x, d.velocity.y) + std::abs(d.spin) * r.length;
+    if (std::string why = limits::shell(r); !why.empty())
+        return why;
     double bend = 0.0;
-    for (const auto* list : std::initializer_list<const std::vector<double>*>{&r.naturalCurvature, &d.curvature})
-        for (const double k : *list)
-            bend = std::max(bend, std::abs(k));
-    if (!(r.linearMass * r.length * size * size < kMost) || !(r.bendingModulus * r.length * bend * bend < kMost) ||
-        !(std::hypot(d.position.x, d.position.y) < 1e12))
-        return "the shell is too far away, too heavy, too fast or too strongly bent for its energy to be a number";
+    for (const double k : curvature)
+        bend = std::max(bend, std::abs(k));
+    if (!limits::motion(r, d.velocity, d.spin) || !(r.bendingModulus * r.length * bend * bend < limits::kMostEnergy) ||
+        !limits::place(d.position) || !limits::angle(d.angle))
+        return "the shell is too far away, too fast or too strongly bent for its energy to be a number";
     const rod::RodModel model(r);
-    // An element that turns more than once lies upon itself; a million turns would take memory without end to draw.
-    constexpr double kMostTurn = 8.0 * M_PI;
-    for (int i = 0; i < d.elements; ++i)
-        for (const double k : {r.naturalCurvature[static_cast<std::size_t>(i)], curvature[static_cast<std::size_t>(i)]})
-            if (!(std::abs(k) * model.elementLength(i) <= kMostTurn))
-                return "natural_curvature, curvature and radius may turn an element by 8 pi at most: element " +
-                       std::to_string(i) + " would turn by " + std::to_string(k * model.elementLength(i)) + " rad";
+    for (const auto* list : {&r.naturalCurvature, &curvature})
+        if (std::string why = limits::turns(model, *list); !why.empty())
+            return why;
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {

@@ -1,7 +1,6 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "plugin/shells/quality.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
@@ -16,15 +15,13 @@ namespace {
 /// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
 constexpr double kMostSteps = 4096.0;
 
-/// A number per Shells of this process; it only tells handles apart and touches no result.
-std::uint32_t nextTag() {
+} // namespace
+
+/// It only tells handles apart and touches no result.
+std::uint32_t Shells::Impl::nextTag() {
     static std::atomic<std::uint32_t> last{0};
     return ++last;
 }
-
-} // namespace
-
-Shells::Impl::Impl() : tag(nextTag()) {}
 
 int Shells::Impl::find(ShellHandle h) const {
     if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
@@ -62,19 +59,6 @@ Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
 
-void Shells::set_quality(Quality quality) {
-    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
-    const SleepSettings sleep = sleep_settings(); // is no matter of quality
-    step::Settings& s = impl_->stepper.settings();
-    s = settingsFor(quality, s.threads);
-    s.autoSleep = sleep.automatic;
-    s.sleepDrift = sleep.drift;
-    s.sleepAfter = sleep.delay;
-}
-Quality Shells::quality() const {
-    return qualityOf(impl_->stepper.settings());
-}
-
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {
         RodFromDefinition rod;
@@ -88,7 +72,7 @@ Result<ShellHandle> Shells::create(const ShellDef& definition) {
         added.material = definition.material;
         added.width = definition.width;
         const ShellHandle made = impl_->adopt(added.key, definition.name, definition.user_data);
-        impl_->recorder.record(Call::Create, impl_->inner, definition, made);
+        impl_->recorder.record(Call::Create, definition, made);
         return Result<ShellHandle>(made);
     });
 }
@@ -100,7 +84,7 @@ Outcome Shells::destroy(ShellHandle shell) {
             return refused(kNoSuchShell);
         step::removeRod(impl_->world, static_cast<std::size_t>(i));
         impl_->slots[shell.index].key = 0;
-        impl_->recorder.record(Call::Destroy, impl_->inner, shell);
+        impl_->recorder.record(Call::Destroy, shell);
         return done();
     });
 }
@@ -119,7 +103,7 @@ Outcome Shells::carry(const std::string& body_name) {
             return refused("the host has no body called '" + body_name + "'");
         step::wakeAll(impl_->world);
         impl_->world.machineBodies.push_back(id);
-        impl_->recorder.record(Call::Carry, impl_->inner, body_name);
+        impl_->recorder.record(Call::Carry, body_name);
         return done();
     });
 }
@@ -131,7 +115,7 @@ Outcome Shells::set_machine_velocity(Point velocity) {
         if (impl_->world.machineVelocity != vec(velocity))
             step::wakeAll(impl_->world);
         impl_->world.machineVelocity = vec(velocity);
-        impl_->recorder.record(Call::MachineVelocity, impl_->inner, velocity);
+        impl_->recorder.record(Call::MachineVelocity, velocity);
         return done();
     });
 }
@@ -165,28 +149,32 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     };
     const step::Counters before = m.world.counters;
     const double start = m.world.time;
+    std::uint64_t inner = 0; // steps
+    std::string thrown;
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
-    m.recorder.record(Call::PreStep, 0, dt);
+    m.recorder.record(Call::PreStep, dt);
     const Outcome ended = Impl::caught([&] {
         const Inside inside(m.inside);
         m.watch.begin(m.world);
         const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
-            ++m.inner;
+            ++inner;
             m.watch.afterStep(world, m.stepper, handleOf);
-            const bool stop = observer && observer();
+            // An observer that throws stops the frame in order: else the host would never get this frame's impulses.
+            const auto stop = Impl::caught([&] { return Result<bool>(observer && observer()); });
             m.watch.remember(world);
-            return stop;
+            if (!stop)
+                thrown = stop.error();
+            return !stop || *stop;
         });
         report.stopped = out.stopped;
         report.late = out.late;
-        report.failure = out.failure;
+        report.failure = out.failure.empty() ? thrown : out.failure;
         m.watch.end(m.world, handleOf);
         return done();
     });
     if (!ended)
         report.failure = ended.error();
-    m.recorder.record(Call::FrameEnd, 0, m.inner, report.stopped);
-    m.inner = 0;
+    m.recorder.record(Call::FrameEnd, inner, report.stopped);
     report.advanced = m.world.time - start;
     m.advanced = report.advanced;
     report.steps = m.world.counters.steps - before.steps;
@@ -194,9 +182,13 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     return report;
 }
 
+std::uint32_t Shells::id() const {
+    return impl_->tag;
+}
+
 Outcome Shells::post_step() {
     return impl_->change([&] {
-        impl_->recorder.record(Call::PostStep, 0);
+        impl_->recorder.record(Call::PostStep);
         if (impl_->port)
             step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
         impl_->advanced = 0.0; // learnt once

@@ -5,6 +5,7 @@
 #include "supercircle/step/contact_stiffness.h"
 #include "supercircle/step/effect_stage.h"
 #include "supercircle/step/friction_state.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
@@ -60,15 +61,15 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 
 } // namespace
 
-void Attempt::useThreads(int wanted) {
-    if (wanted == threads)
-        return;
-    threads = wanted;
-    stage.loop = threadLoop(wanted);
+void Attempt::useThreads(int count, const parallel::For& hostLoop) {
+    if (hostLoop)
+        stage.loop = hostLoop;
+    else if (count != threads)
+        stage.loop = threadLoop(count);
+    threads = hostLoop ? 0 : count;
 }
 
 void Attempt::collidePresent(World& world, const Settings& settings) {
-    useThreads(settings.threads);
     bool known = world.range.size() == world.rods.size();
     for (std::size_t i = 0; known && i < world.rods.size(); ++i)
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
@@ -150,7 +151,12 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
             options.maxSweeps = settings.cappedSweeps;
         }
         solveContacts(world, rods, options, stage);
+        for (int again = 0; again < 3 && boundHostRows(world, stage, dt); ++again) {
+            couple(world, rods, dt, impulses, !first, stage);
+            solveContacts(world, rods, options, stage);
+        }
         ++world.counters.solves;
+        contactsSolved += stage.candidates.size();
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
@@ -249,8 +255,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                        const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve) {
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
-    useThreads(settings.threads);
     crossings.clear();
+    contactsSolved = 0;
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;

@@ -3,6 +3,7 @@
 #include "supercircle/step/attempt.h"
 #include "supercircle/step/attraction_stage.h"
 #include "supercircle/step/friction_state.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
@@ -41,7 +42,7 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
         } else {
             Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
             body.force -= force;
-            const int index = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+            const int index = stage.place[static_cast<std::size_t>(k.bodyB)].block;
             if (index >= 0) {
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
@@ -77,7 +78,10 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        h.coupled |= !stage.problem.contacts.empty() && stage.bodyProblemIndex[i] >= 0;
+        if (!stage.problem.contacts.empty() && stage.place[i].block >= 0) {
+            h.coupled = true;
+            h.coupledTime += dt;
+        }
     }
     world.machineTravel += dt * world.machineVelocity;
 }
@@ -116,6 +120,7 @@ void accept(World& world, Attempt& t) {
         l.pushOut -= b.rollingWork;
         l.effects += b.effects;
     }
+    acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);
     advanceLinks(world, dt);
     world.impulses = t.impulses;

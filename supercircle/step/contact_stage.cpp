@@ -1,6 +1,7 @@
 #include "supercircle/step/contact_stage.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 
 #include <algorithm>
@@ -32,11 +33,6 @@ constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20
 std::uint32_t outlineKey(BodyId body, std::uint32_t piece) {
     const auto low = static_cast<std::uint32_t>(body ^ (body >> 10) ^ (body >> 20)) & 1023u;
     return ((low << 10) | ((piece ^ (piece >> 10)) & 1023u)) & kKeyMask;
-}
-
-/// A body of fixed rotation has translations only.
-Eigen::Index freedoms(const Body& body) {
-    return body.state.inertia > 0.0 ? 3 : 2;
 }
 
 Vec2 surfaceVelocity(const BodyMotion& m, const Vec2& arm) {
@@ -94,12 +90,11 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
         k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
         out.mu = frictionOf(world, rodA.material, rodA.mu, materialOf(world, piece.body), piece.friction);
-        out.b = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+        out.b = stage.place[static_cast<std::size_t>(k.bodyB)].block;
         if (out.b >= 0) {
-            out.Hb.resize(2, freedoms(body));
-            out.Hb.leftCols<2>() << -n.x(), -n.y(), -t.x(), -t.y();
-            if (freedoms(body) == 3)
-                out.Hb.col(2) << -n.dot(rod::perp(k.armB)), -t.dot(rod::perp(k.armB));
+            out.Hb.setZero(2, stage.problem.bodies[static_cast<std::size_t>(out.b)].vFree.size());
+            addToRow(stage, k.bodyB, -n, -n.dot(rod::perp(k.armB)), out.Hb.row(0));
+            addToRow(stage, k.bodyB, -t, -t.dot(rod::perp(k.armB)), out.Hb.row(1));
         }
         const Vec2 given = out.b < 0 ? surfaceVelocity(motion, k.armB)
                                      : surfaceVelocity({body.handover.drift, body.handover.driftSpin}, k.armB);
@@ -145,32 +140,6 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
     });
 }
 
-void addHostBody(const World& world, double dt, int i, ContactStage& stage) {
-    if (i < 0)
-        return;
-    const Body& body = world.bodies[static_cast<std::size_t>(i)];
-    int& index = stage.bodyProblemIndex[static_cast<std::size_t>(i)];
-    if (!body.dynamic || index >= 0)
-        return;
-    index = static_cast<int>(stage.problem.bodies.size());
-    coulomb::Body b;
-    const BodyState& s = body.state;
-    const Eigen::Index n = freedoms(body);
-    b.A = Eigen::Vector3d(s.mass, s.mass, s.inertia).head(n).asDiagonal();
-    const BodyMotion free = freeMotion(world, body, body.handover.unexplained, body.handover.unexplainedSpin, dt);
-    b.vFree = Eigen::Vector3d(free.velocity.x(), free.velocity.y(), free.spin).head(n);
-    stage.problem.bodies.push_back(std::move(b));
-}
-
-void addHostBodies(const World& world, double dt, ContactStage& stage) {
-    stage.bodyProblemIndex.assign(world.bodies.size(), -1);
-    for (const contact::Candidate& c : stage.candidates)
-        if (c.b.rod < 0)
-            addHostBody(world, dt, bodyIndex(world, pieceOf(world, c).body), stage);
-    for (std::size_t i = 0; i < stage.linkCount; ++i)
-        addHostBody(world, dt, stage.linkRows[i].bodyB, stage);
-}
-
 } // namespace
 
 void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
@@ -181,12 +150,6 @@ void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& fu
     }
     reduced = sign * (full * w.Z);
     offset += sign * (full * w.vp);
-}
-
-BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt) {
-    const BodyState& s = b.state;
-    return {(s.velocity + dt * s.gravityScale * world.gravity) / (1.0 + dt * s.linearDamping) + dt * host,
-            s.spin / (1.0 + dt * s.angularDamping) + dt * hostSpin};
 }
 
 void predictMotion(const World& world, ContactStage& stage) {
@@ -281,7 +244,7 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     stage.problem.dt = dt;
     prepareLinks(world, rods, dt, again, stage);
     addRodBodies(world, rods, stage);
-    addHostBodies(world, dt, stage);
+    addHostBlocks(world, dt, stage);
     const std::size_t n = stage.candidates.size();
     stage.problem.contacts.resize(n + stage.linkCount);
     stage.work.resize(n);
@@ -295,6 +258,7 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     });
     coupleLinks(world, rods, dt, stage);
+    addHostContacts(world, dt, stage);
 }
 
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
@@ -317,19 +281,7 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
         else
             w.v = w.vp + w.Z * x;
     }
-    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-        const Body& b = world.bodies[i];
-        if (!b.dynamic)
-            continue;
-        const Handover& h = b.handover;
-        const int index = any ? stage.bodyProblemIndex[i] : -1;
-        BodyMotion m = freeMotion(world, b, h.acceleration, h.angularAcceleration, stage.problem.dt);
-        if (index >= 0) {
-            const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(index)];
-            m = {x.head<2>(), x.size() == 3 ? x[2] : b.state.spin};
-        }
-        stage.motion[i] = {m.velocity + h.drift, m.spin + h.driftSpin};
-    }
+    readHostBlocks(world, stage);
 }
 
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out) {

@@ -2,6 +2,7 @@
 
 #include "supercircle/contact/identity.h"
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,6 +60,66 @@ double forceAround(const std::vector<LoadedPoint>& samples, const contact::Candi
     return sum;
 }
 
+/// What one candidate adds to its rods.
+struct RollingPair {
+    bool any = false;
+    Rolling a, b;
+};
+
+/// Relative curvature of the two surfaces at a candidate, 1/m.
+double relativeCurvature(const World& world, const std::vector<RodWork>& rods, const contact::Candidate& c) {
+    const auto side = [&](const contact::RodPoint& at, double outward) {
+        const auto i = static_cast<std::size_t>(at.rod);
+        const rod::RodModel& model = world.rods[i].model;
+        const rod::Place place = rod::locate(model, at.element, at.s);
+        const double angle = rods[i].kin.angle(place);
+        const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
+                         c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
+        return k / (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
+    };
+    double curvature = side(c.a, 1.0);
+    if (c.b.rod >= 0)
+        curvature += side(c.b, -1.0);
+    else if (const contact::Outline& local = world.outlines[static_cast<std::size_t>(c.outline)].local;
+             local.kind == contact::OutlineKind::Circle)
+        curvature += 1.0 / local.radius;
+    // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away further.
+    const rod::RodModel& model = world.rods[static_cast<std::size_t>(c.a.rod)].model;
+    const double length = model.elementLength(c.a.element);
+    return std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
+}
+
+RollingPair rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, double normal,
+                      bool firstIteration, const contact::Candidate& c) {
+    RollingPair pair;
+    pair.any = true;
+    const double strength = normal * dt / relativeCurvature(world, rods, c);
+    Eigen::RowVectorXd tau;
+    const auto turn = [&](const contact::RodPoint& at, Rolling& rolling) {
+        const auto i = static_cast<std::size_t>(at.rod);
+        tau.resize(world.rods[i].model.dofs());
+        rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), tau);
+        rolling.tau = tau.transpose();
+        rolling.c = strength;
+    };
+    const auto turned = [&](std::int32_t rod, const Rolling& r) { // of the other side since the linearisation point
+        const auto i = static_cast<std::size_t>(rod);
+        const Eigen::VectorXd& v = firstIteration ? world.rods[i].v : rods[i].v;
+        return r.tau.dot(0.5 * dt * v - (rods[i].qk - world.rods[i].q));
+    };
+    turn(c.a, pair.a);
+    if (c.b.rod < 0)
+        return pair;
+    turn(c.b, pair.b);
+    // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
+    // force against a steady common rotation, and stable however stiff (once the stiffness about the other
+    // side's lagged rotation would be a Jacobi splitting that flips sign every step without decay).
+    const double mean = 0.5 * (turned(c.a.rod, pair.a) + turned(c.b.rod, pair.b));
+    pair.a.c = pair.b.c = 2.0 * strength;
+    pair.a.lag = pair.b.lag = mean;
+    return pair;
+}
+
 } // namespace
 
 void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
@@ -67,63 +128,24 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
         w.rolling.clear();
     const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
     const std::vector<LoadedPoint> samples = loadedSamples(stage.candidates, warm);
-    Eigen::RowVectorXd tau;
-    for (const contact::Candidate& c : stage.candidates) {
+    std::vector<RollingPair> pairs(stage.candidates.size());
+    parallel::forEach(stage.loop, pairs.size(), 64, [&](std::size_t i) {
+        const contact::Candidate& c = stage.candidates[i];
         const contact::Feature kind = contact::featureOf(c.id);
         if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
-            continue;
-        const auto ia = static_cast<std::size_t>(c.a.rod);
-        const double width = world.rods[ia].model.elementLength(c.a.element);
+            return;
+        const double width = world.rods[static_cast<std::size_t>(c.a.rod)].model.elementLength(c.a.element);
         const double normal = forceBefore(warm, present, c).normal + forceAround(samples, c, width);
-        if (normal <= 0.0)
+        if (normal > 0.0)
+            pairs[i] = rollingOf(world, rods, dt, normal, firstIteration, c);
+    });
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (!pairs[i].any)
             continue;
-        const auto side = [&](std::size_t i, const contact::RodPoint& at, double outward) {
-            const rod::RodModel& model = world.rods[i].model;
-            const rod::Place place = rod::locate(model, at.element, at.s);
-            const double angle = rods[i].kin.angle(place);
-            const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
-                             c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
-            return k /
-                   (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
-        };
-        double curvature = side(ia, c.a, 1.0);
+        const contact::Candidate& c = stage.candidates[i];
+        rods[static_cast<std::size_t>(c.a.rod)].rolling.push_back(std::move(pairs[i].a));
         if (c.b.rod >= 0)
-            curvature += side(static_cast<std::size_t>(c.b.rod), c.b, -1.0);
-        else if (const contact::Outline& local = world.outlines[static_cast<std::size_t>(c.outline)].local;
-                 local.kind == contact::OutlineKind::Circle)
-            curvature += 1.0 / local.radius;
-        // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away
-        // further.
-        const rod::RodModel& model = world.rods[ia].model;
-        const double length = model.elementLength(c.a.element);
-        curvature = std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
-        const double strength = normal * dt / curvature;
-        const auto add = [&](std::size_t i, const contact::RodPoint& at) -> Rolling& {
-            tau.resize(world.rods[i].model.dofs());
-            rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), tau);
-            rods[i].rolling.push_back({tau.transpose(), strength, 0.0});
-            return rods[i].rolling.back();
-        };
-        const auto turned = [&](std::size_t i, const Rolling& r) { // of the other side since the linearisation point
-            const Eigen::VectorXd& v = firstIteration ? world.rods[i].v : rods[i].v;
-            return r.tau.dot(0.5 * dt * v - (rods[i].qk - world.rods[i].q));
-        };
-        if (c.b.rod >= 0) {
-            const auto ib = static_cast<std::size_t>(c.b.rod);
-            rods[ib].rolling.reserve(rods[ib].rolling.size() + 2);
-            Rolling& a = add(ia, c.a);
-            Rolling& b = add(ib, c.b);
-            Rolling& first =
-                ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a; // push_back may have moved it
-            // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
-            // force against a steady common rotation, and stable however stiff (once the stiffness about the other
-            // side's lagged rotation would be a Jacobi splitting that flips sign every step without decay).
-            const double mean = 0.5 * (turned(ia, first) + turned(ib, b));
-            first.c = b.c = 2.0 * strength;
-            first.lag = b.lag = mean;
-        } else {
-            add(ia, c.a);
-        }
+            rods[static_cast<std::size_t>(c.b.rod)].rolling.push_back(std::move(pairs[i].b));
     }
 }
 
@@ -179,10 +201,10 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
         if (c.b.rod >= 0)
             put(c.b, -force);
     }
-    for (std::size_t i = 0; i < rods.size(); ++i) {
+    forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
         RodWork& w = rods[i];
         if (!w.loaded)
-            continue;
+            return;
         const rod::RodModel& model = world.rods[i].model;
         for (int side = 0; side < 2; ++side) {
             w.tension[side].resize(model.side(side).size());
@@ -194,7 +216,7 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
             }
         }
         axialStiffness(model, w, w.axial);
-    }
+    });
 }
 
 void axialStiffness(const rod::RodModel& model, const RodWork& w, Eigen::MatrixXd& out) {

@@ -1,5 +1,6 @@
 #include "supercircle/step/link_stage.h"
 
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/loads.h"
 
 #include <algorithm>
@@ -123,22 +124,16 @@ void rowsOf(const World& world, const std::vector<RodWork>& rods, std::size_t i,
     kin.pointRows(model, at, offset, row.normal, rod::perp(row.normal), out);
 }
 
-/// Rows of a dynamic body's velocity and spin (its sign included).
-void bodyRows(const LinkRow& row, const Vec2& arm, Eigen::Index freedoms,
-              Eigen::Matrix<double, 2, Eigen::Dynamic>& out) {
-    out.setZero(2, freedoms);
+/// Rows of a dynamic body's velocity and spin in its block (its sign included).
+void bodyRows(const ContactStage& stage, const LinkRow& row, Eigen::Matrix<double, 2, Eigen::Dynamic>& out) {
+    out.setZero(2, stage.problem.bodies[static_cast<std::size_t>(row.bodyProblem)].vFree.size());
     if (row.kind == LinkRowKind::Angle) {
-        if (freedoms == 3)
-            out(0, 2) = -row.lever;
+        addToRow(stage, row.bodyB, Vec2::Zero(), -row.lever, out.row(0));
         return;
     }
     const Vec2 axis[2] = {row.normal, rod::perp(row.normal)};
-    for (int k = 0; k < 2; ++k) { // a tether's tangent carries nothing, but the local law wants a regular block
-        out(k, 0) = -axis[k].x();
-        out(k, 1) = -axis[k].y();
-        if (freedoms == 3)
-            out(k, 2) = -axis[k].dot(rod::perp(arm));
-    }
+    for (int k = 0; k < 2; ++k) // a tether's tangent carries nothing, but the local law wants a regular block
+        addToRow(stage, row.bodyB, -axis[k], -axis[k].dot(rod::perp(row.armB)), out.row(k));
 }
 
 Vec2 inRow(const LinkRow& row, const Vec2& velocity, double spin) {
@@ -289,12 +284,11 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
         };
         side(row.rodA, row.Ja, 1.0);
         side(row.rodB, row.Jb, -1.0);
-        row.bodyProblem = row.bodyB >= 0 ? stage.bodyProblemIndex[static_cast<std::size_t>(row.bodyB)] : -1;
+        row.bodyProblem = row.bodyB >= 0 ? stage.place[static_cast<std::size_t>(row.bodyB)].block : -1;
         if (row.bodyProblem >= 0) {
             const bool isFirst = out.a < 0;
             (isFirst ? out.a : out.b) = row.bodyProblem;
-            const Eigen::Index n = stage.problem.bodies[static_cast<std::size_t>(row.bodyProblem)].vFree.size();
-            bodyRows(row, row.armB, n, row.Hb);
+            bodyRows(stage, row, row.Hb);
             (isFirst ? out.Ha : out.Hb) = row.Hb;
         }
         Vec2 before = l.force;

@@ -1,6 +1,7 @@
 #include "supercircle/step/stepper.h"
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/budget.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/sleep.h"
 
@@ -103,6 +104,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
     }
     startPaths(world, frame);
     work_->attempt.h = thinnest(world);
+    work_->attempt.useThreads(settings_.threads, loop);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;
 }
@@ -125,8 +127,7 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
     prepare(world, frame, port);
     Attempt& attempt = work_->attempt;
     const double start = world.time;
-    const std::uint64_t budget = static_cast<std::uint64_t>(std::max(0, settings_.frameSolves));
-    const std::uint64_t solvesBefore = world.counters.solves;
+    FrameBudget budget(settings_, world);
     int cuts = 0;
     for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.late;) {
         const bool still = std::all_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.frozen(); });
@@ -139,7 +140,10 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             StageTimer timer(times_, Stage::Collide);
             attempt.collidePresent(world, settings_);
         }
-        const Verdict verdict = attempt.solve(world, settings_, times_, onSolve);
+        const Settings& settings = budget.settings();
+        const std::uint64_t solves = world.counters.solves;
+        const Verdict verdict = attempt.solve(world, settings, times_, onSolve);
+        budget.spend(world, attempt.contactsSolved, world.counters.solves - solves);
         if (verdict == Verdict::Woken)
             continue;
         const bool smallest = attempt.dt <= 2.0 * settings_.dtMin || ticks == 1 || cuts >= kGiveUp;
@@ -173,12 +177,12 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
         if (settings_.autoSleep)
             measureRest(world, settings_, attempt.h, attempt.dt);
         work_->lastDt = attempt.dt;
-        world.dtNext = nextSize(settings_, attempt, cuts > 0);
+        world.dtNext = nextSize(settings, attempt, cuts > 0);
         cuts = 0;
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         out.stopped = observer && observer(world);
-        out.late = budget > 0 && left > 0 && world.counters.solves - solvesBefore >= budget;
+        out.late = left > 0 && budget.usedUp();
     }
     out.advanced = world.time - start;
     endOfFrame(world);

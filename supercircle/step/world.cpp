@@ -15,6 +15,14 @@ const char* name(Stage stage) {
     return names[static_cast<int>(stage)];
 }
 
+void HostPush::learn(const Vec2& newLinear, double newAngular) {
+    const auto agreed = [](double a, double b) { return a * b <= 0.0 ? 0.0 : std::abs(a) < std::abs(b) ? a : b; };
+    expectedLinear = {agreed(linear.x(), newLinear.x()), agreed(linear.y(), newLinear.y())};
+    expectedAngular = agreed(angular, newAngular);
+    linear = newLinear;
+    angular = newAngular;
+}
+
 Vec2 World::machineForce() const {
     Vec2 sum = Vec2::Zero();
     for (const Body& b : bodies)

@@ -4,6 +4,7 @@
 #include "bridge/debug_draw.h"
 #include "plugin/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
+#include "tests/fuzz/hands.h"
 
 #include <algorithm>
 #include <box2d/box2d.h>
@@ -17,6 +18,7 @@ Tally& Tally::operator+=(const Tally& more) {
     calls += more.calls;
     refused += more.refused;
     frames += more.frames;
+    replays += more.replays;
     events += more.events;
     if (broken.empty())
         broken = more.broken;
@@ -24,41 +26,6 @@ Tally& Tally::operator+=(const Tally& more) {
 }
 
 namespace {
-
-class Tape {
-public:
-    explicit Tape(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
-    [[nodiscard]] bool over() const { return at_ >= bytes_.size(); }
-    std::uint8_t byte() { return over() ? 0 : bytes_[at_++]; }
-    std::uint32_t below(std::uint32_t n) { return (byte() | static_cast<std::uint32_t>(byte()) << 8) % n; }
-    bool chance(int inTwoHundredFiftySix) { return byte() < inTwoHundredFiftySix; }
-    /// Within [low, high], or now and then something else.
-    double number(double low, double high, int odd = 4) {
-        static constexpr double kOdd[] = {std::numeric_limits<double>::quiet_NaN(),
-                                          std::numeric_limits<double>::infinity(),
-                                          -std::numeric_limits<double>::infinity(),
-                                          0.0,
-                                          -0.0,
-                                          -1.0,
-                                          1e300,
-                                          -1e300,
-                                          1e-300,
-                                          5e-324,
-                                          1e30,
-                                          1e9};
-        if (chance(odd))
-            return kOdd[byte() % (sizeof(kOdd) / sizeof(double))];
-        return low + (high - low) * (below(65536) / 65535.0);
-    }
-    Point point(double reach, int odd = 4) {
-        const double x = number(-reach, reach, odd);
-        return {x, number(-0.2 * reach, reach, odd)};
-    }
-
-private:
-    const std::vector<std::uint8_t>& bytes_;
-    std::size_t at_ = 0;
-};
 
 class Nothing : public b2Draw, public DebugDraw {
 public:
@@ -97,6 +64,8 @@ public:
     Tally run() {
         while (!tape_.over() && tally_.broken.empty())
             act(0);
+        if (!tally_.broken.empty())
+            tally_.broken += " (call " + std::to_string(tally_.calls) + ", the last ones: " + last_ + ")";
         return tally_;
     }
 
@@ -227,9 +196,15 @@ private:
         return d;
     }
 
+    void remember(const std::string& what) {
+        last_ = (last_.size() > 300 ? last_.substr(last_.find(", ", last_.size() - 300) + 2) : last_) + ", " + what +
+                tape_.oddOnes();
+    }
+
     /// Counts a call; a refused one must not have changed the state.
     void called(bool done, Shells& shells, std::uint64_t before, const char* what) {
         ++tally_.calls;
+        remember(done ? what : std::string(what) + " refused");
         if (done)
             return;
         ++tally_.refused;
@@ -241,8 +216,8 @@ private:
         const std::uint64_t before = s.hash();
         if (s.size() >= kMostShells) {
             const std::vector<ShellHandle> all = s.list();
-            called(static_cast<bool>(s.destroy(all[tape_.below(static_cast<std::uint32_t>(all.size()))])), s, before,
-                   "destroy");
+            const ShellHandle victim = all[tape_.below(static_cast<std::uint32_t>(all.size()))];
+            called(static_cast<bool>(s.destroy(victim)), s, before, "destroy");
             return;
         }
         const Result<ShellHandle> made = s.create(definition());
@@ -275,6 +250,7 @@ private:
             return ++inner >= kMostInner || tape_.chance(5);
         });
         ++tally_.calls;
+        remember((&s == shells_.get() ? "frame " : "other frame ") + std::to_string(dt) + " " + r.failure);
         if (r.failure.empty())
             ++tally_.frames;
         else
@@ -392,20 +368,31 @@ private:
         if (s.log().calls() == 0 || s.log().calls() > 60) {
             s.start_log(tape_.byte());
             ++tally_.calls;
+            if (&s == other_.get())
+                faithful_ = true;
             return;
         }
         const CallLog log = s.log();
-        if (tape_.chance(128))
-            s.stop_log();
         Shells again(nullptr);
-        (void)again.replay(log, [&](double) { return !tape_.chance(20); });
         tally_.calls += 2;
+        if (&s != other_.get()) { // its bodies are missing there
+            (void)again.replay(log, [&](double) { return !tape_.chance(20); });
+        } else {
+            const Outcome replayed = again.replay(log);
+            if (faithful_ && (!replayed || again.hash() != s.hash()))
+                tally_.broken = "a log replays to another state: " + replayed.error();
+            tally_.replays += faithful_ ? 1 : 0;
+        }
+        if (tape_.chance(128)) {
+            s.stop_log();
+            faithful_ = false;
+        }
     }
 
     void act(int depth) {
         Shells& s = some();
         const std::uint64_t before = s.hash();
-        switch (tape_.below(24)) {
+        switch (tape_.below(34)) {
         case 0:
         case 1:
         case 2:
@@ -425,8 +412,7 @@ private:
             called(static_cast<bool>(s.carry(tape_.chance(200) ? "plate" : "nobody")), s, before, "carry");
             break;
         case 6:
-            s.set_machine_velocity(tape_.point(0.5, 10));
-            ++tally_.calls;
+            called(static_cast<bool>(s.set_machine_velocity(tape_.point(0.5, 10))), s, before, "set_machine_velocity");
             break;
         case 7:
         case 8:
@@ -454,10 +440,10 @@ private:
             break;
         }
         case 16:
-            called(s.set_name(handle(), "b"), s, before, "set_name");
+            called(static_cast<bool>(s.set_name(handle(), "b")), s, before, "set_name");
             break;
         case 17:
-            called(s.set_user_data(handle(), 7), s, before, "set_user_data");
+            called(static_cast<bool>(s.set_user_data(handle(), 7)), s, before, "set_user_data");
             break;
         case 18: {
             EventSettings e;
@@ -478,6 +464,9 @@ private:
         case 21:
             if (depth == 0 && tape_.chance(40)) { // as a bug in somebody's effect would
                 step::World& w = s.world();
+                if (&s == other_.get())
+                    faithful_ = false; // no log knows of it
+                remember("bad number put in");
                 if (!w.rods.empty())
                     w.rods[tape_.below(static_cast<std::uint32_t>(w.rods.size()))].v[0] =
                         std::numeric_limits<double>::quiet_NaN();
@@ -486,20 +475,32 @@ private:
                 other_ = std::move(moved);
             }
             break;
-        default:
+        case 22:
+        case 23:
             worldAct();
             break;
+        default: {
+            BodyId body = s.body("plate") ? *s.body("plate") : 0;
+            if (b2Body* b = tape_.chance(128) ? someBody() : nullptr)
+                body = attachment_->body_id(*b);
+            const Hands::Made made = hands_.act(s, tape_, {handle(), handle(), tape_.chance(250) ? body : 77});
+            called(made.done, s, before, made.what);
+            break;
+        }
         }
     }
 
     Tape tape_;
+    Hands hands_;
     b2World world_;
     bridge::Box2dPort* port_ = nullptr;
     std::unique_ptr<bridge::Attachment> attachment_;
     std::unique_ptr<Shells> shells_, other_;
     std::vector<ShellHandle> handles_;
     std::vector<Snapshot> saved_;
+    bool faithful_ = false; ///< the log of the other shells tells everything since it began
     Tally tally_;
+    std::string last_; ///< calls before the end, for messages
 };
 
 } // namespace

@@ -13,6 +13,7 @@ struct Tally {
     std::uint64_t calls = 0;   ///< of the public API, refused ones included
     std::uint64_t refused = 0; ///< answered by an error
     std::uint64_t frames = 0;  ///< accepted pre_steps
+    std::uint64_t replays = 0; ///< logs played again that had to end in the same state
     std::uint64_t events = 0;
     std::string broken; ///< empty, or the promise that was broken
     Tally& operator+=(const Tally& more);

@@ -8,6 +8,7 @@
 #include "tests/support/fake_host.h"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -49,7 +50,9 @@ double energy(const Shells& shells) {
     return b.kinetic + b.bending + b.gravity - b.added;
 }
 
-/// Peak force, B/R^2, of a shell pushed over a cylinder of radius R - h/2 at 0.25 m/s.
+/// Peak force, B/R^2, of a shell pushed over a cylinder of radius R - h/2 at 0.25 m/s: largest running median of five
+/// frames' mean forces. After a snap the shell slaps on the cylinder, one frame long; theory's quasi-static force has
+/// no such spike and a testing machine does not read it.
 double snapPeak(double phiBar, double mu, int elements) {
     ShellDef d = scaledShell(1.0, 2.0, phiBar);
     auto host = std::make_shared<FakeHost>();
@@ -73,13 +76,22 @@ double snapPeak(double phiBar, double mu, int elements) {
     REQUIRE(shells.hold(*shell, 0.5, HoldKind::Clamp, true));
     shells.set_machine_velocity({0.0, -0.25});
     double peak = 0.0;
+    std::array<double, 5> last{};
+    std::size_t frames = 0;
     for (double travel = 0.0; travel < 0.98 * centre; travel += 0.25 * kFrame) {
-        const FrameReport r = shells.pre_step(kFrame);
+        double impulse = 0.0;
+        const FrameReport r = shells.pre_step(kFrame, [&] {
+            impulse += shells.machine_force().y * shells.stepper().lastDt();
+            return false;
+        });
         REQUIRE(r.failure.empty());
         REQUIRE_FALSE(r.late);
         host->step(r.advanced);
         shells.post_step();
-        peak = std::max(peak, shells.machine_force().y / bendingModulus(d));
+        last[frames++ % last.size()] = impulse / kFrame / bendingModulus(d);
+        std::array<double, 5> sorted = last;
+        std::sort(sorted.begin(), sorted.end());
+        peak = std::max(peak, sorted[2]);
     }
     return peak;
 }
@@ -97,14 +109,22 @@ scene::Drop dropOf(int count, double width) {
 } // namespace
 
 TEST_CASE("a snap at 60 frames a second has the force of theory whatever the number of arcs", "[plugin][game]") {
-    // Solved references T2 (zero thickness). Measured errors 1 % (Type I; its half is the shell's thickness) and 0.6 %
-    // (Type II, 15 arcs); 3 % is what a game is promised.
-    for (const int elements : {15, 31, 61}) {
-        INFO(elements << " arcs");
-        CHECK(snapPeak(0.75, 0.2, elements) == Approx(0.0825).epsilon(0.03));
-        CHECK(snapPeak(0.75, 0.35, elements) == Approx(0.1056).epsilon(0.03));
-        CHECK(snapPeak(0.9, 0.3, elements) == Approx(5.281).epsilon(0.03));
-    }
+    // Solved references T2 (zero thickness). Measured errors at most 1 % (Type I; its half is the shell's thickness)
+    // and 0.9 % (Type II); 3 % is what a game is promised, and 2 % that the number of arcs makes no difference.
+    const auto check = [](double phiBar, double mu, double theory) {
+        double least = 1e9, most = 0.0;
+        for (const int elements : {15, 31, 61}) {
+            INFO(elements << " arcs");
+            const double peak = snapPeak(phiBar, mu, elements);
+            CHECK(peak == Approx(theory).epsilon(0.03));
+            least = std::min(least, peak);
+            most = std::max(most, peak);
+        }
+        CHECK(most < 1.02 * least);
+    };
+    check(0.75, 0.2, 0.0825);
+    check(0.75, 0.35, 0.1056);
+    check(0.9, 0.3, 5.281);
 }
 
 TEST_CASE("a pile at 60 frames a second crosses nothing, keeps its length and gains no energy", "[plugin][game]") {
@@ -169,7 +189,8 @@ TEST_CASE("a frame beyond its budget ends early and the rest follows later", "[p
     const auto host = boxHost(8.0);
     Shells shells(host);
     shells.set_quality(Quality::Game);
-    shells.stepper().settings().frameSolves = 1;
+    CHECK_FALSE(Shells(nullptr).set_frame_budget(1)); // the laboratory has none
+    REQUIRE(shells.set_frame_budget(1));
     player::Random random(3);
     std::vector<ShellHandle> made;
     REQUIRE(player::dropBatch(shells, dropOf(12, 8.0), 12, random, made).empty());
@@ -220,13 +241,16 @@ TEST_CASE("the quality is part of what is saved and logged", "[plugin][game]") {
     const Snapshot before = shells.save();
     shells.start_log();
     shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_frame_budget(77));
     CHECK(shells.quality() == Quality::Game);
     Shells other(nullptr);
     REQUIRE(other.replay(shells.log()));
     CHECK(other.quality() == Quality::Game);
+    CHECK(other.stepper().settings().frameWork == 77);
     REQUIRE(shells.restore(before));
     CHECK(shells.quality() == Quality::Laboratory);
-    shells.stepper().settings().threads = 2;
+    CHECK_FALSE(shells.set_threads(0));
+    REQUIRE(shells.set_threads(2));
     shells.set_quality(Quality::Game);
     CHECK(shells.stepper().settings().threads == 2);
 }

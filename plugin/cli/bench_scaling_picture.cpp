@@ -48,6 +48,19 @@ void labels(report::Canvas& canvas, const report::Plot& plot, const std::string&
                 {theme::labelSize, theme::ink, report::Anchor::Middle, false, -90.0});
 }
 
+// What a row has to show: 0 for what it did not get to.
+double dropTime(const ScalingRow& row) {
+    return row.cycleCpu > 0.0 ? row.dropCpu : 0.0;
+}
+
+double cycleTime(const ScalingRow& row) {
+    return row.complete ? row.cycleCpu : 0.0;
+}
+
+double solveTime(const ScalingRow& row) {
+    return row.cycleCpu > 0.0 ? row.full.ms : 0.0;
+}
+
 /// Points with a line; hollow where the run was stopped early.
 void series(report::Canvas& canvas, const report::Plot& plot, const std::vector<ScalingRow>& rows, Colour colour,
             double (*value)(const ScalingRow&)) {
@@ -84,9 +97,9 @@ void drawCost(report::Canvas& canvas, const report::Plot& plot, const std::vecto
     labels(canvas, plot, "shells", "CPU time on one core / s");
     slope(canvas, plot, 1.5, plot.y.lo + 0.1, 1.0, "N");
     slope(canvas, plot, 1.5, plot.y.lo + 0.1, 2.0, "N squared");
-    series(canvas, plot, rows, kDrop, [](const ScalingRow& r) { return r.dropCpu; });
-    series(canvas, plot, rows, kCycle, [](const ScalingRow& r) { return r.complete ? r.cycleCpu : 0.0; });
-    series(canvas, plot, rows, kStep, [](const ScalingRow& r) { return r.full.ms; });
+    series(canvas, plot, rows, kDrop, dropTime);
+    series(canvas, plot, rows, kCycle, cycleTime);
+    series(canvas, plot, rows, kStep, solveTime);
     legend(canvas, plot, 0.0, kDrop, "making the pile");
     legend(canvas, plot, 1.0, kCycle, "one cycle of squeezing");
     legend(canvas, plot, 2.0, kStep, "a thousand solves under full load");
@@ -118,7 +131,7 @@ std::string scalingPicture(const std::vector<ScalingRow>& rows, std::string& err
     canvas.text({left, 34.0}, "Stacks of many shells", {theme::titleSize, theme::ink, report::Anchor::Start, true});
     double least = 1e300, most = 0.0;
     for (const ScalingRow& row : rows)
-        for (const double y : {row.dropCpu, row.complete ? row.cycleCpu : row.dropCpu, row.full.ms})
+        for (const double y : {dropTime(row), cycleTime(row), solveTime(row)})
             if (y > 0.0) {
                 least = std::min(least, y);
                 most = std::max(most, y);

@@ -114,8 +114,11 @@ void freezeRod(const Rod& rod, RodWork& w) {
     w.rolling.clear();
     w.C.resize(0, rod.model.dofs());
     w.moved = w.shift = w.error = 0.0;
-    if (w.frozen && w.qk == rod.q)
-        return; // known from the step before
+    // Known from the step before, if this place in the list was this rod's then: another one may have the same
+    // coordinates and other lengths or masses, or other numbers of them.
+    if (w.frozen && w.qk.size() == rod.q.size() && w.qk == rod.q && w.gauss.arm == rod.gauss.arm &&
+        w.gauss.mass == rod.gauss.mass && w.u1 == rod.u)
+        return;
     w.frozen = true;
     w.qk = w.q1 = rod.q;
     w.v.setZero(rod.model.dofs());

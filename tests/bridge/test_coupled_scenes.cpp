@@ -226,6 +226,7 @@ TEST_CASE("a body put to sleep on a shell stays where it is", "[bridge]") {
     const double before = y(s.crate);
     s.crate->SetAwake(false);
     play(s.p, 1.0);
+    CHECK(s.crate->IsAwake()); // the shell's impulses wake it
     CHECK(y(s.crate) == Approx(before).margin(0.1 * kThick));
     CHECK(std::abs(s.p.gap(s.crate)) < 0.02 * kThick);
 }

@@ -117,6 +117,8 @@ std::vector<Entry> table() {
     const MaterialDef softer{.mu = 0.6, .young_modulus = 1e9, .density = 900.0, .natural_curvature = {{60.0}}};
     return {
         {"set_quality(Quality)", Call::SetQuality, [](Stage& s) { return ok(s.shells.set_quality(Quality::Game)); }},
+        {"set_frame_budget(uint64_t)", Call::SetFrameBudget,
+         [](Stage& s) { return ok(s.shells.set_frame_budget(30000)); }},
         {"create(ShellDef)", Call::Create,
          [](Stage& s) {
              s.a = s.make({-0.03, 0.05}, 0.3);
@@ -233,7 +235,8 @@ std::vector<Entry> table() {
 
 TEST_CASE("every changing call of the header is in the table of the log", "[plugin][log]") {
     std::set<std::string> declared = changingCalls(),
-                          listed{"start_log(uint64_t)", "stop_log()", "replay(CallLog,function<bool(double)>)"};
+                          listed{"set_threads(int)", // changes no result
+                                 "start_log(uint64_t)", "stop_log()", "replay(CallLog,function<bool(double)>)"};
     CHECK(declared.size() > 40); // else the header was not understood
     for (const Entry& e : table())
         listed.insert(e.declaration);

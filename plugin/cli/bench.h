@@ -37,6 +37,11 @@ struct Benchmark {
 /// Median, 95 % quantile and best of the samples, ms.
 Measurement summarise(std::string name, std::vector<double> milliseconds);
 
+/// Largest resident size of the process so far, MB.
+double peakMemory();
+/// CPU time of this thread, s: for machines that are shared.
+double threadCpuSeconds();
+
 /// Wall time of one call, ms.
 double timed(const std::function<void()>& work);
 

@@ -127,6 +127,8 @@ void addGameBenchmarks(std::vector<Benchmark>& all) {
             if (!wanted(job.name))
                 continue;
             const std::vector<GameRun> runs = job.run();
+            if (interrupted) // half a run is no measurement
+                break;
             for (const GameRun& r : runs)
                 if (!r.failure.empty())
                     return job.name + ": " + r.failure;

@@ -285,7 +285,7 @@ void addGuidePictures(std::vector<Benchmark>& all) {
         const std::filesystem::path folder = json.empty() ? "out" : std::filesystem::path(json).parent_path();
         if (files->empty())
             return std::string();
-        std::printf("pictures: %s/guide_*.png\n", folder.c_str());
+        std::printf("pictures: %s\n", (folder / "guide_*.png").c_str());
         return record::writeAtomically(folder.string(), *files);
     };
     all.push_back(std::move(b));

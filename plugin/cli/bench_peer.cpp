@@ -168,6 +168,8 @@ void addPeerBenchmarks(std::vector<Benchmark>& all) {
             if (!wanted(job.name))
                 continue;
             GameRun run = job.run();
+            if (interrupted) // half a run is no measurement
+                break;
             run.name = job.name;
             if (!run.failure.empty())
                 return job.name + ": " + run.failure;

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <cstdio>
 #include <filesystem>
-#include <sys/resource.h>
 
 namespace supercircle::cli {
 
@@ -25,12 +24,6 @@ struct Size {
 };
 constexpr std::array kSizes{Size{10, 0.115, 1, 2.89}, Size{30, 0.2, 3, 5.0}, Size{100, 0.365, 10, 9.13},
                             Size{300, 0.632, 20, 15.8}, Size{1000, 1.155, 40, 28.9}};
-
-std::string number(const char* format, double value) {
-    char text[48];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
 
 std::string rowName(int shells) {
     return "scaling/" + number("%04.0f", shells);
@@ -150,9 +143,7 @@ std::string runSize(const Size& size, ScalingRow& row) {
         if (const auto* steps = std::get_if<std::int64_t>(&value);
             steps != nullptr && name == (row.cycleCpu > 0.0 ? "protocol_steps" : "steps"))
             row.steps = static_cast<double>(*steps);
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
-    row.memory = static_cast<double>(usage.ru_maxrss) / 1024.0;
+    row.memory = peakMemory();
     return keepScaling(row);
 }
 

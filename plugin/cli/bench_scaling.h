@@ -34,6 +34,9 @@ struct ScalingRow {
     [[nodiscard]] double speedUp(std::size_t i) const;
 };
 
+/// A figure as printf writes it.
+std::string number(const char* format, double value);
+
 std::string scalingTables(const std::vector<ScalingRow>& rows);
 /// PNG; empty `error` on success.
 std::string scalingPicture(const std::vector<ScalingRow>& rows, std::string& error);

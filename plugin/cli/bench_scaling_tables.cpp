@@ -5,13 +5,13 @@
 
 namespace supercircle::cli {
 
-namespace {
-
 std::string number(const char* format, double value) {
     char text[48];
     std::snprintf(text, sizeof text, format, value);
     return text;
 }
+
+namespace {
 
 std::string line(const std::string& first, const std::vector<std::string>& cells) {
     std::string out = "| " + first + " |";

@@ -1,6 +1,6 @@
 #include "plugin/cli/virtual_threads.h"
 
-#include <ctime>
+#include "plugin/cli/bench.h"
 
 namespace supercircle::cli {
 
@@ -9,12 +9,6 @@ namespace {
 constexpr std::array kOneLong{3.0, 1.0, 1.0, 1.0}, kEven{1.0, 1.0, 1.0, 1.0};
 static_assert(makespan(kOneLong, 1) == 6.0 && makespan(kOneLong, 2) == 3.0 && makespan(kOneLong, 64) == 3.0);
 static_assert(makespan(kEven, 2) == 2.0 && makespan(kEven, 3) == 2.0 && makespan(kEven, 4) == 1.0);
-
-double cpuTime() {
-    timespec t{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 } // namespace
 
@@ -27,16 +21,16 @@ VirtualThreads::Cost& VirtualThreads::Cost::operator+=(const Cost& other) {
     return *this;
 }
 
-VirtualThreads::VirtualThreads() : since_(cpuTime()) {}
+VirtualThreads::VirtualThreads() : since_(threadCpuSeconds()) {}
 
 parallel::For VirtualThreads::loop() {
     return [this](std::size_t count, const std::function<void(std::size_t)>& body) {
         turns_.clear();
-        const double start = cpuTime();
+        const double start = threadCpuSeconds();
         double before = start;
         for (std::size_t i = 0; i < count; ++i) {
             body(i);
-            const double now = cpuTime();
+            const double now = threadCpuSeconds();
             turns_.push_back(now - before);
             before = now;
         }
@@ -51,11 +45,11 @@ void VirtualThreads::deal(double start, double end) {
     cost.loops += 1.0;
     for (std::size_t i = 0; i < kThreads.size(); ++i)
         cost.span[i] += makespan(turns_, kThreads[i]);
-    since_ = cpuTime();
+    since_ = threadCpuSeconds();
 }
 
 void VirtualThreads::enter(step::Stage stage) {
-    const double now = cpuTime();
+    const double now = threadCpuSeconds();
     costs_[static_cast<std::size_t>(stage_)].total += now - since_;
     since_ = now;
     stage_ = stage;
@@ -68,7 +62,7 @@ const VirtualThreads::Costs& VirtualThreads::costs() {
 
 void VirtualThreads::reset() {
     costs_ = {};
-    since_ = cpuTime();
+    since_ = threadCpuSeconds();
 }
 
 } // namespace supercircle::cli

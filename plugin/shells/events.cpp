@@ -46,7 +46,12 @@ double thicknessOf(const step::World& world, const contact::Candidate& c) {
 } // namespace
 
 void Watch::begin(const step::World& world) {
-    events = {};
+    events.contact_begin.clear(); // one by one: the storage stays
+    events.contact_end.clear();
+    events.impulses.clear();
+    events.snap_begin.clear();
+    events.snap_end.clear();
+    events.quarantined.clear();
     exchanges_.clear();
     remember(world);
 }
@@ -77,7 +82,9 @@ void Watch::gather(const step::World& world, const step::Stepper& stepper) {
         if (k + 1 < r.size() && r[k] > 0.0)
             loads_.push_back({pairOf(world, candidates[i]), i, r[k], std::abs(r[k + 1])});
     }
-    std::stable_sort(loads_.begin(), loads_.end(), [](const Load& x, const Load& y) { return x.pair < y.pair; });
+    std::sort(loads_.begin(), loads_.end(), [](const Load& x, const Load& y) { // a stable sort would take from the heap
+        return x.pair != y.pair ? x.pair < y.pair : x.contact < y.contact;
+    });
     byId_.clear();
     for (std::size_t i = 0; i < world.candidates.size(); ++i)
         byId_.emplace_back(world.candidates[i].id, i);
@@ -269,7 +276,8 @@ void Watch::end(const step::World& world, const HandleOf& handleOf) {
     for (Exchange& x : exchanges_)
         if (x.event.normal_impulse > state.settings.impulse_threshold)
             events.impulses.push_back(x.event);
-    std::vector<std::uint32_t> now;
+    std::vector<std::uint32_t>& now = quarantinedNow_;
+    now.clear();
     std::vector<std::uint32_t>& known = state.quarantined;
     for (const step::Rod& r : world.rods) {
         if (!r.quarantined)
@@ -278,7 +286,7 @@ void Watch::end(const step::World& world, const HandleOf& handleOf) {
         if (std::find(known.begin(), known.end(), r.key) == known.end())
             events.quarantined.push_back({world.time, handleOf(r.key)});
     }
-    known = std::move(now);
+    std::swap(known, now);
 }
 
 const FrameEvents& Shells::events() const {

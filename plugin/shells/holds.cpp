@@ -170,21 +170,21 @@ Outcome Shells::release(GrabHandle grab) {
 Result<ForceHandle> Shells::Impl::addForce(ShellHandle shell, double arc_fraction, Point force, double torque,
                                            bool once) {
     using R = Result<ForceHandle>;
-    Impl* const impl_ = this;
+    Impl& m = *this;
     return change([&] {
-        const int i = impl_->find(shell);
+        const int i = m.find(shell);
         if (i < 0)
             return R::failure(kNoSuchShell);
         if (!isFraction(arc_fraction))
             return R::failure(kBadFraction);
-        if (!limits::impulse(impl_->rod(i).model, force, torque))
+        if (!limits::impulse(m.rod(i).model, force, torque))
             return R::failure(limits::kTooStrong);
-        step::wake(impl_->world, static_cast<std::size_t>(i));
-        step::Rod& rod = impl_->rod(i);
-        const std::uint32_t key = impl_->world.nextPart++;
+        step::wake(m.world, static_cast<std::size_t>(i));
+        step::Rod& rod = m.rod(i);
+        const std::uint32_t key = m.world.nextPart++;
         rod.forces.push_back({arc_fraction * rod.model.definition().length, vec(force), torque, once, key});
-        const ForceHandle made{rod.key, key, impl_->tag};
-        impl_->recorder.record(once ? Call::ApplyForce : Call::AddForce, shell, arc_fraction, force, torque, made);
+        const ForceHandle made{rod.key, key, m.tag};
+        m.recorder.record(once ? Call::ApplyForce : Call::AddForce, shell, arc_fraction, force, torque, made);
         return R(made);
     });
 }

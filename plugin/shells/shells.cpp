@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <functional>
 
 namespace supercircle {
 
@@ -14,6 +15,7 @@ namespace {
 
 /// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
 constexpr double kMostSteps = 4096.0;
+constexpr double kShortest = 1e-12; ///< s: velocities are differences of places over it
 
 } // namespace
 
@@ -132,8 +134,8 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         report.failure = kStepping;
         return report;
     }
-    if (!(dt > 0.0) || !std::isfinite(dt)) {
-        report.failure = "pre_step: the frame must be a positive number of seconds";
+    if (!(dt >= kShortest) || !std::isfinite(dt)) {
+        report.failure = "pre_step: the frame must be a positive number of seconds, 1e-12 at least";
         m.advanced = 0.0;
         return report;
     }
@@ -156,7 +158,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     const Outcome ended = Impl::caught([&] {
         const Inside inside(m.inside);
         m.watch.begin(m.world);
-        const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
+        const auto observe = [&](const step::World& world) {
             ++inner;
             m.watch.afterStep(world, m.stepper, handleOf);
             // An observer that throws stops the frame in order: else the host would never get this frame's impulses.
@@ -165,7 +167,9 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
             if (!stop)
                 thrown = stop.error();
             return !stop || *stop;
-        });
+        };
+        const step::FrameOutcome out = // by reference: it is too large for a function to hold without the heap
+            m.stepper.advance(m.world, dt, m.port.get(), std::cref(observe));
         report.stopped = out.stopped;
         report.late = out.late;
         report.failure = out.failure.empty() ? thrown : out.failure;

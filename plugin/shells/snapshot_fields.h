@@ -167,9 +167,8 @@ void io(Ar& ar, Is<step::Rod> auto& r) {
             ar.fail("a shell in it has the wrong number of coordinates, or bad ones");
             q.setZero(n);
         }
-        const auto beyond = [&model](const auto& part) {
-            return !(part.s >= 0.0 && part.s <= model.definition().length);
-        };
+        const double length = model.definition().length;
+        const auto beyond = [length](const auto& part) { return !(part.s >= 0.0 && part.s <= length); };
         if (std::any_of(holds.begin(), holds.end(), beyond) || std::any_of(forces.begin(), forces.end(), beyond) ||
             std::any_of(grabs.begin(), grabs.end(), beyond))
             ar.fail("a hold, force or grab in it is beyond its shell");

@@ -195,10 +195,12 @@ std::string Whitened::build(const Problem& problem, const parallel::For& loop) {
         layoutContact(problem.contacts[c], contacts_[c]);
     if (rows_.size() < rowsUsed_)
         rows_.resize(rowsUsed_);
-    parallel::forChunks(loop, contacts_.size(), 64, [&](std::size_t, std::size_t begin, std::size_t end) {
-        std::vector<Pair> scratch(longest_);
+    constexpr std::size_t kGrain = 64;
+    columns_.resize(std::max(columns_.size(), parallel::chunkCount(loop, contacts_.size(), kGrain)));
+    parallel::forChunks(loop, contacts_.size(), kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        columns_[chunk].resize(longest_);
         for (std::size_t c = begin; c < end; ++c)
-            fillContact(problem.contacts[c], contacts_[c], scratch);
+            fillContact(problem.contacts[c], contacts_[c], columns_[chunk]);
     });
     double largest = 0.0;
     for (const Contact& contact : contacts_)

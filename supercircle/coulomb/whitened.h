@@ -136,7 +136,8 @@ private:
     std::vector<std::size_t> firstOfBody_; ///< contacts of every body, ascending; empty: not listed yet
     std::vector<std::int32_t> ofBody_;     ///< 2 contact + side
     std::vector<Velocity> velocity_;
-    std::size_t longest_ = 0; ///< body, padded
+    std::size_t longest_ = 0;                ///< body, padded
+    std::vector<std::vector<Pair>> columns_; ///< scratch per chunk of contacts
 };
 
 // ---- kernels, inline because a Gauss-Seidel sweep is nothing else ----

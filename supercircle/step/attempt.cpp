@@ -98,7 +98,8 @@ const std::vector<contact::Candidate>& Attempt::startCandidates(const World& wor
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
 /// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
 void Attempt::begin(const World& world, const Settings& settings) {
-    std::vector<char> near(world.rods.size(), 0);
+    std::vector<char>& near = stage.marked;
+    near.assign(world.rods.size(), 0);
     for (const contact::Candidate& c : world.candidates) {
         near[static_cast<std::size_t>(c.a.rod)] = 1;
         if (c.b.rod >= 0)

@@ -2,6 +2,7 @@
 // One attempt at a step of fixed size (private to step/): stages collide to solve, repeated until the gaps hold.
 
 #include "supercircle/step/contact_stage.h"
+#include "supercircle/step/rod_stage.h"
 #include "supercircle/step/stepper.h"
 
 #include <chrono>
@@ -45,6 +46,7 @@ struct Attempt {
     ContactStage stage;
     std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
     std::vector<ContactImpulse> impulses; ///< of the last solve
+    std::vector<RodBooks> books;          ///< of the accepted attempt, per rod
     std::vector<contact::Candidate> kept; ///< of the world's candidates those this step needs (Settings::prune)
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::Curve> curvesBefore;

@@ -150,12 +150,12 @@ std::vector<double> energies(const World& world, const Surroundings& around) {
     return all;
 }
 
-PullWork linearised(const World& world, const std::vector<RodWork>& rods, std::size_t i, std::size_t k,
-                    const Near& near, const ContactStage& stage, double dt) {
+AttractionWork linearised(const World& world, const std::vector<RodWork>& rods, std::size_t i, std::size_t k,
+                          const Near& near, const ContactStage& stage, double dt) {
     const Rod& rod = world.rods[i];
     const effects::Attraction& a = rod.effects.attraction;
     const effects::AttractionPoint law = effects::attractionAt(a.model, near.gap);
-    PullWork p;
+    AttractionWork p;
     p.rodA = static_cast<int>(i);
     p.rodB = near.rodB;
     p.bodyB = near.bodyB;
@@ -208,7 +208,7 @@ void addPulls(const ContactStage& stage, int rod, double dt, RodWork& w) {
             w.A.noalias() += (dt * dt * stiffness) * (row.transpose() * row);
         w.rhs += (dt * (force + stiffness * way)) * row.transpose();
     };
-    for (const PullWork& p : stage.pulls) {
+    for (const AttractionWork& p : stage.pulls) {
         if (p.rodA == rod)
             add(p.rowA, -p.force, p.stiffness, p.wayA);
         if (p.rodB == rod)
@@ -229,13 +229,13 @@ double pullError(const World& world, const std::vector<RodWork>& rods, double dt
             const double force = shareOf(near) * a.weight[k] * effects::attractionAt(a.model, near.gap).force;
             double linear = 0.0;
             // Both lists run through rods and points in the same order.
-            const auto before = [&](const PullWork& p) {
+            const auto before = [&](const AttractionWork& p) {
                 return p.rodA < static_cast<int>(i) || (p.rodA == static_cast<int>(i) && p.point < k);
             };
             while (next < stage.pulls.size() && before(stage.pulls[next]))
                 wrong += stage.pulls[next++].force; // no longer near
             for (std::size_t m = next; m < stage.pulls.size(); ++m) {
-                const PullWork& p = stage.pulls[m];
+                const AttractionWork& p = stage.pulls[m];
                 if (p.rodA != static_cast<int>(i) || p.point != k)
                     break;
                 if (p.rodB == near.rodB && p.bodyB == near.bodyB)
@@ -249,8 +249,8 @@ double pullError(const World& world, const std::vector<RodWork>& rods, double dt
     return wrong / (kTolerance * sum + floor);
 }
 
-PullBooks bookPulls(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
-    PullBooks out;
+AttractionBooks bookAttraction(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
+    AttractionBooks out;
     if (!anyAttraction(world))
         return out;
     const std::vector<double> before = energies(world, Surroundings(world, atStart(world), stage.motion, 0.0));
@@ -263,7 +263,7 @@ PullBooks bookPulls(World& world, const std::vector<RodWork>& rods, double dt, c
         book.stored = after[i];
     }
     double given = 0.0;
-    for (const PullWork& p : stage.pulls) {
+    for (const AttractionWork& p : stage.pulls) {
         const double wayA = dt * p.rowA.dot(rods[static_cast<std::size_t>(p.rodA)].v);
         given += (p.force + p.stiffness * (wayA - p.wayA)) * wayA;
         if (p.rodB >= 0) {

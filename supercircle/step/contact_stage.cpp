@@ -73,7 +73,6 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     out.kind = coulomb::Kind::Unilateral;
     out.a = rods[ia].body; // -1 when asleep: an obstacle
     out.b = -1;
-    out.Hb.resize(2, 0);
     if (out.a >= 0)
         reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
     if (c.b.rod >= 0) {
@@ -101,6 +100,8 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         k.surface = Vec2(n.dot(given), t.dot(given));
         out.w -= k.surface;
     }
+    if (out.b < 0)
+        out.Hb.resize(2, 0); // only now: a contact that keeps its bodies keeps its storage
     // No step makes overlaps deeper than stage.overlap: deeper ones were put there, and to close them at once would be
     // an explosion.
     out.w.x() += gapAtStart < -stage.overlap ? std::max(gapAtStart / dt, -stage.recovery) : gapAtStart / dt;
@@ -148,7 +149,8 @@ void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& fu
         reduced = sign * full;
         return;
     }
-    reduced = sign * (full * w.Z);
+    reduced.noalias() = full * w.Z;
+    reduced *= sign;
     offset += sign * (full * w.vp);
 }
 
@@ -168,7 +170,7 @@ void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, do
         const int index = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(index)];
         const BodyMotion& m = motion[static_cast<std::size_t>(index)];
-        outlines[i] = placed(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin);
+        place(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin, outlines[i]);
         outlines[i].body = static_cast<std::uint32_t>(index);
         outlines[i].key = outlineKey(piece.body, piece.local.key);
         for (std::size_t k = 0; k < i; ++k) // rare: two pieces fold onto one key; the later one moves on
@@ -209,13 +211,10 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
     for (const contact::Candidate& c : start)
         stage.gapAtStart.push_back(c.gap);
     if (addNew) { // found at the end only: their gap at the start follows from the motion between
-        std::vector<std::uint64_t> known;
-        for (const contact::Candidate& c : start)
-            known.push_back(c.id);
-        std::sort(known.begin(), known.end());
+        sortedIds(start, stage.ids);
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (c.gap > stage.addBelow || std::binary_search(known.begin(), known.end(), c.id))
+            if (c.gap > stage.addBelow || std::binary_search(stage.ids.begin(), stage.ids.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -249,11 +248,11 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     stage.problem.contacts.resize(n + stage.linkCount);
     stage.work.resize(n);
     stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * (n + stage.linkCount)));
-    const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
+    sortedIds(stage.candidates, stage.ids);
     parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
-        const ContactImpulse before = forceBefore(warm, present, c);
+        const ContactImpulse before = forceBefore(warm, stage.ids, c);
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     });

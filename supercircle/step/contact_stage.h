@@ -48,7 +48,7 @@ struct ContactStage {
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
     double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
-    std::vector<PullWork> pulls;           ///< of adhesion
+    std::vector<AttractionWork> pulls;     ///< of adhesion
     std::map<std::uint64_t, double> slips; ///< by contact id: speed the friction was taken at, m/s (friction_state.h)
     std::vector<BodyPlace> place;          ///< per World::bodies
     std::vector<BodyMotion> motion;        ///< per World::bodies: as predicted, then as solved
@@ -67,6 +67,12 @@ struct ContactStage {
     parallel::For loop;                    ///< over the threads of the settings; empty: one
     Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
+    // Scratch, kept so that a warm step takes nothing from the heap.
+    std::vector<std::uint64_t> ids; ///< sorted
+    std::vector<LoadedPoint> loadedPoints;
+    std::vector<RollingPair> rollingPairs;
+    std::vector<int> problemBodies; ///< indices into World::bodies
+    std::vector<char> marked;       ///< per World::bodies or rods
 };
 
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.

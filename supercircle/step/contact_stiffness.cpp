@@ -14,14 +14,9 @@ namespace {
 
 constexpr double kFlatness = 0.0025; ///< h, see collectRolling
 
-/// A loaded contact point on the lower-numbered rod of its pair.
-struct LoadedPoint {
-    std::int32_t first = -1; ///< rod
-    std::int32_t other = -1; ///< rod, or -2 - outline
-    double s = 0.0;          ///< on `first`, m
-    double normal = 0.0;     ///< N
-    bool operator<(const LoadedPoint& p) const { return std::tie(first, other, s) < std::tie(p.first, p.other, p.s); }
-};
+bool isBefore(const LoadedPoint& x, const LoadedPoint& y) {
+    return std::tie(x.first, x.other, x.s) < std::tie(y.first, y.other, y.s);
+}
 
 LoadedPoint pointOf(const contact::Candidate& c) {
     if (c.b.rod < 0)
@@ -30,9 +25,9 @@ LoadedPoint pointOf(const contact::Candidate& c) {
 }
 
 /// Sampled points (nodes, corners) that carried force in the last step, sorted.
-std::vector<LoadedPoint> loadedSamples(const std::vector<contact::Candidate>& candidates,
-                                       const std::vector<ContactImpulse>& warm) {
-    std::vector<LoadedPoint> list;
+void loadedSamples(const std::vector<contact::Candidate>& candidates, const std::vector<ContactImpulse>& warm,
+                   std::vector<LoadedPoint>& list) {
+    list.clear();
     for (const contact::Candidate& c : candidates) {
         const contact::Feature kind = contact::featureOf(c.id);
         if (kind == contact::Feature::Interior || kind == contact::Feature::InteriorOutline)
@@ -42,8 +37,7 @@ std::vector<LoadedPoint> loadedSamples(const std::vector<contact::Candidate>& ca
             list.back().normal = before->normal;
         }
     }
-    std::sort(list.begin(), list.end());
-    return list;
+    std::sort(list.begin(), list.end(), isBefore);
 }
 
 /// Force of the sampled points around a minimum, weighted by a hat as wide as an element. A nearly conformal contact
@@ -54,17 +48,11 @@ double forceAround(const std::vector<LoadedPoint>& samples, const contact::Candi
     const double s = from.s;
     from.s -= width;
     double sum = 0.0;
-    for (auto it = std::lower_bound(samples.begin(), samples.end(), from);
+    for (auto it = std::lower_bound(samples.begin(), samples.end(), from, isBefore);
          it != samples.end() && it->first == from.first && it->other == from.other && it->s < s + width; ++it)
         sum += it->normal * (1.0 - std::abs(it->s - s) / width);
     return sum;
 }
-
-/// What one candidate adds to its rods.
-struct RollingPair {
-    bool any = false;
-    Rolling a, b;
-};
 
 /// Relative curvature of the two surfaces at a candidate, 1/m.
 double relativeCurvature(const World& world, const std::vector<RodWork>& rods, const contact::Candidate& c) {
@@ -89,18 +77,17 @@ double relativeCurvature(const World& world, const std::vector<RodWork>& rods, c
     return std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
 }
 
-RollingPair rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, double normal,
-                      bool firstIteration, const contact::Candidate& c) {
-    RollingPair pair;
+void rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, double normal, bool firstIteration,
+               const contact::Candidate& c, RollingPair& pair) {
     pair.any = true;
     const double strength = normal * dt / relativeCurvature(world, rods, c);
-    Eigen::RowVectorXd tau;
     const auto turn = [&](const contact::RodPoint& at, Rolling& rolling) {
         const auto i = static_cast<std::size_t>(at.rod);
-        tau.resize(world.rods[i].model.dofs());
-        rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), tau);
-        rolling.tau = tau.transpose();
+        rolling.tau.resize(world.rods[i].model.dofs());
+        Eigen::Map<Eigen::RowVectorXd> row(rolling.tau.data(), rolling.tau.size());
+        rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), row);
         rolling.c = strength;
+        rolling.lag = 0.0;
     };
     const auto turned = [&](std::int32_t rod, const Rolling& r) { // of the other side since the linearisation point
         const auto i = static_cast<std::size_t>(rod);
@@ -109,7 +96,7 @@ RollingPair rollingOf(const World& world, const std::vector<RodWork>& rods, doub
     };
     turn(c.a, pair.a);
     if (c.b.rod < 0)
-        return pair;
+        return;
     turn(c.b, pair.b);
     // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
     // force against a steady common rotation, and stable however stiff (once the stiffness about the other
@@ -117,35 +104,43 @@ RollingPair rollingOf(const World& world, const std::vector<RodWork>& rods, doub
     const double mean = 0.5 * (turned(c.a.rod, pair.a) + turned(c.b.rod, pair.b));
     pair.a.c = pair.b.c = 2.0 * strength;
     pair.a.lag = pair.b.lag = mean;
-    return pair;
 }
 
 } // namespace
 
 void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-                    bool firstIteration, const ContactStage& stage) {
+                    bool firstIteration, ContactStage& stage) {
     for (RodWork& w : rods)
-        w.rolling.clear();
-    const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
-    const std::vector<LoadedPoint> samples = loadedSamples(stage.candidates, warm);
-    std::vector<RollingPair> pairs(stage.candidates.size());
-    parallel::forEach(stage.loop, pairs.size(), 64, [&](std::size_t i) {
+        w.rollingCount = 0;
+    sortedIds(stage.candidates, stage.ids);
+    loadedSamples(stage.candidates, warm, stage.loadedPoints);
+    const std::size_t count = stage.candidates.size();
+    std::vector<RollingPair>& pairs = stage.rollingPairs;
+    pairs.resize(std::max(pairs.size(), count));
+    parallel::forEach(stage.loop, count, 64, [&](std::size_t i) {
+        pairs[i].any = false;
         const contact::Candidate& c = stage.candidates[i];
         const contact::Feature kind = contact::featureOf(c.id);
         if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
             return;
         const double width = world.rods[static_cast<std::size_t>(c.a.rod)].model.elementLength(c.a.element);
-        const double normal = forceBefore(warm, present, c).normal + forceAround(samples, c, width);
+        const double normal = forceBefore(warm, stage.ids, c).normal + forceAround(stage.loadedPoints, c, width);
         if (normal > 0.0)
-            pairs[i] = rollingOf(world, rods, dt, normal, firstIteration, c);
+            rollingOf(world, rods, dt, normal, firstIteration, c, pairs[i]);
     });
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto hand = [&](std::int32_t rod, Rolling& rolling) { // swapped, so that nobody loses its storage
+        RodWork& w = rods[static_cast<std::size_t>(rod)];
+        if (w.rolling.size() == w.rollingCount)
+            w.rolling.emplace_back().tau.resize(rolling.tau.size());
+        std::swap(w.rolling[w.rollingCount++], rolling);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
         if (!pairs[i].any)
             continue;
         const contact::Candidate& c = stage.candidates[i];
-        rods[static_cast<std::size_t>(c.a.rod)].rolling.push_back(std::move(pairs[i].a));
+        hand(c.a.rod, pairs[i].a);
         if (c.b.rod >= 0)
-            rods[static_cast<std::size_t>(c.b.rod)].rolling.push_back(std::move(pairs[i].b));
+            hand(c.b.rod, pairs[i].b);
     }
 }
 

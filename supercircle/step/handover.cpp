@@ -136,7 +136,7 @@ void settlePlaces(World& world, Port& port, const std::vector<BodyMotion>& unsol
         const double turned = advanced * unsolved[i].spin;
         if (astray.norm() + std::abs(turned) * farthestPoint(world, b) > 0.1 * kLeave * h) {
             port.place(b.id, b.handover.seen.centre - astray, b.handover.seen.angle - turned);
-            port.state(b.id, b.handover.seen);
+            (void)port.state(b.id, b.handover.seen); // it answered in this frame
         }
         const BodyState& seen = b.handover.seen;
         const double off =
@@ -151,7 +151,7 @@ void settlePlaces(World& world, Port& port, const std::vector<BodyMotion>& unsol
         Body& b = world.bodies[static_cast<std::size_t>(i)];
         if (std::find(intruding.begin(), intruding.end(), i) != intruding.end()) {
             port.place(b.id, b.state.centre, b.state.angle);
-            port.state(b.id, b.handover.seen);
+            (void)port.state(b.id, b.handover.seen); // it answered in this frame
         } else {
             b.state.centre = b.handover.seen.centre;
             b.state.angle = b.handover.seen.angle;

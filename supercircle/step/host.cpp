@@ -2,7 +2,7 @@
 
 #include "supercircle/step/handover.h"
 #include "supercircle/step/sleep.h"
-#include "supercircle/step/stepper.h"
+#include "supercircle/step/stepper_work.h"
 
 #include <algorithm>
 #include <limits>
@@ -58,8 +58,9 @@ void unique(std::vector<BodyId>& ids) {
 }
 
 /// The bodies `ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about them.
-std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyId>& ids, double frame) {
-    std::vector<Body> bodies;
+void readBodies(const World& world, const Port& port, const std::vector<BodyId>& ids, double frame,
+                std::vector<Body>& bodies) {
+    bodies.clear();
     for (const BodyId id : ids) {
         Body b;
         b.id = id;
@@ -78,7 +79,6 @@ std::vector<Body> readBodies(const World& world, const Port& port, const std::ve
         }
         bodies.push_back(b);
     }
-    return bodies;
 }
 
 bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
@@ -101,32 +101,35 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
         world.gravity = g;
         wakeAll(world);
     }
-    std::vector<BodyOutline> outlines;
+    std::vector<BodyOutline>& outlines = work_->pull.outlines;
+    std::vector<BodyId>& ids = work_->pull.ids;
+    std::vector<Body>& bodies = work_->pull.bodies;
+    outlines.clear();
     if (!world.rods.empty())
         port.query(reach(world, frame), outlines);
-    std::vector<BodyId> ids = world.machineBodies;
+    ids.assign(world.machineBodies.begin(), world.machineBodies.end());
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
     for (const Link& l : world.links)
         if (l.end == LinkEnd::Body)
             ids.push_back(l.body);
     unique(ids);
-    world.constraints = HostConstraints{};
+    world.constraints.clear();
     port.constraints(ids, frame, world.constraints);
     for (const HostContact& c : world.constraints.contacts)
         ids.insert(ids.end(), {c.a, c.b});
     for (const HostRow& r : world.constraints.rows)
         ids.insert(ids.end(), {r.a, r.b});
     unique(ids);
-    std::vector<Body> bodies = readBodies(world, port, ids, frame);
+    readBodies(world, port, ids, frame, bodies);
     std::erase_if(outlines, [&](const BodyOutline& o) {
         return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
     wakeByHost(world, bodies, outlines, frame);
     if (!sameOutlines(outlines, world.outlines) || !samePoses(bodies, world.bodies))
-        world.range.clear(); // candidates refer to outlines by index and to poses
-    world.outlines = std::move(outlines);
-    world.bodies = std::move(bodies);
+        world.range.clear();             // candidates refer to outlines by index and to poses
+    std::swap(world.outlines, outlines); // the storage of the last frame serves the next one
+    std::swap(world.bodies, bodies);
     std::erase_if(world.links, [&](const Link& l) { // as in Box2D: a body takes its joints with it
         const bool gone = l.end == LinkEnd::Body && bodyIndex(world, l.body) < 0;
         if (gone)
@@ -194,10 +197,10 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) {
             b.state.velocity = now.velocity;
             b.state.spin = now.spin;
         }
-        port.state(b.id, h.seen);
+        (void)port.state(b.id, h.seen); // it answered above
     }
     settlePlaces(world, port, unsolved, advanced);
-    world.constraints = HostConstraints{}; // names the host's addresses: nothing to keep between frames
+    world.constraints.clear(); // names the host's addresses: nothing to keep between frames
 }
 
 } // namespace supercircle::step

@@ -70,6 +70,13 @@ struct HostConstraints {
     std::vector<HostRow> rows;
     double farthest = std::numeric_limits<double>::infinity(); ///< the host lets a body move in one step, m
     double mostTurn = std::numeric_limits<double>::infinity(); ///< rad
+
+    /// Forgets everything but keeps the storage.
+    void clear() {
+        contacts.clear();
+        rows.clear();
+        farthest = mostTurn = std::numeric_limits<double>::infinity();
+    }
 };
 
 } // namespace supercircle::step

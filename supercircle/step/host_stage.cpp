@@ -27,18 +27,18 @@ bool isDynamic(const World& world, int body) {
 }
 
 template <class Constraint>
-std::vector<BodyEnds> endsOf(const World& world, const std::vector<Constraint>& constraints) {
-    std::vector<BodyEnds> out;
-    out.reserve(constraints.size());
+void endsOf(const World& world, const std::vector<Constraint>& constraints, std::vector<BodyEnds>& out) {
+    out.clear();
     for (const Constraint& c : constraints)
         out.push_back({bodyIndex(world, c.a), bodyIndex(world, c.b)});
-    return out;
 }
 
 /// Bodies of the problem, nearest to the shells first: those at candidates and links, then their neighbours and so on.
-std::vector<int> gatherBodies(const World& world, const ContactStage& stage) {
-    std::vector<int> found;
-    std::vector<char> in(world.bodies.size(), 0);
+void gatherBodies(const World& world, ContactStage& stage) {
+    std::vector<int>& found = stage.problemBodies;
+    found.clear();
+    std::vector<char>& in = stage.marked;
+    in.assign(world.bodies.size(), 0);
     const auto take = [&](int body) {
         if (isDynamic(world, body) && !in[static_cast<std::size_t>(body)]) {
             in[static_cast<std::size_t>(body)] = 1;
@@ -51,7 +51,7 @@ std::vector<int> gatherBodies(const World& world, const ContactStage& stage) {
     for (std::size_t i = 0; i < stage.linkCount; ++i)
         take(stage.linkRows[i].bodyB);
     if (found.empty() || (stage.contactEnds.empty() && stage.rowEnds.empty()))
-        return found;
+        return;
     std::vector<std::vector<int>> neighbours(world.bodies.size());
     for (const std::vector<BodyEnds>* list : {&stage.contactEnds, &stage.rowEnds})
         for (const BodyEnds& e : *list)
@@ -62,11 +62,12 @@ std::vector<int> gatherBodies(const World& world, const ContactStage& stage) {
     for (std::size_t i = 0; i < found.size() && found.size() < kMostBodies; ++i)
         for (const int n : neighbours[static_cast<std::size_t>(found[i])])
             take(n);
-    return found;
 }
 
 /// Gives every body its columns: one block per group that joints hold together.
 void placeBodies(const World& world, const std::vector<int>& bodies, ContactStage& stage) {
+    if (bodies.empty())
+        return;
     std::vector<int> root(world.bodies.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int i) {
@@ -249,9 +250,10 @@ void addToRow(const ContactStage& stage, int body, const Vec2& direction, double
 
 void addHostBlocks(const World& world, double dt, ContactStage& stage) {
     stage.place.assign(world.bodies.size(), BodyPlace{});
-    stage.contactEnds = endsOf(world, world.constraints.contacts);
-    stage.rowEnds = endsOf(world, world.constraints.rows);
-    const std::vector<int> bodies = gatherBodies(world, stage);
+    endsOf(world, world.constraints.contacts, stage.contactEnds);
+    endsOf(world, world.constraints.rows, stage.rowEnds);
+    gatherBodies(world, stage);
+    const std::vector<int>& bodies = stage.problemBodies;
     const std::size_t first = stage.problem.bodies.size();
     placeBodies(world, bodies, stage);
     for (const int i : bodies) {

@@ -1,9 +1,9 @@
 #include "supercircle/step/stepper.h"
 
-#include "supercircle/step/attempt.h"
 #include "supercircle/step/budget.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/sleep.h"
+#include "supercircle/step/stepper_work.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,11 +63,6 @@ double nextSize(const Settings& s, const Attempt& a, bool wasCut) {
 }
 
 } // namespace
-
-struct Stepper::Work {
-    Attempt attempt;
-    double lastDt = 0.0;
-};
 
 Stepper::Stepper(Settings settings) : settings_(settings), work_(std::make_unique<Work>()) {}
 Stepper::~Stepper() = default;

@@ -272,14 +272,19 @@ void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve) 
 }
 
 contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double angle) {
-    contact::Outline out = piece.local;
+    contact::Outline out;
+    place(piece, centre, angle, out);
+    return out;
+}
+
+void place(const BodyOutline& piece, const Vec2& centre, double angle, contact::Outline& out) {
+    out = piece.local;
     const double c = std::cos(angle), s = std::sin(angle);
     const auto put = [&](Vec2& p) { p = centre + Vec2(c * p.x() - s * p.y(), s * p.x() + c * p.y()); };
     for (Vec2& p : out.points)
         put(p);
     put(out.neighbourStart);
     put(out.neighbourEnd);
-    return out;
 }
 
 } // namespace supercircle::step

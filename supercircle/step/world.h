@@ -215,5 +215,7 @@ void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve);
 
 /// World-frame outline of a body piece at a pose.
 contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double angle);
+/// The same into `out`, whose storage is used again.
+void place(const BodyOutline& piece, const Vec2& centre, double angle, contact::Outline& out);
 
 } // namespace supercircle::step

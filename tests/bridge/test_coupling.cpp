@@ -126,7 +126,7 @@ TEST_CASE("a stack on shells is at rest for a minute", "[bridge][slow]") {
     }
 }
 
-TEST_CASE("limits of a stack on shells", "[.][limits]") {
+TEST_CASE("limits of a stack on shells", "[.][bridge][limits]") {
     struct Row {
         double mass, ratio;
         int above;

@@ -5,6 +5,7 @@
 #include "plugin/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
 #include "tests/fuzz/hands.h"
+#include "tests/fuzz/surroundings.h"
 
 #include <algorithm>
 #include <box2d/box2d.h>
@@ -46,7 +47,6 @@ public:
 };
 
 constexpr std::size_t kMostShells = 6;
-constexpr int kMostBodies = 12;
 constexpr int kMostInner = 6; ///< steps after which a frame is stopped, so that a day has room for a million calls
 constexpr int kDeepest = 2;   ///< how far calls are nested in callbacks
 
@@ -54,11 +54,10 @@ class Monkey : public b2ContactListener {
 public:
     explicit Monkey(const std::vector<std::uint8_t>& bytes) : tape_(bytes), world_({0.0F, -9.81F * 20.0F}) {
         attachment_ = std::make_unique<bridge::Attachment>(bridge::attach(world_, {20.0}));
-        port_ = attachment_->get();
         shells_ = std::make_unique<Shells>(std::shared_ptr<step::Port>(*attachment_));
         other_ = std::make_unique<Shells>(nullptr);
         world_.SetContactListener(this);
-        addBody(b2_staticBody, {0.0F, -1.0F}, 10.0F, 1.0F);
+        addBody(world_, tape_, b2_staticBody, {0.0F, -1.0F}, 10.0F, 1.0F);
     }
 
     Tally run() {
@@ -75,90 +74,6 @@ public:
     }
 
 private:
-    // ---- the world around ----
-
-    b2Body* addBody(b2BodyType type, const b2Vec2& at, float halfWidth, float halfHeight) {
-        b2BodyDef def;
-        def.type = type;
-        def.position = at;
-        b2Body* body = world_.CreateBody(&def);
-        if (body == nullptr) // the world is locked
-            return nullptr;
-        if (tape_.chance(60)) {
-            b2CircleShape disc;
-            disc.m_radius = halfWidth;
-            body->CreateFixture(&disc, 1.0F);
-        } else {
-            b2PolygonShape box;
-            box.SetAsBox(halfWidth, halfHeight);
-            body->CreateFixture(&box, 1.0F);
-        }
-        return body;
-    }
-
-    b2Body* someBody() {
-        const int n = world_.GetBodyCount();
-        b2Body* b = world_.GetBodyList();
-        for (int k = n > 0 ? static_cast<int>(tape_.below(static_cast<std::uint32_t>(n))) : 0; k > 0 && b; --k)
-            b = b->GetNext();
-        return b;
-    }
-
-    void worldAct() {
-        if (world_.IsLocked())
-            return;
-        b2Body* b = someBody();
-        const auto f = [&](double reach) { return static_cast<float>(reach * (tape_.below(2001) / 1000.0 - 1.0)); };
-        switch (tape_.below(11)) {
-        case 0:
-        case 1:
-            if (world_.GetBodyCount() < kMostBodies) {
-                b2Body* made = addBody(static_cast<b2BodyType>(tape_.below(3)), {f(4.0), 2.0F + f(2.0)}, 0.2F, 0.3F);
-                if (made && tape_.chance(128))
-                    attachment_->set_name(*made, "plate");
-            }
-            break;
-        case 2:
-            if (b) {
-                if (tape_.chance(128))
-                    attachment_->forget(*b);
-                world_.DestroyBody(b);
-            }
-            break;
-        case 3:
-            if (b)
-                b->SetTransform({f(6.0), f(6.0)}, f(3.0)); // teleport
-            break;
-        case 4:
-            if (b)
-                b->SetLinearVelocity({f(200.0), f(200.0)});
-            break;
-        case 5:
-            if (b)
-                b->SetType(static_cast<b2BodyType>(tape_.below(3)));
-            break;
-        case 6:
-            world_.SetGravity({f(100.0), f(400.0)});
-            break;
-        case 7:
-            if (b)
-                b->SetEnabled(tape_.chance(180));
-            break;
-        case 8:
-            if (b && b->GetFixtureList())
-                b->DestroyFixture(b->GetFixtureList());
-            break;
-        case 9:
-            if (b)
-                b->SetTransform({f(6.0) * 1e5F, f(6.0) * 1e5F}, 0.0F); // far away
-            break;
-        default:
-            if (b)
-                b->SetAwake(tape_.chance(128));
-            break;
-        }
-    }
-
     // ---- calls ----
 
     Shells& some() { return tape_.chance(40) ? *other_ : *shells_; }
@@ -477,11 +392,11 @@ private:
             break;
         case 22:
         case 23:
-            worldAct();
+            disturb(world_, *attachment_, tape_);
             break;
         default: {
             BodyId body = s.body("plate") ? *s.body("plate") : 0;
-            if (b2Body* b = tape_.chance(128) ? someBody() : nullptr)
+            if (b2Body* b = tape_.chance(128) ? someBody(world_, tape_) : nullptr)
                 body = attachment_->body_id(*b);
             const Hands::Made made = hands_.act(s, tape_, {handle(), handle(), tape_.chance(250) ? body : 77});
             called(made.done, s, before, made.what);
@@ -493,7 +408,6 @@ private:
     Tape tape_;
     Hands hands_;
     b2World world_;
-    bridge::Box2dPort* port_ = nullptr;
     std::unique_ptr<bridge::Attachment> attachment_;
     std::unique_ptr<Shells> shells_, other_;
     std::vector<ShellHandle> handles_;

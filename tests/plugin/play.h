@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the facade's mechanics share: strips, quiet settling, sums over a world.
+// What the tests of the facade's mechanics share: strips, domes, quiet settling, sums over a world.
 
 #include "plugin/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
@@ -24,6 +24,18 @@ inline ShellDef strip(double length, Point middle, double angle = 0.0, double st
     d.angle = angle;
     d.young_modulus *= stiffness;
     d.elements = elements;
+    return d;
+}
+
+/// A dome over the origin: half a circle of radius R about the origin, ends at (-R, 0) and (R, 0).
+inline ShellDef dome(double radius = 0.05, double thickness = 0.002, int elements = 9) {
+    ShellDef d;
+    d.radius = radius;
+    d.thickness = thickness;
+    d.phi_bar = 0.5;
+    d.elements = elements;
+    d.position = {0.0, radius};
+    d.angle = M_PI;
     return d;
 }
 

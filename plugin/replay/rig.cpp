@@ -187,8 +187,8 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
     step::Hold hold;
     hold.s = s.clamp.arcPosition;
     hold.onMachine = onHead;
-    hold.target = point;
-    hold.targetAngle = angle;
+    hold.target.point = point;
+    hold.target.angle = angle;
     world_.rods[index].holds.push_back(hold);
 }
 

@@ -33,8 +33,8 @@ Result<HoldHandle> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind
         h.clamped = kind == HoldKind::Clamp;
         h.onMachine = on_machine;
         const rod::Place at = rod::locate(rod.model, h.s);
-        h.target = rod.kin.point(at);
-        h.targetAngle = rod.kin.angle(at);
+        h.target.point = rod.kin.point(at);
+        h.target.angle = rod.kin.angle(at);
         h.key = impl_->world.nextPart++;
         rod.holds.push_back(h);
         const HoldHandle made{rod.key, h.key, impl_->tag};
@@ -53,7 +53,7 @@ Outcome Shells::drive(HoldHandle hold, const DriveDef& to) {
         if (!possible(to))
             return refused("position and angle must be finite and within 1e12 (m, rad), velocity and spin within 1e9");
         step::wake(impl_->world, found.index);
-        setGoal(to, *found.part);
+        setGoal(to, found.part->target);
         impl_->recorder.record(Call::DriveHold, hold, to);
         return done();
     });

@@ -121,8 +121,7 @@ inline double surfaceStrain(const step::Rod& rod, int element) {
 }
 /// A goal for the coming frame, to a hold or to the far end of a tether; its times are given by the step. What was
 /// under way before ends here.
-template <class Moving>
-void setGoal(const DriveDef& to, Moving& target) {
+inline void setGoal(const DriveDef& to, step::Target& target) {
     target.path.active = false;
     target.path.to = vec(to.position);
     target.path.toVelocity = vec(to.velocity);

@@ -117,9 +117,9 @@ void io(Ar& ar, Is<step::Target> auto& t) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
-    auto& [s, clamped, onMachine, target, targetAngle, velocity, spin, reaction, reactionTorque, path, pending, key] =
-        h;
-    ar(s, clamped, onMachine, target, targetAngle, velocity, spin, reaction, reactionTorque, path, pending, key);
+    auto& [s, clamped, onMachine, target, reaction, reactionTorque, key] = h;
+    ar(s, clamped, onMachine, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
+       target.path, target.pending, key);
 }
 
 template <class Ar>

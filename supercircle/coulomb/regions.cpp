@@ -1,21 +1,11 @@
 #include "supercircle/coulomb/regions.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace supercircle::coulomb {
 
-void Regions::prepare(const Whitened& problem) {
-    first_.assign(problem.bodyCount() + 2, 0);
-    for (const Whitened::Contact& contact : problem.contacts())
-        for (std::int32_t s = 0; s < contact.sides; ++s)
-            ++first_[contact.side[s].body + 2];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    list_.resize(first_.back());
-    for (std::size_t c = 0; c < problem.contactCount(); ++c)
-        for (std::int32_t s = 0; s < problem.contact(c).sides; ++s)
-            list_[first_[problem.contact(c).side[s].body + 1]++] = static_cast<std::int32_t>(c);
-    first_.pop_back();
+void Regions::prepare(Whitened& problem) {
+    problem.listContacts();
     rank_.assign(problem.bodyCount(), -1);
     taken_.assign(problem.contactCount(), 0);
     bodies_.clear();
@@ -37,15 +27,15 @@ bool Regions::growBodies(const Whitened& problem, std::int32_t seed, std::size_t
     std::size_t touching = 0; // counts inner contacts twice, which is near enough
     const auto take = [&](std::int32_t body) {
         addBody(body);
-        touching += contactsOf(body).size();
+        touching += problem.sidesOf(static_cast<std::size_t>(body)).size();
         return busy.empty() || busy[body] == 0;
     };
     for (std::int32_t s = 0; s < problem.contact(seed).sides; ++s)
         if (!take(problem.contact(seed).side[s].body))
             return false;
     for (std::size_t head = 0; head < bodies_.size() && touching < 2 * most; ++head)
-        for (const std::int32_t c : contactsOf(bodies_[head])) {
-            const Whitened::Contact& contact = problem.contact(c);
+        for (const std::int32_t at : problem.sidesOf(static_cast<std::size_t>(bodies_[head]))) {
+            const Whitened::Contact& contact = problem.contact(at / 2);
             for (std::int32_t s = 0; s < contact.sides; ++s)
                 if (const std::int32_t b = contact.side[s].body; rank_[b] < 0 && touching < 2 * most)
                     if (!take(b))
@@ -63,7 +53,8 @@ const Region* Regions::grow(const Whitened& problem, std::int32_t seed, std::siz
     region_.core.clear();
     const auto inner = static_cast<std::int32_t>(bodies_.size() / 2);
     for (const std::int32_t body : bodies_)
-        for (const std::int32_t c : contactsOf(body)) {
+        for (const std::int32_t at : problem.sidesOf(static_cast<std::size_t>(body))) {
+            const std::int32_t c = at / 2;
             if (taken_[c])
                 continue;
             taken_[c] = 1;

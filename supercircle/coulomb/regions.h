@@ -17,25 +17,18 @@ struct Region {
 
 class Regions {
 public:
-    /// Lists the contacts of every body.
-    void prepare(const Whitened& problem);
+    /// Has the problem list the contacts of every body.
+    void prepare(Whitened& problem);
 
     /// Grows a region around contact `seed`, neighbour by neighbour, until it holds `most` contacts. Null if it would
     /// hold one of the bodies marked in `busy` (one entry a body, or none).
     const Region* grow(const Whitened& problem, std::int32_t seed, std::size_t most,
                        std::span<const std::uint8_t> busy = {});
 
-    /// All contacts (ascending) that touch body b.
-    std::span<const std::int32_t> contactsOf(std::int32_t b) const {
-        return std::span(list_).subspan(first_[b], first_[b + 1] - first_[b]);
-    }
-
 private:
     bool growBodies(const Whitened& problem, std::int32_t seed, std::size_t most, std::span<const std::uint8_t> busy);
     void addBody(std::int32_t body);
 
-    std::vector<std::size_t> first_;
-    std::vector<std::int32_t> list_;
     std::vector<std::int32_t> bodies_;
     std::vector<std::int32_t> rank_;  ///< position of a body in bodies_, -1 if it is not in the region
     std::vector<std::uint8_t> taken_; ///< contacts already listed

@@ -219,6 +219,8 @@ void Whitened::assemble(std::span<const double> r, std::vector<double>& w) const
 }
 
 void Whitened::listContacts() {
+    if (!firstOfBody_.empty())
+        return;
     firstOfBody_.assign(bodies_.size() + 1, 0);
     for (const Contact& contact : contacts_)
         for (std::int32_t s = 0; s < contact.sides; ++s)
@@ -237,14 +239,13 @@ void Whitened::listContacts() {
 void Whitened::assemble(std::span<const double> r, std::vector<double>& w, const parallel::For& loop) {
     if (!loop || contacts_.size() < kFewContacts)
         return assemble(r, w);
-    if (firstOfBody_.empty())
-        listContacts();
+    listContacts();
     w = free_;
     parallel::forEach(loop, bodies_.size(), 32, [&](std::size_t b) {
-        for (std::size_t i = firstOfBody_[b]; i < firstOfBody_[b + 1]; ++i) {
-            const auto c = static_cast<std::size_t>(ofBody_[i] / 2);
+        for (const std::int32_t at : sidesOf(b)) {
+            const auto c = static_cast<std::size_t>(at / 2);
             if (r[2 * c] != 0.0 || r[2 * c + 1] != 0.0)
-                applySide(contacts_[c].side[ofBody_[i] % 2], r[2 * c], r[2 * c + 1], w.data());
+                applySide(contacts_[c].side[at % 2], r[2 * c], r[2 * c + 1], w.data());
         }
     });
 }

@@ -108,6 +108,13 @@ public:
     void bodyVelocities(const std::vector<double>& w, std::vector<Eigen::VectorXd>& v,
                         const parallel::For& loop = {}) const;
 
+    /// Lists the contacts of every body, if that is not done since build().
+    void listContacts();
+    /// After listContacts(): those of body b, ascending, as 2 contact + side.
+    [[nodiscard]] std::span<const std::int32_t> sidesOf(std::size_t b) const {
+        return std::span(ofBody_).subspan(firstOfBody_[b], firstOfBody_[b + 1] - firstOfBody_[b]);
+    }
+
 private:
     struct Factor {
         std::size_t n = 0;
@@ -124,7 +131,6 @@ private:
     void fillSide(Contact& contact, Side& side, const Eigen::Matrix<double, 2, -1>& H,
                   const Eigen::Matrix<double, 2, -1>* other, std::vector<Pair>& scratch);
     void layoutBodies(const Problem& problem);
-    void listContacts();
     void applySide(const Side& side, double rn, double rt, double* w) const;
 
     std::vector<Factor> bodies_;

@@ -114,7 +114,23 @@ void Attempt::begin(const World& world, const Settings& settings) {
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
     predictMotion(world, stage);
+    findLinkEnds(world, stage);
+    beginHostRows(world, stage);
     frameInMiddle(world, rods, startCandidates(world, settings), false, dt, stage);
+}
+
+/// One turn of the contact solver, counted.
+void Attempt::solveCoupled(World& world, const Settings& settings) {
+    coulomb::SolverOptions options = settings.contact;
+    if (stage.candidates.size() > settings.sweepAbove) {
+        options.method = coulomb::Method::Accelerated;
+        options.maxSweeps = settings.cappedSweeps;
+    }
+    solveContacts(world, rods, options, stage);
+    ++world.counters.solves;
+    contactsSolved += stage.candidates.size();
+    world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
+    world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
 }
 
 /// Stages evaluate, predict, couple and solve at the present linearisation, and the motion that follows.
@@ -146,20 +162,11 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     }
     {
         StageTimer timer(times, Stage::Solve);
-        coulomb::SolverOptions options = settings.contact;
-        if (stage.candidates.size() > settings.sweepAbove) {
-            options.method = coulomb::Method::Accelerated;
-            options.maxSweeps = settings.cappedSweeps;
+        solveCoupled(world, settings);
+        for (int again = 0; again < 3 && boundHostRows(world, dt, stage); ++again) {
+            renewHostBlocks(world, dt, stage);
+            solveCoupled(world, settings);
         }
-        solveContacts(world, rods, options, stage);
-        for (int again = 0; again < 3 && boundHostRows(world, stage, dt); ++again) {
-            couple(world, rods, dt, impulses, !first, stage);
-            solveContacts(world, rods, options, stage);
-        }
-        ++world.counters.solves;
-        contactsSolved += stage.candidates.size();
-        world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
-        world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
     StageTimer timer(times, Stage::Advance);
     forEachRod(stage.loop, n, [&](std::size_t i) {
@@ -217,7 +224,7 @@ void Attempt::collideEnd(const World& world, const Settings& settings) {
 
 /// The independent check of the way from start to end.
 void Attempt::witness(const World& world) {
-    placeOutlines(world, stage.motion, 0.0, 0.0, outlinesBefore);
+    placeOutlines(world, stage.motion, 0.0, 0.0, stage.outlineKeys, outlinesBefore);
     curvesBefore.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]); });

@@ -75,6 +75,7 @@ private:
     [[nodiscard]] bool partsOff(const World& world, double tolerance) const;
     void begin(const World& world, const Settings& settings);
     const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings);
+    void solveCoupled(World& world, const Settings& settings);
     void solveOnce(World& world, const Settings& settings, StageTimes& times, bool first);
     Reach measure(World& world, const Settings& settings, int& widened, bool first);
     void collideEnd(const World& world, const Settings& settings);

@@ -41,7 +41,8 @@ public:
                  double ahead)
         : world_(world), kin_(std::move(kin)), rods_(world.rods.size()), bounds_(world.rods.size()) {
         std::vector<contact::Outline> outlines;
-        placeOutlines(world, motion, ahead, 0.0, outlines);
+        std::vector<std::uint32_t> keys;
+        placeOutlines(world, motion, ahead, 0.0, keys, outlines);
         outlines_.resize(outlines.size());
         for (std::size_t i = 0; i < outlines.size(); ++i) {
             contact::prepare(outlines[i], outlines_[i]);

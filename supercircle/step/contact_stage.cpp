@@ -163,7 +163,8 @@ void predictMotion(const World& world, ContactStage& stage) {
 }
 
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,
-                   std::vector<contact::Outline>& outlines) {
+                   std::vector<std::uint32_t>& keys, std::vector<contact::Outline>& outlines) {
+    keys.clear(); // those taken, sorted
     outlines.resize(world.outlines.size());
     for (std::size_t i = 0; i < outlines.size(); ++i) {
         const BodyOutline& piece = world.outlines[i];
@@ -172,12 +173,14 @@ void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, do
         const BodyMotion& m = motion[static_cast<std::size_t>(index)];
         place(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin, outlines[i]);
         outlines[i].body = static_cast<std::uint32_t>(index);
-        outlines[i].key = outlineKey(piece.body, piece.local.key);
-        for (std::size_t k = 0; k < i; ++k) // rare: two pieces fold onto one key; the later one moves on
-            if (outlines[k].key == outlines[i].key) {
-                outlines[i].key = (outlines[i].key + 1) & kKeyMask;
-                k = static_cast<std::size_t>(-1);
-            }
+        std::uint32_t key = outlineKey(piece.body, piece.local.key);
+        auto at = std::lower_bound(keys.begin(), keys.end(), key);
+        while (at != keys.end() && *at == key) { // rare: two pieces fold onto one key; the later one moves on
+            key = (key + 1) & kKeyMask;
+            at = std::lower_bound(keys.begin(), keys.end(), key);
+        }
+        keys.insert(at, key);
+        outlines[i].key = key;
         double reach = 0.0;
         for (const Vec2& p : piece.local.points)
             reach = std::max(reach, p.norm() + piece.local.radius);
@@ -188,7 +191,7 @@ void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, do
 void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
              double ahead, double motionTime, double margin, ContactStage& stage,
              std::vector<contact::Candidate>& out) {
-    placeOutlines(world, stage.motion, ahead, motionTime, stage.outlines);
+    placeOutlines(world, stage.motion, ahead, motionTime, stage.outlineKeys, stage.outlines);
     stage.curves.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32, [&](std::size_t i) {
         toCurve(world.rods[i], *kin[i], stage.curves[i]);
@@ -202,7 +205,7 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
 
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage) {
-    placeOutlines(world, stage.motion, 0.5 * dt, 0.0, stage.outlinesMiddle);
+    placeOutlines(world, stage.motion, 0.5 * dt, 0.0, stage.outlineKeys, stage.outlinesMiddle);
     stage.curvesMiddle.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]); });

@@ -26,6 +26,12 @@ struct BodyEnds {
     int a = -1, b = -1;
 };
 
+/// What a link joins, as indices.
+struct LinkEnds {
+    int rodA = -1, rodB = -1, body = -1;
+    bool counts = false; ///< nothing is missing, and something of it can move
+};
+
 enum class LinkRowKind : std::uint8_t { Point, Angle, Pull };
 
 /// One contact of the problem that is (part of) a link, see link_stage.h. ContactWork::surface is the given velocity.
@@ -55,6 +61,9 @@ struct ContactStage {
     std::vector<BodyEnds> contactEnds;     ///< of World::constraints.contacts
     std::vector<BodyEnds> rowEnds;         ///< of World::constraints.rows
     std::vector<int> hostEntries;          ///< the problem's contacts after the links: k = host contact, -1 - k = limit
+    std::vector<int> saturated;            ///< of World::constraints.rows in this attempt, as HostRow::saturated
+    std::size_t hostBlocks = 0;            ///< the problem's bodies from here on are blocks of host bodies
+    std::vector<LinkEnds> linkEnds;        ///< per World::links
     std::vector<LinkRow> linkRows;         ///< storage; the first linkCount belong to this attempt
     std::size_t linkCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
@@ -69,6 +78,8 @@ struct ContactStage {
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
     // Scratch, kept so that a warm step takes nothing from the heap.
     std::vector<std::uint64_t> ids; ///< sorted
+    std::vector<std::uint32_t> outlineKeys;
+    std::vector<std::pair<std::uint32_t, int>> rodOfKey; ///< sorted
     std::vector<LoadedPoint> loadedPoints;
     std::vector<RollingPair> rollingPairs;
     std::vector<int> problemBodies; ///< indices into World::bodies
@@ -78,9 +89,9 @@ struct ContactStage {
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);
 
-/// Outlines in the world frame; `ahead` seconds along `motion`.
+/// Outlines in the world frame; `ahead` seconds along `motion`. `keys` is scratch.
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,
-                   std::vector<contact::Outline>& outlines);
+                   std::vector<std::uint32_t>& keys, std::vector<contact::Outline>& outlines);
 
 /// Candidates at the given kinematics (one per rod). `range` is how far each rod may move.
 void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
@@ -93,8 +104,8 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage);
 
-/// Builds the Coulomb problem of the framed candidates and of the links. Warm starts from `warm`, matched by id.
-/// `again`: `rods` hold the solution of an earlier linearisation.
+/// Builds the Coulomb problem of the framed candidates, of the links and of the host's bodies. Warm starts from `warm`,
+/// matched by id. `again`: `rods` hold the solution of an earlier linearisation.
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
             bool again, ContactStage& stage);
 

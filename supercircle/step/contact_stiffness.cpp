@@ -112,6 +112,8 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
                     bool firstIteration, ContactStage& stage) {
     for (RodWork& w : rods)
         w.rollingCount = 0;
+    if (warm.empty()) // nothing carried force
+        return;
     sortedIds(stage.candidates, stage.ids);
     loadedSamples(stage.candidates, warm, stage.loadedPoints);
     const std::size_t count = stage.candidates.size();
@@ -173,15 +175,15 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
         for (const Grab& g : world.rods[i].grabs)
             pull(model, rod::locate(model, g.s), g.force, w);
     }
-    for (const Link& l : world.links) {
-        const int a = rodIndex(world, l.rodA), b = l.end == LinkEnd::Rod ? rodIndex(world, l.rodB) : -1;
+    for (std::size_t k = 0; k < world.links.size(); ++k) {
+        const Link& l = world.links[k];
         const auto at = [&](int rod, double s, const Vec2& force) {
             const auto i = static_cast<std::size_t>(rod);
             if (rod >= 0 && !force.isZero(0.0))
                 pull(world.rods[i].model, rod::locate(world.rods[i].model, s), force, rods[i]);
         };
-        at(a, l.sA, l.force);
-        at(b, l.sB, -l.force);
+        at(stage.linkEnds[k].rodA, l.sA, l.force);
+        at(stage.linkEnds[k].rodB, l.sB, -l.force);
     }
     for (const contact::Candidate& c : stage.candidates) {
         const ContactImpulse* before = findImpulse(warm, c.id);

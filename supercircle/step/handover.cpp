@@ -10,13 +10,6 @@ namespace {
 
 constexpr double kLeave = 0.02; ///< h, difference of place that is left to the drift
 
-double thinnest(const World& world) {
-    double h = std::numeric_limits<double>::infinity();
-    for (const Rod& r : world.rods)
-        h = std::min(h, r.model.definition().thickness);
-    return h;
-}
-
 double farthestPoint(const World& world, const Body& b) {
     double reach = 0.0;
     for (const BodyOutline& o : world.outlines)

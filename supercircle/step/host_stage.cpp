@@ -96,8 +96,8 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
     }
     for (const int n : size) {
         coulomb::Body b;
-        b.A.setZero(n, n);
-        b.vFree.setZero(n); // holds the momentum until the rows are in
+        b.A.resize(n, n);
+        b.vFree.resize(n);
         stage.problem.bodies.push_back(std::move(b));
     }
 }
@@ -149,7 +149,10 @@ double rigidDamping(const World& world, const HostRow& r, const BodyEnds& e, dou
 }
 
 /// A joint row as a damper and a force on its block.
-void addJointRow(const World& world, const HostRow& r, const BodyEnds& e, double dt, ContactStage& stage) {
+void addJointRow(const World& world, std::size_t k, double dt, ContactStage& stage) {
+    const HostRow& r = world.constraints.rows[k];
+    const BodyEnds& e = stage.rowEnds[k];
+    const int saturated = stage.saturated[k];
     if (onBorder(world, stage, e)) {
         pushBody(stage, e.a, dt * r.last * r.axisA, dt * r.last * r.turnA);
         pushBody(stage, e.b, dt * r.last * r.axisB, dt * r.last * r.turnB);
@@ -161,9 +164,9 @@ void addJointRow(const World& world, const HostRow& r, const BodyEnds& e, double
     addToRow(stage, e.b, r.axisB, r.turnB, row);
     double damping = r.damping, force = r.force, speed = 0.0;
     if (r.kind == HostRowKind::Rigid) {
-        if (r.saturated != 0) {
+        if (saturated != 0) {
             damping = 0.0;
-            force = r.saturated * r.strength;
+            force = saturated * r.strength;
         } else {
             damping = rigidDamping(world, r, e, dt);
             force = 0.0;
@@ -253,10 +256,23 @@ void addHostBlocks(const World& world, double dt, ContactStage& stage) {
     endsOf(world, world.constraints.contacts, stage.contactEnds);
     endsOf(world, world.constraints.rows, stage.rowEnds);
     gatherBodies(world, stage);
-    const std::vector<int>& bodies = stage.problemBodies;
-    const std::size_t first = stage.problem.bodies.size();
-    placeBodies(world, bodies, stage);
-    for (const int i : bodies) {
+    stage.hostBlocks = stage.problem.bodies.size();
+    placeBodies(world, stage.problemBodies, stage);
+    renewHostBlocks(world, dt, stage);
+}
+
+void beginHostRows(const World& world, ContactStage& stage) {
+    stage.saturated.clear();
+    for (const HostRow& r : world.constraints.rows)
+        stage.saturated.push_back(r.saturated);
+}
+
+void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
+    for (std::size_t b = stage.hostBlocks; b < stage.problem.bodies.size(); ++b) {
+        stage.problem.bodies[b].A.setZero();
+        stage.problem.bodies[b].vFree.setZero(); // holds the momentum until the rows are in
+    }
+    for (const int i : stage.problemBodies) {
         const Body& body = world.bodies[static_cast<std::size_t>(i)];
         const BodyPlace& p = placeOf(stage, i);
         const BodyMotion free = freeMotion(world, body, body.handover.unexplained.expectedLinear,
@@ -268,7 +284,7 @@ void addHostBlocks(const World& world, double dt, ContactStage& stage) {
     }
     for (std::size_t k = 0; k < stage.rowEnds.size(); ++k)
         if (touchesProblem(stage, stage.rowEnds[k]) && world.constraints.rows[k].kind != HostRowKind::Limit)
-            addJointRow(world, world.constraints.rows[k], stage.rowEnds[k], dt, stage);
+            addJointRow(world, k, dt, stage);
     for (std::size_t k = 0; k < stage.contactEnds.size(); ++k) {
         const BodyEnds& e = stage.contactEnds[k];
         if (!onBorder(world, stage, e))
@@ -278,7 +294,7 @@ void addHostBlocks(const World& world, double dt, ContactStage& stage) {
         pushBody(stage, e.a, -f, -rod::cross(c.armA, f));
         pushBody(stage, e.b, f, rod::cross(c.armB, f));
     }
-    for (std::size_t b = first; b < stage.problem.bodies.size(); ++b) {
+    for (std::size_t b = stage.hostBlocks; b < stage.problem.bodies.size(); ++b) {
         coulomb::Body& block = stage.problem.bodies[b];
         block.vFree = block.A.llt().solve(Eigen::VectorXd(block.vFree));
     }
@@ -329,19 +345,19 @@ void readHostBlocks(const World& world, ContactStage& stage) {
     }
 }
 
-bool boundHostRows(World& world, const ContactStage& stage, double dt) {
+bool boundHostRows(const World& world, double dt, ContactStage& stage) {
     bool changed = false;
     for (std::size_t k = 0; k < stage.rowEnds.size() && !stage.problem.contacts.empty(); ++k) {
         const BodyEnds& e = stage.rowEnds[k];
-        HostRow& row = world.constraints.rows[k];
-        if (row.kind != HostRowKind::Rigid || row.saturated != 0 || !std::isfinite(row.strength) ||
+        const HostRow& row = world.constraints.rows[k];
+        if (row.kind != HostRowKind::Rigid || stage.saturated[k] != 0 || !std::isfinite(row.strength) ||
             !touchesProblem(stage, e) || onBorder(world, stage, e))
             continue;
         const double u = relative(world, stage, e, {row.axisA, row.axisB, row.turnA, row.turnB});
         const double force = rigidDamping(world, row, e, dt) * (row.speed - u);
         if (std::abs(force) <= row.strength)
             continue;
-        row.saturated = force > 0.0 ? 1 : -1;
+        stage.saturated[k] = force > 0.0 ? 1 : -1;
         changed = true;
     }
     return changed;
@@ -382,6 +398,7 @@ void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
             continue;
         }
         const double missing = row.speed - u;
+        row.saturated = stage.saturated[k];
         if (row.saturated != 0) {
             row.sum += dt * row.saturated * row.strength;
             if (row.saturated * missing < 0.0)

@@ -14,6 +14,12 @@ namespace supercircle::step {
 /// into stage.problem as blocks. Fills stage.place and the ends of the constraints.
 void addHostBlocks(const World& world, double dt, ContactStage& stage);
 
+/// What an attempt starts from: stage.saturated.
+void beginHostRows(const World& world, ContactStage& stage);
+
+/// The same blocks with the rows as saturated as they are now; places and contacts of the problem stay.
+void renewHostBlocks(const World& world, double dt, ContactStage& stage);
+
 /// Appends the host's contact points and joint limits to the problem's contacts, which hold the candidates and links
 /// already.
 void addHostContacts(const World& world, double dt, ContactStage& stage);
@@ -21,8 +27,9 @@ void addHostContacts(const World& world, double dt, ContactStage& stage);
 /// Writes the solution back into stage.motion.
 void readHostBlocks(const World& world, ContactStage& stage);
 
-/// Rigid rows whose solved force is beyond their strength go to it. True if there were any: solve again.
-bool boundHostRows(World& world, const ContactStage& stage, double dt);
+/// Rigid rows whose solved force is beyond their strength go to it, in this attempt (stage.saturated). True if there
+/// were any: renew the blocks and solve again.
+bool boundHostRows(const World& world, double dt, ContactStage& stage);
 
 /// After an accepted step: rooms, forces and saturation of the world's constraints.
 void acceptHostConstraints(World& world, const ContactStage& stage, double dt);

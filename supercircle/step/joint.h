@@ -32,15 +32,10 @@ struct Target {
 struct Hold {
     double s = 0.0;               ///< rod arc length, m
     bool clamped = true;          ///< false: pinned (position only)
-    bool onMachine = false;       ///< carried by the machine: moves with World::machineVelocity
-    Vec2 target = Vec2::Zero();   ///< where the point is to be at the current time, m
-    double targetAngle = 0.0;     ///< rad
-    Vec2 velocity = Vec2::Zero(); ///< of the target when not on the machine, m/s
-    double spin = 0.0;            ///< rad/s
+    bool onMachine = false;       ///< carried by the machine: its velocity is World::machineVelocity, not the target's
+    Target target;                ///< where the point and its section are to be
     Vec2 reaction = Vec2::Zero(); ///< force on the rod in the last step, N
     double reactionTorque = 0.0;  ///< N m
-    Path path;                    ///< of the target while it is active
-    bool pending = false;         ///< `path` holds a goal for the coming frame
     std::uint32_t key = 0;        ///< stable identity, 0: nobody asks
 };
 

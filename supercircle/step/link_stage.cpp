@@ -34,28 +34,12 @@ double lengthAfter(const Link& l, double dt) {
     return l.length + std::clamp(l.goal - l.length, -l.reel * dt, l.reel * dt);
 }
 
-/// What a link joins, as indices; false if something is missing or nothing of it can move.
-struct Ends {
-    int rodA = -1, rodB = -1, body = -1;
-};
+using Ends = LinkEnds;
 
-bool findEnds(const World& world, const Link& l, Ends& e) {
-    e = {rodIndex(world, l.rodA), -1, -1};
-    if (e.rodA < 0)
-        return false;
-    bool moves = !world.rods[static_cast<std::size_t>(e.rodA)].frozen();
-    if (l.end == LinkEnd::Rod) {
-        e.rodB = rodIndex(world, l.rodB);
-        if (e.rodB < 0)
-            return false;
-        moves |= !world.rods[static_cast<std::size_t>(e.rodB)].frozen();
-    }
-    if (l.end == LinkEnd::Body) {
-        e.body = bodyIndex(world, l.body);
-        if (e.body < 0)
-            return false;
-    }
-    return moves;
+/// Index of the rod with this key by a sorted table, -1 if there is none.
+int rodOf(const std::vector<std::pair<std::uint32_t, int>>& table, std::uint32_t key) {
+    const auto it = std::lower_bound(table.begin(), table.end(), std::pair<std::uint32_t, int>{key, -1});
+    return it != table.end() && it->first == key ? it->second : -1;
 }
 
 /// The other end of a link; that of a rod needs its solution for the end of the step.
@@ -242,13 +226,34 @@ bool mayPull(const World& world, const std::vector<RodWork>& rods, const Contact
 
 } // namespace
 
+void findLinkEnds(const World& world, ContactStage& stage) {
+    stage.linkEnds.assign(world.links.size(), Ends{});
+    stage.rodOfKey.clear();
+    if (world.links.empty())
+        return;
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        stage.rodOfKey.emplace_back(world.rods[i].key, static_cast<int>(i));
+    std::sort(stage.rodOfKey.begin(), stage.rodOfKey.end());
+    for (std::size_t i = 0; i < world.links.size(); ++i) {
+        const Link& l = world.links[i];
+        Ends& e = stage.linkEnds[i];
+        e.rodA = rodOf(stage.rodOfKey, l.rodA);
+        e.rodB = l.end == LinkEnd::Rod ? rodOf(stage.rodOfKey, l.rodB) : -1;
+        e.body = l.end == LinkEnd::Body ? bodyIndex(world, l.body) : -1;
+        const bool there =
+            e.rodA >= 0 && (e.rodB >= 0 || l.end != LinkEnd::Rod) && (e.body >= 0 || l.end != LinkEnd::Body);
+        const auto moves = [&](int rod) { return rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen(); };
+        e.counts = there && (moves(e.rodA) || moves(e.rodB));
+    }
+}
+
 void prepareLinks(const World& world, const std::vector<RodWork>& rods, double dt, bool again, ContactStage& stage) {
     stage.linkCount = 0;
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
         const int index = static_cast<int>(i);
-        Ends e;
-        if (!findEnds(world, l, e))
+        const Ends& e = stage.linkEnds[i];
+        if (!e.counts)
             continue;
         if (l.kind == LinkKind::Tether) {
             if (mayPull(world, rods, stage, l, e, dt, again))
@@ -315,9 +320,10 @@ double errorOf(const World& world, const Link& l, const Ends& e, const Places& p
 double linkError(const World& world, const std::vector<RodWork>& rods, double dt, double tolerance,
                  const ContactStage& stage) {
     double worst = 0.0;
-    for (const Link& l : world.links) {
-        Ends e;
-        if (!findEnds(world, l, e))
+    for (std::size_t i = 0; i < world.links.size(); ++i) {
+        const Link& l = world.links[i];
+        const Ends& e = stage.linkEnds[i];
+        if (!e.counts)
             continue;
         const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
         const double size = l.kind == LinkKind::Tether ? l.length : lever(world, e);
@@ -330,7 +336,8 @@ double linkError(const World& world, const std::vector<RodWork>& rods, double dt
             !(stage.r[static_cast<Eigen::Index>(2 * (stage.candidates.size() + i))] > 0.0))
             continue;
         const Link& l = world.links[static_cast<std::size_t>(row.link)];
-        const Places end = placesOf(world, rods, stage.motion, l, {row.rodA, row.rodB, row.bodyB}, When::End, dt);
+        const Places end =
+            placesOf(world, rods, stage.motion, l, stage.linkEnds[static_cast<std::size_t>(row.link)], When::End, dt);
         const double slack = lengthAfter(l, dt) - (end.a - end.b).norm();
         worst = std::max(worst, slack / std::min(tolerance, 1e-7 * l.length));
     }
@@ -339,9 +346,10 @@ double linkError(const World& world, const std::vector<RodWork>& rods, double dt
 
 LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
     LinkGaps gaps;
-    for (const Link& l : world.links) {
-        Ends e;
-        if (!findEnds(world, l, e))
+    for (std::size_t i = 0; i < world.links.size(); ++i) {
+        const Link& l = world.links[i];
+        const Ends& e = stage.linkEnds[i];
+        if (!e.counts)
             continue;
         const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
         const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);

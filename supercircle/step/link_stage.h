@@ -15,8 +15,11 @@
 
 namespace supercircle::step {
 
-/// Finds the links that take part in this attempt and their geometry: stage.linkRows. `again`: rods and stage.motion
-/// hold the solution of the last linearisation.
+/// What an attempt starts from: stage.linkEnds.
+void findLinkEnds(const World& world, ContactStage& stage);
+
+/// Finds the links that take part in this linearisation and their geometry: stage.linkRows. `again`: rods and
+/// stage.motion hold the solution of the last linearisation.
 void prepareLinks(const World& world, const std::vector<RodWork>& rods, double dt, bool again, ContactStage& stage);
 
 /// Fills the contacts behind the candidates' and their warm start. Bodies of the problem have their places already.

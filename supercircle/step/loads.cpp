@@ -53,10 +53,10 @@ Vec2 forceOf(const GrabWork& g, double dt, const Eigen::VectorXd& v) {
 } // namespace
 
 Pose poseAfter(const World& world, const Hold& h, double ahead) {
-    if (h.path.active)
-        return along(h.path, world.time + ahead);
-    const Vec2 velocity = h.onMachine ? world.machineVelocity : h.velocity;
-    return {h.target + ahead * velocity, h.targetAngle + ahead * h.spin, velocity, h.spin};
+    const Target& t = h.target;
+    if (t.path.active || !h.onMachine)
+        return poseAfter(world, t, ahead);
+    return {t.point + ahead * world.machineVelocity, t.angle + ahead * t.spin, world.machineVelocity, t.spin};
 }
 
 Pose poseAfter(const World& world, const Target& t, double ahead) {
@@ -66,14 +66,11 @@ Pose poseAfter(const World& world, const Target& t, double ahead) {
 }
 
 void advanceTarget(const World& world, double dt, Hold& h) {
+    if (h.target.path.active || !h.onMachine)
+        return advanceTarget(world, dt, h.target);
     const Pose p = poseAfter(world, h, dt);
-    h.target = p.point;
-    h.targetAngle = p.angle;
-    if (!h.path.active)
-        return;
-    h.velocity = p.velocity;
-    h.spin = p.spin;
-    h.path.active = !over(world, h.path, dt);
+    h.target.point = p.point;
+    h.target.angle = p.angle;
 }
 
 void advanceTarget(const World& world, double dt, Target& t) {
@@ -86,17 +83,17 @@ void advanceTarget(const World& world, double dt, Target& t) {
 }
 
 void startPaths(World& world, double frame) {
-    const auto go = [&](auto& target) {
+    const auto go = [&](const Pose& now, Target& target) {
         if (!target.pending)
             return;
-        start(world, frame, poseAfter(world, target, 0.0), target.path);
+        start(world, frame, now, target.path);
         target.pending = false;
     };
     for (Rod& r : world.rods)
         for (Hold& h : r.holds)
-            go(h);
+            go(poseAfter(world, h, 0.0), h.target);
     for (Link& l : world.links)
-        go(l.target);
+        go(poseAfter(world, l.target, 0.0), l.target);
 }
 
 void endOfFrame(World& world) {

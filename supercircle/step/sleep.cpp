@@ -102,9 +102,7 @@ Islands findIslands(const World& world) {
     addLinks(world, islands);
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         for (const Hold& h : world.rods[i].holds) {
-            const bool still = h.onMachine ? world.machineVelocity.isZero(0.0)
-                                           : h.velocity.isZero(0.0) && h.spin == 0.0 && !h.path.active && !h.pending;
-            if (!still)
+            if (h.onMachine ? !world.machineVelocity.isZero(0.0) : h.target.moving())
                 islands.keepAwake(i, "one of its holds moves");
         }
     return islands;
@@ -235,12 +233,6 @@ bool near(const Rod& rod, const Box& box) {
     return ((lower.array() - pad) <= box.upper.array()).all() && ((upper.array() + pad) >= box.lower.array()).all();
 }
 
-bool sameOutline(const BodyOutline& a, const BodyOutline& b) {
-    return a.body == b.body && a.local.key == b.local.key && a.friction == b.friction &&
-           a.local.points == b.local.points && a.local.category == b.local.category && a.local.mask == b.local.mask &&
-           a.local.group == b.local.group;
-}
-
 const Body* find(const std::vector<Body>& bodies, BodyId id) {
     const auto it =
         std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId want) { return b.id < want; });
@@ -272,7 +264,7 @@ void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector
         const bool fresh = !gone && (i == old.size() || before(outlines[j], old[i]));
         const Body* was = i < old.size() && !fresh ? find(world.bodies, old[i].body) : nullptr;
         const Body* is = !gone ? find(bodies, outlines[j].body) : nullptr;
-        const bool still = was && is && samePose(*was, *is) && !moves(*is) && sameOutline(old[i], outlines[j]);
+        const bool still = was && is && samePose(*was, *is) && !moves(*is) && old[i] == outlines[j];
         if (!still) {
             if (was)
                 wakeIn(reachOf(old[i], *was, frame));

@@ -16,13 +16,6 @@ namespace {
 constexpr std::int64_t kTicks = std::int64_t{1} << 24; ///< a frame is divided into powers of two of this
 constexpr int kGiveUp = 40;                            ///< cuts in a row
 
-double thinnest(const World& world) {
-    double h = std::numeric_limits<double>::infinity();
-    for (const Rod& r : world.rods)
-        h = std::min(h, r.model.definition().thickness);
-    return std::isfinite(h) ? h : 1e-3;
-}
-
 /// Puts a rod back where it was last good, freezes it and takes it out of collision.
 void quarantine(World& world, Rod& r) {
     r.quarantined = true;
@@ -98,7 +91,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
             b.state.velocity = world.machineVelocity;
     }
     startPaths(world, frame);
-    work_->attempt.h = thinnest(world);
+    work_->attempt.h = world.rods.empty() ? 1e-3 : thinnest(world);
     work_->attempt.useThreads(settings_.threads, loop);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;

@@ -18,8 +18,10 @@
 // - a separate static solver would need its own friction and its own way back into dynamics at every snap; the implicit
 //   step with dt far above all periods is the same equilibrium, and changing down is just a smaller dt. What large
 //   steps need is the stiffness of the contact forces in the matrix (contact_stiffness.h);
-// - putting rods at rest to sleep while others fall was tried and removed: an impact wakes the whole pile through its
-//   contacts within a few steps, each time with cold contact problems (a 100-shell drop took twice as long);
+// - putting rods at rest to sleep within a step's controller while others fall was tried and removed: an impact wakes
+//   the whole pile through its contacts within a few steps, each time with cold contact problems (a 100-shell drop took
+//   twice as long). What sleeps now (sleep.h) are whole islands that have not drifted for half a second, at the ends of
+//   frames, with their forces kept;
 // - a theta scheme between 1/2 and 1 keeps vibrations alive that cost more, smaller steps, and closes the books no
 //   better;
 // - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
@@ -58,8 +60,8 @@ public:
     [[nodiscard]] const Settings& settings() const { return settings_; }
 
     /// Advances the world by `frame` seconds in as many steps as it takes. `observer` is called after each accepted
-    /// step; returning true stops there. `port` may be null (no host). Impulses on dynamic bodies are left in
-    /// World::bodies for pushToHost.
+    /// step; returning true stops there. `port` may be null (no host); it is pulled from before the first step and
+    /// pushed to after the last one.
     FrameOutcome advance(World& world, double frame, Port* port, const std::function<bool(const World&)>& observer);
 
     /// Reads gravity, bodies near the shells and their outlines.

@@ -146,6 +146,13 @@ int rodIndex(const World& world, std::uint32_t key) {
     return -1;
 }
 
+double thinnest(const World& world) {
+    double h = std::numeric_limits<double>::infinity();
+    for (const Rod& r : world.rods)
+        h = std::min(h, r.model.definition().thickness);
+    return h;
+}
+
 int bodyIndex(const World& world, BodyId id) {
     const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
                                      [](const Body& b, BodyId want) { return b.id < want; });

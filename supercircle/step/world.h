@@ -86,8 +86,8 @@ struct Body {
     BodyState state;
     bool driven = false;         ///< moved by the machine: our pose rules, the host follows
     bool dynamic = false;        ///< takes part in the contact problem
-    Vec2 impulse = Vec2::Zero(); ///< of the shells, gathered in this frame, N s
-    double angularImpulse = 0.0; ///< about the centre of mass, N m s
+    Vec2 impulse = Vec2::Zero(); ///< of the shells, gathered in this frame, N s: for who measures, no step reads it
+    double angularImpulse = 0.0; ///< the same about the centre of mass, N m s
     Vec2 force = Vec2::Zero();   ///< from the shells in the last step, N
     Handover handover;
 };
@@ -204,6 +204,8 @@ void restEffects(World& world);
 [[nodiscard]] effects::Books effectBooks(const World& world);
 /// Index of the rod with this key, -1 if there is none.
 [[nodiscard]] int rodIndex(const World& world, std::uint32_t key);
+/// Thickness of the thinnest rod, m; infinite without rods.
+[[nodiscard]] double thinnest(const World& world);
 /// Index of the body in World::bodies, -1 if it is not there.
 [[nodiscard]] int bodyIndex(const World& world, BodyId id);
 

@@ -55,7 +55,8 @@ std::string fingerprint(const Shells& shells) {
         for (const Vec2& u : r.u)
             add(u.sum());
         for (const step::Hold& h : r.holds)
-            add(h.target.sum() + h.path.to.sum() + h.path.toAngle + h.velocity.sum() + (h.pending ? 1 : 0));
+            add(h.target.point.sum() + h.target.path.to.sum() + h.target.path.toAngle + h.target.velocity.sum() +
+                (h.target.pending ? 1 : 0));
         for (const step::Grab& g : r.grabs)
             add(g.target.sum() + g.stiffness);
         for (const step::PointForce& f : r.forces)

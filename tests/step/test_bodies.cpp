@@ -51,7 +51,94 @@ Standing stand(double mass, double inertia, double dt) {
     return out;
 }
 
+/// A host whose body 2 is held by a brake: rigid rows in x, y and angle that give way beyond a force.
+class BrakedHost : public FakeHost {
+public:
+    double strength = 0.0; ///< N, along x and y
+    double torque = 0.0;   ///< N m
+    void constraints(const std::vector<step::BodyId>&, double, step::HostConstraints& out) const override {
+        const Vec2 axes[] = {Vec2::UnitX(), Vec2::UnitY(), Vec2::Zero()};
+        for (int i = 0; i < 3; ++i) {
+            step::HostRow r;
+            r.b = 2;
+            r.axisB = axes[i];
+            r.turnB = i == 2 ? 1.0 : 0.0;
+            r.strength = i == 2 ? torque : strength;
+            out.rows.push_back(r);
+        }
+    }
+};
+
+const step::Body& bodyTwo(const step::World& w) {
+    return w.bodies[static_cast<std::size_t>(step::bodyIndex(w, 2))];
+}
+
 } // namespace
+
+TEST_CASE("a step that is given up leaves the host's brakes as they were", "[step]") {
+    BrakedHost host;
+    host.strength = 1e-3;
+    host.torque = 1e-5;
+    host.add(2, "puck", {0.08, 0.0}, 0.0, 0.01, 1e-6).pieces.push_back(FakeHost::box(2, 0.01, 0.03, 0.35));
+    step::World w;
+    put(w, paperShell(), {0.0, 0.0}, 1.0, 0.35, {0.4, 0.0});
+    step::Stepper s({});
+    bool touched = false, gaveWay = false;
+    std::uint64_t before = 0;
+    const step::FrameOutcome out = s.advance(w, 0.2, &host, [&](const step::World& now) {
+        touched |= !now.impulses.empty();
+        if (!touched) {
+            CHECK(bodyTwo(now).state.velocity.norm() < 1e-9); // a brake that had given way would move it: 1e-4 m/s
+            for (const step::HostRow& r : now.constraints.rows)
+                CHECK(r.saturated == 0);
+            before = now.counters.rejected;
+        }
+        for (const step::HostRow& r : now.constraints.rows)
+            gaveWay |= r.saturated != 0;
+        return false;
+    });
+    REQUIRE(out.failure.empty());
+    CHECK(before > 0); // blows that came too early in steps that were too long
+    CHECK(touched);
+    CHECK(gaveWay);
+    CHECK(bodyTwo(w).state.velocity.x() > 1e-3);
+}
+
+TEST_CASE("a joint stays closed while the brake of its body gives way and grips again", "[step]") {
+    BrakedHost host;
+    host.g = {0.0, -kG};
+    const rod::RodDefinition d = paperShell();
+    const double weight = d.linearMass * d.length * kG;
+    host.strength = 2.0 * weight;
+    host.torque = 1.0;
+    host.add(2, "hub", {0.0, 0.0}, 0.0, 1e-3, 1e-7).state.gravityScale = 0.0;
+    step::World w;
+    put(w, d, {0.0, 0.0}, 1.2, 0.35, Vec2::Zero(), 12.0);
+    step::Link pin;
+    pin.key = 1;
+    pin.end = step::LinkEnd::Body;
+    pin.rodA = w.rods[0].key;
+    pin.sA = 0.5 * d.length;
+    pin.body = 2;
+    w.links.push_back(pin);
+    step::Stepper s({});
+    int slips = 0, holds = 0;
+    double apart = 0.0;
+    std::uint64_t steps = 0;
+    const step::FrameOutcome out = s.advance(w, 1.0, &host, [&](const step::World& now) {
+        const step::BodyState& b = bodyTwo(now).state;
+        apart = std::max(apart, (now.rods[0].kin.middle() - b.centre).norm());
+        ++(b.velocity.norm() > 1e-4 ? slips : holds);
+        ++steps;
+        return false;
+    });
+    REQUIRE(out.failure.empty());
+    CAPTURE(slips, holds, apart);
+    CHECK(slips > 20);
+    CHECK(holds > 20);
+    CHECK(apart < 1e-6 * d.thickness * 10.0); // joints close to 1e-7 of an element, 6e-10 m
+    CHECK(w.counters.solves > steps);         // each turn of a linearisation counts
+}
 
 TEST_CASE("a crate stands on a shell: its weight, and no gap", "[step]") {
     for (const double mass : {0.01, 0.02}) // 26 and 52 times the half circle's 0.38 g

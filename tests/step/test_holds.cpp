@@ -13,8 +13,8 @@ step::Hold holdAt(const step::Rod& r, double fraction, bool clamped, bool onMach
     h.clamped = clamped;
     h.onMachine = onMachine;
     const rod::Place at = rod::locate(r.model, h.s);
-    h.target = r.kin.point(at);
-    h.targetAngle = r.kin.angle(at);
+    h.target.point = r.kin.point(at);
+    h.target.angle = r.kin.angle(at);
     return h;
 }
 
@@ -44,14 +44,14 @@ TEST_CASE("a hold anywhere on a swinging shell keeps its place", "[step]") {
                 double turned = 0.0, fastest = 0.0;
                 for (int i = 0; i < (half == 0 ? 100 : 200); ++i) {
                     REQUIRE(s.advance(w, settings.fixedDt, nullptr, {}).failure.empty());
-                    farthest[half] = std::max(farthest[half], (placeOf(w.rods[0], first) - first.target).norm());
-                    turned = std::max(turned, std::abs(angleOf(w.rods[0], first) - first.targetAngle));
+                    farthest[half] = std::max(farthest[half], (placeOf(w.rods[0], first) - first.target.point).norm());
+                    turned = std::max(turned, std::abs(angleOf(w.rods[0], first) - first.target.angle));
                     fastest = std::max(fastest, w.rods[0].speed);
                 }
                 CHECK(fastest > 1e-3); // it does swing
                 if (clamped)
                     CHECK(turned < 1e-10);
-                CHECK(w.rods[0].holds[0].target == first.target);
+                CHECK(w.rods[0].holds[0].target.point == first.target.point);
                 CHECK(std::abs(w.ledger.residual()) < 1e-9 * std::abs(w.ledger.gravity) + 1e-13);
                 CHECK(std::abs(w.ledger.work) < 1e-4 * std::abs(w.ledger.gravity)); // a hold at rest does no work
             }
@@ -73,8 +73,8 @@ TEST_CASE("a hold at rest keeps its place to the last digits", "[step]") {
         step::Stepper s({});
         for (int i = 0; i < 500; ++i)
             REQUIRE(s.advance(w, 4e-3, nullptr, {}).failure.empty());
-        CHECK((placeOf(w.rods[0], first) - first.target).norm() < 1e-10);
-        CHECK(std::abs(angleOf(w.rods[0], first) - first.targetAngle) < 1e-10);
+        CHECK((placeOf(w.rods[0], first) - first.target.point).norm() < 1e-10);
+        CHECK(std::abs(angleOf(w.rods[0], first) - first.target.angle) < 1e-10);
     }
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("holds keep their place to a tenth of a nanometre in any motion", "[st
     double farthest = 0.0;
     for (int i = 0; i < 100; ++i)
         REQUIRE(s.advance(w, 4e-3, nullptr, [&](const step::World& now) {
-                     farthest = std::max(farthest, (placeOf(now.rods[0], first) - first.target).norm());
+                     farthest = std::max(farthest, (placeOf(now.rods[0], first) - first.target.point).norm());
                      return false;
                  }).failure.empty());
     CHECK(farthest < 1e-10);
@@ -98,14 +98,14 @@ TEST_CASE("a hold on the machine follows its travel exactly", "[step]") {
     step::World w;
     put(w, paperShell(), {0.0, 0.0}, M_PI, 0.35);
     w.rods[0].holds.push_back(holdAt(w.rods[0], 0.5, true, true));
-    const Vec2 from = w.rods[0].holds[0].target;
+    const Vec2 from = w.rods[0].holds[0].target.point;
     w.machineVelocity = {0.003, -0.005};
     step::Stepper s({});
     for (int i = 0; i < 250; ++i)
         REQUIRE(s.advance(w, 4e-3, nullptr, {}).failure.empty());
     const Vec2 travel(0.003, -0.005);                 // one second
     CHECK((w.machineTravel - travel).norm() < 1e-14); // round-off of 1000 sums
-    CHECK((w.rods[0].holds[0].target - from - travel).norm() < 1e-14);
+    CHECK((w.rods[0].holds[0].target.point - from - travel).norm() < 1e-14);
     CHECK((placeOf(w.rods[0], w.rods[0].holds[0]) - from - travel).norm() < 1e-10);
     // afterwards the shell travels along as a whole: all work went into kinetic energy and what implicit Euler took
     CHECK(w.ledger.work == Approx(w.ledger.stored() - w.ledger.added + w.ledger.numerical).epsilon(1e-9));

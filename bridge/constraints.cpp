@@ -253,7 +253,8 @@ void JointRows::pulley(b2PulleyJoint& j) {
     const Vec2 uA = toA.normalized(), uB = static_cast<double>(j.GetRatio()) * toB.normalized();
     const Vec2 rA = wide(j.GetAnchorA() - a_->GetWorldCenter()) / scale_;
     const Vec2 rB = wide(j.GetAnchorB() - b_->GetWorldCenter()) / scale_;
-    row(-uA, -cross(rA, uA), -uB, -cross(rB, uB), -force_.dot(uB) / uB.squaredNorm());
+    // The joint's "reaction" is its impulse along uB without the ratio, and against what acts on b.
+    row(-uA, -cross(rA, uA), -uB, -cross(rB, uB), force_.dot(uB) / uB.norm());
 }
 
 void JointRows::add(b2Joint& joint) {
@@ -420,13 +421,19 @@ void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt,
         while (next < io.rows.size() && io.rows[next].key == io.rows[i].key)
             ++next;
         now.clear();
+        bool turned = false;
         b2Body* body = registry.body(io.rows[i].b);
         for (b2JointEdge* e = body ? body->GetJointList() : nullptr; e != nullptr; e = e->next)
-            if (io.rows[i].key == static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(e->joint)))
+            if (io.rows[i].key == static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(e->joint))) {
                 appendJoint(registry, *e->joint, unitsPerMetre, dt, dt, now);
+                turned = e->joint->GetType() == e_frictionJoint; // its rows follow its force
+            }
         for (std::size_t k = i; k < next && now.size() == next - i; ++k) {
-            io.rows[k].host = now[k - i].last * dt;
-            io.rows[k].told = true;
+            HostRow& row = io.rows[k];
+            row.host = now[k - i].last * dt;
+            if (turned && !row.axisB.isZero(0.0))
+                row.host = dt * (now[0].last * now[0].axisB + now[1].last * now[1].axisB).dot(row.axisB);
+            row.told = true;
         }
     }
 }

@@ -127,6 +127,10 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
     for (RodWork& w : rods)
         if (w.body == 0)
             w.body = count++;
+    while (stage.problem.bodies.size() > stage.hostBlocks) { // blocks of the host keep their storage
+        stage.spareBlocks.push_back(std::move(stage.problem.bodies.back()));
+        stage.problem.bodies.pop_back();
+    }
     stage.problem.bodies.resize(static_cast<std::size_t>(count));
     parallel::forEach(stage.loop, rods.size(), 32, [&](std::size_t i) {
         const RodWork& w = rods[i];
@@ -247,10 +251,11 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     prepareLinks(world, rods, dt, again, stage);
     addRodBodies(world, rods, stage);
     addHostBlocks(world, dt, stage);
-    const std::size_t n = stage.candidates.size();
-    stage.problem.contacts.resize(n + stage.linkCount);
+    listHostContacts(world, stage);
+    const std::size_t n = stage.candidates.size(), all = n + stage.linkCount + stage.hostEntries.size();
+    stage.problem.contacts.resize(all);
     stage.work.resize(n);
-    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * (n + stage.linkCount)));
+    stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * all));
     sortedIds(stage.candidates, stage.ids);
     parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];

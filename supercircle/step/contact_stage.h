@@ -82,8 +82,12 @@ struct ContactStage {
     std::vector<std::pair<std::uint32_t, int>> rodOfKey; ///< sorted
     std::vector<LoadedPoint> loadedPoints;
     std::vector<RollingPair> rollingPairs;
-    std::vector<int> problemBodies; ///< indices into World::bodies
-    std::vector<char> marked;       ///< per World::bodies or rods
+    std::vector<int> problemBodies;                   ///< indices into World::bodies
+    std::vector<char> marked;                         ///< per World::bodies or rods
+    std::vector<int> groups, groupBlocks, blockSizes; ///< of host bodies, host_stage.cpp
+    std::vector<coulomb::Body> spareBlocks;
+    std::vector<Eigen::LLT<Eigen::MatrixXd>> blockFactors;
+    std::vector<double> row;
 };
 
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.

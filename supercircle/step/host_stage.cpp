@@ -50,25 +50,21 @@ void gatherBodies(const World& world, ContactStage& stage) {
             take(bodyIndex(world, world.outlines[static_cast<std::size_t>(c.outline)].body));
     for (std::size_t i = 0; i < stage.linkCount; ++i)
         take(stage.linkRows[i].bodyB);
-    if (found.empty() || (stage.contactEnds.empty() && stage.rowEnds.empty()))
-        return;
-    std::vector<std::vector<int>> neighbours(world.bodies.size());
-    for (const std::vector<BodyEnds>* list : {&stage.contactEnds, &stage.rowEnds})
-        for (const BodyEnds& e : *list)
-            if (isDynamic(world, e.a) && isDynamic(world, e.b)) {
-                neighbours[static_cast<std::size_t>(e.a)].push_back(e.b);
-                neighbours[static_cast<std::size_t>(e.b)].push_back(e.a);
-            }
-    for (std::size_t i = 0; i < found.size() && found.size() < kMostBodies; ++i)
-        for (const int n : neighbours[static_cast<std::size_t>(found[i])])
-            take(n);
+    for (std::size_t i = 0; i < found.size() && found.size() < kMostBodies; ++i) {
+        const int body = found[i]; // the list grows
+        for (const std::vector<BodyEnds>* list : {&stage.contactEnds, &stage.rowEnds})
+            for (const BodyEnds& e : *list)
+                if (e.a == body || e.b == body)
+                    take(e.a == body ? e.b : e.a);
+    }
 }
 
 /// Gives every body its columns: one block per group that joints hold together.
 void placeBodies(const World& world, const std::vector<int>& bodies, ContactStage& stage) {
     if (bodies.empty())
         return;
-    std::vector<int> root(world.bodies.size());
+    std::vector<int>& root = stage.groups;
+    root.resize(world.bodies.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int i) {
         while (root[static_cast<std::size_t>(i)] != i)
@@ -82,7 +78,9 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
             const int a = find(e.a), b = find(e.b);
             root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
         }
-    std::vector<int> blockOf(world.bodies.size(), -1), size;
+    std::vector<int>&blockOf = stage.groupBlocks, &size = stage.blockSizes;
+    blockOf.assign(world.bodies.size(), -1);
+    size.clear();
     for (const int b : bodies) {
         int& block = blockOf[static_cast<std::size_t>(find(b))];
         if (block < 0) {
@@ -95,10 +93,13 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
         size[static_cast<std::size_t>(block)] += p.freedoms;
     }
     for (const int n : size) {
-        coulomb::Body b;
-        b.A.resize(n, n);
-        b.vFree.resize(n);
-        stage.problem.bodies.push_back(std::move(b));
+        stage.problem.bodies.emplace_back();
+        if (!stage.spareBlocks.empty()) {
+            std::swap(stage.problem.bodies.back(), stage.spareBlocks.back());
+            stage.spareBlocks.pop_back();
+        }
+        stage.problem.bodies.back().A.resize(n, n);
+        stage.problem.bodies.back().vFree.resize(n);
     }
 }
 
@@ -159,7 +160,8 @@ void addJointRow(const World& world, std::size_t k, double dt, ContactStage& sta
         return;
     }
     coulomb::Body& block = stage.problem.bodies[static_cast<std::size_t>(blockOfRow(stage, e))];
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(block.A.cols());
+    stage.row.assign(static_cast<std::size_t>(block.A.cols()), 0.0);
+    Eigen::Map<Eigen::RowVectorXd> row(stage.row.data(), block.A.cols());
     addToRow(stage, e.a, r.axisA, r.turnA, row);
     addToRow(stage, e.b, r.axisB, r.turnB, row);
     double damping = r.damping, force = r.force, speed = 0.0;
@@ -214,24 +216,12 @@ void putRows(const World& world, ContactStage& stage, const BodyEnds& e, const S
     const Sides* const sides[2] = {&n, &t};
     for (int i = 0; i < 2; ++i) {
         const Sides& s = *sides[i];
-        Eigen::RowVectorXd a = Eigen::RowVectorXd::Zero(out.Ha.cols()), b = Eigen::RowVectorXd::Zero(out.Hb.cols());
-        addToRow(stage, e.a, s.axisA, s.turnA, blockA == out.a ? a : b);
-        addToRow(stage, e.b, s.axisB, s.turnB, blockB == out.a ? a : b);
-        out.Ha.row(i) = a;
-        out.Hb.row(i) = b;
+        addToRow(stage, e.a, s.axisA, s.turnA, (blockA == out.a ? out.Ha : out.Hb).row(i));
+        addToRow(stage, e.b, s.axisB, s.turnB, (blockB == out.a ? out.Ha : out.Hb).row(i));
         out.w[i] = given(world, stage, e.a, s.axisA, s.turnA) + given(world, stage, e.b, s.axisB, s.turnB);
     }
     out.id = 0;
     out.kind = coulomb::Kind::Unilateral;
-}
-
-void append(ContactStage& stage, int entry, coulomb::Contact&& c, double rn, double rt) {
-    stage.hostEntries.push_back(entry);
-    stage.problem.contacts.push_back(std::move(c));
-    const Eigen::Index n = stage.problem.r0.size();
-    stage.problem.r0.conservativeResize(n + 2);
-    stage.problem.r0[n] = rn;
-    stage.problem.r0[n + 1] = rt;
 }
 
 } // namespace
@@ -294,37 +284,49 @@ void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
         pushBody(stage, e.a, -f, -rod::cross(c.armA, f));
         pushBody(stage, e.b, f, rod::cross(c.armB, f));
     }
-    for (std::size_t b = stage.hostBlocks; b < stage.problem.bodies.size(); ++b) {
-        coulomb::Body& block = stage.problem.bodies[b];
-        block.vFree = block.A.llt().solve(Eigen::VectorXd(block.vFree));
+    const std::size_t blocks = stage.problem.bodies.size() - stage.hostBlocks;
+    stage.blockFactors.resize(std::max(stage.blockFactors.size(), blocks));
+    for (std::size_t b = 0; b < blocks; ++b) {
+        coulomb::Body& block = stage.problem.bodies[stage.hostBlocks + b];
+        stage.blockFactors[b].compute(block.A);
+        stage.blockFactors[b].solveInPlace(block.vFree);
     }
 }
 
-void addHostContacts(const World& world, double dt, ContactStage& stage) {
+void listHostContacts(const World& world, ContactStage& stage) {
     stage.hostEntries.clear();
-    for (std::size_t k = 0; k < stage.contactEnds.size(); ++k) {
-        const BodyEnds& e = stage.contactEnds[k];
-        if (!touchesProblem(stage, e) || onBorder(world, stage, e))
-            continue;
-        const HostContact& c = world.constraints.contacts[k];
-        coulomb::Contact out;
-        putRows(world, stage, e, contactSides(c, c.normal), contactSides(c, rod::perp(c.normal)), out);
-        out.mu = c.friction;
-        out.w += Vec2(c.room > 0.0 ? c.room / dt : -c.bounce, -c.conveyor);
-        append(stage, static_cast<int>(k), std::move(out), dt * c.normalForce, dt * c.tangentForce);
-    }
-    for (std::size_t k = 0; k < stage.rowEnds.size(); ++k) {
-        const BodyEnds& e = stage.rowEnds[k];
-        const HostRow& r = world.constraints.rows[k];
-        if (r.kind != HostRowKind::Limit || !touchesProblem(stage, e) || onBorder(world, stage, e))
-            continue;
-        const Sides n{r.axisA, r.axisB, r.turnA, r.turnB};
-        const Sides t{Vec2::UnitX(), Vec2::UnitY(), 0.0, 0.0}; // any rows do: nothing rubs
-        coulomb::Contact out;
-        putRows(world, stage, e, n, t, out);
-        out.mu = 0.0;
-        out.w = Vec2(out.w.x() + r.room / dt, 0.0);
-        append(stage, -1 - static_cast<int>(k), std::move(out), dt * std::max(0.0, r.last), 0.0);
+    const auto counts = [&](const BodyEnds& e) { return touchesProblem(stage, e) && !onBorder(world, stage, e); };
+    for (std::size_t k = 0; k < stage.contactEnds.size(); ++k)
+        if (counts(stage.contactEnds[k]))
+            stage.hostEntries.push_back(static_cast<int>(k));
+    for (std::size_t k = 0; k < stage.rowEnds.size(); ++k)
+        if (world.constraints.rows[k].kind == HostRowKind::Limit && counts(stage.rowEnds[k]))
+            stage.hostEntries.push_back(-1 - static_cast<int>(k));
+}
+
+void addHostContacts(const World& world, double dt, ContactStage& stage) {
+    const std::size_t first = stage.candidates.size() + stage.linkCount;
+    for (std::size_t i = 0; i < stage.hostEntries.size(); ++i) {
+        coulomb::Contact& out = stage.problem.contacts[first + i];
+        Vec2 warm = Vec2::Zero();
+        if (const int entry = stage.hostEntries[i]; entry >= 0) {
+            const BodyEnds& e = stage.contactEnds[static_cast<std::size_t>(entry)];
+            const HostContact& c = world.constraints.contacts[static_cast<std::size_t>(entry)];
+            putRows(world, stage, e, contactSides(c, c.normal), contactSides(c, rod::perp(c.normal)), out);
+            out.mu = c.friction;
+            out.w += Vec2(c.room > 0.0 ? c.room / dt : -c.bounce, -c.conveyor);
+            warm = dt * Vec2(c.normalForce, c.tangentForce);
+        } else {
+            const BodyEnds& e = stage.rowEnds[static_cast<std::size_t>(-1 - entry)];
+            const HostRow& r = world.constraints.rows[static_cast<std::size_t>(-1 - entry)];
+            const Sides n{r.axisA, r.axisB, r.turnA, r.turnB};
+            const Sides t{Vec2::UnitX(), Vec2::UnitY(), 0.0, 0.0}; // any rows do: nothing rubs
+            putRows(world, stage, e, n, t, out);
+            out.mu = 0.0;
+            out.w = Vec2(out.w.x() + r.room / dt, 0.0);
+            warm.x() = dt * std::max(0.0, r.last);
+        }
+        stage.problem.r0.segment<2>(static_cast<Eigen::Index>(2 * (first + i))) = warm;
     }
 }
 

@@ -20,8 +20,10 @@ void beginHostRows(const World& world, ContactStage& stage);
 /// The same blocks with the rows as saturated as they are now; places and contacts of the problem stay.
 void renewHostBlocks(const World& world, double dt, ContactStage& stage);
 
-/// Appends the host's contact points and joint limits to the problem's contacts, which hold the candidates and links
-/// already.
+/// Finds the host's contact points and joint limits that take part: stage.hostEntries.
+void listHostContacts(const World& world, ContactStage& stage);
+
+/// Fills the problem's contacts behind the candidates' and the links' with them, and their warm start.
 void addHostContacts(const World& world, double dt, ContactStage& stage);
 
 /// Writes the solution back into stage.motion.

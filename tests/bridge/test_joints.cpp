@@ -142,11 +142,11 @@ Jointed wheel(Playground& p, b2Body*) { // a braked wheel on the dome carries a 
     return {disc, [disc, chassis] { return std::abs(metres(disc->GetWorldCenter().x - chassis->GetWorldCenter().x)); }};
 }
 
-Jointed weld(Playground& p, b2Body*) { // a heavier one on an arm's length above
+Jointed weld(Playground& p, b2Body*) { // a heavier one on top
     b2Body* crate = crateOn(p);
-    b2Body* above = p.box(0.0, kTop + 0.03, 0.01, kHalf, 2.0 * kMass);
+    b2Body* above = p.box(0.0, kTop + 3.0 * kHalf + 2e-4, 0.01, kHalf, 2.0 * kMass);
     b2WeldJointDef j;
-    j.Initialize(crate, above, host(0.0, kTop + 0.02));
+    j.Initialize(crate, above, host(0.0, kTop + 2.0 * kHalf));
     b2Joint* made = p.world.CreateJoint(&j);
     return {crate, [crate, above, gap = apart(made)] {
                 return gap() + kHalf * std::abs(static_cast<double>(above->GetAngle() - crate->GetAngle()));

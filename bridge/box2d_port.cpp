@@ -7,6 +7,7 @@
 
 #include "bridge/body_registry.h"
 #include "bridge/build.h"
+#include "bridge/constraints.h"
 #include "bridge/outlines.h"
 #include "bridge/rigid_check.h"
 
@@ -97,6 +98,7 @@ struct Box2dPort::Impl {
     std::map<std::string, BodyId> names;
     std::map<BodyId, Driven> driven;
     std::vector<Deferred> deferred;
+    double lastDt = 0.0; ///< of the host's last step as far as told, s
     std::uint64_t refused = 0;
     std::string lastRefusal;
 
@@ -262,6 +264,17 @@ bool Box2dPort::state(BodyId body, BodyState& out) const {
     return true;
 }
 
+void Box2dPort::constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const {
+    impl_->refresh(false);
+    appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt, out);
+}
+
+void Box2dPort::impulses(double dt, step::HostConstraints& io) const {
+    impl_->refresh(true);
+    impl_->lastDt = dt;
+    readImpulses(impl_->registry, impl_->scale, dt, io);
+}
+
 void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) {
     impl_->refresh(false);
     const double scale = impl_->scale;
@@ -296,6 +309,35 @@ void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
         return;
     b->SetLinearVelocity(toHost(velocity, impl_->scale));
     b->SetAngularVelocity(static_cast<float>(spin));
+}
+
+void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
+    impl_->refresh(false);
+    if (!fits(centre, impl_->scale) || !(std::abs(angle) < kMaxHost)) {
+        impl_->refuse("place: the pose is not finite or too far away");
+        return;
+    }
+    b2Body* b = impl_->registry.body(body);
+    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
+        impl_->refuse("place: no dynamic body of an unlocked world");
+        return;
+    }
+    b2Vec2 way = toHost(centre, impl_->scale) - b->GetWorldCenter();
+    bool blocked = false;
+    for (const b2ContactEdge* e = b->GetContactList(); e != nullptr; e = e->next) {
+        if (e->other->GetType() == b2_dynamicBody || !e->contact->IsTouching() || !pushes(*e->contact))
+            continue;
+        b2WorldManifold manifold;
+        e->contact->GetWorldManifold(&manifold);
+        const b2Vec2 out = e->contact->GetFixtureB()->GetBody() == b ? manifold.normal : -manifold.normal;
+        if (const float in = b2Dot(way, out); in < 0.0F) {
+            way -= in * out;
+            blocked = true;
+        }
+    }
+    const float turned = blocked ? b->GetAngle() : static_cast<float>(angle);
+    const b2Vec2 target = b->GetWorldCenter() + way;
+    b->SetTransform(target - b2Mul(b2Rot(turned), b->GetLocalCenter()), turned);
 }
 
 void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
@@ -356,6 +398,7 @@ void Box2dPort::forget(const b2Body& body) {
 }
 
 void Box2dPort::stepped(double dt) {
+    impl_->lastDt = dt;
     impl_->refresh(false);
     for (auto it = impl_->driven.begin(); it != impl_->driven.end();) {
         const b2Body* b = impl_->registry.body(it->first);
@@ -399,6 +442,9 @@ Attachment attach(b2World& world, const Options& options) {
 
 void Attachment::set_name(const b2Body& body, const std::string& name) const {
     port_->setName(body, name);
+}
+std::uint64_t Attachment::body_id(const b2Body& body) const {
+    return port_->idOf(body);
 }
 void Attachment::forget(const b2Body& body) const {
     port_->forget(body);

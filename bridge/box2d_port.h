@@ -45,8 +45,12 @@ public:
     /// single edges are joined to theirs.
     void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override;
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
+    /// Contacts as Box2D's last step left them; gear joints are left out (bridge/constraints.h).
+    void constraints(const std::vector<step::BodyId>& seeds, double dt, step::HostConstraints& out) const override;
+    void impulses(double dt, step::HostConstraints& io) const override;
     void applyImpulse(step::BodyId body, const step::Vec2& impulse, double angularImpulse) override;
     void setVelocity(step::BodyId body, const step::Vec2& velocity, double spin) override;
+    void place(step::BodyId body, const step::Vec2& centre, double angle) override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
     [[nodiscard]] step::BodyId find(const std::string& name) const override;
@@ -64,8 +68,8 @@ public:
     void setName(const b2Body& body, const std::string& name);
     /// Tells that this body is about to be destroyed: its id dies here, whatever comes to its address.
     void forget(const b2Body& body);
-    /// After world.Step(dt): lets driven bodies be reported at the exact end of their motion (to the last double)
-    /// instead of Box2D's rounded one. Optional.
+    /// After world.Step(dt): tells how long it was (Box2D's impulses are of that step) and lets driven bodies be
+    /// reported at the exact end of their motion (to the last double) instead of Box2D's rounded one. Optional.
     void stepped(double dt);
 
     [[nodiscard]] std::uint64_t refused() const;

@@ -31,12 +31,17 @@ public:
     [[nodiscard]] double unitsPerMetre() const override { return port_.unitsPerMetre(); }
     void query(const step::Box& box, std::vector<BodyOutline>& out) const override { port_.query(box, out); }
     [[nodiscard]] bool state(BodyId body, BodyState& out) const override { return port_.state(body, out); }
+    void constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const override {
+        port_.constraints(seeds, dt, out);
+    }
+    void impulses(double dt, step::HostConstraints& io) const override { port_.impulses(dt, io); }
     void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) override {
         port_.applyImpulse(body, impulse, angularImpulse);
     }
     void setVelocity(BodyId body, const Vec2& velocity, double spin) override {
         port_.setVelocity(body, velocity, spin);
     }
+    void place(BodyId body, const Vec2& centre, double angle) override { port_.place(body, centre, angle); }
     void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) override {
         port_.drive(body, centre, angle, velocity, spin);
     }

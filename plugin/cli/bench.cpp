@@ -9,19 +9,13 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <sys/resource.h>
 
 namespace supercircle::cli {
 
 namespace {
-
-/// Largest resident size so far, MB.
-double peakMemory() {
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
 
 void printHeader() {
     std::printf("%-34s %12s %12s %12s %7s %9s\n", "benchmark", "median ms", "p95 ms", "best ms", "samples", "peak MB");
@@ -67,6 +61,18 @@ std::string writeJson(const std::string& file, const std::vector<Measurement>& r
 
 } // namespace
 
+double peakMemory() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+double threadCpuSeconds() {
+    timespec t{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 Measurement summarise(std::string name, std::vector<double> milliseconds) {
     Measurement m;
     m.name = std::move(name);
@@ -111,7 +117,10 @@ int bench(const std::string& filter, const std::string& json) {
     addPartBenchmarks(all);
     addContactBenchmarks(all);
     addSolverBenchmarks(all);
+    addScalingBenchmarks(all);
+    addGameBenchmarks(all);
     addPeerBenchmarks(all);
+    addGuidePictures(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;
     bool any = false;

@@ -37,6 +37,11 @@ struct Benchmark {
 /// Median, 95 % quantile and best of the samples, ms.
 Measurement summarise(std::string name, std::vector<double> milliseconds);
 
+/// Largest resident size of the process so far, MB.
+double peakMemory();
+/// CPU time of this thread, s: for machines that are shared.
+double threadCpuSeconds();
+
 /// Wall time of one call, ms.
 double timed(const std::function<void()>& work);
 
@@ -50,8 +55,14 @@ void addPartBenchmarks(std::vector<Benchmark>& all);
 void addContactBenchmarks(std::vector<Benchmark>& all);
 /// Every method on stacks of 3 to 1350 shells: only when asked for.
 void addSolverBenchmarks(std::vector<Benchmark>& all);
+/// Stacks of 10 to 1000 shells, and what threads would make of them: only when asked for.
+void addScalingBenchmarks(std::vector<Benchmark>& all);
+/// Game quality: cost of frames, distance from the laboratory; only when asked for.
+void addGameBenchmarks(std::vector<Benchmark>& all);
 /// Shells of welded boxes beside ours, in the same scenes: only when asked for.
 void addPeerBenchmarks(std::vector<Benchmark>& all);
+/// The pictures of docs/guide.md: only when asked for.
+void addGuidePictures(std::vector<Benchmark>& all);
 /// Whole runs of the project's scenes.
 void addSceneBenchmarks(std::vector<Benchmark>& all);
 

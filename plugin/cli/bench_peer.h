@@ -2,7 +2,7 @@
 // The peer: what Box2D users build today when they want a shell - N boxes joined by weld joints whose springs carry the
 // bending stiffness - beside ours, in the same scenes, judged by the same witness.
 
-#include "plugin/cli/bench.h"
+#include "plugin/cli/bench_game_scale.h"
 #include "plugin/include/supercircle/shells.hpp"
 #include "supercircle/contact/geometry.h"
 #include "supercircle/step/port.h"
@@ -13,8 +13,6 @@
 #include <vector>
 
 namespace supercircle::cli {
-
-using rod::Vec2;
 
 /// How the boxes are welded and stepped.
 struct PeerSettings {
@@ -60,38 +58,10 @@ private:
     step::BodyId held_ = 0;
 };
 
-/// Pairs (shell and shell, shell and itself, shell and solid) whose centre lines cross in this configuration.
-int crossedPairs(const std::vector<contact::Curve>& curves, const std::vector<contact::Outline>& outlines);
-
-/// One run, of either kind, with what the table and the picture need.
-struct PeerRun {
-    std::string name;
-    std::string label;          ///< for the table
-    double stretch = 0.0;       ///< largest relative stretch
-    int crossings = 0;          ///< pairs crossed at the end
-    double peak = 0.0;          ///< of the force on the machine, over theory (cylinders)
-    double cpu = 0.0;           ///< s of processor time per simulated second
-    std::vector<double> frames; ///< ms
-    std::vector<contact::Curve> curves;
-};
-
-/// A shell pushed over a cylinder, and the peak force theory has for it.
-struct PeerCylinder {
-    const char* name;
-    double phi_bar; ///< 1
-    double mu;      ///< 1
-    double theory;  ///< B/R^2
-};
-/// Type I at 300 degrees: the laboratory at 121 arcs and thickness R/500, which agrees with the solved references at
-/// other angles to 0.3 % (docs/validation.html). Type II: unfolding force of the solved reference.
-constexpr PeerCylinder kCylinders[] = {{"smooth", 300.0 / 360.0, 0.35, 0.2059}, {"snap", 0.9, 0.3, 5.281}};
-
-PeerRun ourCylinder(const PeerCylinder& which, Quality quality, int elements);
-PeerRun peerCylinder(const PeerCylinder& which, const PeerSettings& settings, int boxes);
-PeerRun ourPile(Quality quality, int shells, double seconds);
-PeerRun peerPile(const PeerSettings& settings, int shells, double seconds);
+GameRun peerCylinder(const CylinderCase& which, const PeerSettings& settings, int boxes);
+GameRun peerPile(const PileCase& pile, const PeerSettings& settings);
 
 /// Content of a PNG file: both piles side by side; empty after an error.
-std::string peerPicture(const PeerRun& ours, const PeerRun& peer, const PeerRun& tuned, std::string& error);
+std::string peerPicture(const GameRun& ours, const GameRun& peer, const GameRun& tuned, std::string& error);
 
 } // namespace supercircle::cli

@@ -6,11 +6,9 @@
 #include "plugin/cli/bench_peer.h"
 
 #include "bridge/lab_world.h"
-#include "supercircle/contact/crossing.h"
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace supercircle::cli {
 
@@ -134,15 +132,6 @@ double WeldedShells::stretch(const step::HostWorld& host) const {
         worst = std::max(worst, sum / shell.length);
     }
     return worst;
-}
-
-int crossedPairs(const std::vector<contact::Curve>& curves, const std::vector<contact::Outline>& outlines) {
-    std::vector<contact::Crossing> found;
-    contact::findCrossings(curves, outlines, found);
-    std::set<std::pair<int, int>> pairs;
-    for (const contact::Crossing& c : found)
-        pairs.insert({std::min(c.rodA, c.rodB < 0 ? c.rodA : c.rodB), c.rodB < 0 ? -1 : std::max(c.rodA, c.rodB)});
-    return static_cast<int>(pairs.size());
 }
 
 } // namespace supercircle::cli

@@ -25,7 +25,7 @@ struct View {
     }
 };
 
-void drawShells(report::Canvas& canvas, const View& view, const PeerRun& run) {
+void drawShells(report::Canvas& canvas, const View& view, const GameRun& run) {
     const double width = view.scale * 2.0 * (run.curves.empty() ? 0.01 : run.curves.front().halfThickness);
     for (std::size_t i = 0; i < run.curves.size(); ++i) {
         std::vector<report::Point> points;
@@ -39,14 +39,14 @@ void drawShells(report::Canvas& canvas, const View& view, const PeerRun& run) {
 }
 
 /// A red ring wherever two centre lines cross.
-void markCrossings(report::Canvas& canvas, const View& view, const PeerRun& run) {
+void markCrossings(report::Canvas& canvas, const View& view, const GameRun& run) {
     std::vector<contact::Crossing> found;
     contact::findCrossings(run.curves, {}, found);
     for (const contact::Crossing& c : found)
         canvas.circle(view.at(c.where), 5.0, {.stroke = report::Stroke{theme::loading, 1.6}});
 }
 
-void drawPanel(report::Canvas& canvas, double x, const PeerRun& run, const char* title) {
+void drawPanel(report::Canvas& canvas, double x, const GameRun& run, const char* title) {
     const View view{x, 80.0 + kTall, kPanel / kInner};
     const report::Rect area{x - 4.0, 80.0, kPanel + 8.0, kTall + 4.0};
     canvas.text({x, 50.0}, title, {theme::labelSize, theme::ink, report::Anchor::Start, true});
@@ -65,8 +65,8 @@ void drawPanel(report::Canvas& canvas, double x, const PeerRun& run, const char*
 
 } // namespace
 
-std::string peerPicture(const PeerRun& ours, const PeerRun& peer, const PeerRun& tuned, std::string& error) {
-    report::CairoCanvas canvas(3.0 * kPanel + 4.0 * 30.0, 80.0 + kTall + 30.0, 2.0);
+std::string peerPicture(const GameRun& ours, const GameRun& peer, const GameRun& tuned, std::string& error) {
+    report::CairoCanvas canvas(3.0 * kPanel + 4.0 * 30.0, 80.0 + kTall + 30.0, 1.2);
     canvas.text({30.0, 26.0}, "Thirty shells of radius 1 m, five seconds at 1/60 s",
                 {theme::titleSize, theme::ink, report::Anchor::Start, true});
     drawPanel(canvas, 30.0, ours, "Supercircle, game quality");

@@ -14,7 +14,6 @@
 #include <array>
 #include <atomic>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <map>
 
@@ -47,13 +46,6 @@ constexpr std::array kColumns{Column{"cascade", coulomb::Method::Cascade, 1000, 
                               Column{"newton", coulomb::Method::Newton, 1000, SIZE_MAX},
                               Column{"plain", coulomb::Method::GaussSeidel, 1000, SIZE_MAX},
                               Column{"plain_50000", coulomb::Method::GaussSeidel, 50000, 1500}};
-
-/// CPU time of this thread, ms: the machine may be shared.
-double cpuTime() {
-    timespec t{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 /// Keeps a few of many, evenly spread; which ones depends on their number only.
 class Sample {
@@ -173,9 +165,9 @@ Measurement measureSet(const SolverSet& set, const Column& column, double tolera
         for (const Problem& problem : set.problems) {
             if (interrupted)
                 break;
-            const double begin = cpuTime();
+            const double begin = threadCpuSeconds();
             const coulomb::SolveReport report = solver.solve(problem, options, r, v);
-            const double spent = cpuTime() - begin;
+            const double spent = 1e3 * (threadCpuSeconds() - begin); // ms
             if (pass + 1 < passes)
                 continue;
             samples.push_back(spent);

@@ -66,7 +66,7 @@ foreach(pc supercircle supercircle-box2d)
 endforeach()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/include/ ${PROJECT_SOURCE_DIR}/bridge/include/
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp" PATTERN "box2d3.hpp" EXCLUDE) # Box2D 3: from the source tree only
 # The core's headers, for those who look behind the facade (Shells::world()); they need Eigen 3.4.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/supercircle/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/supercircle
   FILES_MATCHING PATTERN "*.h")

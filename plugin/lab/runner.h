@@ -5,6 +5,7 @@
 #include "plugin/scene/scene.h"
 #include "supercircle/coulomb/solver.h"
 #include "supercircle/step/port.h"
+#include "supercircle/step/world.h"
 
 #include <atomic>
 #include <functional>
@@ -25,12 +26,14 @@ struct Progress {
 struct Options {
     std::uint64_t seed = 1;
     int threads = 1;
+    parallel::For loop;                            ///< threads of the caller's own (step::Stepper::loop)
     double fixedDt = 0.0;                          ///< s; > 0 overrides the scene's
     bool witness = true;                           ///< independent crossing check after each step
     bool frames = true;                            ///< keep the motion for the player
     std::function<void(const Progress&)> progress; ///< called now and then
     const std::atomic<bool>* interrupt = nullptr;  ///< becomes true: stop and keep what is done
     std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve; ///< every contact problem
+    std::function<void(step::Stage)> onStage; ///< step::Stepper::watchStages; must not throw
 };
 
 enum class End : std::uint8_t { Done, BadScene, Failed, Interrupted };

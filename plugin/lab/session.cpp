@@ -41,8 +41,10 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     if (std::isfinite(thickness) && thickness > 0.0)
         s.localError = scene.numerics.position_tolerance / thickness;
     s.threads = options.threads;
+    shells_.stepper().loop = options.loop;
     s.witness = options.witness;
     shells_.stepper().onSolve = options.onSolve;
+    shells_.stepper().watchStages(options.onStage);
     out_.scene = scene.name;
     out_.about = scene.about;
     out_.R = scene.report.R;
@@ -213,6 +215,14 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
     if (!r.failure.empty()) {
         end_ = End::Failed;
         message_ = r.failure + " (at t = " + std::to_string(shells_.time()) + " s)";
+        return false;
+    }
+    if (shells_.world().counters.quarantined > 0) { // a game goes on without the shell, an experiment cannot
+        end_ = End::Failed;
+        message_ =
+            "a shell became faster than sound in its own material, or its numbers were not finite, and was taken "
+            "out of the motion (at t = " +
+            std::to_string(shells_.time()) + " s); look for shells put into each other or driven too fast";
         return false;
     }
     return true;

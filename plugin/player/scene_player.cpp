@@ -62,6 +62,7 @@ struct ScenePlayer::Impl {
     std::string populate();
     void start();
     void prepare();
+    void passOver(double dt);
     void dropNext();
     void jumpToPile();
     void nextMove();
@@ -105,6 +106,8 @@ void ScenePlayer::Impl::start() {
         enter(Stage::Touch);
     else
         enter(Stage::Free);
+    if (stage == Stage::Touch && !scene.protocol->zero_at_touch)
+        prepare();
 }
 
 void ScenePlayer::Impl::dropNext() {
@@ -228,20 +231,24 @@ std::string ScenePlayer::Impl::phase() const {
     return "done";
 }
 
+/// Makes what is due, and leaves stages and moves that have no time left behind.
+void ScenePlayer::Impl::passOver(double dt) {
+    for (int skipped = 0; failure.empty() && skipped < 100000; ++skipped) {
+        prepare();
+        if (stage == Stage::Done || !failure.empty() || limit(dt) > 1e-9 * dt)
+            return;
+        if (stage == Stage::Moves)
+            nextMove();
+        else
+            enter(Stage::Done);
+    }
+}
+
 FrameReport ScenePlayer::pre_step(double dt) {
     Impl& s = *impl_;
     FrameReport report;
     try {
-        for (int skipped = 0;; ++skipped) { // moves of no length take no frame
-            s.prepare();
-            const double left = s.failure.empty() && s.stage != Impl::Stage::Done ? s.limit(dt) : dt;
-            if (left > 1e-9 * dt || skipped > 100000)
-                break;
-            if (s.stage == Impl::Stage::Moves)
-                s.nextMove();
-            else
-                s.enter(Impl::Stage::Done);
-        }
+        s.passOver(dt);
     } catch (const std::exception& e) { // the host program never dies of us
         s.failure = e.what();
     }
@@ -260,6 +267,8 @@ FrameReport ScenePlayer::pre_step(double dt) {
         if (over || still)
             s.nextMove();
     }
+    if (s.failure.empty() && (s.stage == Impl::Stage::Moves || s.stage == Impl::Stage::Free))
+        s.passOver(dt); // so that finished() is true with the last frame, not after it
     return report;
 }
 

@@ -14,10 +14,6 @@ namespace {
 
 constexpr int kMostChords = 4096; ///< a whole circle to 3e-7 of its radius
 
-Point toPoint(const Vec2& v) {
-    return {v.x(), v.y()};
-}
-
 /// Chords that keep an arc of this radius and angle within the tolerance.
 int chords(double radius, double angle, double tolerance) {
     if (!(angle > 0.0) || !std::isfinite(radius))
@@ -33,7 +29,7 @@ void addArc(const rod::Arc& arc, double d, double tolerance, std::vector<Point>&
     const int n = chords(radius, angle, tolerance);
     for (int i = 1; i <= n; ++i) {
         const double s = arc.length * i / n;
-        out.push_back(toPoint(arc.pointAt(s) + d * rod::perp(arc.tangentAt(s))));
+        out.push_back(point(arc.pointAt(s) + d * rod::perp(arc.tangentAt(s))));
     }
 }
 
@@ -42,7 +38,7 @@ void addCap(const Vec2& tip, double from, double radius, double tolerance, std::
     const int n = chords(radius, M_PI, tolerance);
     for (int i = 1; i <= n; ++i) {
         const rod::SinCos a = rod::sinCos(from - M_PI * i / n);
-        out.push_back(toPoint(tip + radius * Vec2(a.cosine, a.sine)));
+        out.push_back(point(tip + radius * Vec2(a.cosine, a.sine)));
     }
 }
 
@@ -51,7 +47,7 @@ void drawOutline(const step::Rod& rod, const DrawOptions& options, const Colour&
     const std::vector<rod::Arc>& arcs = rod.kin.arcs();
     const double half = 0.5 * rod.model.definition().thickness;
     const auto leftOf = [&](const rod::Arc& a, double s, double d) {
-        return toPoint(a.pointAt(s) + d * rod::perp(a.tangentAt(s)));
+        return point(a.pointAt(s) + d * rod::perp(a.tangentAt(s)));
     };
     std::vector<Point> right{leftOf(arcs.front(), 0.0, -half)};
     points.assign({leftOf(arcs.front(), 0.0, half)});
@@ -78,7 +74,7 @@ void drawOutline(const step::Rod& rod, const DrawOptions& options, const Colour&
 void drawCentreLine(const step::Rod& rod, const DrawOptions& options, std::vector<Point>& points, DebugDraw& canvas) {
     const std::vector<rod::Arc>& arcs = rod.kin.arcs();
     const rod::RodDefinition& d = rod.model.definition();
-    points.assign({toPoint(arcs.front().start)});
+    points.assign({point(arcs.front().start)});
     for (std::size_t i = 0; i < arcs.size(); ++i) {
         addArc(arcs[i], 0.0, options.tolerance, points);
         if (!options.strain || rod.quarantined)
@@ -97,11 +93,11 @@ void drawContacts(const step::World& world, const DrawOptions& options, DebugDra
         if (force == nullptr)
             continue;
         if (options.contacts)
-            canvas.mark(toPoint(c.pointA), options.contact);
+            canvas.mark(point(c.pointA), options.contact);
         if (!options.forces)
             continue;
         const Vec2 f = force->normal * c.normal + force->tangent * rod::perp(c.normal);
-        const Point line[2] = {toPoint(c.pointA), toPoint(c.pointA + options.metres_per_newton * f)};
+        const Point line[2] = {point(c.pointA), point(c.pointA + options.metres_per_newton * f)};
         canvas.polyline(line, options.contact);
     }
 }
@@ -129,7 +125,7 @@ Outcome Shells::draw(DebugDraw& canvas, const DrawOptions& options) const {
                 drawCentreLine(rod, options, points, canvas);
             for (const step::Hold& h : rod.holds)
                 if (options.holds)
-                    canvas.mark(toPoint(rod.kin.point(rod::locate(rod.model, h.s))), options.hold);
+                    canvas.mark(point(rod.kin.point(rod::locate(rod.model, h.s))), options.hold);
         }
         if (options.contacts || options.forces)
             drawContacts(impl_->world, options, canvas);

@@ -12,10 +12,6 @@ namespace {
 constexpr double kPartedShare = 0.05; ///< of the mean thickness: what must lie between a pair that touches no more
 constexpr double kNewLowShare = 0.02; ///< of the released energy: a new minimum worth waiting for
 
-Point toPoint(const Vec2& v) {
-    return {v.x(), v.y()};
-}
-
 double arcFraction(const step::World& world, const contact::RodPoint& at) {
     const double length = world.rods[static_cast<std::size_t>(at.rod)].model.definition().length;
     return std::clamp(at.s / length, 0.0, 1.0);
@@ -50,7 +46,12 @@ double thicknessOf(const step::World& world, const contact::Candidate& c) {
 } // namespace
 
 void Watch::begin(const step::World& world) {
-    events = {};
+    events.contact_begin.clear(); // one by one: the storage stays
+    events.contact_end.clear();
+    events.impulses.clear();
+    events.snap_begin.clear();
+    events.snap_end.clear();
+    events.quarantined.clear();
     exchanges_.clear();
     remember(world);
 }
@@ -81,7 +82,9 @@ void Watch::gather(const step::World& world, const step::Stepper& stepper) {
         if (k + 1 < r.size() && r[k] > 0.0)
             loads_.push_back({pairOf(world, candidates[i]), i, r[k], std::abs(r[k + 1])});
     }
-    std::stable_sort(loads_.begin(), loads_.end(), [](const Load& x, const Load& y) { return x.pair < y.pair; });
+    std::sort(loads_.begin(), loads_.end(), [](const Load& x, const Load& y) { // a stable sort would take from the heap
+        return x.pair != y.pair ? x.pair < y.pair : x.contact < y.contact;
+    });
     byId_.clear();
     for (std::size_t i = 0; i < world.candidates.size(); ++i)
         byId_.emplace_back(world.candidates[i].id, i);
@@ -138,8 +141,8 @@ void Watch::touch(const step::World& world, const step::Stepper& stepper, const 
         Touch& at = it->last;
         at.fraction_a = arcFraction(world, swapped ? c.b : c.a);
         at.fraction_b = c.b.rod < 0 ? 0.0 : arcFraction(world, swapped ? c.a : c.b);
-        at.point = toPoint(0.5 * (c.pointA + c.pointB));
-        at.normal = toPoint(swapped ? Vec2(-c.normal) : c.normal);
+        at.point = point(0.5 * (c.pointA + c.pointB));
+        at.normal = point(swapped ? Vec2(-c.normal) : c.normal);
         if (isNew)
             events.contact_begin.push_back({world.time, at, approachSpeed(world, c)});
         exchange(at, pair, world.time, normal, tangent, stepper.lastDt());
@@ -164,13 +167,17 @@ void Watch::exchange(const Touch& at, const TouchPair& pair, double time, double
     }
 }
 
-/// Pairs that carry none any more and are apart.
+/// Pairs that carry none any more and are apart. Of sleepers nobody lists contacts; they go on touching.
 void Watch::part(const step::World& world) {
     const auto before = [](const Load& x, const Load& y) { return x.pair < y.pair; };
+    const auto sleeps = [&](std::uint32_t key) {
+        const int i = step::rodIndex(world, key);
+        return i >= 0 && world.rods[static_cast<std::size_t>(i)].asleep();
+    };
     unloaded_.clear(); // sorted, as `touching` is
     for (const TouchState& t : state.touching)
         if (!std::binary_search(loads_.begin(), loads_.end(), Load{t.pair, 0, 0.0, 0.0}, before))
-            unloaded_.push_back({t.pair, false});
+            unloaded_.push_back({t.pair, sleeps(t.pair.a) && (t.pair.b == 0 || sleeps(t.pair.b))});
     if (unloaded_.empty())
         return;
     for (const contact::Candidate& c : world.candidates) {
@@ -269,7 +276,8 @@ void Watch::end(const step::World& world, const HandleOf& handleOf) {
     for (Exchange& x : exchanges_)
         if (x.event.normal_impulse > state.settings.impulse_threshold)
             events.impulses.push_back(x.event);
-    std::vector<std::uint32_t> now;
+    std::vector<std::uint32_t>& now = quarantinedNow_;
+    now.clear();
     std::vector<std::uint32_t>& known = state.quarantined;
     for (const step::Rod& r : world.rods) {
         if (!r.quarantined)
@@ -278,7 +286,7 @@ void Watch::end(const step::World& world, const HandleOf& handleOf) {
         if (std::find(known.begin(), known.end(), r.key) == known.end())
             events.quarantined.push_back({world.time, handleOf(r.key)});
     }
-    known = std::move(now);
+    std::swap(known, now);
 }
 
 const FrameEvents& Shells::events() const {
@@ -290,14 +298,17 @@ const EventSettings& Shells::event_settings() const {
 }
 
 Outcome Shells::set_event_settings(const EventSettings& s) {
-    if (!(s.impulse_threshold >= 0.0) || !(s.snap_energy > 0.0) || !(s.snap_time > 0.0) || std::isinf(s.snap_time) ||
-        std::isinf(s.snap_energy))
-        return Outcome::failure("event settings must be positive and finite (the threshold may be infinite)");
-    impl_->recorder.record(Call::SetEventSettings, impl_->inner, s);
-    if (s.snap_time != impl_->watch.state.settings.snap_time)
-        impl_->watch.state.snaps.clear(); // their past is kept in units of it
-    impl_->watch.state.settings = s;
-    return std::monostate{};
+    return impl_->change([&] {
+        if (!(s.impulse_threshold >= 0.0) || !(s.snap_energy > 0.0) || !(s.snap_time > 0.0) ||
+            std::isinf(s.snap_time) || std::isinf(s.snap_energy))
+            return refused("event settings must be positive and finite (the threshold may be infinite)");
+        WatchState& state = impl_->watch.state;
+        if (s.snap_time != state.settings.snap_time)
+            state.snaps.clear(); // their past is kept in units of it
+        state.settings = s;
+        impl_->recorder.record(Call::SetEventSettings, s);
+        return done();
+    });
 }
 
 } // namespace supercircle

@@ -94,6 +94,7 @@ private:
     std::vector<std::pair<std::uint64_t, std::size_t>> byId_; ///< candidates after the step, sorted
     std::vector<Exchange> exchanges_;
     std::vector<Eigen::VectorXd> velocities_;          ///< of the rods before the step
+    std::vector<std::uint32_t> quarantinedNow_;        ///< keys
     std::vector<step::BodyState> bodies_;              ///< before the step
     std::vector<std::pair<TouchPair, bool>> unloaded_; ///< pairs in touch without force; still near?
 };

@@ -1,5 +1,8 @@
 #include "plugin/shells/from_definition.h"
 
+#include "plugin/shells/limits.h"
+
+#include <algorithm>
 #include <cmath>
 
 namespace supercircle {
@@ -16,8 +19,8 @@ std::string checkNumbers(const ShellDef& d) {
         return "elements must lie between 1 and 4096";
     if (!positive(d.thickness) || !positive(d.width) || !positive(d.density) || !positive(d.young_modulus))
         return "thickness, width, density and young_modulus must be positive and finite";
-    if (!(d.mu >= 0.0) || !std::isfinite(d.mu))
-        return "mu must be finite and not negative";
+    if (!limits::friction(d.mu))
+        return limits::kBadFriction;
     if (d.length == 0.0 && !(positive(d.phi_bar) && d.phi_bar <= 1.0 && positive(d.radius)))
         return "without a length, radius must be positive and phi_bar lie in (0, 1]";
     if (std::isnan(d.radius) || d.radius == 0.0)
@@ -58,12 +61,21 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     std::vector<double> curvature = d.curvature.empty() ? r.naturalCurvature : d.curvature;
     if (d.closed && d.curvature.empty()) // the round ring: natural curvature may differ, the welded shape may not
         curvature.assign(count, 2.0 * M_PI / r.length);
+    if (std::string why = limits::shell(r); !why.empty())
+        return why;
+    double bend = 0.0;
+    for (const double k : curvature)
+        bend = std::max(bend, std::abs(k));
+    if (!limits::motion(r, d.velocity, d.spin) || !(r.bendingModulus * r.length * bend * bend < limits::kMostEnergy) ||
+        !limits::place(d.position) || !limits::angle(d.angle))
+        return "the shell is too far away, too fast or too strongly bent for its energy to be a number";
     const rod::RodModel model(r);
+    for (const auto* list : {&r.naturalCurvature, &curvature})
+        if (std::string why = limits::turns(model, *list); !why.empty())
+            return why;
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {
-        if (!std::isfinite(curvature[static_cast<std::size_t>(i)]))
-            return "curvature must be finite";
         out.q[model.dofOfElement(i)] = curvature[static_cast<std::size_t>(i)];
     }
     out.q[model.dofX()] = d.position.x;

@@ -1,5 +1,6 @@
 // Holds, grabs and forces: what acts on one shell alone.
 
+#include "plugin/shells/limits.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/loads.h"
@@ -9,8 +10,8 @@ namespace supercircle {
 
 namespace {
 
-bool finite(const DriveDef& d) {
-    return finite(d.position) && finite(d.velocity) && std::isfinite(d.angle) && std::isfinite(d.spin);
+bool possible(const DriveDef& d) {
+    return limits::place(d.position) && limits::velocity(d.velocity, d.spin) && limits::angle(d.angle);
 }
 
 /// A goal for the coming frame; its times are given by the step. What was under way before ends here.
@@ -47,8 +48,9 @@ Result<HoldHandle> Shells::hold(ShellHandle shell, double arc_fraction, HoldKind
         h.targetAngle = rod.kin.angle(at);
         h.key = impl_->world.nextPart++;
         rod.holds.push_back(h);
-        impl_->recorder.record(Call::Hold, impl_->inner, shell, arc_fraction, kind, on_machine);
-        return R(HoldHandle{rod.key, h.key, impl_->tag});
+        const HoldHandle made{rod.key, h.key, impl_->tag};
+        impl_->recorder.record(Call::Hold, shell, arc_fraction, kind, on_machine, made);
+        return R(made);
     });
 }
 
@@ -59,10 +61,11 @@ Outcome Shells::drive(HoldHandle hold, const DriveDef& to) {
             return refused(kNoSuchPart);
         if (found.part->onMachine)
             return refused("this hold is carried by the machine: set_machine_velocity moves it");
-        if (!finite(to))
-            return refused("position, angle, velocity and spin must be finite");
+        if (!possible(to))
+            return refused("position and angle must be finite and within 1e12 (m, rad), velocity and spin within 1e9");
         step::wake(impl_->world, found.index);
         setGoal(to, *found.part);
+        impl_->recorder.record(Call::DriveHold, hold, to);
         return done();
     });
 }
@@ -85,21 +88,24 @@ Result<Reaction> Shells::reaction(HoldHandle hold) const {
 namespace {
 
 /// Takes a part out of its rod's list.
-template <class Found, class Part>
-Outcome removePart(step::World& world, const Found& found, std::vector<Part> step::Rod::*list) {
-    if (!found.part)
-        return refused(kNoSuchPart);
-    step::wake(world, found.index);
-    auto& parts = found.rod->*list;
-    parts.erase(parts.begin() + (found.part - parts.data()));
-    return done();
+template <class Handle, class Part>
+Outcome removePart(auto& impl, Handle handle, std::vector<Part> step::Rod::*list, Call call) {
+    return impl.change([&] {
+        const auto found = impl.find(handle, list);
+        if (!found.part)
+            return refused(kNoSuchPart);
+        step::wake(impl.world, found.index);
+        auto& parts = found.rod->*list;
+        parts.erase(parts.begin() + (found.part - parts.data()));
+        impl.recorder.record(call, handle);
+        return done();
+    });
 }
 
 } // namespace
 
 Outcome Shells::release(HoldHandle hold) {
-    return impl_->change(
-        [&] { return removePart(impl_->world, impl_->find(hold, &step::Rod::holds), &step::Rod::holds); });
+    return removePart(*impl_, hold, &step::Rod::holds, Call::ReleaseHold);
 }
 
 Result<GrabHandle> Shells::grab(ShellHandle shell, const GrabDef& d) {
@@ -110,27 +116,28 @@ Result<GrabHandle> Shells::grab(ShellHandle shell, const GrabDef& d) {
             return R::failure(kNoSuchShell);
         if (!isFraction(d.arc_fraction))
             return R::failure(kBadFraction);
-        if (!finite(d.target))
-            return R::failure("target must be finite");
-        if (!(d.frequency > 0.0) || !std::isfinite(d.frequency))
-            return R::failure("frequency must be positive and finite");
-        if (!(d.damping_ratio >= 0.0) || !std::isfinite(d.damping_ratio))
-            return R::failure("damping_ratio must be finite and not negative");
-        if (!(d.max_force >= 0.0) || !std::isfinite(d.max_force))
-            return R::failure("max_force must be finite and not negative (0: mass times 1000 m/s^2)");
+        if (!limits::place(d.target))
+            return R::failure(limits::kTooFar);
+        if (!(d.frequency > 0.0) || !(d.frequency < limits::kFastest))
+            return R::failure("frequency must be positive and below 1e9 Hz");
+        if (!(d.damping_ratio >= 0.0) || !(d.damping_ratio < limits::kFastest))
+            return R::failure("damping_ratio must not be negative, and below 1e9");
+        if (!(d.max_force >= 0.0) || !limits::impulse(impl_->rod(i).model, {d.max_force, 0.0}, 0.0))
+            return R::failure("max_force must be finite and not negative (0: mass times 1000 m/s^2), and not move the "
+                              "shell beyond all numbers");
         const double mass = impl_->rod(i).model.mass(), omega = 2.0 * M_PI * d.frequency;
         step::Grab g;
         g.stiffness = mass * omega * omega;
         g.damping = 2.0 * mass * d.damping_ratio * omega;
-        if (!std::isfinite(g.stiffness) || !std::isfinite(g.damping))
-            return R::failure("frequency or damping_ratio is too large");
         g.s = d.arc_fraction * impl_->rod(i).model.definition().length;
         g.target = vec(d.target);
         g.maxForce = d.max_force > 0.0 ? d.max_force : 1000.0 * mass;
         g.key = impl_->world.nextPart++;
         step::wake(impl_->world, static_cast<std::size_t>(i));
         impl_->rod(i).grabs.push_back(g);
-        return R(GrabHandle{impl_->rod(i).key, g.key, impl_->tag});
+        const GrabHandle made{impl_->rod(i).key, g.key, impl_->tag};
+        impl_->recorder.record(Call::Grab, shell, d, made);
+        return R(made);
     });
 }
 
@@ -139,11 +146,12 @@ Outcome Shells::move(GrabHandle grab, Point target) {
         const auto found = impl_->find(grab, &step::Rod::grabs);
         if (!found.part)
             return refused(kNoSuchPart);
-        if (!finite(target))
-            return refused("target must be finite");
+        if (!limits::place(target))
+            return refused(limits::kTooFar);
         if (found.part->target != vec(target))
             step::wake(impl_->world, found.index);
         found.part->target = vec(target);
+        impl_->recorder.record(Call::MoveGrab, grab, target);
         return done();
     });
 }
@@ -156,26 +164,33 @@ Result<Reaction> Shells::reaction(GrabHandle grab) const {
 }
 
 Outcome Shells::release(GrabHandle grab) {
-    return impl_->change(
-        [&] { return removePart(impl_->world, impl_->find(grab, &step::Rod::grabs), &step::Rod::grabs); });
+    return removePart(*impl_, grab, &step::Rod::grabs, Call::ReleaseGrab);
 }
 
-Result<ForceHandle> Shells::add_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
+Result<ForceHandle> Shells::Impl::addForce(ShellHandle shell, double arc_fraction, Point force, double torque,
+                                           bool once) {
     using R = Result<ForceHandle>;
-    return impl_->change([&] {
-        const int i = impl_->find(shell);
+    Impl& m = *this;
+    return change([&] {
+        const int i = m.find(shell);
         if (i < 0)
             return R::failure(kNoSuchShell);
         if (!isFraction(arc_fraction))
             return R::failure(kBadFraction);
-        if (!finite(force) || !std::isfinite(torque))
-            return R::failure("force and torque must be finite");
-        step::wake(impl_->world, static_cast<std::size_t>(i));
-        step::Rod& rod = impl_->rod(i);
-        const std::uint32_t key = impl_->world.nextPart++;
-        rod.forces.push_back({arc_fraction * rod.model.definition().length, vec(force), torque, false, key});
-        return R(ForceHandle{rod.key, key, impl_->tag});
+        if (!limits::impulse(m.rod(i).model, force, torque))
+            return R::failure(limits::kTooStrong);
+        step::wake(m.world, static_cast<std::size_t>(i));
+        step::Rod& rod = m.rod(i);
+        const std::uint32_t key = m.world.nextPart++;
+        rod.forces.push_back({arc_fraction * rod.model.definition().length, vec(force), torque, once, key});
+        const ForceHandle made{rod.key, key, m.tag};
+        m.recorder.record(once ? Call::ApplyForce : Call::AddForce, shell, arc_fraction, force, torque, made);
+        return R(made);
     });
+}
+
+Result<ForceHandle> Shells::add_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
+    return impl_->addForce(shell, arc_fraction, force, torque, false);
 }
 
 Outcome Shells::set_force(ForceHandle handle, Point force, double torque) {
@@ -183,26 +198,23 @@ Outcome Shells::set_force(ForceHandle handle, Point force, double torque) {
         const auto found = impl_->find(handle, &step::Rod::forces);
         if (!found.part)
             return refused(kNoSuchPart);
-        if (!finite(force) || !std::isfinite(torque))
-            return refused("force and torque must be finite");
+        if (!limits::impulse(found.rod->model, force, torque))
+            return refused(limits::kTooStrong);
         step::wake(impl_->world, found.index);
         found.part->force = vec(force);
         found.part->torque = torque;
+        impl_->recorder.record(Call::SetForce, handle, force, torque);
         return done();
     });
 }
 
 Outcome Shells::release(ForceHandle handle) {
-    return impl_->change(
-        [&] { return removePart(impl_->world, impl_->find(handle, &step::Rod::forces), &step::Rod::forces); });
+    return removePart(*impl_, handle, &step::Rod::forces, Call::ReleaseForce);
 }
 
 Outcome Shells::apply_force(ShellHandle shell, double arc_fraction, Point force, double torque) {
-    const auto added = add_force(shell, arc_fraction, force, torque);
-    if (!added)
-        return refused(added.error());
-    impl_->find(*added, &step::Rod::forces).part->once = true;
-    return done();
+    const auto added = impl_->addForce(shell, arc_fraction, force, torque, true);
+    return added ? done() : refused(added.error());
 }
 
 Outcome Shells::apply_torque(ShellHandle shell, double arc_fraction, double torque) {
@@ -216,12 +228,13 @@ Outcome Shells::apply_impulse(ShellHandle shell, double arc_fraction, Point impu
             return refused(kNoSuchShell);
         if (!isFraction(arc_fraction))
             return refused(kBadFraction);
-        if (!finite(impulse) || !std::isfinite(angular_impulse))
-            return refused("impulse and angular_impulse must be finite");
+        if (!limits::impulse(impl_->rod(i).model, impulse, angular_impulse))
+            return refused(limits::kTooStrong);
         if (impl_->rod(i).quarantined)
             return refused("the shell is quarantined: it does not move any more");
         step::kickRod(impl_->world, static_cast<std::size_t>(i), arc_fraction * impl_->rod(i).model.definition().length,
                       vec(impulse), angular_impulse);
+        impl_->recorder.record(Call::ApplyImpulse, shell, arc_fraction, impulse, angular_impulse);
         return done();
     });
 }

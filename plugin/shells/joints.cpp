@@ -1,6 +1,7 @@
 // Pins, welds and tethers.
 
-#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/limits.h"
+#include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/sleep.h"
 
@@ -18,10 +19,10 @@ std::string checkDefinition(const JointDef& d) {
         return "a joint is a pin, a weld or a tether";
     if (!isFraction(d.arc_fraction) || !isFraction(d.other_fraction))
         return "arc_fraction and other_fraction must lie between 0 and 1";
-    if (!finite(d.point))
-        return "point must be finite";
-    if (!(d.length >= 0.0) || !std::isfinite(d.length))
-        return "length must be finite and not negative (0: the present distance)";
+    if (!limits::place(d.point))
+        return limits::kTooFar;
+    if (!(d.length >= 0.0) || !(d.length < limits::kFarthest))
+        return "length must not be negative (0: the present distance), and below 1e12 m";
     if (!d.other.null() && d.body != 0)
         return "a joint has one other end: a shell or a body, not both";
     if (d.other.null() && d.body == 0 && d.kind != JointKind::Tether)
@@ -101,7 +102,9 @@ Result<JointHandle> Shells::join(const JointDef& d) {
         impl_->world.links.push_back(l);
         impl_->wake(l);
         impl_->world.range.clear(); // the pair may not collide any more
-        return R(JointHandle{0, l.key, impl_->tag});
+        const JointHandle made{0, l.key, impl_->tag};
+        impl_->recorder.record(Call::Join, d, made);
+        return R(made);
     });
 }
 
@@ -112,14 +115,15 @@ Outcome Shells::drive(JointHandle joint, const DriveDef& to) {
             return refused(kNoSuchPart);
         if (l->end != step::LinkEnd::World)
             return refused("only tethers to a place in the world can be driven");
-        if (!finite(to.position) || !finite(to.velocity))
-            return refused("position and velocity must be finite");
+        if (!limits::place(to.position) || !limits::velocity(to.velocity))
+            return refused("position must be finite and within 1e12 m, velocity within 1e9 m/s");
         l->target.path.active = false;
         l->target.path.to = vec(to.position);
         l->target.path.toVelocity = vec(to.velocity);
         l->target.path.toAngle = l->target.path.toSpin = 0.0;
         l->target.pending = true;
         impl_->wake(*l);
+        impl_->recorder.record(Call::DriveJoint, joint, to);
         return done();
     });
 }
@@ -141,11 +145,12 @@ Outcome Shells::reel(JointHandle joint, double length, double rate) {
             return refused(kNoSuchPart);
         if (l->kind != step::LinkKind::Tether)
             return refused("only tethers have a length");
-        if (!(length > 0.0) || !std::isfinite(length) || !(rate > 0.0) || !std::isfinite(rate))
-            return refused("length and rate must be positive and finite");
+        if (!(length > 0.0) || !(length < limits::kFarthest) || !(rate > 0.0) || !(rate < limits::kFastest))
+            return refused("length and rate must be positive, and below 1e12 m and 1e9 m/s");
         l->goal = length;
         l->reel = rate;
         impl_->wake(*l);
+        impl_->recorder.record(Call::Reel, joint, length, rate);
         return done();
     });
 }
@@ -174,6 +179,7 @@ Outcome Shells::release(JointHandle joint) {
         impl_->wake(*l);
         impl_->world.links.erase(impl_->world.links.begin() + (l - impl_->world.links.data()));
         impl_->world.range.clear(); // the pair may collide again
+        impl_->recorder.record(Call::ReleaseJoint, joint);
         return done();
     });
 }

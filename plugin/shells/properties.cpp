@@ -1,6 +1,7 @@
 // What is changed on living shells: place, motion, material, filter, friction of pairs, sleep.
 
-#include "plugin/shells/shells_impl.h"
+#include "plugin/shells/limits.h"
+#include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
 
 #include <algorithm>
@@ -19,8 +20,8 @@ std::string checkMaterial(const MaterialDef& m, int elements) {
     const auto positive = [](const std::optional<double>& x) { return !x || (std::isfinite(*x) && *x > 0.0); };
     if (!positive(m.young_modulus) || !positive(m.density))
         return "young_modulus and density must be positive and finite";
-    if (m.mu && (!(*m.mu >= 0.0) || !std::isfinite(*m.mu)))
-        return "mu must be finite and not negative";
+    if (m.mu && !limits::friction(*m.mu))
+        return limits::kBadFriction;
     if (!m.natural_curvature)
         return {};
     const std::size_t n = m.natural_curvature->size();
@@ -48,20 +49,12 @@ Outcome Shells::teleport(ShellHandle shell, Point position, double angle) {
         const int i = impl_->find(shell);
         if (i < 0)
             return refused(kNoSuchShell);
-        if (!finite(position) || !std::isfinite(angle))
-            return refused("position and angle must be finite");
-        const step::Rod& rod = impl_->rod(i);
-        if (tied(impl_->world, rod))
+        if (!limits::place(position) || !limits::angle(angle))
+            return refused("position and angle must be finite and within 1e12 (m, rad)");
+        if (tied(impl_->world, impl_->rod(i)))
             return refused("the shell is held or joined: release it first");
-        const rod::RodModel& m = rod.model;
-        Eigen::VectorXd q = rod.q, v = rod.v;
-        const double turn = angle - q[m.dofTheta()], c = std::cos(turn), s = std::sin(turn);
-        q[m.dofX()] = position.x;
-        q[m.dofY()] = position.y;
-        q[m.dofTheta()] = angle;
-        v[m.dofX()] = c * rod.v[m.dofX()] - s * rod.v[m.dofY()];
-        v[m.dofY()] = s * rod.v[m.dofX()] + c * rod.v[m.dofY()];
-        step::placeRod(impl_->world, static_cast<std::size_t>(i), q, v);
+        step::moveRod(impl_->world, static_cast<std::size_t>(i), vec(position), angle);
+        impl_->recorder.record(Call::Teleport, shell, position, angle);
         return done();
     });
 }
@@ -71,14 +64,15 @@ Outcome Shells::set_velocity(ShellHandle shell, Point velocity, double spin) {
         const int i = impl_->find(shell);
         if (i < 0)
             return refused(kNoSuchShell);
-        if (!finite(velocity) || !std::isfinite(spin))
-            return refused("velocity and spin must be finite");
         const rod::RodModel& m = impl_->rod(i).model;
+        if (!limits::velocity(velocity, spin) || !limits::motion(m.definition(), velocity, spin))
+            return refused("velocity and spin must be finite, and the energy of the motion be a number");
         Eigen::VectorXd v = Eigen::VectorXd::Zero(m.dofs());
         v[m.dofX()] = velocity.x;
         v[m.dofY()] = velocity.y;
         v[m.dofTheta()] = spin;
         step::placeRod(impl_->world, static_cast<std::size_t>(i), Eigen::VectorXd(impl_->rod(i).q), v);
+        impl_->recorder.record(Call::SetVelocity, shell, velocity, spin);
         return done();
     });
 }
@@ -101,11 +95,13 @@ Outcome Shells::set_material(ShellHandle shell, const MaterialDef& change) {
             d.naturalCurvature.assign(d.naturalCurvature.size(), change.natural_curvature->front());
         else if (change.natural_curvature)
             d.naturalCurvature = *change.natural_curvature;
-        if (std::string why = rod::validate(d); !why.empty())
-            return refused(std::move(why));
+        for (std::string why : {rod::validate(d), limits::shell(d), limits::turns(rod.model, d.naturalCurvature)})
+            if (!why.empty())
+                return refused(std::move(why));
         if (change.mu)
             rod.mu = *change.mu;
         step::changeRod(impl_->world, static_cast<std::size_t>(i), d);
+        impl_->recorder.record(Call::SetMaterial, shell, change);
         return done();
     });
 }
@@ -121,6 +117,7 @@ Outcome Shells::set_filter(ShellHandle shell, const FilterDef& filter) {
         rod.mask = filter.mask;
         rod.group = filter.group;
         impl_->world.range.clear();
+        impl_->recorder.record(Call::SetFilter, shell, filter);
         return done();
     });
 }
@@ -137,8 +134,8 @@ Outcome Shells::set_friction(MaterialId a, MaterialId b, double mu) {
     return impl_->change([&] {
         if (a == 0 || b == 0)
             return refused("material 0 is no particular one: give shells and bodies a material first");
-        if (!(mu >= 0.0) || !std::isfinite(mu))
-            return refused("mu must be finite and not negative");
+        if (!limits::friction(mu))
+            return refused(limits::kBadFriction);
         auto& list = impl_->world.pairFriction;
         const step::PairFriction pair = pairOf(a, b, mu);
         const auto it = placeOf(list, pair);
@@ -147,6 +144,7 @@ Outcome Shells::set_friction(MaterialId a, MaterialId b, double mu) {
         else
             list.insert(it, pair);
         step::wakeAll(impl_->world);
+        impl_->recorder.record(Call::SetFriction, a, b, mu);
         return done();
     });
 }
@@ -160,6 +158,7 @@ Outcome Shells::reset_friction(MaterialId a, MaterialId b) {
             return refused("these two materials have no friction of their own");
         list.erase(it);
         step::wakeAll(impl_->world);
+        impl_->recorder.record(Call::ResetFriction, a, b);
         return done();
     });
 }
@@ -171,6 +170,7 @@ Outcome Shells::set_surface(ShellHandle shell, MaterialId material) {
             return refused(kNoSuchShell);
         step::wake(impl_->world, static_cast<std::size_t>(i));
         impl_->rod(i).material = material;
+        impl_->recorder.record(Call::SetShellSurface, shell, material);
         return done();
     });
 }
@@ -188,6 +188,7 @@ Outcome Shells::set_surface(BodyId body, MaterialId material) {
         else
             list.insert(it, {body, material});
         step::wakeAll(impl_->world);
+        impl_->recorder.record(Call::SetBodySurface, body, material);
         return done();
     });
 }
@@ -201,20 +202,21 @@ Result<BodyId> Shells::body(const std::string& name) const {
 
 Outcome Shells::set_sleep(const SleepSettings& settings) {
     return impl_->change([&] {
-        if (!(settings.speed > 0.0) || !std::isfinite(settings.speed) || !(settings.delay >= 0.0) ||
+        if (!(settings.drift > 0.0) || !std::isfinite(settings.drift) || !(settings.delay >= 0.0) ||
             !std::isfinite(settings.delay))
-            return refused("speed must be positive, delay not negative, both finite");
+            return refused("drift must be positive, delay not negative, both finite");
         step::Settings& s = impl_->stepper.settings();
         s.autoSleep = settings.automatic;
-        s.sleepSpeed = settings.speed;
+        s.sleepDrift = settings.drift;
         s.sleepAfter = settings.delay;
+        impl_->recorder.record(Call::SetSleep, settings);
         return done();
     });
 }
 
 SleepSettings Shells::sleep_settings() const {
     const step::Settings& s = impl_->stepper.settings();
-    return {s.autoSleep, s.sleepSpeed, s.sleepAfter};
+    return {s.autoSleep, s.sleepDrift, s.sleepAfter};
 }
 
 Outcome Shells::sleep(ShellHandle shell) {
@@ -223,7 +225,10 @@ Outcome Shells::sleep(ShellHandle shell) {
         if (i < 0)
             return refused(kNoSuchShell);
         const std::string why = step::putToSleep(impl_->world, static_cast<std::size_t>(i));
-        return why.empty() ? done() : refused("the shell cannot sleep: " + why);
+        if (!why.empty())
+            return refused("the shell cannot sleep: " + why);
+        impl_->recorder.record(Call::Sleep, shell);
+        return done();
     });
 }
 
@@ -233,6 +238,7 @@ Outcome Shells::wake(ShellHandle shell) {
         if (i < 0)
             return refused(kNoSuchShell);
         step::wake(impl_->world, static_cast<std::size_t>(i));
+        impl_->recorder.record(Call::Wake, shell);
         return done();
     });
 }

@@ -6,8 +6,8 @@
 
 namespace supercircle {
 
-/// `threads` is kept as it is.
-step::Settings settingsFor(Quality quality, int threads);
+/// Threads and sleep are kept as they were `before`.
+step::Settings settingsFor(Quality quality, const step::Settings& before);
 /// Which of them these are (a budget per frame: Game); restored snapshots bring settings along.
 Quality qualityOf(const step::Settings& settings);
 

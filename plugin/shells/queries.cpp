@@ -10,13 +10,6 @@ using rod::Vec2;
 
 namespace {
 
-Point toPoint(const Vec2& v) {
-    return {v.x(), v.y()};
-}
-Vec2 toVec(const Point& p) {
-    return {p.x, p.y};
-}
-
 /// Coordinates beyond it are refused: squares of distances must not overflow.
 constexpr double kFarthest = 1e100;
 
@@ -40,8 +33,8 @@ NearestPoint nearestOf(const ThickCurve& curve, ShellHandle shell, const Vec2& p
     NearestPoint out;
     const Vec2 normal = outward(c, p);
     out.shell = shell;
-    out.normal = toPoint(normal);
-    out.point = toPoint(c.point + curve.half * normal);
+    out.normal = point(normal);
+    out.point = point(c.point + curve.half * normal);
     out.distance = c.distance - curve.half;
     out.arc_fraction = c.s / curve.length;
     return out;
@@ -52,8 +45,8 @@ RayHit hitAt(const ThickCurve& curve, ShellHandle shell, const Vec2& from, const
     const CentrePoint c = nearestOnCentreLine(curve, p);
     RayHit hit;
     hit.shell = shell;
-    hit.point = toPoint(p);
-    hit.normal = toPoint(outward(c, p));
+    hit.point = point(p);
+    hit.normal = point(outward(c, p));
     hit.fraction = fraction;
     hit.arc_fraction = c.s / curve.length;
     return hit;
@@ -160,26 +153,30 @@ Result<std::uint64_t> Shells::user_data(ShellHandle shell) const {
                                   : Result<std::uint64_t>(impl_->slots[shell.index].userData);
 }
 
-bool Shells::set_name(ShellHandle shell, const std::string& name) {
-    if (impl_->find(shell) < 0)
-        return false;
-    impl_->recorder.record(Call::SetName, impl_->inner, shell, name);
-    impl_->slots[shell.index].name = name;
-    return true;
+Outcome Shells::set_name(ShellHandle shell, const std::string& name) {
+    return impl_->change([&] {
+        if (impl_->find(shell) < 0)
+            return refused(kNoSuchShell);
+        impl_->slots[shell.index].name = name;
+        impl_->recorder.record(Call::SetName, shell, name);
+        return done();
+    });
 }
 
-bool Shells::set_user_data(ShellHandle shell, std::uint64_t data) {
-    if (impl_->find(shell) < 0)
-        return false;
-    impl_->recorder.record(Call::SetUserData, impl_->inner, shell, data);
-    impl_->slots[shell.index].userData = data;
-    return true;
+Outcome Shells::set_user_data(ShellHandle shell, std::uint64_t data) {
+    return impl_->change([&] {
+        if (impl_->find(shell) < 0)
+            return refused(kNoSuchShell);
+        impl_->slots[shell.index].userData = data;
+        impl_->recorder.record(Call::SetUserData, shell, data);
+        return done();
+    });
 }
 
 Result<RayHit> Shells::ray_cast(Point from, Point to, QueryMask mask) const {
     if (std::string why = badRay(from, to); !why.empty())
         return Result<RayHit>::failure(std::move(why));
-    const Vec2 a = toVec(from), b = toVec(to);
+    const Vec2 a = vec(from), b = vec(to);
     std::vector<double> cuts, in;
     std::optional<RayHit> best;
     visitShells(impl_->world, list(), mask, [&](ShellHandle h, const ThickCurve& curve) {
@@ -194,7 +191,7 @@ Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask
     using Hits = std::vector<RayHit>;
     if (std::string why = badRay(from, to); !why.empty())
         return Result<Hits>::failure(std::move(why));
-    const Vec2 a = toVec(from), b = toVec(to);
+    const Vec2 a = vec(from), b = vec(to);
     std::vector<double> cuts, in;
     Hits hits;
     visitShells(impl_->world, list(), mask, [&](ShellHandle h, const ThickCurve& curve) {
@@ -207,8 +204,8 @@ Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask
     return hits;
 }
 
-Result<std::vector<ShellHandle>> Shells::overlap_point(Point point, QueryMask mask) const {
-    return overlap_circle(point, 0.0, mask);
+Result<std::vector<ShellHandle>> Shells::overlap_point(Point place, QueryMask mask) const {
+    return overlap_circle(place, 0.0, mask);
 }
 
 Result<std::vector<ShellHandle>> Shells::overlap_box(const Box& box, QueryMask mask) const {
@@ -216,14 +213,14 @@ Result<std::vector<ShellHandle>> Shells::overlap_box(const Box& box, QueryMask m
     if (!usable(box.lower) || !usable(box.upper) || box.lower.x > box.upper.x || box.lower.y > box.upper.y)
         return Result<Handles>::failure("the box must be finite, its lower corner below and left of its upper one");
     return shellsWhere(impl_->world, list(), mask,
-                       [&](const ThickCurve& curve) { return meetsBox(curve, toVec(box.lower), toVec(box.upper)); });
+                       [&](const ThickCurve& curve) { return meetsBox(curve, vec(box.lower), vec(box.upper)); });
 }
 
 Result<std::vector<ShellHandle>> Shells::overlap_circle(Point centre, double radius, QueryMask mask) const {
     using Handles = std::vector<ShellHandle>;
     if (!usable(centre) || !(radius >= 0.0) || !(radius < kFarthest))
         return Result<Handles>::failure("centre and radius must be finite, the radius not negative");
-    const Vec2 p = toVec(centre);
+    const Vec2 p = vec(centre);
     return shellsWhere(impl_->world, list(), mask, [&](const ThickCurve& curve) {
         const Vec2 r = Vec2::Constant(radius);
         return ((p + r).array() >= curve.lower.array()).all() && ((p - r).array() <= curve.upper.array()).all() &&
@@ -231,21 +228,21 @@ Result<std::vector<ShellHandle>> Shells::overlap_circle(Point centre, double rad
     });
 }
 
-Result<NearestPoint> Shells::nearest(ShellHandle shell, Point point) const {
+Result<NearestPoint> Shells::nearest(ShellHandle shell, Point to) const {
     const int i = impl_->find(shell);
     if (i < 0)
         return noShell<NearestPoint>();
-    if (!usable(point))
+    if (!usable(to))
         return Result<NearestPoint>::failure("the point must be finite");
     ThickCurve curve;
     thicken(impl_->rod(i), curve);
-    return nearestOf(curve, shell, toVec(point));
+    return nearestOf(curve, shell, vec(to));
 }
 
-Result<NearestPoint> Shells::nearest(Point point, double farthest, QueryMask mask) const {
-    if (!usable(point) || !(farthest >= 0.0))
+Result<NearestPoint> Shells::nearest(Point to, double farthest, QueryMask mask) const {
+    if (!usable(to) || !(farthest >= 0.0))
         return Result<NearestPoint>::failure("the point must be finite and the distance not negative");
-    const Vec2 p = toVec(point);
+    const Vec2 p = vec(to);
     std::optional<NearestPoint> best;
     visitShells(impl_->world, list(), mask, [&](ShellHandle h, const ThickCurve& curve) {
         const Vec2 outside = (curve.lower - p).cwiseMax(p - curve.upper).cwiseMax(Vec2::Zero());
@@ -271,14 +268,14 @@ Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) con
     const int element = rod.model.elementAt(s);
     const rod::Place at = rod::locate(rod.model, element, s);
     ShellSection out;
-    out.position = toPoint(rod.kin.point(at));
+    out.position = point(rod.kin.point(at));
     out.angle = rod.kin.angle(at);
     const rod::SinCos turned = rod::sinCos(out.angle);
     out.tangent = {turned.cosine, turned.sine};
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, rod.model.dofs());
     rod.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), rows);
     const Vec2 velocity = rows * rod.v;
-    out.velocity = toPoint(velocity);
+    out.velocity = point(velocity);
     Eigen::RowVectorXd turn(rod.model.dofs());
     rod.kin.angleRow(rod.model, at, turn);
     out.spin = turn.dot(rod.v);
@@ -301,14 +298,14 @@ Result<ShellMeasures> Shells::measure(ShellHandle shell) const {
     out.length = d.length;
     out.mass = rod.model.mass();
     const Vec2 centre = rod::massCentre(rod.kin, rod.gauss);
-    out.centre = toPoint(centre);
+    out.centre = point(centre);
     Vec2 momentum = Vec2::Zero();
     for (std::size_t g = 0; g < rod.u.size(); ++g) {
         const Vec2 p = rod.gauss.mass[g] * rod.u[g];
         momentum += p;
         out.angular_momentum += rod::cross(rod.kin.middle() + rod.gauss.arm[g] - centre, p);
     }
-    out.momentum = toPoint(momentum);
+    out.momentum = point(momentum);
     out.kinetic_energy = rod::kineticEnergy(rod.gauss, rod.u);
     out.stored_energy = rod::bendingEnergy(rod.model, rod.q);
     for (int e = 0; e < rod.model.elements(); ++e)
@@ -320,7 +317,7 @@ Result<ShellMeasures> Shells::measure(ShellHandle shell) const {
     thicken(rod, curve);
     Vec2 lower, upper;
     exactBox(curve, lower, upper);
-    out.box = {toPoint(lower), toPoint(upper)};
+    out.box = {point(lower), point(upper)};
     out.quarantined = rod.quarantined;
     return out;
 }

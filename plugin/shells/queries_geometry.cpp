@@ -21,7 +21,9 @@ void thicken(const step::Rod& rod, ThickCurve& out) {
     const std::vector<rod::Arc>& arcs = rod.kin.arcs();
     for (std::size_t i = 0; i < arcs.size(); ++i) {
         const rod::Arc& a = arcs[i];
-        const int parts = 1 + static_cast<int>(std::abs(a.curvature) * a.length / contact::witness::kMaxTurn);
+        // Bounded: a rod that somebody's effect is curling up without end is still to be asked about.
+        const double turns = std::abs(a.curvature) * a.length / contact::witness::kMaxTurn;
+        const int parts = 1 + static_cast<int>(std::min(turns, 256.0));
         for (int k = 0; k < parts; ++k) {
             const double s = a.length * (k + 0.5) / parts;
             out.pieces.push_back(makePiece(a.pointAt(s), a.angleAt(s), a.curvature, 0.5 * a.length / parts));

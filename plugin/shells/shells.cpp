@@ -1,26 +1,29 @@
 #include "plugin/include/supercircle/shells.hpp"
 
 #include "plugin/shells/from_definition.h"
-#include "plugin/shells/quality.h"
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
 
 #include <atomic>
+#include <cmath>
+#include <functional>
 
 namespace supercircle {
 
 namespace {
 
-/// A number per Shells of this process; it only tells handles apart and touches no result.
-std::uint32_t nextTag() {
-    static std::atomic<std::uint32_t> last{0};
-    return ++last;
-}
+/// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
+constexpr double kMostSteps = 4096.0;
+constexpr double kShortest = 1e-12; ///< s: velocities are differences of places over it
 
 } // namespace
 
-Shells::Impl::Impl() : tag(nextTag()) {}
+/// It only tells handles apart and touches no result.
+std::uint32_t Shells::Impl::nextTag() {
+    static std::atomic<std::uint32_t> last{0};
+    return ++last;
+}
 
 int Shells::Impl::find(ShellHandle h) const {
     if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
@@ -58,14 +61,6 @@ Shells::~Shells() = default;
 Shells::Shells(Shells&&) noexcept = default;
 Shells& Shells::operator=(Shells&&) noexcept = default;
 
-void Shells::set_quality(Quality quality) {
-    impl_->recorder.record(Call::SetQuality, impl_->inner, quality);
-    impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings().threads);
-}
-Quality Shells::quality() const {
-    return qualityOf(impl_->stepper.settings());
-}
-
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {
         RodFromDefinition rod;
@@ -79,7 +74,7 @@ Result<ShellHandle> Shells::create(const ShellDef& definition) {
         added.material = definition.material;
         added.width = definition.width;
         const ShellHandle made = impl_->adopt(added.key, definition.name, definition.user_data);
-        impl_->recorder.record(Call::Create, impl_->inner, definition, made);
+        impl_->recorder.record(Call::Create, definition, made);
         return Result<ShellHandle>(made);
     });
 }
@@ -91,7 +86,7 @@ Outcome Shells::destroy(ShellHandle shell) {
             return refused(kNoSuchShell);
         step::removeRod(impl_->world, static_cast<std::size_t>(i));
         impl_->slots[shell.index].key = 0;
-        impl_->recorder.record(Call::Destroy, impl_->inner, shell);
+        impl_->recorder.record(Call::Destroy, shell);
         return done();
     });
 }
@@ -110,19 +105,19 @@ Outcome Shells::carry(const std::string& body_name) {
             return refused("the host has no body called '" + body_name + "'");
         step::wakeAll(impl_->world);
         impl_->world.machineBodies.push_back(id);
-        impl_->recorder.record(Call::Carry, impl_->inner, body_name);
+        impl_->recorder.record(Call::Carry, body_name);
         return done();
     });
 }
 
 Outcome Shells::set_machine_velocity(Point velocity) {
     return impl_->change([&] {
-        if (!finite(velocity))
-            return refused("the machine's velocity must be finite");
+        if (!(std::hypot(velocity.x, velocity.y) < 1e5))
+            return refused("the machine's velocity must be finite and below 1e5 m/s");
         if (impl_->world.machineVelocity != vec(velocity))
             step::wakeAll(impl_->world);
         impl_->world.machineVelocity = vec(velocity);
-        impl_->recorder.record(Call::MachineVelocity, impl_->inner, velocity);
+        impl_->recorder.record(Call::MachineVelocity, velocity);
         return done();
     });
 }
@@ -139,6 +134,16 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         report.failure = kStepping;
         return report;
     }
+    if (!(dt >= kShortest) || !std::isfinite(dt)) {
+        report.failure = "pre_step: the frame must be a positive number of seconds, 1e-12 at least";
+        m.advanced = 0.0;
+        return report;
+    }
+    if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest) {
+        report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
+        m.advanced = 0.0;
+        return report;
+    }
     struct Inside { // until the call is over, however it ends
         bool& flag;
         explicit Inside(bool& f) : flag(f) { flag = true; }
@@ -146,28 +151,34 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     };
     const step::Counters before = m.world.counters;
     const double start = m.world.time;
+    std::uint64_t inner = 0; // steps
+    std::string thrown;
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
-    m.recorder.record(Call::PreStep, 0, dt);
+    m.recorder.record(Call::PreStep, dt);
     const Outcome ended = Impl::caught([&] {
         const Inside inside(m.inside);
         m.watch.begin(m.world);
-        const step::FrameOutcome out = m.stepper.advance(m.world, dt, m.port.get(), [&](const step::World& world) {
-            ++m.inner;
+        const auto observe = [&](const step::World& world) {
+            ++inner;
             m.watch.afterStep(world, m.stepper, handleOf);
-            const bool stop = observer && observer();
+            // An observer that throws stops the frame in order: else the host would never get this frame's impulses.
+            const auto stop = Impl::caught([&] { return Result<bool>(observer && observer()); });
             m.watch.remember(world);
-            return stop;
-        });
+            if (!stop)
+                thrown = stop.error();
+            return !stop || *stop;
+        };
+        const step::FrameOutcome out = // by reference: it is too large for a function to hold without the heap
+            m.stepper.advance(m.world, dt, m.port.get(), std::cref(observe));
         report.stopped = out.stopped;
         report.late = out.late;
-        report.failure = out.failure;
+        report.failure = out.failure.empty() ? thrown : out.failure;
         m.watch.end(m.world, handleOf);
         return done();
     });
     if (!ended)
         report.failure = ended.error();
-    m.recorder.record(Call::FrameEnd, 0, m.inner, report.stopped);
-    m.inner = 0;
+    m.recorder.record(Call::FrameEnd, inner, report.stopped);
     report.advanced = m.world.time - start;
     m.advanced = report.advanced;
     report.steps = m.world.counters.steps - before.steps;
@@ -175,11 +186,16 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     return report;
 }
 
+std::uint32_t Shells::id() const {
+    return impl_->tag;
+}
+
 Outcome Shells::post_step() {
     return impl_->change([&] {
-        impl_->recorder.record(Call::PostStep, 0);
+        impl_->recorder.record(Call::PostStep);
         if (impl_->port)
             step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+        impl_->advanced = 0.0; // learnt once
         return done();
     });
 }

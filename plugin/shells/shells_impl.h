@@ -28,13 +28,13 @@ struct Shells::Impl {
     std::vector<Slot> slots;
     double advanced = 0.0; ///< s, by the last pre_step
     Quality quality = Quality::Laboratory;
-    std::uint32_t tag = 0;   ///< goes into the handles, so that those of another world are refused
-    bool inside = false;     ///< in a pre_step: the observer may not start another one or swap the state
-    std::uint64_t inner = 0; ///< inner steps of the frame that is running, 0 outside
+    std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
+    bool inside = false;           ///< in a pre_step: nothing may be changed
     Watch watch;
     CallRecorder recorder;
 
-    Impl();
+    /// A number no other Shells of this process has or had.
+    static std::uint32_t nextTag();
     /// Index of the rod in the world, or -1.
     [[nodiscard]] int find(ShellHandle h) const;
     /// The handle of a rod; null if it was not made by the facade.
@@ -64,6 +64,8 @@ struct Shells::Impl {
         return {};
     }
     [[nodiscard]] step::Link* findLink(JointHandle h);
+    /// `once`: for the coming frame only.
+    Result<ForceHandle> addForce(ShellHandle shell, double arc_fraction, Point force, double torque, bool once);
     /// Wakes the rods of a link.
     void wake(const step::Link& link);
 

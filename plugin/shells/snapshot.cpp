@@ -59,7 +59,7 @@ std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std:
 
 namespace {
 
-constexpr archive::Kind kStateKind{"SCSTATE ", 1};
+constexpr archive::Kind kStateKind{"SCSTATE ", 2};
 constexpr archive::Kind kLogKind{"SCCALLS ", 1};
 
 /// What is wrong with a state whose fields could all be read; empty if nothing.
@@ -159,7 +159,7 @@ std::uint64_t Shells::hash() const {
 
 Outcome Shells::restore(const Snapshot& snapshot) {
     if (impl_->inside)
-        return Outcome::failure("restore: not from within pre_step");
+        return refused(kStepping);
     archive::State state;
     try {
         if (std::string why = parse(snapshot.bytes_, state); !why.empty())
@@ -171,21 +171,18 @@ Outcome Shells::restore(const Snapshot& snapshot) {
     const int threads = m.stepper.settings().threads;
     const bool ours = snapshot.origin_ == m.tag;
     std::vector<Slot> slots = std::move(state.slots);
-    slots.resize(std::max(slots.size(), m.slots.size()));
-    std::vector<ShellHandle> renamed(slots.size()); // by slot
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        const std::uint32_t given = i < m.slots.size() ? m.slots[i].highest : 0;
-        slots[i].highest = ours ? std::max(given, slots[i].generation) : given + (slots[i].key != 0 ? 1 : 0);
-        if (!ours)
-            slots[i].generation = slots[i].highest;
-        renamed[i] = {static_cast<std::uint32_t>(i), slots[i].generation, m.tag};
+    if (!ours) { // a new name for the world makes every handle given out so far stale
+        m.tag = Impl::nextTag();
+        m.slots.clear();
     }
+    slots.resize(std::max(slots.size(), m.slots.size()));
+    for (std::size_t i = 0; i < slots.size(); ++i) // none given out since the snapshot is given out again
+        slots[i].highest = std::max(slots[i].generation, i < m.slots.size() ? m.slots[i].highest : 0);
+    if (ours)
+        state.world.nextPart = std::max(state.world.nextPart, m.world.nextPart);
     for (TouchState& t : state.watched.touching)
-        for (ShellHandle* h : {&t.last.a, &t.last.b}) {
-            if (!h->null() && !ours)
-                *h = h->index < renamed.size() ? renamed[h->index] : ShellHandle{};
+        for (ShellHandle* h : {&t.last.a, &t.last.b})
             h->world = h->null() ? 0 : m.tag;
-        }
     m.slots = std::move(slots);
     m.advanced = state.advanced;
     m.world = std::move(state.world);
@@ -193,7 +190,7 @@ Outcome Shells::restore(const Snapshot& snapshot) {
     m.stepper.settings().threads = threads;
     m.watch.state = std::move(state.watched);
     m.watch.events = {};
-    m.recorder.record(Call::Restore, 0, snapshot.bytes_, list());
+    m.recorder.record(Call::Restore, snapshot.bytes_, m.tag);
     return std::monostate{};
 }
 
@@ -206,10 +203,9 @@ Result<CallLog> CallLog::from_bytes(std::vector<std::uint8_t> bytes) {
         in(log.seed_);
         while (in.left() > 0 && in.fault().empty()) {
             Call call{};
-            std::uint64_t inner = 0;
-            in(call, inner);
+            in(call);
             in.skip(in.count());
-            if (call < Call::Restore || call > Call::SetEventSettings)
+            if (call < Call::Restore || call >= Call::Count)
                 in.fail("it holds a call that does not exist");
             log.calls_ += call == Call::FrameEnd ? 0 : 1;
             log.frames_ += call == Call::PreStep ? 1 : 0;
@@ -228,9 +224,12 @@ void CallRecorder::start(std::uint64_t seed) {
     on_ = true;
 }
 
-void Shells::start_log(std::uint64_t seed) {
-    impl_->recorder.start(seed);
-    impl_->recorder.record(Call::Restore, 0, save().bytes(), list()); // what everything starts from
+Outcome Shells::start_log(std::uint64_t seed) {
+    return impl_->change([&] {
+        impl_->recorder.start(seed);
+        impl_->recorder.record(Call::Restore, save().bytes(), impl_->tag); // what everything starts from
+        return done();
+    });
 }
 
 void Shells::stop_log() {

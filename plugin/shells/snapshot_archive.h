@@ -7,6 +7,7 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -183,6 +184,21 @@ void io(Ar& ar, std::vector<T>& x) {
     x.assign(ar.count(), T{});
     for (T& e : x)
         ar(e);
+}
+
+template <class Ar, class T>
+void io(Ar& ar, const std::optional<T>& x) {
+    ar(x.has_value());
+    if (x)
+        ar(*x);
+}
+template <class Ar, class T>
+void io(Ar& ar, std::optional<T>& x) {
+    bool given = false;
+    ar(given);
+    x.reset();
+    if (given)
+        ar(x.emplace());
 }
 
 template <class... T>

@@ -7,6 +7,7 @@
 #include "plugin/shells/snapshot_archive.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace supercircle::archive {
 
@@ -20,6 +21,51 @@ template <class Ar>
 void io(Ar& ar, Is<ShellHandle> auto& h) {
     auto& [index, generation, world] = h;
     ar(index, generation, world);
+}
+
+template <class Ar, class Part>
+void io(Ar& ar, PartHandle<Part>& h) {
+    ar(h.index, h.generation, h.world);
+}
+template <class Ar, class Part>
+void io(Ar& ar, const PartHandle<Part>& h) {
+    ar(h.index, h.generation, h.world);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<DriveDef> auto& d) {
+    auto& [position, angle, velocity, spin] = d;
+    ar(position, angle, velocity, spin);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<JointDef> auto& d) {
+    auto& [kind, shell, arcFraction, other, otherFraction, body, point, length, collideConnected] = d;
+    ar(kind, shell, arcFraction, other, otherFraction, body, point, length, collideConnected);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<GrabDef> auto& d) {
+    auto& [arcFraction, target, frequency, dampingRatio, maxForce] = d;
+    ar(arcFraction, target, frequency, dampingRatio, maxForce);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<FilterDef> auto& d) {
+    auto& [category, mask, group] = d;
+    ar(category, mask, group);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<SleepSettings> auto& s) {
+    auto& [automatic, drift, delay] = s;
+    ar(automatic, drift, delay);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<MaterialDef> auto& d) {
+    auto& [mu, youngModulus, density, naturalCurvature] = d;
+    ar(mu, youngModulus, density, naturalCurvature);
 }
 
 template <class Ar>
@@ -109,9 +155,9 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs, width,
-           material, group, island, rested] = r;
+           material, group, island, rested, restPlace] = r;
     ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material, group,
-       island, rested);
+       island, rested, restPlace);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || qGood.size() != n || static_cast<int>(u.size()) != model.gaussPoints() ||
@@ -119,9 +165,8 @@ void io(Ar& ar, Is<step::Rod> auto& r) {
             ar.fail("a shell in it has the wrong number of coordinates, or bad ones");
             q.setZero(n);
         }
-        const auto beyond = [&model](const auto& part) {
-            return !(part.s >= 0.0 && part.s <= model.definition().length);
-        };
+        const double length = model.definition().length;
+        const auto beyond = [length](const auto& part) { return !(part.s >= 0.0 && part.s <= length); };
         if (std::any_of(holds.begin(), holds.end(), beyond) || std::any_of(forces.begin(), forces.end(), beyond) ||
             std::any_of(grabs.begin(), grabs.end(), beyond))
             ar.fail("a hold, force or grab in it is beyond its shell");
@@ -150,11 +195,40 @@ void io(Ar& ar, Is<step::BodyState> auto& b) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<step::HostPush> auto& p) {
+    auto& [linear, angular, expectedLinear, expectedAngular] = p;
+    ar(linear, angular, expectedLinear, expectedAngular);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<step::Handover> auto& h) {
-    auto& [coupled, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin, unexplained,
-           unexplainedSpin, acceleration, angularAcceleration, known, seen] = h;
-    ar(coupled, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin, unexplained,
-       unexplainedSpin, acceleration, angularAcceleration, known, seen);
+    auto& [coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
+           unexplained, all, known, seen] = h;
+    ar(coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
+       unexplained, all, known, seen);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostContact> auto& c) {
+    auto& [a, b, armA, armB, normal, friction, conveyor, bounce, normalForce, tangentForce, key, point, sumNormal,
+           sumTangent, hostNormal, hostTangent, told, lost, room] = c;
+    ar(a, b, armA, armB, normal, friction, conveyor, bounce, normalForce, tangentForce, point, sumNormal, sumTangent,
+       hostNormal, hostTangent, told, lost, room);
+    ar.aside(key); // an address of the host's
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostRow> auto& r) {
+    auto& [a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, key, sum, host, told,
+           saturated] = r;
+    ar(a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, sum, host, told, saturated);
+    ar.aside(key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostConstraints> auto& c) {
+    auto& [contacts, rows, farthest, mostTurn] = c;
+    ar(contacts, rows, farthest, mostTurn);
 }
 
 template <class Ar>
@@ -217,23 +291,31 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
-    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations,
-           contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed,
-           sleepAfter, witness] = s;
+    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep,
+           sleepDrift, sleepAfter, witness] = s;
     (void)threads; // belongs to the machine
-    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, maxIterations, contact,
-       acceptUnconverged, sweepAbove, cappedSweeps, prune, frameSolves, autoSleep, sleepSpeed, sleepAfter, witness);
+    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
+       contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepDrift, sleepAfter,
+       witness);
+    if constexpr (Ar::kLoads) { // steps of no length would never end
+        constexpr double shortest = 1e-9;
+        if (!(dtMin >= shortest && dtMax >= dtMin && (fixedDt <= 0.0 || fixedDt >= shortest) && localError > 1e-3 &&
+              motionLimit > 1e-3))
+            ar.fail("its settings make steps without length");
+    }
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
-    auto& [time, gravity, rods, bodies, outlines, impulses, machineVelocity, machineTravel, machineBodies, ledger,
-           counters, candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials,
+    auto& [time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
+           ledger, counters, candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials,
            sleepingImpulses, nextIsland] = w;
-    ar(time, gravity, rods, bodies, outlines, impulses, machineVelocity, machineTravel, machineBodies, ledger);
+    ar(time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
+       ledger);
     ar.aside(counters);
-    ar(candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials, sleepingImpulses,
-       nextIsland);
+    ar.aside(nextPart); // handles only
+    ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland);
 }
 
 // ---- the facade ----

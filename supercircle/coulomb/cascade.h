@@ -37,6 +37,7 @@ struct Solver::Impl {
     Regions regions;
     std::vector<std::uint8_t> covered, busy;
     std::vector<std::int32_t> seeds, later;
+    std::vector<double> contactErrors;
     std::vector<Turn> turns;
     std::size_t turnCount = 0;
     parallel::Pool<Path> pathPool;
@@ -59,6 +60,7 @@ struct Solver::Impl {
     bool tryPath(const Try& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     bool tryLadder(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     double contactError(std::int32_t c) const;
+    double findErrors(std::span<const std::int32_t> island);
     void passRegions(std::span<const std::int32_t> island, double allowed, std::uint32_t seed, std::size_t size,
                      PathCounts& counts);
     void collectWave(double share, std::size_t size);

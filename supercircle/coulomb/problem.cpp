@@ -64,6 +64,12 @@ std::string lawFault(const Contact& contact, std::size_t index) {
 template <class Fits>
 std::size_t firstMisfit(const parallel::For& loop, std::size_t items, std::vector<std::size_t>& found, Fits&& fits) {
     constexpr std::size_t kGrain = 128;
+    if (parallel::chunkCount(loop, items, kGrain) < 2) {
+        std::size_t i = 0;
+        while (i < items && fits(i))
+            ++i;
+        return i;
+    }
     found.assign(parallel::chunkCount(loop, items, kGrain), items);
     parallel::forChunks(loop, items, kGrain, [&](std::size_t c, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && found[c] == items; ++i)

@@ -68,8 +68,8 @@ constexpr int kNewtonSteps = 30;
 
 /// Judges x freshly, keeps it if it is the best; true if it meets the target.
 bool Solver::Impl::judgeNow(Method method, SolveReport& report) {
-    whitened.assemble(x.r, x.w);
-    if (best.offer(x.r, whitened.residual(x.r, x.w)))
+    whitened.assemble(x.r, x.w, loop);
+    if (best.offer(x.r, whitened.residual(x.r, x.w, loop)))
         report.finishedBy = method;
     return target.reached(best.residual);
 }
@@ -77,7 +77,7 @@ bool Solver::Impl::judgeNow(Method method, SolveReport& report) {
 void Solver::Impl::restoreBest() {
     x.r = best.r;
     x.findPieces(whitened);
-    whitened.assemble(x.r, x.w);
+    whitened.assemble(x.r, x.w, loop);
 }
 
 double Solver::Impl::islandError(std::span<const std::int32_t> island) const {
@@ -324,8 +324,8 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
     s.run(options, report);
 
     // The verdict is on freshly assembled velocities, so that what is returned is consistent to round-off.
-    s.whitened.assemble(s.best.r, s.x.w);
-    const Residual residual = s.whitened.residual(s.best.r, s.x.w);
+    s.whitened.assemble(s.best.r, s.x.w, loop);
+    const Residual residual = s.whitened.residual(s.best.r, s.x.w, loop);
     report.converged = s.target.reached(residual);
     report.eta = residual.eta;
     report.penetrationSpeed = residual.penetrationSpeed;
@@ -334,7 +334,7 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
         report.loaded += s.best.r[2 * c] > 0.0 || s.whitened.contact(c).tied() ? 1 : 0;
     for (std::size_t i = 0; i < s.best.r.size(); ++i)
         r[static_cast<Eigen::Index>(i)] = s.best.r[i];
-    s.whitened.bodyVelocities(s.x.w, v);
+    s.whitened.bodyVelocities(s.x.w, v, loop);
     return report;
 }
 

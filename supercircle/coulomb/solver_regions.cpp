@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace supercircle::coulomb {
 
@@ -26,6 +27,13 @@ constexpr double kRegionShare = 0.1; ///< of the error a contact may keep in the
 double Solver::Impl::contactError(std::int32_t c) const {
     const std::array one{c};
     return islandError(one);
+}
+
+/// Fills contactErrors for the contacts of an island and returns their sum, which is islandError.
+double Solver::Impl::findErrors(std::span<const std::int32_t> island) {
+    contactErrors.resize(island.size());
+    parallel::forEach(loop, island.size(), 128, [&](std::size_t k) { contactErrors[k] = contactError(island[k]); });
+    return std::accumulate(contactErrors.begin(), contactErrors.end(), 0.0);
 }
 
 bool Solver::Impl::isBusy(const Whitened::Contact& contact) const {
@@ -85,9 +93,15 @@ void Solver::Impl::runRegion(Turn& turn, std::uint32_t seed, double allowed) {
 /// that share no body: those of one wave do not see each other, and may run on several threads.
 void Solver::Impl::passRegions(std::span<const std::int32_t> island, double allowed, std::uint32_t seed,
                                std::size_t size, PathCounts& counts) {
-    const double share =
-        std::max(kRegionShare * allowed, kRegionSkip * islandError(island)) / static_cast<double>(island.size());
-    for (seeds.assign(island.begin(), island.end()); !seeds.empty(); seeds.swap(later)) {
+    const double error = findErrors(island);
+    if (error <= allowed)
+        return;
+    const double share = std::max(kRegionShare * allowed, kRegionSkip * error) / static_cast<double>(island.size());
+    seeds.clear();
+    for (std::size_t k = 0; k < island.size(); ++k)
+        if (contactErrors[k] > share)
+            seeds.push_back(island[k]);
+    for (; !seeds.empty(); seeds.swap(later)) {
         collectWave(share, size);
         parallel::forEach(loop, turnCount, 1, [&](std::size_t i) {
             Turn& turn = turns[i];
@@ -109,11 +123,11 @@ bool Solver::Impl::tryRegions(std::uint32_t seed, const SolverOptions& options, 
         for (std::uint32_t pass = 0; pass < kRegionPasses; ++pass) {
             PathCounts counts;
             covered.assign(whitened.contactCount(), 0);
-            forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
-                if (loaded(island) > kRegionLoad)
-                    passRegions(island, allowed, seed + kRegionPasses * round + pass,
+            const double allowed = allowedError();
+            for (std::size_t i = 0; i < islands.count(); ++i)
+                if (loaded(islands.contacts(i)) > kRegionLoad)
+                    passRegions(islands.contacts(i), allowed, seed + kRegionPasses * round + pass,
                                 kRegionSize << (pass > 1 ? pass - 1 : 0), counts);
-            });
             const int pivotsLeftBefore = pivotsLeft;
             book(counts, report);
             pivotsLeft = pivotsLeftBefore - counts.pivots / kRegionDiscount;

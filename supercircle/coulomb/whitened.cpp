@@ -8,10 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 namespace supercircle::coulomb {
 
 namespace {
+
+constexpr std::size_t kFewContacts = 256; ///< below that threads have nothing to gain in one pass over them
 
 constexpr std::size_t even(std::size_t n) {
     return (n + 1) & ~std::size_t{1};
@@ -186,15 +189,18 @@ std::string Whitened::build(const Problem& problem, const parallel::For& loop) {
         if (good_[b] == 0)
             return "body " + std::to_string(b) + ": A is not positive definite";
     contacts_.assign(problem.contacts.size(), Contact{});
+    firstOfBody_.clear();
     rowsUsed_ = 0;
     for (std::size_t c = 0; c < contacts_.size(); ++c)
         layoutContact(problem.contacts[c], contacts_[c]);
     if (rows_.size() < rowsUsed_)
         rows_.resize(rowsUsed_);
-    parallel::forChunks(loop, contacts_.size(), 64, [&](std::size_t, std::size_t begin, std::size_t end) {
-        std::vector<Pair> scratch(longest_);
+    constexpr std::size_t kGrain = 64;
+    columns_.resize(std::max(columns_.size(), parallel::chunkCount(loop, contacts_.size(), kGrain)));
+    parallel::forChunks(loop, contacts_.size(), kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        columns_[chunk].resize(longest_);
         for (std::size_t c = begin; c < end; ++c)
-            fillContact(problem.contacts[c], contacts_[c], scratch);
+            fillContact(problem.contacts[c], contacts_[c], columns_[chunk]);
     });
     double largest = 0.0;
     for (const Contact& contact : contacts_)
@@ -212,6 +218,49 @@ void Whitened::assemble(std::span<const double> r, std::vector<double>& w) const
             apply(contacts_[c], r[2 * c], r[2 * c + 1], w.data());
 }
 
+void Whitened::listContacts() {
+    firstOfBody_.assign(bodies_.size() + 1, 0);
+    for (const Contact& contact : contacts_)
+        for (std::int32_t s = 0; s < contact.sides; ++s)
+            ++firstOfBody_[contact.side[s].body + 1];
+    std::partial_sum(firstOfBody_.begin(), firstOfBody_.end(), firstOfBody_.begin());
+    ofBody_.resize(firstOfBody_.back());
+    for (std::size_t c = contacts_.size(); c-- > 0;)
+        for (std::int32_t s = 0; s < contacts_[c].sides; ++s)
+            ofBody_[--firstOfBody_[contacts_[c].side[s].body + 1]] = static_cast<std::int32_t>(2 * c) + s;
+    // Filling from the back has moved every start down to its own body's; shift them into place.
+    firstOfBody_.erase(firstOfBody_.begin());
+    firstOfBody_.push_back(ofBody_.size());
+}
+
+/// Body by body: every body adds up its contacts in the same order as one loop over all contacts does.
+void Whitened::assemble(std::span<const double> r, std::vector<double>& w, const parallel::For& loop) {
+    if (!loop || contacts_.size() < kFewContacts)
+        return assemble(r, w);
+    if (firstOfBody_.empty())
+        listContacts();
+    w = free_;
+    parallel::forEach(loop, bodies_.size(), 32, [&](std::size_t b) {
+        for (std::size_t i = firstOfBody_[b]; i < firstOfBody_[b + 1]; ++i) {
+            const auto c = static_cast<std::size_t>(ofBody_[i] / 2);
+            if (r[2 * c] != 0.0 || r[2 * c + 1] != 0.0)
+                applySide(contacts_[c].side[ofBody_[i] % 2], r[2 * c], r[2 * c + 1], w.data());
+        }
+    });
+}
+
+Residual Whitened::residual(std::span<const double> r, const std::vector<double>& w, const parallel::For& loop) {
+    if (!loop || contacts_.size() < kFewContacts)
+        return residual(r, w);
+    velocity_.resize(contacts_.size());
+    parallel::forEach(loop, contacts_.size(), 128,
+                      [&](std::size_t c) { velocity_[c] = velocity(contacts_[c], w.data()); });
+    ResidualSum sum;
+    for (std::size_t c = 0; c < contacts_.size(); ++c)
+        judge(contacts_[c], velocity_[c], r[2 * c], r[2 * c + 1], sum);
+    return sum.result();
+}
+
 Residual Whitened::residual(std::span<const double> r, const std::vector<double>& w) const {
     ResidualSum sum;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
@@ -222,9 +271,10 @@ Residual Whitened::residual(std::span<const double> r, const std::vector<double>
     return sum.result();
 }
 
-void Whitened::bodyVelocities(const std::vector<double>& w, std::vector<Eigen::VectorXd>& v) const {
+void Whitened::bodyVelocities(const std::vector<double>& w, std::vector<Eigen::VectorXd>& v,
+                              const parallel::For& loop) const {
     v.resize(bodies_.size());
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    parallel::forEach(loop, bodies_.size(), 32, [&](std::size_t b) {
         const Factor& body = bodies_[b];
         v[b].resize(static_cast<Eigen::Index>(body.n));
         for (std::size_t j = body.n; j-- > 0;) {
@@ -233,7 +283,7 @@ void Whitened::bodyVelocities(const std::vector<double>& w, std::vector<Eigen::V
                 sum -= body.lower[j * body.n + i] * v[b][static_cast<Eigen::Index>(i)];
             v[b][static_cast<Eigen::Index>(j)] = sum * body.inverseDiagonal[j];
         }
-    }
+    });
 }
 
 } // namespace supercircle::coulomb

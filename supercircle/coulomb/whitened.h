@@ -100,10 +100,13 @@ public:
     }
     /// w = w_free + G r.
     void assemble(std::span<const double> r, std::vector<double>& w) const;
+    void assemble(std::span<const double> r, std::vector<double>& w, const parallel::For& loop);
     /// The judge's formula on whitened data; w must belong to r.
     Residual residual(std::span<const double> r, const std::vector<double>& w) const;
+    Residual residual(std::span<const double> r, const std::vector<double>& w, const parallel::For& loop);
     /// v = L^-T w of every body.
-    void bodyVelocities(const std::vector<double>& w, std::vector<Eigen::VectorXd>& v) const;
+    void bodyVelocities(const std::vector<double>& w, std::vector<Eigen::VectorXd>& v,
+                        const parallel::For& loop = {}) const;
 
 private:
     struct Factor {
@@ -121,6 +124,8 @@ private:
     void fillSide(Contact& contact, Side& side, const Eigen::Matrix<double, 2, -1>& H,
                   const Eigen::Matrix<double, 2, -1>* other, std::vector<Pair>& scratch);
     void layoutBodies(const Problem& problem);
+    void listContacts();
+    void applySide(const Side& side, double rn, double rt, double* w) const;
 
     std::vector<Factor> bodies_;
     std::vector<Contact> contacts_;
@@ -128,7 +133,11 @@ private:
     std::vector<double> free_;
     std::vector<std::uint8_t> good_; ///< bodies whose A is positive definite
     std::size_t rowsUsed_ = 0;
-    std::size_t longest_ = 0; ///< body, padded
+    std::vector<std::size_t> firstOfBody_; ///< contacts of every body, ascending; empty: not listed yet
+    std::vector<std::int32_t> ofBody_;     ///< 2 contact + side
+    std::vector<Velocity> velocity_;
+    std::size_t longest_ = 0;                ///< body, padded
+    std::vector<std::vector<Pair>> columns_; ///< scratch per chunk of contacts
 };
 
 // ---- kernels, inline because a Gauss-Seidel sweep is nothing else ----
@@ -186,23 +195,25 @@ inline double Whitened::tangentProduct(const Contact& contact, const double* w) 
     return u;
 }
 
-inline void Whitened::apply(const Contact& contact, double rn, double rt, double* w) const {
+inline void Whitened::applySide(const Side& side, double rn, double rt, double* w) const {
     const Pair n = {rn, rn};
     const Pair t = {rt, rt};
-    const auto add = [&](const double* gn, const double* gt, double* v, std::int32_t i) {
+    const double* gn = rows_.data() + side.row;
+    const double* gt = gn + side.padded;
+    double* v = w + side.velocity;
+    const auto add = [&](std::int32_t i) {
         auto* x = reinterpret_cast<LoosePair*>(v + i);
         *x = *x + n * *reinterpret_cast<const LoosePair*>(gn + i) + t * *reinterpret_cast<const LoosePair*>(gt + i);
     };
-    for (std::int32_t s = 0; s < contact.sides; ++s) {
-        const Side& side = contact.side[s];
-        const double* gn = rows_.data() + side.row;
-        const double* gt = gn + side.padded;
-        double* v = w + side.velocity;
-        for (std::int32_t i = side.begin1; i < side.end1; i += 2)
-            add(gn, gt, v, i);
-        for (std::int32_t i = side.begin2; i < side.end2; i += 2)
-            add(gn, gt, v, i);
-    }
+    for (std::int32_t i = side.begin1; i < side.end1; i += 2)
+        add(i);
+    for (std::int32_t i = side.begin2; i < side.end2; i += 2)
+        add(i);
+}
+
+inline void Whitened::apply(const Contact& contact, double rn, double rt, double* w) const {
+    for (std::int32_t s = 0; s < contact.sides; ++s)
+        applySide(contact.side[s], rn, rt, w);
 }
 
 } // namespace supercircle::coulomb

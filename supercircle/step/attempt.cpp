@@ -2,6 +2,7 @@
 
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/parallel.h"
@@ -39,6 +40,11 @@ GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>
     return e;
 }
 
+/// Of longitudinal waves in the shell's material, sqrt(E / rho), m/s.
+double soundSpeed(const rod::RodDefinition& d) {
+    return std::sqrt(12.0 * d.bendingModulus / d.linearMass) / d.thickness;
+}
+
 void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
     for (RodWork& w : rods)
         w.touching = w.C.rows() > 0;
@@ -52,15 +58,15 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 
 } // namespace
 
-void Attempt::useThreads(int wanted) {
-    if (wanted == threads)
-        return;
-    threads = wanted;
-    stage.loop = threadLoop(wanted);
+void Attempt::useThreads(int count, const parallel::For& hostLoop) {
+    if (hostLoop)
+        stage.loop = hostLoop;
+    else if (count != threads)
+        stage.loop = threadLoop(count);
+    threads = hostLoop ? 0 : count;
 }
 
 void Attempt::collidePresent(World& world, const Settings& settings) {
-    useThreads(settings.threads);
     bool known = world.range.size() == world.rods.size();
     for (std::size_t i = 0; known && i < world.rods.size(); ++i)
         known = world.range[i] >= 0.9 * world.rods[i].speed * dt;
@@ -89,7 +95,8 @@ const std::vector<contact::Candidate>& Attempt::startCandidates(const World& wor
 /// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
 /// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
 void Attempt::begin(const World& world, const Settings& settings) {
-    std::vector<char> near(world.rods.size(), 0);
+    std::vector<char>& near = stage.marked;
+    near.assign(world.rods.size(), 0);
     for (const contact::Candidate& c : world.candidates) {
         near[static_cast<std::size_t>(c.a.rod)] = 1;
         if (c.b.rod >= 0)
@@ -138,7 +145,12 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
             options.maxSweeps = settings.cappedSweeps;
         }
         solveContacts(world, rods, options, stage);
+        for (int again = 0; again < 3 && boundHostRows(world, stage, dt); ++again) {
+            couple(world, rods, dt, impulses, !first, stage);
+            solveContacts(world, rods, options, stage);
+        }
         ++world.counters.solves;
+        contactsSolved += stage.candidates.size();
         world.counters.sweeps += static_cast<std::uint64_t>(stage.report.sweeps);
         world.counters.pivots += static_cast<std::uint64_t>(stage.report.pivots);
     }
@@ -150,15 +162,28 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     markTouching(rods, stage);
 }
 
+/// Whether an element turns far more often than a shell can: motion at the end of its numbers.
+[[nodiscard]] static bool curledUp(const rod::RodModel& model, const Eigen::VectorXd& q) {
+    constexpr double kMostTurn = 16.0 * M_PI;
+    for (int i = 0; i < model.elements(); ++i)
+        if (std::abs(q[model.dofOfElement(i)]) * model.elementLength(i) > kMostTurn)
+            return true;
+    return false;
+}
+
 /// How far everything moved, and whether the candidates reached that far; if not, the world's range is widened.
 Attempt::Reach Attempt::measure(World& world, const Settings& settings, int& widened, bool first) {
     error = moved = 0.0;
+    runaways.clear();
     bool outOfRange = false;
     for (std::size_t i = 0; i < rods.size(); ++i) {
         const RodWork& w = rods[i];
         error = std::max(error, w.error);
         if (w.touching)
             moved = std::max(moved, w.moved);
+        if (!world.rods[i].quarantined && (w.moved > dt * soundSpeed(world.rods[i].model.definition()) ||
+                                           (!w.frozen && curledUp(world.rods[i].model, w.q1))))
+            runaways.push_back(i);
         if (w.shift > world.range[i] + 0.4 * settings.margin * h) {
             outOfRange = true;
             world.range[i] = 1.5 * w.shift;
@@ -222,11 +247,13 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
                        const std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>& onSolve) {
     const bool adaptive = settings.fixedDt <= 0.0;
     const double before = deepest(world.candidates);
-    useThreads(settings.threads);
     crossings.clear();
+    contactsSolved = 0;
     rejectedBeforeEnd = true;
     rods.resize(world.rods.size());
     impulses = world.impulses;
+    stage.overlap = 2.0 * settings.rejectPenetration * h;
+    stage.recovery = settings.recovery * h;
     begin(world, settings);
     int widened = 0;
     for (int iteration = 0;;) {
@@ -243,6 +270,8 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         const Reach reach = measure(world, settings, widened, iteration == 0);
         const bool tooFar = adaptive && (moved > settings.motionLimit * h || error > 2.0 * settings.localError * h);
         if (tooFar && dt > 2.0 * settings.dtMin)
+            return Verdict::Smaller;
+        if (adaptive && !runaways.empty())
             return Verdict::Smaller;
         if (reach == Reach::Never)
             return Verdict::Smaller;

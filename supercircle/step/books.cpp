@@ -1,6 +1,7 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rod_stage.h"
@@ -11,6 +12,19 @@
 namespace supercircle::step {
 
 namespace {
+
+using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic>;
+
+void addPush(const Rows& J, const Vec2& r, double sign, RodWork& w) {
+    w.product.noalias() = J.transpose() * r;
+    w.push += sign * w.product;
+}
+
+/// What the step changed of a contact point's velocity.
+Vec2 change(const Rows& J, const Rod& rod, RodWork& w) {
+    w.difference = w.v - rod.v;
+    return J * w.difference;
+}
 
 /// Contact terms of the energy books and the forces on bodies; uses the rods' old velocities, so before acceptRods.
 void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage, double dt) {
@@ -28,18 +42,18 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
         const ContactWork& k = stage.work[i];
         RodWork& a = rods[static_cast<std::size_t>(k.rodA)];
         Vec2 u = k.Ja * a.v - k.surface;
-        a.push += k.Ja.transpose() * r;
-        a.impactShare += 0.5 * r.dot(k.Ja * (a.v - world.rods[static_cast<std::size_t>(k.rodA)].v));
+        addPush(k.Ja, r, 1.0, a);
+        a.impactShare += 0.5 * r.dot(change(k.Ja, world.rods[static_cast<std::size_t>(k.rodA)], a));
         const Vec2 force = (c.normal * r.x() + rod::perp(c.normal) * r.y()) / dt;
         if (k.rodB >= 0) {
             RodWork& b = rods[static_cast<std::size_t>(k.rodB)];
             u -= k.Jb * b.v;
-            b.push -= k.Jb.transpose() * r;
-            b.impactShare -= 0.5 * r.dot(k.Jb * (b.v - world.rods[static_cast<std::size_t>(k.rodB)].v));
+            addPush(k.Jb, r, -1.0, b);
+            b.impactShare -= 0.5 * r.dot(change(k.Jb, world.rods[static_cast<std::size_t>(k.rodB)], b));
         } else {
             Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
             body.force -= force;
-            const int index = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+            const int index = stage.place[static_cast<std::size_t>(k.bodyB)].block;
             if (index >= 0) {
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
@@ -75,7 +89,10 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        h.coupled |= !stage.problem.contacts.empty() && stage.bodyProblemIndex[i] >= 0;
+        if (!stage.problem.contacts.empty() && stage.place[i].block >= 0) {
+            h.coupled = true;
+            h.coupledTime += dt;
+        }
     }
     world.machineTravel += dt * world.machineVelocity;
 }
@@ -89,7 +106,8 @@ void accept(World& world, Attempt& t) {
     bookContacts(world, rods, stage, dt);
     bookLinks(world, rods, stage, dt);
     Ledger& l = world.ledger;
-    std::vector<RodBooks> books(rods.size());
+    std::vector<RodBooks>& books = t.books;
+    books.assign(rods.size(), RodBooks{});
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
         if (!world.rods[i].frozen())
             books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
@@ -107,6 +125,7 @@ void accept(World& world, Attempt& t) {
         l.work += b.holdWork + b.loadWork;
         l.pushOut -= b.rollingWork;
     }
+    acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);
     advanceLinks(world, dt);
     world.impulses = t.impulses;

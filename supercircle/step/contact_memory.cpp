@@ -12,13 +12,11 @@ const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::
     return it != list.end() && it->id == id ? &*it : nullptr;
 }
 
-std::vector<std::uint64_t> sortedIds(const std::vector<contact::Candidate>& candidates) {
-    std::vector<std::uint64_t> ids;
-    ids.reserve(candidates.size());
+void sortedIds(const std::vector<contact::Candidate>& candidates, std::vector<std::uint64_t>& ids) {
+    ids.clear();
     for (const contact::Candidate& c : candidates)
         ids.push_back(c.id);
     std::sort(ids.begin(), ids.end());
-    return ids;
 }
 
 ContactImpulse forceBefore(const std::vector<ContactImpulse>& list, const std::vector<std::uint64_t>& present,

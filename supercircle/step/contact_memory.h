@@ -8,8 +8,8 @@ namespace supercircle::step {
 /// Entry of contact `id` in a list sorted by id, nullptr if there is none.
 const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id);
 
-/// Ids of candidates in rising order.
-std::vector<std::uint64_t> sortedIds(const std::vector<contact::Candidate>& candidates);
+/// Ids of candidates in rising order; `ids` is overwritten.
+void sortedIds(const std::vector<contact::Candidate>& candidates, std::vector<std::uint64_t>& ids);
 
 /// Force (N) a candidate carried before. The minimum of two elements that rolled over a joint is a new feature of the
 /// same contact: it inherits the force of neighbouring minima that are no longer there. Without that, a nearly

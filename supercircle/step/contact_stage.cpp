@@ -1,6 +1,7 @@
 #include "supercircle/step/contact_stage.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 
 #include <algorithm>
@@ -32,11 +33,6 @@ constexpr std::uint32_t kKeyMask = (1u << 20) - 1; ///< detection's ids leave 20
 std::uint32_t outlineKey(BodyId body, std::uint32_t piece) {
     const auto low = static_cast<std::uint32_t>(body ^ (body >> 10) ^ (body >> 20)) & 1023u;
     return ((low << 10) | ((piece ^ (piece >> 10)) & 1023u)) & kKeyMask;
-}
-
-/// A body of fixed rotation has translations only.
-Eigen::Index freedoms(const Body& body) {
-    return body.state.inertia > 0.0 ? 3 : 2;
 }
 
 Vec2 surfaceVelocity(const BodyMotion& m, const Vec2& arm) {
@@ -77,7 +73,6 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     out.kind = coulomb::Kind::Unilateral;
     out.a = rods[ia].body; // -1 when asleep: an obstacle
     out.b = -1;
-    out.Hb.resize(2, 0);
     if (out.a >= 0)
         reduce(rods[ia], k.Ja, 1.0, out.w, out.Ha);
     if (c.b.rod >= 0) {
@@ -94,19 +89,22 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
         k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
         out.mu = frictionOf(world, rodA.material, rodA.mu, materialOf(world, piece.body), piece.friction);
-        out.b = stage.bodyProblemIndex[static_cast<std::size_t>(k.bodyB)];
+        out.b = stage.place[static_cast<std::size_t>(k.bodyB)].block;
         if (out.b >= 0) {
-            out.Hb.resize(2, freedoms(body));
-            out.Hb.leftCols<2>() << -n.x(), -n.y(), -t.x(), -t.y();
-            if (freedoms(body) == 3)
-                out.Hb.col(2) << -n.dot(rod::perp(k.armB)), -t.dot(rod::perp(k.armB));
+            out.Hb.setZero(2, stage.problem.bodies[static_cast<std::size_t>(out.b)].vFree.size());
+            addToRow(stage, k.bodyB, -n, -n.dot(rod::perp(k.armB)), out.Hb.row(0));
+            addToRow(stage, k.bodyB, -t, -t.dot(rod::perp(k.armB)), out.Hb.row(1));
         }
         const Vec2 given = out.b < 0 ? surfaceVelocity(motion, k.armB)
                                      : surfaceVelocity({body.handover.drift, body.handover.driftSpin}, k.armB);
         k.surface = Vec2(n.dot(given), t.dot(given));
         out.w -= k.surface;
     }
-    out.w.x() += gapAtStart / dt;
+    if (out.b < 0)
+        out.Hb.resize(2, 0); // only now: a contact that keeps its bodies keeps its storage
+    // No step makes overlaps deeper than stage.overlap: deeper ones were put there, and to close them at once would be
+    // an explosion.
+    out.w.x() += gapAtStart < -stage.overlap ? std::max(gapAtStart / dt, -stage.recovery) : gapAtStart / dt;
     out.id = c.id;
 }
 
@@ -143,32 +141,6 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
     });
 }
 
-void addHostBody(const World& world, double dt, int i, ContactStage& stage) {
-    if (i < 0)
-        return;
-    const Body& body = world.bodies[static_cast<std::size_t>(i)];
-    int& index = stage.bodyProblemIndex[static_cast<std::size_t>(i)];
-    if (!body.dynamic || index >= 0)
-        return;
-    index = static_cast<int>(stage.problem.bodies.size());
-    coulomb::Body b;
-    const BodyState& s = body.state;
-    const Eigen::Index n = freedoms(body);
-    b.A = Eigen::Vector3d(s.mass, s.mass, s.inertia).head(n).asDiagonal();
-    const BodyMotion free = freeMotion(world, body, body.handover.unexplained, body.handover.unexplainedSpin, dt);
-    b.vFree = Eigen::Vector3d(free.velocity.x(), free.velocity.y(), free.spin).head(n);
-    stage.problem.bodies.push_back(std::move(b));
-}
-
-void addHostBodies(const World& world, double dt, ContactStage& stage) {
-    stage.bodyProblemIndex.assign(world.bodies.size(), -1);
-    for (const contact::Candidate& c : stage.candidates)
-        if (c.b.rod < 0)
-            addHostBody(world, dt, bodyIndex(world, pieceOf(world, c).body), stage);
-    for (std::size_t i = 0; i < stage.linkCount; ++i)
-        addHostBody(world, dt, stage.linkRows[i].bodyB, stage);
-}
-
 } // namespace
 
 void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
@@ -177,14 +149,9 @@ void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& fu
         reduced = sign * full;
         return;
     }
-    reduced = sign * (full * w.Z);
+    reduced.noalias() = full * w.Z;
+    reduced *= sign;
     offset += sign * (full * w.vp);
-}
-
-BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt) {
-    const BodyState& s = b.state;
-    return {(s.velocity + dt * s.gravityScale * world.gravity) / (1.0 + dt * s.linearDamping) + dt * host,
-            s.spin / (1.0 + dt * s.angularDamping) + dt * hostSpin};
 }
 
 void predictMotion(const World& world, ContactStage& stage) {
@@ -203,7 +170,7 @@ void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, do
         const int index = bodyIndex(world, piece.body);
         const Body& body = world.bodies[static_cast<std::size_t>(index)];
         const BodyMotion& m = motion[static_cast<std::size_t>(index)];
-        outlines[i] = placed(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin);
+        place(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin, outlines[i]);
         outlines[i].body = static_cast<std::uint32_t>(index);
         outlines[i].key = outlineKey(piece.body, piece.local.key);
         for (std::size_t k = 0; k < i; ++k) // rare: two pieces fold onto one key; the later one moves on
@@ -244,13 +211,10 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
     for (const contact::Candidate& c : start)
         stage.gapAtStart.push_back(c.gap);
     if (addNew) { // found at the end only: their gap at the start follows from the motion between
-        std::vector<std::uint64_t> known;
-        for (const contact::Candidate& c : start)
-            known.push_back(c.id);
-        std::sort(known.begin(), known.end());
+        sortedIds(start, stage.ids);
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (c.gap > stage.addBelow || std::binary_search(known.begin(), known.end(), c.id))
+            if (c.gap > stage.addBelow || std::binary_search(stage.ids.begin(), stage.ids.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -279,20 +243,21 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     stage.problem.dt = dt;
     prepareLinks(world, rods, dt, again, stage);
     addRodBodies(world, rods, stage);
-    addHostBodies(world, dt, stage);
+    addHostBlocks(world, dt, stage);
     const std::size_t n = stage.candidates.size();
     stage.problem.contacts.resize(n + stage.linkCount);
     stage.work.resize(n);
     stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * (n + stage.linkCount)));
-    const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
+    sortedIds(stage.candidates, stage.ids);
     parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
-        const ContactImpulse before = forceBefore(warm, present, c);
+        const ContactImpulse before = forceBefore(warm, stage.ids, c);
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     });
     coupleLinks(world, rods, dt, stage);
+    addHostContacts(world, dt, stage);
 }
 
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
@@ -315,19 +280,7 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
         else
             w.v = w.vp + w.Z * x;
     }
-    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-        const Body& b = world.bodies[i];
-        if (!b.dynamic)
-            continue;
-        const Handover& h = b.handover;
-        const int index = any ? stage.bodyProblemIndex[i] : -1;
-        BodyMotion m = freeMotion(world, b, h.acceleration, h.angularAcceleration, stage.problem.dt);
-        if (index >= 0) {
-            const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(index)];
-            m = {x.head<2>(), x.size() == 3 ? x[2] : b.state.spin};
-        }
-        stage.motion[i] = {m.velocity + h.drift, m.spin + h.driftSpin};
-    }
+    readHostBlocks(world, stage);
 }
 
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out) {

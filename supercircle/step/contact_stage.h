@@ -12,6 +12,18 @@ struct BodyMotion {
     double spin = 0.0;            ///< rad/s
 };
 
+/// Where a host body stands in the contact problem.
+struct BodyPlace {
+    int block = -1;   ///< index into the problem's bodies, -1: not in it
+    int column = 0;   ///< of its first freedom in the block
+    int freedoms = 0; ///< 3, or 2 where rotation is fixed; 0: not in the problem
+};
+
+/// Indices into World::bodies of what a host constraint connects, -1: nobody.
+struct BodyEnds {
+    int a = -1, b = -1;
+};
+
 enum class LinkRowKind : std::uint8_t { Point, Angle, Pull };
 
 /// One contact of the problem that is (part of) a link, see link_stage.h. ContactWork::surface is the given velocity.
@@ -21,8 +33,8 @@ struct LinkRow : ContactWork {
     Vec2 normal = Vec2::UnitX();                 ///< towards which a positive impulse pushes rod A
     double lever = 0.0;                          ///< m, makes an angle a length
     Vec2 bias = Vec2::Zero();                    ///< gap / dt, m/s
-    int bodyProblem = -1;                        ///< index of the other end's body into the problem
-    Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that body, its sign included
+    int bodyProblem = -1;                        ///< block of the other end's body in the problem
+    Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that block, the sign of the body included
 };
 
 /// Everything the contacts of one attempt need.
@@ -34,26 +46,33 @@ struct ContactStage {
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
     double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
-    std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
+    std::vector<BodyPlace> place;      ///< per World::bodies
     std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
+    std::vector<BodyEnds> contactEnds; ///< of World::constraints.contacts
+    std::vector<BodyEnds> rowEnds;     ///< of World::constraints.rows
+    std::vector<int> hostEntries;      ///< the problem's contacts after the links: k = host contact, -1 - k = limit
     std::vector<LinkRow> linkRows;     ///< storage; the first linkCount belong to this attempt
     std::size_t linkCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
-    coulomb::Problem problem;                                      ///< contacts: of the candidates, then of linkRows
+    double overlap = 0.0;                                          ///< deeper overlaps are not closed at once, m
+    double recovery = 0.0;                                         ///< but at this speed, m/s
+    coulomb::Problem problem; ///< contacts: of the candidates, then of linkRows, then of the host
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;
     parallel::For loop;                    ///< over the threads of the settings; empty: one
     Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
     std::vector<Eigen::VectorXd> velocity; ///< per problem body
+    // Scratch, kept so that a warm step takes nothing from the heap.
+    std::vector<std::uint64_t> ids; ///< sorted
+    std::vector<LoadedPoint> loadedPoints;
+    std::vector<RollingPair> rollingPairs;
+    std::vector<int> problemBodies; ///< indices into World::bodies
+    std::vector<char> marked;       ///< per World::bodies or rods
 };
 
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);
-
-/// Velocity of a dynamic body at the end of a step without shells, in Box2D's order of gravity, damping and
-/// constraints; the constraints are `host` (m/s^2) and `hostSpin` (rad/s^2).
-BodyMotion freeMotion(const World& world, const Body& b, const Vec2& host, double hostSpin, double dt);
 
 /// Outlines in the world frame; `ahead` seconds along `motion`.
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,

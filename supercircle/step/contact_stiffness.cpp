@@ -2,6 +2,7 @@
 
 #include "supercircle/contact/identity.h"
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,14 +14,9 @@ namespace {
 
 constexpr double kFlatness = 0.0025; ///< h, see collectRolling
 
-/// A loaded contact point on the lower-numbered rod of its pair.
-struct LoadedPoint {
-    std::int32_t first = -1; ///< rod
-    std::int32_t other = -1; ///< rod, or -2 - outline
-    double s = 0.0;          ///< on `first`, m
-    double normal = 0.0;     ///< N
-    bool operator<(const LoadedPoint& p) const { return std::tie(first, other, s) < std::tie(p.first, p.other, p.s); }
-};
+bool isBefore(const LoadedPoint& x, const LoadedPoint& y) {
+    return std::tie(x.first, x.other, x.s) < std::tie(y.first, y.other, y.s);
+}
 
 LoadedPoint pointOf(const contact::Candidate& c) {
     if (c.b.rod < 0)
@@ -29,9 +25,9 @@ LoadedPoint pointOf(const contact::Candidate& c) {
 }
 
 /// Sampled points (nodes, corners) that carried force in the last step, sorted.
-std::vector<LoadedPoint> loadedSamples(const std::vector<contact::Candidate>& candidates,
-                                       const std::vector<ContactImpulse>& warm) {
-    std::vector<LoadedPoint> list;
+void loadedSamples(const std::vector<contact::Candidate>& candidates, const std::vector<ContactImpulse>& warm,
+                   std::vector<LoadedPoint>& list) {
+    list.clear();
     for (const contact::Candidate& c : candidates) {
         const contact::Feature kind = contact::featureOf(c.id);
         if (kind == contact::Feature::Interior || kind == contact::Feature::InteriorOutline)
@@ -41,8 +37,7 @@ std::vector<LoadedPoint> loadedSamples(const std::vector<contact::Candidate>& ca
             list.back().normal = before->normal;
         }
     }
-    std::sort(list.begin(), list.end());
-    return list;
+    std::sort(list.begin(), list.end(), isBefore);
 }
 
 /// Force of the sampled points around a minimum, weighted by a hat as wide as an element. A nearly conformal contact
@@ -53,77 +48,99 @@ double forceAround(const std::vector<LoadedPoint>& samples, const contact::Candi
     const double s = from.s;
     from.s -= width;
     double sum = 0.0;
-    for (auto it = std::lower_bound(samples.begin(), samples.end(), from);
+    for (auto it = std::lower_bound(samples.begin(), samples.end(), from, isBefore);
          it != samples.end() && it->first == from.first && it->other == from.other && it->s < s + width; ++it)
         sum += it->normal * (1.0 - std::abs(it->s - s) / width);
     return sum;
 }
 
+/// Relative curvature of the two surfaces at a candidate, 1/m.
+double relativeCurvature(const World& world, const std::vector<RodWork>& rods, const contact::Candidate& c) {
+    const auto side = [&](const contact::RodPoint& at, double outward) {
+        const auto i = static_cast<std::size_t>(at.rod);
+        const rod::RodModel& model = world.rods[i].model;
+        const rod::Place place = rod::locate(model, at.element, at.s);
+        const double angle = rods[i].kin.angle(place);
+        const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
+                         c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
+        return k / (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
+    };
+    double curvature = side(c.a, 1.0);
+    if (c.b.rod >= 0)
+        curvature += side(c.b, -1.0);
+    else if (const contact::Outline& local = world.outlines[static_cast<std::size_t>(c.outline)].local;
+             local.kind == contact::OutlineKind::Circle)
+        curvature += 1.0 / local.radius;
+    // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away further.
+    const rod::RodModel& model = world.rods[static_cast<std::size_t>(c.a.rod)].model;
+    const double length = model.elementLength(c.a.element);
+    return std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
+}
+
+void rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, double normal, bool firstIteration,
+               const contact::Candidate& c, RollingPair& pair) {
+    pair.any = true;
+    const double strength = normal * dt / relativeCurvature(world, rods, c);
+    const auto turn = [&](const contact::RodPoint& at, Rolling& rolling) {
+        const auto i = static_cast<std::size_t>(at.rod);
+        rolling.tau.resize(world.rods[i].model.dofs());
+        Eigen::Map<Eigen::RowVectorXd> row(rolling.tau.data(), rolling.tau.size());
+        rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), row);
+        rolling.c = strength;
+        rolling.lag = 0.0;
+    };
+    const auto turned = [&](std::int32_t rod, const Rolling& r) { // of the other side since the linearisation point
+        const auto i = static_cast<std::size_t>(rod);
+        const Eigen::VectorXd& v = firstIteration ? world.rods[i].v : rods[i].v;
+        return r.tau.dot(0.5 * dt * v - (rods[i].qk - world.rods[i].q));
+    };
+    turn(c.a, pair.a);
+    if (c.b.rod < 0)
+        return;
+    turn(c.b, pair.b);
+    // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
+    // force against a steady common rotation, and stable however stiff (once the stiffness about the other
+    // side's lagged rotation would be a Jacobi splitting that flips sign every step without decay).
+    const double mean = 0.5 * (turned(c.a.rod, pair.a) + turned(c.b.rod, pair.b));
+    pair.a.c = pair.b.c = 2.0 * strength;
+    pair.a.lag = pair.b.lag = mean;
+}
+
 } // namespace
 
 void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-                    bool firstIteration, const ContactStage& stage) {
+                    bool firstIteration, ContactStage& stage) {
     for (RodWork& w : rods)
-        w.rolling.clear();
-    const std::vector<std::uint64_t> present = sortedIds(stage.candidates);
-    const std::vector<LoadedPoint> samples = loadedSamples(stage.candidates, warm);
-    Eigen::RowVectorXd tau;
-    for (const contact::Candidate& c : stage.candidates) {
+        w.rollingCount = 0;
+    sortedIds(stage.candidates, stage.ids);
+    loadedSamples(stage.candidates, warm, stage.loadedPoints);
+    const std::size_t count = stage.candidates.size();
+    std::vector<RollingPair>& pairs = stage.rollingPairs;
+    pairs.resize(std::max(pairs.size(), count));
+    parallel::forEach(stage.loop, count, 64, [&](std::size_t i) {
+        pairs[i].any = false;
+        const contact::Candidate& c = stage.candidates[i];
         const contact::Feature kind = contact::featureOf(c.id);
         if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
+            return;
+        const double width = world.rods[static_cast<std::size_t>(c.a.rod)].model.elementLength(c.a.element);
+        const double normal = forceBefore(warm, stage.ids, c).normal + forceAround(stage.loadedPoints, c, width);
+        if (normal > 0.0)
+            rollingOf(world, rods, dt, normal, firstIteration, c, pairs[i]);
+    });
+    const auto hand = [&](std::int32_t rod, Rolling& rolling) { // swapped, so that nobody loses its storage
+        RodWork& w = rods[static_cast<std::size_t>(rod)];
+        if (w.rolling.size() == w.rollingCount)
+            w.rolling.emplace_back().tau.resize(rolling.tau.size());
+        std::swap(w.rolling[w.rollingCount++], rolling);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!pairs[i].any)
             continue;
-        const auto ia = static_cast<std::size_t>(c.a.rod);
-        const double width = world.rods[ia].model.elementLength(c.a.element);
-        const double normal = forceBefore(warm, present, c).normal + forceAround(samples, c, width);
-        if (normal <= 0.0)
-            continue;
-        const auto side = [&](std::size_t i, const contact::RodPoint& at, double outward) {
-            const rod::RodModel& model = world.rods[i].model;
-            const rod::Place place = rod::locate(model, at.element, at.s);
-            const double angle = rods[i].kin.angle(place);
-            const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
-                             c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
-            return k /
-                   (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
-        };
-        double curvature = side(ia, c.a, 1.0);
+        const contact::Candidate& c = stage.candidates[i];
+        hand(c.a.rod, pairs[i].a);
         if (c.b.rod >= 0)
-            curvature += side(static_cast<std::size_t>(c.b.rod), c.b, -1.0);
-        else if (const contact::Outline& local = world.outlines[static_cast<std::size_t>(c.outline)].local;
-                 local.kind == contact::OutlineKind::Circle)
-            curvature += 1.0 / local.radius;
-        // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away
-        // further.
-        const rod::RodModel& model = world.rods[ia].model;
-        const double length = model.elementLength(c.a.element);
-        curvature = std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
-        const double strength = normal * dt / curvature;
-        const auto add = [&](std::size_t i, const contact::RodPoint& at) -> Rolling& {
-            tau.resize(world.rods[i].model.dofs());
-            rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), tau);
-            rods[i].rolling.push_back({tau.transpose(), strength, 0.0});
-            return rods[i].rolling.back();
-        };
-        const auto turned = [&](std::size_t i, const Rolling& r) { // of the other side since the linearisation point
-            const Eigen::VectorXd& v = firstIteration ? world.rods[i].v : rods[i].v;
-            return r.tau.dot(0.5 * dt * v - (rods[i].qk - world.rods[i].q));
-        };
-        if (c.b.rod >= 0) {
-            const auto ib = static_cast<std::size_t>(c.b.rod);
-            rods[ib].rolling.reserve(rods[ib].rolling.size() + 2);
-            Rolling& a = add(ia, c.a);
-            Rolling& b = add(ib, c.b);
-            Rolling& first =
-                ia == ib ? rods[ia].rolling[rods[ia].rolling.size() - 2] : a; // push_back may have moved it
-            // Twice the stiffness about the mean rotation, on each side: exact when the lagged rotations are right, no
-            // force against a steady common rotation, and stable however stiff (once the stiffness about the other
-            // side's lagged rotation would be a Jacobi splitting that flips sign every step without decay).
-            const double mean = 0.5 * (turned(ia, first) + turned(ib, b));
-            first.c = b.c = 2.0 * strength;
-            first.lag = b.lag = mean;
-        } else {
-            add(ia, c.a);
-        }
+            hand(c.b.rod, pairs[i].b);
     }
 }
 
@@ -179,10 +196,10 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
         if (c.b.rod >= 0)
             put(c.b, -force);
     }
-    for (std::size_t i = 0; i < rods.size(); ++i) {
+    forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
         RodWork& w = rods[i];
         if (!w.loaded)
-            continue;
+            return;
         const rod::RodModel& model = world.rods[i].model;
         for (int side = 0; side < 2; ++side) {
             w.tension[side].resize(model.side(side).size());
@@ -194,7 +211,7 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
             }
         }
         axialStiffness(model, w, w.axial);
-    }
+    });
 }
 
 void axialStiffness(const rod::RodModel& model, const RodWork& w, Eigen::MatrixXd& out) {

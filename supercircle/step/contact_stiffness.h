@@ -21,7 +21,7 @@ namespace supercircle::step {
 
 /// Fills RodWork::rolling from the framed candidates and the normal forces known so far (`warm`).
 void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
-                    bool firstIteration, const ContactStage& stage);
+                    bool firstIteration, ContactStage& stage);
 
 /// Fills RodWork::axial from the contact forces known so far and the reactions of holds.
 void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vector<ContactImpulse>& warm,

@@ -1,7 +1,8 @@
 // The shells' side of the host: what is pulled before a frame, handed over after it, and learnt from the host's step.
 
+#include "supercircle/step/handover.h"
 #include "supercircle/step/sleep.h"
-#include "supercircle/step/stepper.h"
+#include "supercircle/step/stepper_work.h"
 
 #include <algorithm>
 #include <limits>
@@ -37,16 +38,13 @@ void takeUp(const Body& old, double frame, Body& b) {
     const BodyState &now = b.state, &seen = old.handover.seen;
     Handover& h = b.handover;
     h.unexplained = old.handover.unexplained;
-    h.unexplainedSpin = old.handover.unexplainedSpin;
-    h.acceleration = old.handover.acceleration;
-    h.angularAcceleration = old.handover.angularAcceleration;
-    if (!old.handover.coupled)
-        return;
-    if (now.velocity == seen.velocity && now.spin == seen.spin) { // else its user set it
+    h.all = old.handover.all;
+    const bool moved = now.centre != seen.centre || now.angle != seen.angle; // by its user
+    if (now.velocity == seen.velocity && now.spin == seen.spin) {
         b.state.velocity = old.state.velocity;
         b.state.spin = old.state.spin;
     }
-    if (now.centre == seen.centre && now.angle == seen.angle) { // else its user moved it
+    if (!moved) {
         h.drift = (now.centre - old.state.centre) / frame;
         h.driftSpin = (now.angle - old.state.angle) / frame;
         b.state.centre = old.state.centre;
@@ -54,18 +52,15 @@ void takeUp(const Body& old, double frame, Body& b) {
     }
 }
 
-/// The bodies of `outlines` with fresh states; driven ones keep our pose, known ones what was learnt about them.
-std::vector<Body> readBodies(const World& world, const Port& port, const std::vector<BodyOutline>& outlines,
-                             double frame) {
-    std::vector<BodyId> ids = world.machineBodies;
-    for (const BodyOutline& o : outlines)
-        ids.push_back(o.body);
-    for (const Link& l : world.links)
-        if (l.end == LinkEnd::Body)
-            ids.push_back(l.body);
+void unique(std::vector<BodyId>& ids) {
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-    std::vector<Body> bodies;
+}
+
+/// The bodies `ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about them.
+void readBodies(const World& world, const Port& port, const std::vector<BodyId>& ids, double frame,
+                std::vector<Body>& bodies) {
+    bodies.clear();
     for (const BodyId id : ids) {
         Body b;
         b.id = id;
@@ -84,7 +79,6 @@ std::vector<Body> readBodies(const World& world, const Port& port, const std::ve
         }
         bodies.push_back(b);
     }
-    return bodies;
 }
 
 bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
@@ -107,18 +101,35 @@ void Stepper::pullFromHost(World& world, const Port& port, double frame) const {
         world.gravity = g;
         wakeAll(world);
     }
-    std::vector<BodyOutline> outlines;
+    std::vector<BodyOutline>& outlines = work_->pull.outlines;
+    std::vector<BodyId>& ids = work_->pull.ids;
+    std::vector<Body>& bodies = work_->pull.bodies;
+    outlines.clear();
     if (!world.rods.empty())
         port.query(reach(world, frame), outlines);
-    std::vector<Body> bodies = readBodies(world, port, outlines, frame);
+    ids.assign(world.machineBodies.begin(), world.machineBodies.end());
+    for (const BodyOutline& o : outlines)
+        ids.push_back(o.body);
+    for (const Link& l : world.links)
+        if (l.end == LinkEnd::Body)
+            ids.push_back(l.body);
+    unique(ids);
+    world.constraints.clear();
+    port.constraints(ids, frame, world.constraints);
+    for (const HostContact& c : world.constraints.contacts)
+        ids.insert(ids.end(), {c.a, c.b});
+    for (const HostRow& r : world.constraints.rows)
+        ids.insert(ids.end(), {r.a, r.b});
+    unique(ids);
+    readBodies(world, port, ids, frame, bodies);
     std::erase_if(outlines, [&](const BodyOutline& o) {
         return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
     wakeByHost(world, bodies, outlines, frame);
     if (!sameOutlines(outlines, world.outlines) || !samePoses(bodies, world.bodies))
-        world.range.clear(); // candidates refer to outlines by index and to poses
-    world.outlines = std::move(outlines);
-    world.bodies = std::move(bodies);
+        world.range.clear();             // candidates refer to outlines by index and to poses
+    std::swap(world.outlines, outlines); // the storage of the last frame serves the next one
+    std::swap(world.bodies, bodies);
     std::erase_if(world.links, [&](const Link& l) { // as in Box2D: a body takes its joints with it
         const bool gone = l.end == LinkEnd::Body && bodyIndex(world, l.body) < 0;
         if (gone)
@@ -159,26 +170,37 @@ void Stepper::pushToHost(World& world, Port& port, double advanced) {
 }
 
 void Stepper::learnFromHost(World& world, Port& port, double advanced) {
-    for (Body& b : world.bodies) {
-        BodyState now;
-        if (!b.dynamic || !(advanced > 0.0) || !port.state(b.id, now)) {
-            b.handover.known = false;
-            continue;
-        }
+    if (!(advanced > 0.0))
+        return;
+    port.impulses(advanced, world.constraints);
+    const std::vector<BodyMotion> unsolved = unsolvedByHost(world, port, advanced);
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        Body& b = world.bodies[i];
         Handover& h = b.handover;
-        const Vec2 change = now.velocity - h.handed;
-        const double changeSpin = now.spin - h.handedSpin;
-        h.acceleration = (h.hostImpulse / now.mass + change) / advanced;
-        h.angularAcceleration = ((now.inertia > 0.0 ? h.hostTurnImpulse / now.inertia : 0.0) + changeSpin) / advanced;
-        h.unexplained = change / advanced;
-        h.unexplainedSpin = changeSpin / advanced;
+        BodyState now;
+        h.known = b.dynamic && port.state(b.id, now);
+        if (!h.known)
+            continue;
+        const Vec2 change = now.velocity - h.handed - unsolved[i].velocity;
+        const double turn = now.spin - h.handedSpin - unsolved[i].spin;
+        const BodyState& s = b.state;
+        const Vec2 expected = h.hostImpulse / s.mass;
+        const double expectedTurn = s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
+        h.all.learn((expected + change) / advanced, (expectedTurn + turn) / advanced);
+        h.unexplained.learn(h.coupled ? Vec2(change / advanced + h.unexplained.expectedLinear) : Vec2(Vec2::Zero()),
+                            h.coupled ? turn / advanced + h.unexplained.expectedAngular : 0.0);
         if (h.coupled) {
             b.state.velocity += change;
-            b.state.spin += changeSpin;
+            b.state.spin += turn;
             port.setVelocity(b.id, b.state.velocity, b.state.spin);
+        } else {
+            b.state.velocity = now.velocity;
+            b.state.spin = now.spin;
         }
-        h.known = port.state(b.id, h.seen);
+        (void)port.state(b.id, h.seen); // it answered above
     }
+    settlePlaces(world, port, unsolved, advanced);
+    world.constraints.clear(); // names the host's addresses: nothing to keep between frames
 }
 
 } // namespace supercircle::step

@@ -1,5 +1,6 @@
 #include "supercircle/step/link_stage.h"
 
+#include "supercircle/step/host_stage.h"
 #include "supercircle/step/loads.h"
 
 #include <algorithm>
@@ -57,14 +58,9 @@ bool findEnds(const World& world, const Link& l, Ends& e) {
     return moves;
 }
 
-Places placesOf(const World& world, const std::vector<RodWork>& rods, const std::vector<BodyMotion>& motion,
-                const Link& l, const Ends& e, When when, double dt) {
-    Places p;
-    const auto ia = static_cast<std::size_t>(e.rodA);
-    const rod::Place atA = rod::locate(world.rods[ia].model, l.sA);
-    const rod::Kinematics& a = kinematics(world, rods, ia, when);
-    p.a = a.point(atA);
-    p.angleA = a.angle(atA);
+/// The other end of a link; that of a rod needs its solution for the end of the step.
+void placeOther(const World& world, const std::vector<RodWork>& rods, const std::vector<BodyMotion>& motion,
+                const Link& l, const Ends& e, When when, double dt, Places& p) {
     const double ahead = when == When::Start ? 0.0 : when == When::Middle ? 0.5 * dt : dt;
     if (e.rodB >= 0) {
         const auto ib = static_cast<std::size_t>(e.rodB);
@@ -80,6 +76,17 @@ Places placesOf(const World& world, const std::vector<RodWork>& rods, const std:
     } else {
         p.b = poseAfter(world, l.target, ahead).point;
     }
+}
+
+Places placesOf(const World& world, const std::vector<RodWork>& rods, const std::vector<BodyMotion>& motion,
+                const Link& l, const Ends& e, When when, double dt) {
+    Places p;
+    const auto ia = static_cast<std::size_t>(e.rodA);
+    const rod::Place atA = rod::locate(world.rods[ia].model, l.sA);
+    const rod::Kinematics& a = kinematics(world, rods, ia, when);
+    p.a = a.point(atA);
+    p.angleA = a.angle(atA);
+    placeOther(world, rods, motion, l, e, when, dt, p);
     return p;
 }
 
@@ -115,32 +122,24 @@ void rowsOf(const World& world, const std::vector<RodWork>& rods, std::size_t i,
         return;
     }
     kin.pointRows(model, at, offset, row.normal, rod::perp(row.normal), out);
-    if (row.kind == LinkRowKind::Pull)
-        out.row(1).setZero();
 }
 
-/// Rows of a dynamic body's velocity and spin (its sign included).
-void bodyRows(const LinkRow& row, const Vec2& arm, Eigen::Index freedoms,
-              Eigen::Matrix<double, 2, Eigen::Dynamic>& out) {
-    out.setZero(2, freedoms);
+/// Rows of a dynamic body's velocity and spin in its block (its sign included).
+void bodyRows(const ContactStage& stage, const LinkRow& row, Eigen::Matrix<double, 2, Eigen::Dynamic>& out) {
+    out.setZero(2, stage.problem.bodies[static_cast<std::size_t>(row.bodyProblem)].vFree.size());
     if (row.kind == LinkRowKind::Angle) {
-        if (freedoms == 3)
-            out(0, 2) = -row.lever;
+        addToRow(stage, row.bodyB, Vec2::Zero(), -row.lever, out.row(0));
         return;
     }
     const Vec2 axis[2] = {row.normal, rod::perp(row.normal)};
-    for (int k = 0; k < (row.kind == LinkRowKind::Pull ? 1 : 2); ++k) {
-        out(k, 0) = -axis[k].x();
-        out(k, 1) = -axis[k].y();
-        if (freedoms == 3)
-            out(k, 2) = -axis[k].dot(rod::perp(arm));
-    }
+    for (int k = 0; k < 2; ++k) // a tether's tangent carries nothing, but the local law wants a regular block
+        addToRow(stage, row.bodyB, -axis[k], -axis[k].dot(rod::perp(row.armB)), out.row(k));
 }
 
 Vec2 inRow(const LinkRow& row, const Vec2& velocity, double spin) {
     if (row.kind == LinkRowKind::Angle)
         return {row.lever * spin, 0.0};
-    return {row.normal.dot(velocity), row.kind == LinkRowKind::Pull ? 0.0 : rod::perp(row.normal).dot(velocity)};
+    return {row.normal.dot(velocity), rod::perp(row.normal).dot(velocity)};
 }
 
 /// Velocity of the other end as far as it is given, in the row's own directions: exact over the step for places that
@@ -155,8 +154,9 @@ Vec2 givenVelocity(const World& world, const std::vector<RodWork>& rods, const C
         if (row.kind == LinkRowKind::Angle && !(body.state.inertia > 0.0)) // fixed rotation: its spin is no unknown
             given.x() += row.lever * body.state.spin;
     } else if (e.rodB < 0) {
-        const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
-        const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+        Places start, end;
+        placeOther(world, rods, stage.motion, l, e, When::Start, dt, start);
+        placeOther(world, rods, stage.motion, l, e, When::End, dt, end);
         given = inRow(row, (end.b - start.b) / dt, (end.angleB - start.angleB) / dt);
     }
     if (row.kind == LinkRowKind::Pull)
@@ -224,10 +224,13 @@ bool mayPull(const World& world, const std::vector<RodWork>& rods, const Contact
              const Ends& e, double dt, bool again) {
     const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
     double way = world.rods[static_cast<std::size_t>(e.rodA)].speed + l.reel;
-    if (e.rodB >= 0)
+    if (e.rodB >= 0) {
         way += world.rods[static_cast<std::size_t>(e.rodB)].speed;
-    else
-        way += (placesOf(world, rods, stage.motion, l, e, When::End, dt).b - start.b).norm() / dt;
+    } else {
+        Places end;
+        placeOther(world, rods, stage.motion, l, e, When::End, dt, end);
+        way += (end.b - start.b).norm() / dt;
+    }
     const double reach = 2.0 * dt * (way + dt * world.gravity.norm()) + 0.01 * l.length;
     if (l.length - (start.a - start.b).norm() < reach)
         return true;
@@ -281,12 +284,11 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
         };
         side(row.rodA, row.Ja, 1.0);
         side(row.rodB, row.Jb, -1.0);
-        row.bodyProblem = row.bodyB >= 0 ? stage.bodyProblemIndex[static_cast<std::size_t>(row.bodyB)] : -1;
+        row.bodyProblem = row.bodyB >= 0 ? stage.place[static_cast<std::size_t>(row.bodyB)].block : -1;
         if (row.bodyProblem >= 0) {
             const bool isFirst = out.a < 0;
             (isFirst ? out.a : out.b) = row.bodyProblem;
-            const Eigen::Index n = stage.problem.bodies[static_cast<std::size_t>(row.bodyProblem)].vFree.size();
-            bodyRows(row, row.armB, n, row.Hb);
+            bodyRows(stage, row, row.Hb);
             (isFirst ? out.Ha : out.Hb) = row.Hb;
         }
         Vec2 before = l.force;
@@ -368,7 +370,8 @@ void bookLinks(World& world, std::vector<RodWork>& rods, const ContactStage& sta
             const auto k = static_cast<std::size_t>(rod);
             u += sign * (J * rods[k].v);
             rods[k].push += sign * (J.transpose() * r);
-            rods[k].impactShare += sign * 0.5 * r.dot(J * (rods[k].v - world.rods[k].v));
+            if (row.kind == LinkRowKind::Pull) // a string that snaps taut is an impact; a joint only steers
+                rods[k].impactShare += sign * 0.5 * r.dot(J * (rods[k].v - world.rods[k].v));
         };
         side(row.rodA, row.Ja, 1.0);
         side(row.rodB, row.Jb, -1.0);

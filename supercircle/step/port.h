@@ -3,6 +3,7 @@
 // on a fake. Everything crosses it in SI units and double precision; the length scale of the host stays behind it.
 
 #include "supercircle/contact/geometry.h"
+#include "supercircle/step/host_constraints.h"
 
 #include <cstdint>
 #include <string>
@@ -12,9 +13,6 @@ namespace supercircle::step {
 
 using rod::Vec2;
 struct RigidWorldDefinition; // rigid_definition.h
-
-/// Names a body of the host across steps. Hosts reuse addresses, so an id is never a pointer; 0 is nobody.
-using BodyId = std::uint64_t;
 
 /// Momentary state of a host body.
 struct BodyState {
@@ -55,11 +53,19 @@ public:
     virtual void query(const Box& box, std::vector<BodyOutline>& out) const = 0;
     /// False when the body no longer exists.
     [[nodiscard]] virtual bool state(BodyId body, BodyState& out) const = 0;
+    /// Appends the host's own constraints on these bodies and on all dynamic ones they lead to: points of touching
+    /// contacts, rows of joints. `dt` is the coming host step, s (a soft joint's damping depends on it).
+    virtual void constraints(const std::vector<BodyId>&, double /*dt*/, HostConstraints&) const {}
+    /// After the host's step of `dt` s: fills in the impulses its solver found for constraints listed before the step.
+    virtual void impulses(double /*dt*/, HostConstraints&) const {}
     /// Adds an impulse (N s) and an angular impulse about the centre of mass (N m s); wakes the body.
     virtual void applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) = 0;
     /// Sets the velocity of the centre of mass and the spin of a dynamic body after a host step, m/s and rad/s; wakes
     /// nobody.
     virtual void setVelocity(BodyId body, const Vec2& velocity, double spin) = 0;
+    /// Moves a dynamic body after a host step without a change of velocity, as far as immovable bodies it touches let
+    /// it.
+    virtual void place(BodyId body, const Vec2& centre, double angle) = 0;
     /// Places a kinematic body for the coming host step: pose at its start and velocity through it.
     virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
     /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace supercircle::step {
 
@@ -110,11 +111,14 @@ void relineariseInMiddle(const Rod& rod, RodWork& w) {
 void freezeRod(const Rod& rod, RodWork& w) {
     w.body = -1;
     w.touching = w.loaded = false;
-    w.rolling.clear();
+    w.rollingCount = 0;
     w.C.resize(0, rod.model.dofs());
     w.moved = w.shift = w.error = 0.0;
-    if (w.frozen && w.qk == rod.q)
-        return; // known from the step before
+    // Known from the step before, if this place in the list was this rod's then: another one may have the same
+    // coordinates and other lengths or masses, or other numbers of them.
+    if (w.frozen && w.qk.size() == rod.q.size() && w.qk == rod.q && w.gauss.arm == rod.gauss.arm &&
+        w.gauss.mass == rod.gauss.mass && w.u1 == rod.u)
+        return;
     w.frozen = true;
     w.qk = w.q1 = rod.q;
     w.v.setZero(rod.model.dofs());
@@ -132,13 +136,15 @@ void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodW
     w.rhs = w.gravityForce;
     rod::addBendingForce(rod.model, rod.q, w.rhs);
     w.rhs = w.p + dt * w.rhs;
-    for (const Rolling& roll : w.rolling) {
+    for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
         w.A.noalias() += (0.5 * dt * roll.c) * roll.tau * roll.tau.transpose();
         w.rhs += roll.c * (roll.tau.dot(w.qk - rod.q) + roll.lag) * roll.tau;
     }
     if (w.loaded) {
         w.A += (0.5 * dt * dt) * w.axial;
-        w.rhs += dt * (w.axial * (w.qk - rod.q));
+        w.difference = w.qk - rod.q;
+        w.product.noalias() = w.axial * w.difference;
+        w.rhs += dt * w.product;
     }
     addLoads(rod, dt, first, w);
     evaluateHolds(world, rod, dt, w);
@@ -189,12 +195,15 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         const double step = w.q1[i] - rod.q[i];
         books.secondOrder += 0.5 * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * step * step;
     }
-    for (const Rolling& roll : w.rolling) {
+    for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
         const double rate = roll.tau.dot(w.v);
         books.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lag);
     }
-    if (w.loaded)
-        books.rollingWork -= dt * w.v.dot(w.axial * (0.5 * dt * w.v - (w.qk - rod.q)));
+    if (w.loaded) {
+        w.difference = 0.5 * dt * w.v - (w.qk - rod.q);
+        w.product.noalias() = w.axial * w.difference;
+        books.rollingWork -= dt * w.v.dot(w.product);
+    }
     if (w.C.rows() > 0) {
         const Eigen::VectorXd force = w.A * w.v - w.rhs - w.push; // = C^T (impulses of the holds)
         const Eigen::VectorXd impulse = w.C.transpose().colPivHouseholderQr().solve(force);

@@ -168,6 +168,19 @@ std::string putToSleep(World& world, std::size_t rod) {
     return {};
 }
 
+void measureRest(World& world, const Settings& settings, double h, double dt) {
+    const double farthest = settings.sleepDrift * h;
+    for (Rod& r : world.rods) {
+        const std::array<Vec2, 3> now{r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
+        const bool stayed =
+            r.rested > 0.0 && std::equal(now.begin(), now.end(), r.restPlace.begin(),
+                                         [&](const Vec2& a, const Vec2& b) { return (a - b).norm() <= farthest; });
+        if (!stayed)
+            r.restPlace = now;
+        r.rested = stayed ? r.rested + dt : dt;
+    }
+}
+
 void sleepAtRest(World& world, const Settings& settings) {
     const auto tired = [&](const Rod& r) { return !r.frozen() && r.rested >= settings.sleepAfter; };
     if (world.range.size() != world.rods.size() || std::none_of(world.rods.begin(), world.rods.end(), tired))

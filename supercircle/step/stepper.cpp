@@ -1,8 +1,9 @@
 #include "supercircle/step/stepper.h"
 
-#include "supercircle/step/attempt.h"
+#include "supercircle/step/budget.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/sleep.h"
+#include "supercircle/step/stepper_work.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,23 +23,26 @@ double thinnest(const World& world) {
     return std::isfinite(h) ? h : 1e-3;
 }
 
-/// Rods with numbers that are not finite are put back where they were last good, frozen, and no longer collide.
-void check(World& world) {
-    for (Rod& r : world.rods) {
-        if (r.quarantined || (r.q.allFinite() && r.v.allFinite()))
-            continue;
-        r.quarantined = true;
-        r.q = r.qGood;
-        r.v.setZero();
-        const double kinetic = rod::kineticEnergy(r.gauss, r.u);
-        if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
-            world.ledger.kinetic -= kinetic;
-            world.ledger.added -= kinetic;
-        }
-        refreshRod(r);
-        world.range.clear();
-        ++world.counters.quarantined;
+/// Puts a rod back where it was last good, freezes it and takes it out of collision.
+void quarantine(World& world, Rod& r) {
+    r.quarantined = true;
+    r.q = r.qGood;
+    r.v.setZero();
+    const double kinetic = rod::kineticEnergy(r.gauss, r.u);
+    if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
+        world.ledger.kinetic -= kinetic;
+        world.ledger.added -= kinetic;
     }
+    refreshRod(r);
+    world.range.clear();
+    ++world.counters.quarantined;
+}
+
+/// Rods with numbers that are not finite.
+void check(World& world) {
+    for (Rod& r : world.rods)
+        if (!r.quarantined && !(r.q.allFinite() && r.v.allFinite()))
+            quarantine(world, r);
 }
 
 /// Longest power-of-two part of the frame that is no longer than `want` seconds and than what is left.
@@ -59,11 +63,6 @@ double nextSize(const Settings& s, const Attempt& a, bool wasCut) {
 }
 
 } // namespace
-
-struct Stepper::Work {
-    Attempt attempt;
-    double lastDt = 0.0;
-};
 
 Stepper::Stepper(Settings settings) : settings_(settings), work_(std::make_unique<Work>()) {}
 Stepper::~Stepper() = default;
@@ -100,6 +99,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
     }
     startPaths(world, frame);
     work_->attempt.h = thinnest(world);
+    work_->attempt.useThreads(settings_.threads, loop);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;
 }
@@ -112,13 +112,6 @@ bool Stepper::acceptable(Verdict verdict, int cuts) const {
     return work_->attempt.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
 }
 
-/// How long each rod has rested.
-void Stepper::rest(World& world) const {
-    const double limit = settings_.sleepSpeed * work_->attempt.h;
-    for (Rod& r : world.rods)
-        r.rested = r.speed < limit ? r.rested + work_->attempt.dt : 0.0;
-}
-
 FrameOutcome Stepper::advance(World& world, double frame, Port* port,
                               const std::function<bool(const World&)>& observer) {
     FrameOutcome out;
@@ -129,8 +122,7 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
     prepare(world, frame, port);
     Attempt& attempt = work_->attempt;
     const double start = world.time;
-    const std::uint64_t budget = static_cast<std::uint64_t>(std::max(0, settings_.frameSolves));
-    const std::uint64_t solvesBefore = world.counters.solves;
+    FrameBudget budget(settings_, world);
     int cuts = 0;
     for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.late;) {
         const bool still = std::all_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.frozen(); });
@@ -143,7 +135,10 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             StageTimer timer(times_, Stage::Collide);
             attempt.collidePresent(world, settings_);
         }
-        const Verdict verdict = attempt.solve(world, settings_, times_, onSolve);
+        const Settings& settings = budget.settings();
+        const std::uint64_t solves = world.counters.solves;
+        const Verdict verdict = attempt.solve(world, settings, times_, onSolve);
+        budget.spend(world, attempt.contactsSolved, world.counters.solves - solves);
         if (verdict == Verdict::Woken)
             continue;
         const bool smallest = attempt.dt <= 2.0 * settings_.dtMin || ticks == 1 || cuts >= kGiveUp;
@@ -151,6 +146,14 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             ++world.counters.rejected;
             ++cuts;
             world.dtNext = 0.5 * attempt.dt;
+            continue;
+        }
+        if (!attempt.runaways.empty() && settings_.fixedDt <= 0.0) {
+            // Shells put into each other are pushed apart faster than any force could, and every list of contacts
+            // grows with their speed. The others go on without them.
+            for (const std::size_t i : attempt.runaways)
+                quarantine(world, world.rods[i]);
+            cuts = 0;
             continue;
         }
         const bool finite = std::all_of(attempt.rods.begin(), attempt.rods.end(),
@@ -166,14 +169,15 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             StageTimer timer(times_, Stage::Advance);
             accept(world, attempt);
         }
-        rest(world);
+        if (settings_.autoSleep)
+            measureRest(world, settings_, attempt.h, attempt.dt);
         work_->lastDt = attempt.dt;
-        world.dtNext = nextSize(settings_, attempt, cuts > 0);
+        world.dtNext = nextSize(settings, attempt, cuts > 0);
         cuts = 0;
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         out.stopped = observer && observer(world);
-        out.late = budget > 0 && left > 0 && world.counters.solves - solvesBefore >= budget;
+        out.late = left > 0 && budget.usedUp();
     }
     out.advanced = world.time - start;
     endOfFrame(world);

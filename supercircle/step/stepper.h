@@ -25,6 +25,7 @@
 // - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
 //   1/2 dt |u_new - u_old| of backward Euler, the motion of touching rods, and the true gaps after the step decide.
 
+#include "supercircle/parallel/parallel.h"
 #include "supercircle/step/world.h"
 
 #include <array>
@@ -39,12 +40,14 @@ enum class Verdict : std::uint8_t;
 struct FrameOutcome {
     double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it, it was late or failed
     bool stopped = false;  ///< the observer asked to stop
-    bool late = false;     ///< Settings::frameSolves were used up
+    bool late = false;     ///< Settings::frameWork was used up
     std::string failure;   ///< empty unless the simulation cannot go on
 };
 
 /// Wall time per stage, s.
-using StageTimes = std::array<double, static_cast<std::size_t>(Stage::Count)>;
+struct StageTimes : std::array<double, static_cast<std::size_t>(Stage::Count)> {
+    std::function<void(Stage)> onStage; ///< called when a stage begins, and with Stage::Count when it ends
+};
 
 class Stepper {
 public:
@@ -68,6 +71,9 @@ public:
     static void learnFromHost(World& world, Port& port, double advanced);
 
     [[nodiscard]] const StageTimes& times() const { return times_; }
+    /// Tells whoever measures which stage runs: at the start of every stage, and Stage::Count at its end. Must not
+    /// throw.
+    void watchStages(std::function<void(Stage)> watcher) { times_.onStage = std::move(watcher); }
     /// The contact problem of the last solve, for dumps.
     [[nodiscard]] const coulomb::Problem& lastProblem() const;
     [[nodiscard]] const std::vector<contact::Candidate>& lastCandidates() const;
@@ -75,11 +81,12 @@ public:
     [[nodiscard]] double lastDt() const;
     /// Called with every contact problem after it was solved (dumps, benchmarks); empty: nobody listens.
     std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve;
+    /// Runs the turns of a step on the host's own threads instead of Settings::threads of ours; empty: none.
+    parallel::For loop;
 
 private:
     struct Work;
     void prepare(World& world, double frame, Port* port);
-    void rest(World& world) const;
     [[nodiscard]] bool acceptable(Verdict verdict, int cuts) const;
     Settings settings_;
     std::unique_ptr<Work> work_;

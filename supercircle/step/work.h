@@ -17,6 +17,20 @@ struct Rolling {
     double lag = 0.0;    ///< rotation of the other side since the linearisation point, as far as known, rad
 };
 
+/// What one candidate adds to its rods.
+struct RollingPair {
+    bool any = false;
+    Rolling a, b;
+};
+
+/// A loaded contact point on the lower-numbered rod of its pair.
+struct LoadedPoint {
+    std::int32_t first = -1; ///< rod
+    std::int32_t other = -1; ///< rod, or -2 - outline
+    double s = 0.0;          ///< on `first`, m
+    double normal = 0.0;     ///< N
+};
+
 /// A grab inside an attempt (loads.h).
 struct GrabWork {
     Eigen::Matrix<double, 2, Eigen::Dynamic> J; ///< rows of its point
@@ -35,16 +49,17 @@ struct RodWork {
     Eigen::VectorXd p;     ///< int lambda J^T u0
     Eigen::VectorXd rhs;   ///< p + dt F(q) + rolling + axial
     Eigen::VectorXd gravityForce;
-    Eigen::MatrixXd C;    ///< hold rows, m x n (empty: free)
-    Eigen::VectorXd c;    ///< C v = c
-    Eigen::MatrixXd Z;    ///< basis of C Z = 0, n x (n - m)
-    Eigen::VectorXd vp;   ///< particular solution of C v = c
-    Eigen::VectorXd push; ///< sum of H^T r, n
-    Eigen::VectorXd v;    ///< mean velocity of the step, (q1 - q) / dt
-    Eigen::VectorXd q1;   ///< new configuration
-    rod::Kinematics kin1; ///< at q1
-    std::vector<Vec2> u1; ///< new material velocities at the linearisation point
-    std::vector<Rolling> rolling;
+    Eigen::MatrixXd C;            ///< hold rows, m x n (empty: free)
+    Eigen::VectorXd c;            ///< C v = c
+    Eigen::MatrixXd Z;            ///< basis of C Z = 0, n x (n - m)
+    Eigen::VectorXd vp;           ///< particular solution of C v = c
+    Eigen::VectorXd push;         ///< sum of H^T r, n
+    Eigen::VectorXd v;            ///< mean velocity of the step, (q1 - q) / dt
+    Eigen::VectorXd q1;           ///< new configuration
+    rod::Kinematics kin1;         ///< at q1
+    std::vector<Vec2> u1;         ///< new material velocities at the linearisation point
+    std::vector<Rolling> rolling; ///< storage; the first rollingCount belong to this linearisation
+    std::size_t rollingCount = 0;
     Eigen::VectorXd load; ///< generalised force of the applied forces, or empty
     std::vector<GrabWork> grabs;
     Eigen::Matrix<double, 2, Eigen::Dynamic> rowsOfLoad; ///< storage
@@ -60,7 +75,8 @@ struct RodWork {
     int body = -1;                  ///< index into the contact problem, -1: no candidates
     bool touching = false;
     Eigen::VectorXd vFree;
-    Eigen::LLT<Eigen::MatrixXd> llt; ///< of A, used where the rod has no contact
+    Eigen::VectorXd difference, product; ///< scratch, n
+    Eigen::LLT<Eigen::MatrixXd> llt;     ///< of A, used where the rod has no contact
 };
 
 /// One contact inside an attempt: what the problem does not carry.

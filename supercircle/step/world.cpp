@@ -15,6 +15,14 @@ const char* name(Stage stage) {
     return names[static_cast<int>(stage)];
 }
 
+void HostPush::learn(const Vec2& newLinear, double newAngular) {
+    const auto agreed = [](double a, double b) { return a * b <= 0.0 ? 0.0 : std::abs(a) < std::abs(b) ? a : b; };
+    expectedLinear = {agreed(linear.x(), newLinear.x()), agreed(linear.y(), newLinear.y())};
+    expectedAngular = agreed(angular, newAngular);
+    linear = newLinear;
+    angular = newAngular;
+}
+
 Vec2 World::machineForce() const {
     Vec2 sum = Vec2::Zero();
     for (const Body& b : bodies)
@@ -43,9 +51,11 @@ double gravityPotential(const World& world, const Rod& rod) {
 }
 
 void book(World& world, const Rod& rod, double sign) {
-    const double kinetic = rod::kineticEnergy(rod.gauss, rod.u);
-    const double bending = rod::bendingEnergy(rod.model, rod.q);
-    const double gravity = gravityPotential(world, rod);
+    // A rod that somebody spoilt takes what it owns out of the world, but must not take the books along.
+    const auto number = [](double energy) { return std::isfinite(energy) ? energy : 0.0; };
+    const double kinetic = number(rod::kineticEnergy(rod.gauss, rod.u));
+    const double bending = number(rod::bendingEnergy(rod.model, rod.q));
+    const double gravity = number(gravityPotential(world, rod));
     world.ledger.kinetic += sign * kinetic;
     world.ledger.bending += sign * bending;
     world.ledger.gravity += sign * gravity;
@@ -138,6 +148,28 @@ void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const E
     world.range.clear();
 }
 
+void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) {
+    wake(world, index);
+    Rod& rod = world.rods[index];
+    book(world, rod, -1.0);
+    const rod::RodModel& m = rod.model;
+    const double turn = angle - rod.q[m.dofTheta()], c = std::cos(turn), s = std::sin(turn);
+    const auto turned = [&](const Vec2& x) { return Vec2(c * x.x() - s * x.y(), s * x.x() + c * x.y()); };
+    rod.q[m.dofX()] = middle.x();
+    rod.q[m.dofY()] = middle.y();
+    rod.q[m.dofTheta()] = angle;
+    const Vec2 velocity = turned({rod.v[m.dofX()], rod.v[m.dofY()]});
+    rod.v[m.dofX()] = velocity.x();
+    rod.v[m.dofY()] = velocity.y();
+    rod.qGood = rod.q;
+    std::vector<Vec2> u = rod.u;
+    std::transform(u.begin(), u.end(), u.begin(), turned);
+    refreshRod(rod);
+    rod.u = u; // carried momentum is more than J v knows
+    book(world, rod, 1.0);
+    forgetContacts(world, rod.key);
+}
+
 void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse) {
     wake(world, index);
     Rod& rod = world.rods[index];
@@ -181,14 +213,19 @@ void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve) 
 }
 
 contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double angle) {
-    contact::Outline out = piece.local;
+    contact::Outline out;
+    place(piece, centre, angle, out);
+    return out;
+}
+
+void place(const BodyOutline& piece, const Vec2& centre, double angle, contact::Outline& out) {
+    out = piece.local;
     const double c = std::cos(angle), s = std::sin(angle);
     const auto put = [&](Vec2& p) { p = centre + Vec2(c * p.x() - s * p.y(), s * p.x() + c * p.y()); };
     for (Vec2& p : out.points)
         put(p);
     put(out.neighbourStart);
     put(out.neighbourEnd);
-    return out;
 }
 
 } // namespace supercircle::step

@@ -11,6 +11,7 @@
 #include "supercircle/step/ledger.h"
 #include "supercircle/step/port.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -42,29 +43,39 @@ struct Rod {
     std::uint32_t material = 0; ///< for friction of pairs, 0: none
     std::int16_t group = 0;     ///< collision group, as in Box2D; not between a shell and itself
     std::uint32_t island = 0;   ///< number of the sleeping island it is in, 0: awake
-    double rested = 0.0;        ///< how long it has been slower than Settings::sleepSpeed, s
+    double rested = 0.0; ///< how long its tips and middle have stayed within Settings::sleepDrift of `restPlace`, s
+    std::array<Vec2, 3> restPlace{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
     [[nodiscard]] bool asleep() const { return island != 0; }
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
 
+/// A mean acceleration the host gave a body, and what is expected of the coming frame: the smaller of the last two
+/// where they agree in sign, so that a blow is not taken for a force.
+struct HostPush {
+    Vec2 linear = Vec2::Zero(); ///< of the last frame, m/s^2
+    double angular = 0.0;       ///< rad/s^2
+    Vec2 expectedLinear = Vec2::Zero();
+    double expectedAngular = 0.0;
+    void learn(const Vec2& newLinear, double newAngular);
+};
+
 /// What passes between a dynamic body's copy here and the host's original (the scheme is in handover.h).
 struct Handover {
-    bool coupled = false;             ///< the copy took part in a contact problem of this frame
-    Vec2 travel = Vec2::Zero();       ///< of the copy in this frame, without drift, m
-    double turn = 0.0;                ///< rad
-    Vec2 hostImpulse = Vec2::Zero();  ///< what the host's own constraints are expected to give it in this frame, N s
-    double hostTurnImpulse = 0.0;     ///< N m s
-    Vec2 handed = Vec2::Zero();       ///< velocity the original should have after the host's step, m/s
-    double handedSpin = 0.0;          ///< rad/s
-    Vec2 drift = Vec2::Zero();        ///< velocity at which the copy closes up to the original's place, m/s
-    double driftSpin = 0.0;           ///< rad/s
-    Vec2 unexplained = Vec2::Zero();  ///< acceleration by the host beyond what was expected, last frame, m/s^2
-    double unexplainedSpin = 0.0;     ///< rad/s^2
-    Vec2 acceleration = Vec2::Zero(); ///< by all of the host's doing but gravity in the last frame, m/s^2
-    double angularAcceleration = 0.0; ///< rad/s^2
-    bool known = false;               ///< `seen` is filled
-    BodyState seen;                   ///< the original after the last frame, to notice its user's hand
+    bool coupled = false;            ///< the copy took part in a contact problem of this frame
+    double coupledTime = 0.0;        ///< for how long, s
+    Vec2 travel = Vec2::Zero();      ///< of the copy in this frame, without drift, m
+    double turn = 0.0;               ///< rad
+    Vec2 hostImpulse = Vec2::Zero(); ///< what the host's own constraints are expected to give it in this frame, N s
+    double hostTurnImpulse = 0.0;    ///< N m s
+    Vec2 handed = Vec2::Zero();      ///< velocity the original should have after the host's step, m/s
+    double handedSpin = 0.0;         ///< rad/s
+    Vec2 drift = Vec2::Zero();       ///< velocity at which the copy closes up to the original's place, m/s
+    double driftSpin = 0.0;          ///< rad/s
+    HostPush unexplained;            ///< by the host beyond its known constraints
+    HostPush all;                    ///< by all of the host's doing but gravity: for copies in no contact problem
+    bool known = false;              ///< `seen` is filled
+    BodyState seen;                  ///< the original after the last frame, to notice its user's hand
 };
 
 /// A rigid body as the shells see it during a step; double precision between two looks at the host.
@@ -96,18 +107,19 @@ struct Settings {
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
     double relinearise = 0.001;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
+    double recovery = 20.0;          ///< h/s, at which shells that were put into each other are parted
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;
     bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
     std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
     int cappedSweeps = 40;               ///< ... this many
-    bool prune = false;      ///< leave out candidates that cannot meet within the step (prune.h): for long steps
-    int frameSolves = 0;     ///< linearisations solved per frame after which it ends early; 0: as many as it takes
-    bool autoSleep = false;  ///< islands at rest fall asleep at the end of a frame (sleep.h)
-    double sleepSpeed = 0.2; ///< h/s, every point of an island must be slower
-    double sleepAfter = 0.5; ///< s, for so long
-    bool witness = false;    ///< run the independent crossing check on each step; a step that crosses is cut
+    bool prune = false;          ///< leave out candidates that cannot meet within the step (prune.h): for long steps
+    std::uint64_t frameWork = 0; ///< budget of a frame (budget.h), units of about 3 us; 0: as much as it takes
+    bool autoSleep = false;      ///< islands at rest fall asleep at the end of a frame (sleep.h)
+    double sleepDrift = 0.1;     ///< h, no farther may an island have come from where it was
+    double sleepAfter = 0.5;     ///< s ago
+    bool witness = false;        ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
 /// What the steps so far took; counts only grow.
@@ -137,6 +149,7 @@ struct World {
     std::vector<Rod> rods;
     std::vector<Body> bodies;             ///< sorted by id
     std::vector<BodyOutline> outlines;    ///< of those bodies, as pulled last
+    HostConstraints constraints;          ///< the host's own, on those bodies and their neighbours
     std::vector<ContactImpulse> impulses; ///< sorted by id
     Vec2 machineVelocity = Vec2::Zero();  ///< of everything the machine carries, m/s
     Vec2 machineTravel = Vec2::Zero();    ///< integral of it, m
@@ -173,6 +186,9 @@ void removeRod(World& world, std::size_t index);
 void changeRod(World& world, std::size_t index, const rod::RodDefinition& definition);
 /// Sets q and v; the change of energy is booked as added and its contacts are forgotten.
 void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+/// Puts the middle of a rod at a place with its tangent at an angle, shape and motion relative to itself kept; energies
+/// and contacts as placeRod.
+void moveRod(World& world, std::size_t index, const Vec2& middle, double angle);
 /// Changes the motion of a rod at once by an impulse (N s) and an angular impulse (N m s) at arc length `s`; the change
 /// of its energy is booked as work.
 void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse);
@@ -189,5 +205,7 @@ void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve);
 
 /// World-frame outline of a body piece at a pose.
 contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double angle);
+/// The same into `out`, whose storage is used again.
+void place(const BodyOutline& piece, const Vec2& centre, double angle, contact::Outline& out);
 
 } // namespace supercircle::step

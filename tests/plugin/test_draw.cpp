@@ -2,6 +2,7 @@
 
 #include "plugin/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
+#include "tests/plugin/play.h"
 #include "tests/support/tumble.h"
 
 #include <catch2/catch.hpp>
@@ -34,17 +35,6 @@ class Torn : public Paper {
 public:
     void mark(const Point&, const Colour&) override { throw std::runtime_error("torn paper"); }
 };
-
-ShellDef dome(double radius, double thickness, int elements) {
-    ShellDef d;
-    d.radius = radius;
-    d.thickness = thickness;
-    d.phi_bar = 0.5;
-    d.elements = elements;
-    d.position = {0.0, radius};
-    d.angle = M_PI;
-    return d;
-}
 
 } // namespace
 

@@ -2,6 +2,7 @@
 
 #include "plugin/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
+#include "tests/plugin/play.h"
 #include "tests/support/tumble.h"
 
 #include <catch2/catch.hpp>
@@ -13,21 +14,6 @@ using namespace supercircle::test;
 using rod::Vec2;
 
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
-/// A dome over the origin: half a circle of radius R about the origin, ends at (-R, 0) and (R, 0).
-ShellDef dome(double radius = 0.05, double thickness = 0.002, int elements = 9) {
-    ShellDef d;
-    d.radius = radius;
-    d.thickness = thickness;
-    d.phi_bar = 0.5;
-    d.elements = elements;
-    d.position = {0.0, radius};
-    d.angle = M_PI;
-    return d;
-}
 
 /// Random bends, so that no element is like another.
 ShellDef crooked(std::mt19937& random, int elements) {

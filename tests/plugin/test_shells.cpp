@@ -78,6 +78,11 @@ TEST_CASE("bad definitions are refused with a reason and change nothing", "[plug
         refused("young_modulus", [&](ShellDef& d) { d.young_modulus = bad; });
         refused("phi_bar", [&](ShellDef& d) { d.phi_bar = bad; });
     }
+    // Finite, and yet no shell: elements that turn many times over, energies that are no numbers.
+    refused("tight radius", [&](ShellDef& d) { d.radius = 1e-9, d.length = 0.1; });
+    refused("tight curl", [&](ShellDef& d) { d.curvature.assign(static_cast<std::size_t>(d.elements), 1e9); });
+    refused("speed", [&](ShellDef& d) { d.velocity.x = 1e200; });
+    refused("place", [&](ShellDef& d) { d.position.y = -1e300; });
     for (const double bad : {kNan, kInf, -kInf, -1.0})
         refused("length", [&](ShellDef& d) { d.length = bad; });
     for (const double bad : {kNan, kInf, -1.0})
@@ -162,7 +167,7 @@ TEST_CASE("bad frames are refused and change nothing", "[plugin]") {
     auto host = groundHost();
     Shells shells(host);
     const ShellHandle a = *shells.create(above(0.0, 0.1));
-    for (const double dt : {0.0, -0.1, kNan, kInf}) {
+    for (const double dt : {0.0, -0.1, 5e-324, 1e-15, kNan, kInf}) {
         const FrameReport r = shells.pre_step(dt);
         CHECK_FALSE(r.failure.empty());
         CHECK(r.advanced == 0.0);

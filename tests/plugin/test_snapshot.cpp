@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
+#include <optional>
 #include <random>
 
 using namespace supercircle;
@@ -171,8 +172,27 @@ TEST_CASE("handles after a restore: those of then are good, those of a lost futu
     REQUIRE(fresh.restore(then));
     CHECK_FALSE(fresh.valid(own));
     CHECK_FALSE(fresh.valid(a));
-    CHECK(fresh.valid(fresh.find("a")));
+    CHECK(fresh.valid(ShellHandle{a.index, a.generation, fresh.id()}));
+    CHECK(fresh.find("a") == ShellHandle{a.index, a.generation, fresh.id()});
     CHECK(fresh.list().size() == 1);
+}
+
+TEST_CASE("handles of parts of a lost future stay stale", "[plugin]") {
+    Shells shells(nullptr);
+    const ShellHandle a = *shells.create(ShellDef{});
+    const HoldHandle kept = *shells.pin(a, 0.0);
+    const Snapshot then = shells.save();
+    const HoldHandle lost = *shells.pin(a, 1.0);
+    REQUIRE(shells.restore(then));
+    CHECK(shells.valid(kept));
+    CHECK_FALSE(shells.valid(lost));
+    const HoldHandle other = *shells.pin(a, 0.7); // where the lost one would have been
+    CHECK_FALSE(shells.valid(lost));
+    CHECK(shells.valid(other));
+    Shells fresh(nullptr);
+    REQUIRE(fresh.restore(*Snapshot::from_bytes(then.bytes())));
+    CHECK_FALSE(fresh.valid(kept));
+    CHECK(fresh.valid(HoldHandle{kept.index, kept.generation, fresh.id()}));
 }
 
 TEST_CASE("rejected calls and questions leave the hash alone, accepted ones do not", "[plugin]") {
@@ -244,39 +264,71 @@ TEST_CASE("names, user data and the list of shells", "[plugin]") {
     CHECK(*shells.user_data(young) == 9);
 }
 
-TEST_CASE("a log of calls replays to the same state, observers' calls included", "[plugin]") {
+TEST_CASE("a log of calls replays to the same state, refused calls left out", "[plugin]") {
     auto host = tumbleHost();
     Shells shells(host);
     addTumblers(shells, 2);
+    const ShellHandle early = shells.list().back();
     REQUIRE(tumbleFrame(shells, *host)); // a log may begin in the middle
     const auto bodies = host->bodies;
-    shells.start_log(42);
-    ShellDef high;
-    high.position = {0.04, 0.24};
-    REQUIRE(shells.create(high));
+    REQUIRE(shells.start_log(42));
+    ShellDef d;
+    d.position = {0.04, 0.24};
+    const ShellHandle high = *shells.create(d);
+    std::optional<ShellHandle> late;
+    std::optional<HoldHandle> hold;
+    std::optional<GrabHandle> hand;
+    std::optional<ForceHandle> push;
     int stopped = 0;
     for (int f = 0; f < 120; ++f) {
-        shells.set_machine_velocity({0.0, f < 50 ? -0.1 : 0.05});
+        CHECK(shells.set_machine_velocity({0.0, f < 50 ? -0.1 : 0.05}));
+        if (f == 20)
+            hand = *shells.grab(early, {0.2, {0.0, 0.1}, 8.0, 1.0, 0.0});
+        if (f == 30)
+            CHECK(shells.destroy(shells.list().front()));
+        if (f == 40) {
+            d.position = {-0.04, 0.24};
+            d.radius = 0.01;
+            d.name = "late";
+            late = *shells.create(d);
+            push = *shells.add_force(*late, 1.0, {0.002, 0.0});
+        }
+        if (f > 45 && f < 55)
+            CHECK(shells.apply_force(high, 0.3, {0.0, 0.005}));
+        if (f == 50) {
+            CHECK(shells.move(*hand, {0.01, 0.12}));
+            CHECK(shells.set_material(*late, {.mu = 0.6, .young_modulus = {}, .density = {}, .natural_curvature = {}}));
+            CHECK(shells.set_surface(*late, 3));
+            CHECK(shells.set_surface(*shells.body("crate"), 4));
+            CHECK(shells.set_friction(3, 4, 0.1));
+        }
+        if (f == 60)
+            hold = *shells.hold(*late, 0.5, HoldKind::Clamp);
+        if (f > 60 && f < 80) {
+            DriveDef to = *shells.target(*hold);
+            to.position.y -= 1e-5;
+            CHECK(shells.drive(*hold, to));
+        }
+        if (f == 80) {
+            CHECK(shells.release(*hold));
+            CHECK(shells.release(*hand));
+            CHECK(shells.release(*push));
+            CHECK(shells.apply_impulse(*late, 0.5, {1e-5, 2e-5}));
+            CHECK(shells.join({.kind = JointKind::Tether, .shell = *late, .point = {-0.04, 0.27}, .length = 0.08}));
+        }
         int steps = 0;
         const FrameReport r = shells.pre_step(2e-3, [&] { // frames of several steps
             ++steps;
-            if (f == 30 && steps == 1)
-                shells.destroy(shells.list().front());
-            if (f == 40 && steps == 1) {
-                ShellDef d;
-                d.position = {-0.04, 0.24};
-                d.radius = 0.01;
-                d.name = "late";
-                shells.create(d);
-            }
+            CHECK_FALSE(shells.set_name(early, "not now")); // refused within a step, and not logged
+            CHECK_FALSE(shells.restore(Snapshot{}));
+            if (f == 30)
+                CHECK_FALSE(shells.destroy(high));
             return f % 7 == 3 && steps == 1;
         });
         REQUIRE(r.failure.empty());
         stopped += r.stopped ? 1 : 0;
         host->step(r.advanced);
-        shells.post_step();
-        if (f == 60)
-            CHECK(shells.hold(shells.find("late"), 0.5, HoldKind::Clamp));
+        REQUIRE(shells.post_step());
     }
     CHECK(stopped > 0);
     const auto log = CallLog::from_bytes(shells.log().bytes());
@@ -294,4 +346,5 @@ TEST_CASE("a log of calls replays to the same state, observers' calls included",
     REQUIRE(done);
     CHECK(other.hash() == shells.hash());
     CHECK(other.list().size() == shells.list().size());
+    CHECK_FALSE(Shells(nullptr).replay(*log)); // without the crate
 }

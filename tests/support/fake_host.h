@@ -72,6 +72,10 @@ public:
         bodies.at(id).state.velocity = velocity;
         bodies.at(id).state.spin = spin;
     }
+    void place(step::BodyId id, const Vec2& centre, double angle) override {
+        bodies.at(id).state.centre = centre;
+        bodies.at(id).state.angle = angle;
+    }
     void drive(step::BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) override {
         step::BodyState& s = bodies.at(id).state;
         s.centre = centre;

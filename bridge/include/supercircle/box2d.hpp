@@ -32,6 +32,8 @@ public:
 
     /// Names a body of this world, so that Shells::carry() finds it; a later body of the same name replaces it.
     void set_name(const b2Body& body, const std::string& name) const;
+    /// What Shells::join and Shells::set_surface call this body; 0 if it is not of this world.
+    [[nodiscard]] std::uint64_t body_id(const b2Body& body) const;
     /// Tells that this body is about to be destroyed. Only needed when another one, equal in type, user data, mass and
     /// fixtures, may come to its address before the next frame.
     void forget(const b2Body& body) const;

@@ -104,8 +104,9 @@ struct FilterDef {
 /// and again, which costs more than it saves; in a level full of things at rest it is worth switching on.
 struct SleepSettings {
     bool automatic = false;
-    double speed = 0.2; ///< every point of an island must be slower than this, thicknesses of the thinnest shell per s
-    double delay = 0.5; ///< for so long, s
+    double drift = 0.1; ///< no tip or middle of an island may have come farther than so many thicknesses (of the
+                        ///< thinnest shell) from where it was
+    double delay = 0.5; ///< so many seconds ago
 };
 
 } // namespace supercircle

@@ -47,7 +47,7 @@ enum class Quality : std::uint8_t {
 struct FrameReport {
     double advanced = 0.0; ///< s; less than asked for only when stopped, late or failed
     bool late = false;     ///< Quality::Game: the frame's budget was used up; the rest of dt was not simulated
-    bool stopped = false;  ///< the observer asked to stop
+    bool stopped = false;  ///< the observer asked to stop, or threw (then failure says what)
     std::string failure;   ///< empty unless the shells could not go on
     std::uint64_t steps = 0;
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance
@@ -80,8 +80,13 @@ public:
     Shells& operator=(Shells&&) noexcept;
 
     /// Selects the resolution of the numerics; at any time. Settings made through stepper() are replaced.
-    void set_quality(Quality quality);
+    Outcome set_quality(Quality quality);
     [[nodiscard]] Quality quality() const;
+    /// Quality::Game: work a frame may take, in contacts solved (about 3 us each, a shell counts four); 0: no limit. At
+    /// a quarter of it steps get coarser, at all of it the frame ends early (FrameReport::late). set_quality resets it.
+    Outcome set_frame_budget(std::uint64_t work);
+    /// Threads that pre_step may use, 1 to 256; the results do not depend on it.
+    Outcome set_threads(int threads);
 
     /// Puts a shell into the world. Fails with a reason on bad numbers.
     Result<ShellHandle> create(const ShellDef& definition);
@@ -173,7 +178,8 @@ public:
 
     /// Advances the shells by dt (s), in as many inner steps as they need, and hands impulses to the host. Call before
     /// the host's own step. `observer` sees each inner step; returning true ends the frame there (then step the host by
-    /// FrameReport::advanced).
+    /// FrameReport::advanced). Refused, with a reason and nothing changed: dt that is not a positive number or
+    /// thousands of steps long, and a pre_step from within an observer.
     FrameReport pre_step(double dt, const std::function<bool()>& observer = {});
     /// Call after the host's own step. Fails if the host does; the next pre_step then learns nothing from that step.
     Outcome post_step();
@@ -196,9 +202,8 @@ public:
     [[nodiscard]] ShellHandle find(const std::string& name) const;
     [[nodiscard]] Result<std::string> name(ShellHandle shell) const;
     [[nodiscard]] Result<std::uint64_t> user_data(ShellHandle shell) const;
-    /// False if the handle is stale.
-    bool set_name(ShellHandle shell, const std::string& name);
-    bool set_user_data(ShellHandle shell, std::uint64_t data);
+    Outcome set_name(ShellHandle shell, const std::string& name);
+    Outcome set_user_data(ShellHandle shell, std::uint64_t data);
 
     /// Where the way from `from` to `to` first enters a shell. Fails when it meets none, or its ends are not finite or
     /// the same.
@@ -224,16 +229,19 @@ public:
     /// All that the shells' future depends on, with names, user data and numerical settings (but not the number of
     /// threads, nor what an observer or the log remembers).
     [[nodiscard]] Snapshot save() const;
-    /// Puts everything back; handles of then are valid again, those of shells made since are stale for good. In other
-    /// Shells than it came from, find the shells by name or list(). Fails, and changes nothing, on a snapshot that is
-    /// empty or does not fit together, and from within an observer.
+    /// `world` of all handles these Shells give out.
+    [[nodiscard]] std::uint32_t id() const;
+    /// Puts everything back; handles of then are valid again, those of shells and parts made since are stale for good.
+    /// A snapshot read from bytes or saved by other Shells makes all handles of these stale and changes id(); handles
+    /// of then are good here once their `world` is set to the new id(). Fails, and changes nothing, on a snapshot that
+    /// is empty or does not fit together, and from within an observer.
     Outcome restore(const Snapshot& snapshot);
     /// Of all that decides the future of the shells, on every machine the same: equal states, equal hashes. Not in it:
     /// counters of the numerics, handles, names and user data.
     [[nodiscard]] std::uint64_t hash() const;
 
     /// Forgets what was logged and logs every changing call from now on; `seed` is the user's own.
-    void start_log(std::uint64_t seed = 0);
+    Outcome start_log(std::uint64_t seed = 0);
     void stop_log();
     [[nodiscard]] CallLog log() const;
     /// Makes the calls of a log again, here. `host_step(seconds)` is called where the host's own step is due, between

@@ -1,0 +1,48 @@
+// The digits of one scene, for comparing compilers, optimisation levels and machines (docs/determinism.md):
+//
+//     tests/test_fuzz '[digits]'
+//
+// prints one hash a line. Within one build the test below checks that numbers of threads do not matter.
+
+#include "plugin/include/supercircle/shells.hpp"
+#include "supercircle/step/stepper.h"
+#include "tests/support/tumble.h"
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+
+using namespace supercircle;
+using namespace supercircle::test;
+
+namespace {
+
+std::vector<std::uint64_t> tumble(int threads, Quality quality) {
+    auto host = tumbleHost();
+    Shells shells(host);
+    REQUIRE(shells.set_quality(quality));
+    shells.stepper().settings().threads = threads;
+    addTumblers(shells);
+    std::vector<std::uint64_t> hashes;
+    for (int f = 1; f <= 300; ++f) {
+        REQUIRE(tumbleFrame(shells, *host));
+        if (f % 100 == 0)
+            hashes.push_back(shells.hash());
+    }
+    return hashes;
+}
+
+} // namespace
+
+TEST_CASE("the same digits through the facade from one, two and four threads", "[fuzz]") {
+    for (const Quality quality : {Quality::Laboratory, Quality::Game}) {
+        const std::vector<std::uint64_t> one = tumble(1, quality);
+        CHECK(tumble(2, quality) == one);
+        CHECK(tumble(4, quality) == one);
+    }
+}
+
+TEST_CASE("digits to compare", "[.digits]") {
+    for (const Quality quality : {Quality::Laboratory, Quality::Game})
+        for (const std::uint64_t hash : tumble(1, quality))
+            std::printf("%016llx\n", static_cast<unsigned long long>(hash));
+}

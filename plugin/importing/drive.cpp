@@ -14,6 +14,8 @@ namespace supercircle::importing {
 
 namespace {
 
+constexpr std::size_t kMost = 500000; ///< samples that are looked at
+
 struct Line {
     double t0 = 0.0, value = 0.0, slope = 0.0; ///< value at t0
     [[nodiscard]] double at(double t) const { return value + slope * (t - t0); }
@@ -103,10 +105,11 @@ double valueAt(const Drive& drive, double t) {
     return drive.displacement[i - 1] + share * (drive.displacement[i] - drive.displacement[i - 1]);
 }
 
-double deviation(const Samples& s, const Drive& drive) {
+double deviation(const std::vector<double>& t, const std::vector<double>& d, const Drive& drive) {
     double most = 0.0;
-    for (std::size_t i = 0; i < s.t.size(); ++i)
-        most = std::max(most, std::abs(s.d[i] - valueAt(drive, s.t[i])));
+    for (std::size_t i = 0; i < t.size(); ++i)
+        if (std::isfinite(d[i]))
+            most = std::max(most, std::abs(d[i] - valueAt(drive, t[i])));
     return most;
 }
 
@@ -116,8 +119,9 @@ Line middleLine(const Samples& s, std::size_t first, std::size_t last) {
     return s.fit(first + off, last - off);
 }
 
-/// Corners where the lines of neighbouring legs cut, between the middles of the legs.
-Drive cut(const Samples& s, const std::vector<std::size_t>& bounds) {
+/// Corners where the lines of neighbouring legs cut, between the middles of the legs; lines that do not are joined by
+/// a step.
+Drive cut(const Samples& s, const std::vector<std::size_t>& bounds, double tolerance) {
     Drive drive;
     std::vector<Line> lines;
     for (std::size_t k = 0; k + 1 < bounds.size(); ++k)
@@ -129,6 +133,12 @@ Drive cut(const Samples& s, const std::vector<std::size_t>& bounds) {
         const double boundary = 0.5 * (s.t[bounds[k] - 1] + s.t[bounds[k]]);
         const double cutAt = boundary + (b.at(boundary) - a.at(boundary)) / (a.slope - b.slope);
         const bool meets = std::isfinite(cutAt) && cutAt > a.t0 && cutAt < b.t0;
+        const double before = s.t[bounds[k] - 1], after = s.t[bounds[k]];
+        if (!meets && std::abs(b.at(boundary) - a.at(boundary)) > tolerance && before > drive.time.back()) {
+            drive.time.insert(drive.time.end(), {before, after}); // a step within one row
+            drive.displacement.insert(drive.displacement.end(), {a.at(before), b.at(after)});
+            continue;
+        }
         const double t = std::max(meets ? cutAt : boundary, drive.time.back() + 1e-9);
         drive.time.push_back(t);
         drive.displacement.push_back(meets ? a.at(t) : 0.5 * (a.at(t) + b.at(t)));
@@ -156,9 +166,12 @@ void dropIdle(Drive& drive, double tolerance) {
 } // namespace
 
 Drive findDrive(const std::vector<double>& time, const std::vector<double>& displacement, double tolerance) {
+    const auto known = static_cast<std::size_t>(
+        std::count_if(displacement.begin(), displacement.end(), [](double v) { return std::isfinite(v); }));
+    const std::size_t every = known / kMost + 1; // corners are cut from lines: fewer samples find them as well
     std::vector<double> t, d;
-    for (std::size_t i = 0; i < time.size(); ++i)
-        if (std::isfinite(displacement[i])) {
+    for (std::size_t i = 0, k = 0; i < time.size(); ++i)
+        if (std::isfinite(displacement[i]) && (k++ % every == 0 || k == known)) {
             t.push_back(time[i]);
             d.push_back(displacement[i]);
         }
@@ -173,11 +186,11 @@ Drive findDrive(const std::vector<double>& time, const std::vector<double>& disp
         bounds.push_back(reach(s, bounds.back(), wanted));
     if (bounds.size() > 2 && bounds.back() - bounds[bounds.size() - 2] < 2) // a last leg of one sample is none
         bounds.erase(bounds.end() - 2);
-    Drive drive = cut(s, bounds);
+    Drive drive = cut(s, bounds, wanted);
     dropIdle(drive, wanted);
     drive.tolerance = wanted;
     drive.noise = noise;
-    drive.deviation = deviation(s, drive);
+    drive.deviation = deviation(time, displacement, drive);
     return drive;
 }
 

@@ -1,5 +1,7 @@
 #include "plugin/importing/import.h"
 
+#include "plugin/importing/judge.h"
+
 #include "plugin/record/csv.h"
 
 #include <algorithm>
@@ -79,8 +81,10 @@ void zeroForce(ImportedRun& run) {
     while (rows < touch && (*time)[rows] < kZeroWindow - 1e-9)
         ++rows;
     if (rows < 5 || rows == touch) {
-        run.remarks.push_back({Kind::Assumed, run.track.line.front(),
-                               "the force is touched within the first 0.5 s: its zero is taken as the machine has it"});
+        run.remarks.push_back(
+            {Kind::Assumed, run.track.line.front(),
+             "the specimen is touched within the first 0.5 s, or rows are too few there: the force's zero "
+             "is taken as the machine has it"});
         return;
     }
     run.forceZeroWindow = kZeroWindow;
@@ -100,9 +104,9 @@ void findMotion(ImportedRun& run, const Hints& hints) {
             firstGap = gaps++ == 0 ? i : firstGap;
         }
     if (gaps > 0)
-        run.remarks.push_back(
-            {Kind::Understood, run.track.line[firstGap],
-             std::to_string(gaps) + " gaps in the samples, the first after " + shown(time[firstGap - 1]) + " s"});
+        run.remarks.push_back({Kind::Understood, run.track.line[firstGap],
+                               std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") +
+                                   " in the samples, the first after " + shown(time[firstGap - 1]) + " s"});
     const std::vector<double>* d = run.track.find(Quantity::Displacement);
     if (d == nullptr)
         return;
@@ -112,8 +116,9 @@ void findMotion(ImportedRun& run, const Hints& hints) {
     run.drive = findDrive(time, *d, hints.driveTolerance);
     run.remarks.push_back({Kind::Understood, 0,
                            "the head moves along " + std::to_string(run.drive.time.size() - 1) +
-                               " straight legs; samples are at most " + shown(1e6 * run.drive.deviation) +
-                               " um off them (tolerance " + shown(1e6 * run.drive.tolerance) + " um)"});
+                               (run.drive.time.size() == 2 ? " straight leg" : " straight legs") +
+                               "; samples are at most " + shown(std::max(1e6 * run.drive.deviation, 1e-3)) +
+                               " um off (tolerance " + shown(1e6 * run.drive.tolerance) + " um)"});
     if (run.drive.time.size() > 200)
         run.remarks.push_back(
             {Kind::Assumed, 0, "so many legs hardly were commanded: perhaps the displacement is noisy (--tolerance)"});
@@ -137,54 +142,114 @@ bool measures(const Track& t, Quantity q) {
     return t.find(q) != nullptr;
 }
 
+/// A message about a file: "FILE:LINE:COLUMN: ..." or "FILE: ...".
+std::string about(const std::string& file, const std::string& why) {
+    const bool placed = !why.empty() && why[0] >= '0' && why[0] <= '9' && why.find(':') < 12;
+    return file + (placed ? ":" : ": ") + why;
+}
+
+std::string addMarkers(Track&& part, Imported& all) {
+    const std::string here = std::to_string(part.line.front()) + ":1: ";
+    if (all.runs.empty())
+        return here + "positions of markers without a force before them; expected the file of the run first";
+    if (!all.runs.back().markers.channels.empty())
+        return here + "these are markers again, but the run before them has its markers; expected the file of a run";
+    ImportedRun& run = all.runs.back();
+    std::vector<double>& time = *part.find(Quantity::Time);
+    const double shift = part.clockStart - run.track.clockStart, end = run.track.find(Quantity::Time)->back();
+    const double slack = 1.0 / run.rate;
+    if (time.front() + shift >= -slack && time.back() + shift <= end + slack) {
+        for (double& t : time)
+            t += shift;
+    } else {
+        run.remarks.push_back({Kind::Assumed, 0,
+                               "the clock of its markers, from " + shown(part.clockStart) +
+                                   " s on, is not that of the run" + ", from " + shown(run.track.clockStart) +
+                                   " s on: both are taken to start together"});
+        if (time.back() > end + slack)
+            run.remarks.push_back(
+                {Kind::Doubtful, 0, "the markers last " + shown(time.back()) + " s, the run " + shown(end) + " s"});
+    }
+    run.markers = std::move(part);
+    return {};
+}
+
+/// One run of a file.
+std::string addRun(Track&& part, std::size_t source, const Table& table, std::size_t runsOfFile, const Hints& hints,
+                   Imported& all) {
+    ImportedRun run;
+    run.source = source;
+    if (const std::string why = refuse(part); !why.empty())
+        return why;
+    const bool clock = measures(part, Quantity::Time);
+    if (!clock)
+        mendCounter(part, run.remarks); // a time worked out from the way needs the way as it was
+    if (const std::string why = mendTime(part, hints, table.layout.metadata, run.remarks); !why.empty())
+        return why;
+    if (clock)
+        mendCounter(part, run.remarks);
+    orient(part, hints, run.remarks);
+    run.markers = select(part, true);
+    if (run.markers.channels.size() < 2)
+        run.markers = {};
+    part.channels.erase(std::remove_if(part.channels.begin(), part.channels.end(), isMarker), part.channels.end());
+    run.track = std::move(part);
+    findMotion(run, hints);
+    zeroForce(run);
+    doubt(run, table, runsOfFile);
+    all.runs.push_back(std::move(run));
+    return {};
+}
+
+std::string missingColumn(const Track& t, const Layout& l) {
+    const std::string here = std::to_string(l.namesLine > 0 ? l.namesLine : l.firstDataLine) + ":1: ";
+    if (!measures(t, Quantity::Force) && !measures(t, Quantity::Angle))
+        return here + "there is neither a force nor an angle; name the columns with --columns " +
+               exampleOfColumns(l.columns);
+    if (measures(t, Quantity::Force) && !measures(t, Quantity::Displacement))
+        return here + "there is a force but no displacement; expected both, or say which column it is with --columns " +
+               exampleOfColumns(l.columns);
+    return {};
+}
+
 /// Runs of one file are added; a file of markers alone goes to the last run.
 std::string addFile(const std::string& file, const Hints& hints, Imported& all) {
-    const auto bytes = record::readText(file);
+    if (std::any_of(all.sources.begin(), all.sources.end(), [&](const Source& s) { return s.file == file; }))
+        return about(file, "this file is given twice");
+    auto bytes = record::readText(file);
     if (!bytes)
         return bytes.error;
-    auto text = decode(bytes.value);
-    if (!text)
-        return file + ": " + text.error;
-    auto read = readTable(text.value, hints);
-    if (!read)
-        return file + ":" + (read.error.find(":1: ") < 12 ? "" : " ") + read.error;
     Source source;
     source.file = file;
-    source.text = {{}, text.value.encoding, text.value.lineEnds};
-    source.table = std::move(read.value);
+    {
+        auto text = decode(std::move(bytes.value));
+        if (!text)
+            return about(file, text.error);
+        auto read = readTable(text.value, hints);
+        if (!read)
+            return about(file, read.error);
+        source.text = {{}, text.value.encoding, text.value.lineEnds};
+        source.table = std::move(read.value);
+    }
     Track whole = std::move(source.table.track);
     source.rows = whole.rows();
     const std::size_t index = all.sources.size();
-    std::vector<Remark> splitting;
-    std::vector<Track> parts = splitRuns(whole, splitting);
-    source.table.remarks.insert(source.table.remarks.end(), splitting.begin(), splitting.end());
     const bool onlyMarkers = !measures(whole, Quantity::Force) && !measures(whole, Quantity::Angle) &&
                              std::any_of(whole.channels.begin(), whole.channels.end(), isMarker);
+    if (!onlyMarkers)
+        if (const std::string why = missingColumn(whole, source.table.layout); !why.empty())
+            return about(file, why);
+    std::vector<Track> parts = splitRuns(std::move(whole), source.table.remarks);
     for (Track& part : parts) {
-        ImportedRun run;
-        run.source = index;
-        if (const std::string why = mendTime(part, hints, source.table.layout.metadata, run.remarks); !why.empty())
-            return file + ": " + why;
+        std::string why;
         if (onlyMarkers) {
-            if (all.runs.empty())
-                return file + ": positions of markers without a force before them; expected the file of the run first";
-            all.runs.back().markers = std::move(part);
-            continue;
+            why = mendTime(part, hints, source.table.layout.metadata, source.table.remarks);
+            why = why.empty() ? addMarkers(std::move(part), all) : why;
+        } else {
+            why = addRun(std::move(part), index, source.table, parts.size(), hints, all);
         }
-        if (!measures(part, Quantity::Force) && !measures(part, Quantity::Angle))
-            return file + ": there is neither a force nor an angle; name the columns with --columns";
-        if (measures(part, Quantity::Force) && !measures(part, Quantity::Displacement))
-            return file +
-                   ": there is a force but no displacement; expected both, or say which column it is with --columns";
-        mendCounter(part, run.remarks);
-        orient(part, hints, run.remarks);
-        run.track = select(part, false);
-        run.markers = select(part, true);
-        if (run.markers.channels.size() < 2)
-            run.markers = {};
-        findMotion(run, hints);
-        zeroForce(run);
-        all.runs.push_back(std::move(run));
+        if (!why.empty())
+            return about(file, why);
     }
     all.sources.push_back(std::move(source));
     return {};
@@ -250,7 +315,7 @@ std::string atLine(const Remark& r) {
 }
 
 void write(std::string& out, const std::vector<Remark>& remarks) {
-    for (const Kind kind : {Kind::Understood, Kind::Assumed, Kind::Mended, Kind::LeftOut})
+    for (const Kind kind : {Kind::Understood, Kind::Assumed, Kind::Doubtful, Kind::Mended, Kind::LeftOut})
         for (const Remark& r : remarks)
             if (r.kind == kind)
                 out += "  " + std::string(word(kind)) + std::string(11 - std::string(word(kind)).size(), ' ') +

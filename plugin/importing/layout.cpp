@@ -142,10 +142,16 @@ bool isUnits(const std::vector<std::string>& cells) {
     return known > 0 && 2 * known >= filled;
 }
 
+bool hasLetter(const std::string& text) {
+    return std::any_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
+    });
+}
+
 bool isNames(const std::vector<std::string>& cells, const Layout& l) {
     const std::size_t filled = static_cast<std::size_t>(
         std::count_if(cells.begin(), cells.end(), [](const std::string& c) { return !c.empty(); }));
-    return filled > 0 && 2 * numbersIn(cells, l.numbers) < filled;
+    return filled > 0 && 2 * numbersIn(cells, l.numbers) < filled && std::any_of(cells.begin(), cells.end(), hasLetter);
 }
 
 /// Up to three lines above the first row: names, units, or both, in this order or with units in the names.
@@ -185,8 +191,9 @@ bool readMetadata(std::string_view line, const Layout& l, Metadata& m) {
         text = trimmed(text.substr(1));
     if (text.empty())
         return false;
-    const std::size_t colon = text.find_first_of(":=");
-    if (colon != std::string_view::npos && colon > 0) {
+    const std::size_t colon = text.find_first_of(":="),
+                      cell = l.separator == ' ' ? text.find('\t') : text.find(l.separator);
+    if (colon != std::string_view::npos && colon > 0 && colon < cell) {
         m.key = std::string(trimmed(text.substr(0, colon)));
         std::string_view rest = trimmed(text.substr(colon + 1));
         while (!rest.empty() && (rest.back() == l.separator || rest.front() == l.separator || rest.back() == '"'))
@@ -199,6 +206,51 @@ bool readMetadata(std::string_view line, const Layout& l, Metadata& m) {
     for (std::size_t i = 1; i < cells.size(); ++i)
         m.value += (m.value.empty() || cells[i].empty() ? "" : " ") + cells[i];
     return !m.key.empty();
+}
+
+/// A last column that is nearly always empty ("remarks") is one all the same if it has a name.
+void widen(const std::vector<std::string_view>& lines, const std::vector<std::size_t>& chosen, Layout& l) {
+    if (l.separator == ' ')
+        return;
+    const std::size_t wide = l.columns + 1;
+    std::size_t rows = 0, open = 0, first = lines.size();
+    for (const std::size_t i : chosen) {
+        const std::vector<std::string> cells = cellsOf(lines[i], l.separator);
+        const bool row = 2 * numbersIn(cells, l.numbers) >= l.columns && cells.size() >= l.columns;
+        rows += row ? 1 : 0;
+        open += row && cells.size() == wide ? 1 : 0;
+        first = row ? std::min(first, i) : first;
+    }
+    if (2 * open <= rows)
+        return;
+    for (std::size_t i = first, tried = 0; i-- > 0 && tried < 3; ++tried)
+        if (const auto names = cellsOf(lines[i], l.separator); names.size() == wide && !names.back().empty()) {
+            l.columns = wide;
+            return;
+        }
+}
+
+/// A line of names above a line of as many numbers: "sample_rate, duration" over "1000, 5".
+bool readPairs(std::string_view names, std::string_view values, std::size_t valuesLine, Layout& l) {
+    for (const char separator : {'\t', ';', ','}) {
+        const std::vector<std::string> keys = cellsOf(names, separator), cells = cellsOf(values, separator);
+        if (keys.size() < 2 || keys.size() != cells.size() || !std::all_of(keys.begin(), keys.end(), hasLetter) ||
+            numbersIn(keys, l.numbers) > 0 || numbersIn(cells, l.numbers) < cells.size())
+            continue;
+        for (std::size_t c = 0; c < keys.size(); ++c)
+            l.metadata.push_back({valuesLine, keys[c], cells[c]});
+        return true;
+    }
+    return false;
+}
+
+void readHeader(const std::vector<std::string_view>& lines, std::size_t end, Layout& l) {
+    for (std::size_t i = 0; i < end; ++i) {
+        if (i + 1 < end && readPairs(lines[i], lines[i + 1], i + 2, l))
+            ++i;
+        else if (Metadata m{i + 1, {}, {}}; readMetadata(lines[i], l, m))
+            l.metadata.push_back(m);
+    }
 }
 
 } // namespace
@@ -222,6 +274,7 @@ record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
     l.separator = best.separator;
     l.numbers = best.style;
     l.columns = best.columns;
+    widen(lines, chosen, l);
     findNumericColumns(lines, chosen, l);
     const std::size_t first = firstRow(lines, l);
     if (first == lines.size())
@@ -232,10 +285,7 @@ record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
         l.names.assign(l.columns, "");
     if (l.units.empty())
         l.units.assign(l.columns, "");
-    const std::size_t headEnd = l.namesLine > 0 ? l.namesLine - 1 : first;
-    for (std::size_t i = 0; i < headEnd; ++i)
-        if (Metadata m{i + 1, {}, {}}; readMetadata(lines[i], l, m))
-            l.metadata.push_back(m);
+    readHeader(lines, l.namesLine > 0 ? l.namesLine - 1 : first, l);
     // "12.345" in every cell is a number of thousands in one country and of units in another
     const char other = best.style.decimal == '.' ? ',' : '.';
     const Trial same = attempt(lines, chosen, best.separator, other);
@@ -250,10 +300,6 @@ std::vector<std::string> cellsOf(std::string_view line, const Layout& l) {
     std::vector<std::string> cells = cellsOf(line, l.separator);
     dropLastIfEmpty(cells, l.columns);
     return cells;
-}
-
-bool repeatsHeader(const std::vector<std::string>& cells, const Layout& l) {
-    return cells == l.names || (l.unitsLine > 0 && cells == l.units);
 }
 
 const char* separatorName(char separator) {

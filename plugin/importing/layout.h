@@ -38,9 +38,6 @@ record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines);
 /// Cells of a line as the layout has them; a separator at the end of the line makes no cell.
 std::vector<std::string> cellsOf(std::string_view line, const Layout& layout);
 
-/// Whether a line repeats the names or the units of the columns.
-bool repeatsHeader(const std::vector<std::string>& cells, const Layout& layout);
-
 /// "comma", "semicolon", "tab", "blanks"
 const char* separatorName(char separator);
 

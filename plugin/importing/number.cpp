@@ -94,7 +94,7 @@ bool readClock(std::string_view text, char decimal, double& value) {
 
 Cell readCell(std::string_view cell, const NumberStyle& style, double& value, bool* grouped) {
     cell = trimmed(cell);
-    if (isMissing(cell))
+    if (cell.empty() || (!isDigit(cell.back()) && isMissing(cell))) // no word for "missing" ends with a digit
         return Cell::Missing;
     const char first = cell.front();
     const bool likely =
@@ -104,8 +104,10 @@ Cell readCell(std::string_view cell, const NumberStyle& style, double& value, bo
     if (cell.find(':') != std::string_view::npos)
         return readClock(cell, style.decimal, value) ? Cell::Number : Cell::Text;
     std::string text;
-    if (style.decimal == '.' && cell.find_first_not_of("0123456789.+-eE") == std::string_view::npos) {
-        text = cell; // the usual case, quickly
+    const std::string_view usual = style.decimal == '.' ? "0123456789.+-eE" : "0123456789,+-eE";
+    if (cell.find_first_not_of(usual) == std::string_view::npos) {
+        text = cell; // quickly
+        std::replace(text.begin(), text.end(), style.decimal, '.');
     } else {
         text = plain(cell);
         bool groups = false;

@@ -5,6 +5,7 @@
 // within one row while the clock goes on is a counter that was zeroed; the same jump with a clock that starts again is
 // another test. A jump to elsewhere is left as it is and named.
 
+#include "plugin/importing/stated.h"
 #include "plugin/importing/track.h"
 
 #include <algorithm>
@@ -75,33 +76,42 @@ void fillTimes(Track& track, std::vector<double>& time, std::vector<Remark>& rem
 }
 
 /// A clock set back goes on where it was; single rows out of order are left out.
-void mendBackwards(Track& track, std::vector<Remark>& remarks) {
+/// @return empty, or that too much of it runs back
+std::string mendBackwards(Track& track, std::vector<Remark>& remarks) {
     std::vector<double>& time = *track.find(Quantity::Time);
     const double step = usualStep(time);
     std::vector<char> gone(track.rows(), 0);
     double offset = 0.0, last = time.empty() ? 0.0 : time[0];
-    std::size_t dropped = 0;
+    Tally resets(Kind::Mended, "such resets of the clock"), dropped(Kind::LeftOut, "rows whose time is out of order");
+    std::size_t first = 0;
     for (std::size_t i = 1; i < time.size(); ++i) {
         const double now = time[i] + offset;
         if (now >= last) {
             time[i] = last = now;
             continue;
         }
+        first = first == 0 ? track.line[i] : first;
         const bool resumes = i + 1 < time.size() && time[i + 1] + offset >= last; // one row out of order
         if (last - now <= 10.0 * step && resumes) {
             gone[i] = 1;
-            ++dropped;
+            dropped.add(remarks, track.line[i],
+                        "a row whose time, " + shown(now) + " s, is before that of the row above, " + shown(last) +
+                            " s");
             continue;
         }
-        remarks.push_back(
-            {Kind::Mended, track.line[i],
-             "the clock goes back from " + shown(last) + " s to " + shown(now) + " s: it is taken as going on"});
+        resets.add(remarks, track.line[i],
+                   "the clock goes back from " + shown(last) + " s to " + shown(now) + " s: it is taken as going on");
         offset += last + step - now;
         time[i] = last = time[i] + offset;
     }
-    if (dropped > 0)
-        remarks.push_back({Kind::LeftOut, 0, std::to_string(dropped) + " rows whose time is out of order"});
+    if (const std::size_t back = resets.count() + dropped.count(); 10 * back > time.size())
+        return std::to_string(first) + ":1: the time runs back in " + std::to_string(back) + " of " +
+               std::to_string(time.size()) +
+               " rows, here first; expected a clock that runs on (is this column the time?)";
+    resets.finish(remarks);
+    dropped.finish(remarks);
     track.erase(gone);
+    return {};
 }
 
 /// Rows of equal time (a clock that ticks more slowly than the rows come) are spread to the next tick.
@@ -128,22 +138,6 @@ void spreadEqual(Track& track, std::vector<Remark>& remarks) {
         remarks.push_back({Kind::Mended, first,
                            std::to_string(equal) +
                                " rows have the time of the row before them: they are spread evenly to the next time"});
-}
-
-/// Hertz from the metadata: "sample rate: 100 Hz".
-double statedRate(const std::vector<Metadata>& metadata, std::size_t& line) {
-    for (const Metadata& m : metadata) {
-        const std::string key = folded(m.key);
-        if (key.find("rate") == std::string::npos && key.find("frequen") == std::string::npos)
-            continue;
-        double v = 0.0;
-        const std::string number = m.value.substr(0, m.value.find_first_of(" HhkK"));
-        if (folded(m.value).find("hz") != std::string::npos && readCell(number, {}, v) == Cell::Number && v > 0.0) {
-            line = m.line;
-            return v;
-        }
-    }
-    return 0.0;
 }
 
 void timeFromRate(Track& track, double rate) {
@@ -174,6 +168,8 @@ bool startsAgain(const Track& track, std::size_t begin, std::size_t i, double st
     const std::vector<double>& time = *track.find(Quantity::Time);
     if (!(time[i] < time[i - 1] - 10.0 * step))
         return false;
+    if (std::binary_search(track.breaks.begin(), track.breaks.end(), i))
+        return true;
     const bool atStart = std::abs(time[i] - time[begin]) <= 3.0 * step || std::abs(time[i]) <= 3.0 * step;
     const std::vector<double>* d = track.find(Quantity::Displacement);
     if (!atStart || d == nullptr)
@@ -182,51 +178,69 @@ bool startsAgain(const Track& track, std::size_t begin, std::size_t i, double st
     return std::abs((*d)[i] - (*d)[begin]) <= 0.02 * travel;
 }
 
+std::string timeWithoutClock(Track& track, const Hints& hints, const std::vector<Metadata>& metadata,
+                             std::vector<Remark>& remarks) {
+    const auto rate = stated(metadata, Stated::Rate), speed = stated(metadata, Stated::Speed);
+    if (hints.rate > 0.0 || rate) {
+        const double hz = hints.rate > 0.0 ? hints.rate : rate->value;
+        timeFromRate(track, hz);
+        remarks.push_back({hints.rate > 0.0 || rate->unitStated ? Kind::Understood : Kind::Assumed,
+                           hints.rate > 0.0 ? 0 : rate->line,
+                           "there is no time; rows come at " + shown(hz) + " Hz" +
+                               (hints.rate > 0.0   ? " as you say"
+                                : rate->unitStated ? " as the header says"
+                                                   : ": the header says so without a unit")});
+        return {};
+    }
+    if (track.find(Quantity::Displacement) == nullptr)
+        return std::to_string(track.line.front()) +
+               ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ";
+    const bool known = hints.speed > 0.0 || speed;
+    const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
+    timeFromSpeed(track, metresPerSecond);
+    if (track.rows() < 2)
+        return "there is no time, and the displacement never changes; expected one of them to";
+    remarks.push_back(
+        {known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
+         known ? "there is no time; the head moves at " + shown(1e3 * metresPerSecond) + " mm/s as " +
+                     (hints.speed > 0.0 ? "you say" : "the header says")
+               : "there is no time; the head is taken to move at 1 mm/s: nothing about rates can be learned (say "
+                 "better with --speed or --rate)"});
+    return {};
+}
+
 } // namespace
 
 std::string mendTime(Track& track, const Hints& hints, const std::vector<Metadata>& metadata,
                      std::vector<Remark>& remarks) {
     if (std::vector<double>* time = track.find(Quantity::Time)) {
+        const std::string here = std::to_string(track.line.front()) + ":1: ";
+        const auto known = static_cast<std::size_t>(
+            std::count_if(time->begin(), time->end(), [](double v) { return std::isfinite(v); }));
+        if (known < 2 || 2 * known < time->size())
+            return here + std::to_string(time->size() - known) + " of " + std::to_string(time->size()) +
+                   " times are missing from here on; expected at least half of them";
+        if (span(*time) == 0.0)
+            return here + "the time never changes from here on; expected a clock that runs (without a column of times, "
+                          "--rate or --speed gives them)";
         fillTimes(track, *time, remarks);
-        mendBackwards(track, remarks);
+        if (const std::string why = mendBackwards(track, remarks); !why.empty())
+            return why;
         spreadEqual(track, remarks);
         std::vector<double>& t = *track.find(Quantity::Time);
-        if (t.size() < 2)
-            return "fewer than two rows have a time";
         if (t.front() != 0.0) {
             remarks.push_back({Kind::Understood, track.line.front(),
                                "the clock starts at " + shown(t.front()) + " s, which becomes 0"});
-            for (std::size_t i = t.size(); i-- > 0;)
-                t[i] -= t.front();
+            track.clockStart = t.front();
+            for (double& v : t)
+                v -= track.clockStart;
         }
         return {};
     }
-    std::size_t line = 0;
-    const double stated = statedRate(metadata, line);
-    const std::vector<double>* d = track.find(Quantity::Displacement);
-    if (hints.rate > 0.0 || stated > 0.0) {
-        const double rate = hints.rate > 0.0 ? hints.rate : stated;
-        timeFromRate(track, rate);
-        remarks.push_back({Kind::Understood, line,
-                           "there is no time; rows come at " + shown(rate) + " Hz" +
-                               (hints.rate > 0.0 ? " as you say" : " as the header says")});
-        return {};
-    }
-    if (d == nullptr)
-        return "there is no column of times; expected one, or the rate of the rows with --rate HZ";
-    const double speed = hints.speed > 0.0 ? hints.speed : 1e-3;
-    timeFromSpeed(track, speed);
-    if (hints.speed > 0.0)
-        remarks.push_back(
-            {Kind::Understood, 0, "there is no time; the head moves at " + shown(1e3 * speed) + " mm/s as you say"});
-    else
-        remarks.push_back({Kind::Assumed, 0,
-                           "there is no time; the head is taken to move at 1 mm/s: nothing about rates can be learned "
-                           "(say better with --speed or --rate)"});
-    return {};
+    return timeWithoutClock(track, hints, metadata, remarks);
 }
 
-std::vector<Track> splitRuns(const Track& track, std::vector<Remark>& remarks) {
+std::vector<Track> splitRuns(Track&& track, std::vector<Remark>& remarks) {
     const std::vector<double>* time = track.find(Quantity::Time);
     std::vector<std::size_t> starts{0};
     if (time != nullptr) {
@@ -234,51 +248,62 @@ std::vector<Track> splitRuns(const Track& track, std::vector<Remark>& remarks) {
         for (std::size_t i = 1; i < track.rows(); ++i)
             if (startsAgain(track, starts.back(), i, step))
                 starts.push_back(i);
+    } else {
+        starts.insert(starts.end(), track.breaks.begin(), track.breaks.end());
     }
     std::vector<Track> runs;
-    for (std::size_t k = 0; k < starts.size(); ++k) {
-        const std::size_t end = k + 1 < starts.size() ? starts[k + 1] : track.rows();
-        if (k > 0)
-            remarks.push_back({Kind::Understood, track.line[starts[k]], "another run begins: the clock starts again"});
-        runs.push_back(track.part(starts[k], end));
+    for (std::size_t k = 1; k < starts.size(); ++k)
+        remarks.push_back({Kind::Understood, track.line[starts[k]],
+                           time != nullptr ? "another run begins: the clock starts again"
+                                           : "another run begins: the header is repeated"});
+    if (starts.size() == 1) {
+        runs.push_back(std::move(track));
+        return runs;
     }
+    for (std::size_t k = 0; k < starts.size(); ++k)
+        runs.push_back(track.part(starts[k], k + 1 < starts.size() ? starts[k + 1] : track.rows()));
     return runs;
 }
 
 void mendCounter(Track& track, std::vector<Remark>& remarks) {
     std::vector<double>* displacement = track.find(Quantity::Displacement);
     const std::vector<double>* time = track.find(Quantity::Time);
-    if (displacement == nullptr || time == nullptr || displacement->size() < 10)
+    if (displacement == nullptr || displacement->size() < 10)
         return;
     std::vector<double>& d = *displacement;
+    const auto clock = [&](std::size_t i) { return time != nullptr ? (*time)[i] : static_cast<double>(i); };
     std::vector<double> speeds;
+    speeds.reserve(d.size());
     for (std::size_t i = 1; i < d.size(); ++i)
-        speeds.push_back(std::abs(d[i] - d[i - 1]) / ((*time)[i] - (*time)[i - 1]));
+        speeds.push_back(std::abs(d[i] - d[i - 1]) / (clock(i) - clock(i - 1)));
     const double usual = quantile(speeds, 0.95), travel = span(d);
     double offset = 0.0;
     std::size_t last = 0;
     double lastRaw = d[0];
+    Tally zeroed(Kind::Mended, "resets of the counter"), jumps(Kind::Doubtful, "jumps of the displacement");
     for (std::size_t i = 1; i < d.size(); ++i) {
         const double raw = d[i];
         if (!std::isfinite(raw))
             continue;
-        const double jump = raw - lastRaw, gap = (*time)[i] - (*time)[last];
+        const double jump = raw - lastRaw, gap = clock(i) - clock(last);
         const bool sudden = std::abs(jump) > 20.0 * usual * gap && std::abs(jump) > 0.01 * travel;
         if (sudden && std::abs(raw) < 0.02 * travel && std::abs(lastRaw) > std::abs(raw)) {
-            const double going = last > 0 ? (d[last] - d[last - 1]) / ((*time)[last] - (*time)[last - 1]) : 0.0;
+            const double going = last > 0 ? (d[last] - d[last - 1]) / (clock(last) - clock(last - 1)) : 0.0;
             offset = d[last] + (std::isfinite(going) ? going * gap : 0.0) - raw;
-            remarks.push_back({Kind::Mended, track.line[i],
-                               "the displacement falls from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
-                                   " mm within a row: the counter was zeroed, and is taken as going on"});
+            zeroed.add(remarks, track.line[i],
+                       "the displacement falls from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
+                           " mm within a row: the counter was zeroed, and is taken as going on");
         } else if (sudden) {
-            remarks.push_back({Kind::Understood, track.line[i],
-                               "the displacement jumps from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
-                                   " mm within a row; it is left as it is"});
+            jumps.add(remarks, track.line[i],
+                      "the displacement jumps from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
+                          " mm within a row; it is left as it is");
         }
         lastRaw = raw;
         d[i] = raw + offset;
         last = i;
     }
+    zeroed.finish(remarks);
+    jumps.finish(remarks);
 }
 
 void orient(Track& track, const Hints& hints, std::vector<Remark>& remarks) {

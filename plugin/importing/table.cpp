@@ -11,7 +11,6 @@ namespace supercircle::importing {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kNamed = 3; ///< lines that are named one by one before they are only counted
 
 std::string columnText(const Table& t, std::size_t c) {
     const std::string& text = t.headings[c].text;
@@ -80,8 +79,54 @@ void guessColumns(Table& t, const std::vector<std::string_view>& lines) {
     }
 }
 
-/// The best column of every quantity becomes a channel.
-std::string chooseColumns(Table& t) {
+const char* unitsFor(Quantity q) {
+    return q == Quantity::Time    ? "s, ms, min, h"
+           : q == Quantity::Force ? "N, kN, mN, lbf, kgf"
+           : q == Quantity::Angle ? "deg, rad"
+                                  : "mm, m, in, um";
+}
+
+/// Which column is what, for the account; many markers are one line.
+void tellColumns(Table& t) {
+    const Layout& l = t.layout;
+    const auto isMarker = [&](std::size_t c) {
+        return t.headings[c].quantity == Quantity::MarkerX || t.headings[c].quantity == Quantity::MarkerY;
+    };
+    std::size_t count = 0, firstMarker = 0, lastMarker = 0;
+    for (std::size_t c = 0; c < l.columns; ++c)
+        if (t.channelOf[c] >= 0 && isMarker(c) && t.headings[c].unitStated) {
+            firstMarker = count++ == 0 ? c : firstMarker;
+            lastMarker = c;
+        }
+    std::string idle;
+    for (std::size_t c = 0; c < l.columns; ++c) {
+        const Heading& h = t.headings[c];
+        if (h.quantity == Quantity::None && !h.text.empty() && h.text != "-")
+            idle += (idle.empty() ? "column " : ", ") + std::to_string(c + 1) + " \"" + h.text + "\"";
+        if (t.channelOf[c] < 0)
+            continue;
+        if (count > 2 && lastMarker - firstMarker + 1 == count && isMarker(c) &&
+            h.unit.name == t.headings[firstMarker].unit.name) {
+            if (c == firstMarker)
+                remark(t, Remark::Kind::Understood, l.namesLine,
+                       "columns " + std::to_string(firstMarker + 1) + " to " + std::to_string(lastMarker + 1) +
+                           " hold markers, " + h.marker + " to " + t.headings[lastMarker].marker + ", x and y [" +
+                           h.unit.name + "]");
+            continue;
+        }
+        const std::string what = columnText(t, c) + " is " + name(h.quantity) +
+                                 (h.marker.empty() ? "" : " of " + h.marker) + " [" + h.unit.name + "]";
+        if (h.unitStated)
+            remark(t, Remark::Kind::Understood, l.unitsLine > 0 ? l.unitsLine : l.namesLine, what);
+        else if (l.namesLine > 0)
+            remark(t, Remark::Kind::Assumed, l.namesLine, what + ": no unit is stated");
+    }
+    if (!idle.empty())
+        remark(t, Remark::Kind::LeftOut, l.namesLine, idle + ": not needed here");
+}
+
+/// The best column of every quantity becomes a channel. An error is about column `wrong`.
+std::string chooseColumns(Table& t, std::size_t& wrong) {
     const Layout& l = t.layout;
     t.channelOf.assign(l.columns, -1);
     for (std::size_t c = 0; c < l.columns; ++c) {
@@ -92,13 +137,11 @@ std::string chooseColumns(Table& t) {
             remark(t, Remark::Kind::LeftOut, l.namesLine, columnText(t, c) + " holds no numbers");
             continue;
         }
-        if (!h.unknownUnit.empty())
+        if (!h.unknownUnit.empty()) {
+            wrong = c;
             return columnText(t, c) + ": \"" + h.unknownUnit + "\" is no unit of " + name(h.quantity) +
-                   "; expected one of " +
-                   (h.quantity == Quantity::Time    ? "s, ms, min, h"
-                    : h.quantity == Quantity::Force ? "N, kN, mN, lbf, kgf"
-                    : h.quantity == Quantity::Angle ? "deg, rad"
-                                                    : "mm, m, in, um");
+                   "; expected one of " + unitsFor(h.quantity);
+        }
         const auto same = std::find_if(t.track.channels.begin(), t.track.channels.end(), [&](const Channel& ch) {
             return ch.quantity == h.quantity && ch.marker == h.marker;
         });
@@ -117,67 +160,104 @@ std::string chooseColumns(Table& t) {
                columnText(t, wins ? other : c) + " is also a " + name(h.quantity) + "; " +
                    columnText(t, wins ? c : other) + " is taken (choose with --columns)");
     }
-    for (std::size_t c = 0; c < l.columns; ++c) {
-        if (t.channelOf[c] < 0)
-            continue;
-        const Heading& h = t.headings[c];
-        const std::string what = columnText(t, c) + " is " + name(h.quantity) +
-                                 (h.marker.empty() ? "" : " of " + h.marker) + " in " + h.unit.name;
-        if (h.unitStated)
-            remark(t, Remark::Kind::Understood, l.unitsLine > 0 ? l.unitsLine : l.namesLine, what);
-        else if (l.namesLine > 0)
-            remark(t, Remark::Kind::Assumed, l.namesLine, what + ": no unit is stated");
-    }
+    tellColumns(t);
     return {};
 }
 
-void readRows(const std::vector<std::string_view>& lines, Table& t) {
-    const Layout& l = t.layout;
-    std::size_t odd = 0, grouped = 0, headers = 0;
-    bool again = false;
-    for (std::size_t i = l.firstDataLine - 1; i < lines.size(); ++i) {
-        if (trimmed(lines[i]).empty())
-            continue;
-        const std::vector<std::string> cells = cellsOf(lines[i], l);
-        if (l.namesLine > 0 && repeatsHeader(cells, l)) {
-            headers += again ? 0 : 1;
-            if (!again)
-                remark(t, Remark::Kind::LeftOut, i + 1, "the header is repeated");
-            again = true;
-            continue;
+/// Rows as they are read: cells are views of the line wherever it has no quotes.
+class RowReader {
+public:
+    explicit RowReader(Table& t) : t_(t), row_(t.track.channels.size(), kNone) {}
+    void read(std::string_view line, std::size_t number) {
+        const Layout& l = t_.layout;
+        split(line);
+        if (isHeader()) {
+            if (!again_)
+                remark(t_, Remark::Kind::LeftOut, number, "the header is repeated");
+            again_ = true;
+            return;
         }
-        bool good = cells.size() == l.columns, group = false, any = false;
-        std::vector<double> row(t.track.channels.size(), kNone);
+        bool good = cells_.size() == l.columns, group = false, any = false;
+        std::size_t bad = 0;
         for (std::size_t c = 0; good && c < l.columns; ++c) {
-            if (t.channelOf[c] < 0)
+            if (t_.channelOf[c] < 0)
                 continue;
             double v = kNone;
-            const Cell kind = readCell(cells[c], l.numbers, v, &group);
+            const Cell kind = readCell(cells_[c], l.numbers, v, &group);
             good = kind != Cell::Text;
+            bad = c;
             any = any || kind == Cell::Number;
-            row[static_cast<std::size_t>(t.channelOf[c])] =
-                kind == Cell::Number ? v * t.headings[c].unit.factor : kNone;
+            row_[static_cast<std::size_t>(t_.channelOf[c])] =
+                kind == Cell::Number ? v * t_.headings[c].unit.factor : kNone;
         }
         if (!good || !any) {
-            if (++odd <= kNamed)
-                remark(t, Remark::Kind::LeftOut, i + 1,
-                       "\"" + std::string(lines[i].substr(0, 40)) + (lines[i].size() > 40 ? "..." : "") +
-                           "\" is no row of " + std::to_string(l.columns) + " numbers");
-            continue;
+            odd_.add(t_.remarks, number, describeOdd(line, good, bad));
+            return;
         }
-        grouped += group ? 1 : 0;
-        if (again && t.track.rows() > 0)
-            t.track.breaks.push_back(t.track.rows());
-        again = false;
-        for (std::size_t k = 0; k < row.size(); ++k)
-            t.track.channels[k].values.push_back(row[k]);
-        t.track.line.push_back(i + 1);
+        grouped_ += group ? 1 : 0;
+        if (again_ && t_.track.rows() > 0)
+            t_.track.breaks.push_back(t_.track.rows());
+        again_ = false;
+        for (std::size_t k = 0; k < row_.size(); ++k)
+            t_.track.channels[k].values.push_back(row_[k]);
+        t_.track.line.push_back(number);
     }
-    if (odd > kNamed)
-        remark(t, Remark::Kind::LeftOut, 0, std::to_string(odd - kNamed) + " more lines that are no rows of numbers");
-    if (grouped > 0)
-        remark(t, Remark::Kind::Understood, 0,
-               "groups of three digits are marked in " + std::to_string(grouped) + " rows");
+    void finish() {
+        odd_.finish(t_.remarks);
+        if (grouped_ > 0)
+            remark(t_, Remark::Kind::Understood, 0,
+                   "groups of three digits are marked in " + std::to_string(grouped_) + " rows");
+    }
+
+private:
+    void split(std::string_view line) {
+        if (line.find('"') == std::string_view::npos) {
+            splitCells(line, t_.layout.separator, cells_);
+            if (cells_.size() == t_.layout.columns + 1 && cells_.back().empty())
+                cells_.pop_back();
+            return;
+        }
+        quoted_ = cellsOf(line, t_.layout);
+        cells_.assign(quoted_.begin(), quoted_.end());
+    }
+    [[nodiscard]] bool isHeader() const {
+        const Layout& l = t_.layout;
+        const auto same = [&](const std::vector<std::string>& names) {
+            return std::equal(cells_.begin(), cells_.end(), names.begin(), names.end());
+        };
+        return (l.namesLine > 0 && same(l.names)) || (l.unitsLine > 0 && same(l.units));
+    }
+    [[nodiscard]] std::string describeOdd(std::string_view line, bool good, std::size_t bad) const {
+        const std::size_t columns = t_.layout.columns;
+        std::string shownLine(line.substr(0, 40));
+        while (line.size() > 40 && !shownLine.empty() &&
+               (static_cast<unsigned char>(line[shownLine.size()]) & 0xC0) == 0x80)
+            shownLine.pop_back(); // no half of a character
+        shownLine = "\"" + shownLine + (line.size() > 40 ? "..." : "") + "\"";
+        if (cells_.size() != columns)
+            return shownLine + " has " + std::to_string(cells_.size()) + " cells instead of " + std::to_string(columns);
+        return good ? shownLine + " holds no number" : shownLine + ": " + columnText(t_, bad) + " holds no number";
+    }
+
+    Table& t_;
+    std::vector<std::string_view> cells_;
+    std::vector<std::string> quoted_;
+    std::vector<double> row_;
+    Tally odd_{Remark::Kind::LeftOut, "lines that are no rows of numbers"};
+    std::size_t grouped_ = 0;
+    bool again_ = false;
+};
+
+void readRows(const std::vector<std::string_view>& lines, Table& t) {
+    RowReader reader(t);
+    const std::size_t most = lines.size() - (t.layout.firstDataLine - 1);
+    for (Channel& c : t.track.channels)
+        c.values.reserve(most);
+    t.track.line.reserve(most);
+    for (std::size_t i = t.layout.firstDataLine - 1; i < lines.size(); ++i)
+        if (!trimmed(lines[i]).empty())
+            reader.read(lines[i], i + 1);
+    reader.finish();
 }
 
 void describe(const Text& text, Table& t) {
@@ -189,7 +269,8 @@ void describe(const Text& text, Table& t) {
            text.encoding + ", line ends " + text.lineEnds + ", separated by " + separatorName(l.separator) +
                ", decimal mark " + (l.numbers.decimal == '.' ? "point" : "comma"));
     remark(t, Remark::Kind::Understood, 0,
-           std::to_string(l.columns) + " columns, " + heads + ", data from line " + std::to_string(l.firstDataLine));
+           std::to_string(l.columns) + (l.columns == 1 ? " column, " : " columns, ") + heads + ", data from line " +
+               std::to_string(l.firstDataLine));
     if (l.decimalAssumed)
         remark(t, Remark::Kind::Assumed, l.firstDataLine,
                std::string("every number has three digits behind its ") +
@@ -204,6 +285,8 @@ const char* word(Remark::Kind kind) {
         return "understood";
     case Remark::Kind::Assumed:
         return "assumed";
+    case Remark::Kind::Doubtful:
+        return "doubtful";
     case Remark::Kind::Mended:
         return "mended";
     case Remark::Kind::LeftOut:
@@ -256,6 +339,15 @@ void Track::erase(const std::vector<char>& gone) {
         b = place[b];
 }
 
+std::string exampleOfColumns(std::size_t columns) {
+    std::string list = columns == 1   ? "angle[deg]"
+                       : columns == 2 ? "displacement[mm],force[N]"
+                                      : "time[s],displacement[mm],force[N]";
+    for (std::size_t c = 3; c < columns; ++c)
+        list += ",-";
+    return list;
+}
+
 record::Result<Table> readTable(const Text& text, const Hints& hints) {
     using Tables = record::Result<Table>;
     const std::vector<std::string_view> lines = linesOf(text.utf8);
@@ -265,22 +357,26 @@ record::Result<Table> readTable(const Text& text, const Hints& hints) {
     Tables result;
     Table& t = result.value;
     t.layout = std::move(layout.value);
-    const std::size_t heading = std::max(t.layout.namesLine, t.layout.unitsLine);
+    const std::size_t heading =
+        t.layout.namesLine > 0 ? std::max(t.layout.namesLine, t.layout.unitsLine) : t.layout.firstDataLine;
+    std::size_t wrong = 0;
     const auto failed = [&](const std::string& why) {
-        return Tables::fail((heading > 0 ? std::to_string(heading) + ":1: " : std::string()) + why);
+        return Tables::fail(std::to_string(heading) + ":" +
+                            std::to_string(placeOf(lines[heading - 1], t.layout.separator, wrong)) + ": " + why);
     };
     describe(text, t);
     if (const std::string why = readHeadings(t, hints); !why.empty())
         return failed(why);
     guessColumns(t, lines);
-    if (const std::string why = chooseColumns(t); !why.empty())
+    if (const std::string why = chooseColumns(t, wrong); !why.empty())
         return failed(why);
     if (t.track.channels.empty()) {
         std::string names;
         for (const std::string& n : t.layout.names)
             names += (names.empty() ? "\"" : ", \"") + n + "\"";
-        return failed("no column is recognised" + (names.empty() ? "" : " among " + names) +
-                      "; expected time, displacement and force, or say which is which with --columns");
+        return failed((t.layout.namesLine == 0 ? "there are no headings" : "no column is recognised among " + names) +
+                      "; expected time, displacement and force, or say which is which with --columns " +
+                      exampleOfColumns(t.layout.columns));
     }
     readRows(lines, t);
     if (t.track.rows() < 2)

@@ -58,8 +58,10 @@ Json obstaclesOf(const std::string& protocol) {
     return all;
 }
 
-double rounded(double value, double grain) {
-    return std::round(value / grain) * grain;
+/// To a millionth: shorter to read, and far below what a machine resolves.
+double rounded(double value) {
+    const double r = std::round(value * 1e6) / 1e6;
+    return r == 0.0 ? 0.0 : r;
 }
 
 /// Break points as they are written: rests are exact rests, the first and the last one hold all samples.
@@ -72,18 +74,18 @@ Json runOf(const ImportedRun& run) {
         if (std::abs(d[i] - d[i - 1]) < run.drive.tolerance)
             d[i] = d[i - 1];
     for (std::size_t i = 0; i < d.size(); ++i) {
-        times.push_back(i == 0 || i + 1 == d.size() ? run.drive.time[i] : rounded(run.drive.time[i], 1e-6));
-        ways.push_back(rounded(1e3 * d[i], 1e-6));
+        times.push_back(rounded(run.drive.time[i]));
+        ways.push_back(rounded(1e3 * d[i]));
     }
     Json json = {{"file", run.file},
                  {"drive_time_s", times},
                  {"drive_displacement_mm", ways},
-                 {"sampling_hz", run.rate},
+                 {"sampling_hz", rounded(run.rate)},
                  {"specimen_state_at_start", "TODO: fresh or used, rested or not"}};
     if (!run.markersFile.empty()) {
         const std::vector<double>& t = *run.markers.find(Quantity::Time);
         json["markers_file"] = run.markersFile;
-        json["markers_sampling_hz"] = static_cast<double>(t.size() - 1) / (t.back() - t.front());
+        json["markers_sampling_hz"] = rounded(static_cast<double>(t.size() - 1) / (t.back() - t.front()));
     }
     return json;
 }
@@ -129,7 +131,9 @@ Json frameOf(const Imported& all, const std::string& protocol) {
 void merge(Json& into, const Json& from) {
     if (into.is_object() && from.is_object()) {
         for (const auto& [key, value] : from.items())
-            if (into.contains(key))
+            if (value.is_null())
+                continue; // not stated there either
+            else if (into.contains(key))
                 merge(into[key], value);
             else
                 into[key] = value;
@@ -142,23 +146,58 @@ void merge(Json& into, const Json& from) {
     }
 }
 
-std::string addSpecimen(Json& json, const std::string& file) {
+/// The file of the user's own statements.
+std::string readOwn(const std::string& file, Json& own) {
     const auto text = record::readText(file);
     if (!text)
         return text.error;
-    const Json own = Json::parse(text.value, nullptr, false);
-    if (own.is_discarded() || !own.is_object())
-        return file + ": this is no JSON object";
+    try {
+        own = Json::parse(text.value);
+    } catch (const Json::parse_error& e) {
+        const std::size_t at = std::min(text.value.size(), e.byte > 0 ? e.byte - 1 : 0);
+        const std::string before = text.value.substr(0, at);
+        const std::size_t line = before.rfind('\n') == std::string::npos ? 0 : before.rfind('\n') + 1;
+        return file + ":" + std::to_string(std::count(before.begin(), before.end(), '\n') + 1) + ":" +
+               std::to_string(at - line + 1) + ": this is no JSON";
+    }
+    return own.is_object() ? std::string() : file + ":1:1: this is no JSON object";
+}
+
+void addOwn(Json& json, const Json& own) {
     if (!own.contains("arc_length_m")) {
         merge(json, own);
-        return {};
+        return;
     }
     for (Json& specimen : json["specimens"]) {
         const Json id = specimen["id"];
         merge(specimen, own);
         specimen["id"] = id;
     }
-    return {};
+}
+
+bool states(const Json& own, const std::string& pointer) {
+    const Json::json_pointer at(pointer);
+    return own.contains(at) && !own[at].is_null();
+}
+
+/// What the template supposes where the user's own file says nothing.
+std::vector<std::string> supposed(const Json& json, const Json& own) {
+    std::vector<std::string> all;
+    const auto look = [&](const std::string& pointer, const std::string& inOwn) {
+        if (!states(own, inOwn))
+            all.push_back(pointer + ": " + json[Json::json_pointer(pointer)].dump());
+    };
+    look("/gravity_m_s2", "/gravity_m_s2");
+    const bool one = own.contains("arc_length_m");
+    for (std::size_t i = 0; json["specimens"].is_array() && i < json["specimens"].size(); ++i)
+        for (const char* key :
+             {"natural_curvature_rel_unc", "thickness_unc_m", "bending_modulus_rel_unc", "linear_mass_rel_unc"}) {
+            const std::string in = "/specimens/" + std::to_string(i) + "/" + key;
+            look(in, one ? "/" + std::string(key) : in);
+        }
+    look("/friction/coefficient_unc", "/friction/coefficient_unc");
+    look("/initial_gap_unc_m", "/initial_gap_unc_m");
+    return all;
 }
 
 bool isNumber(const Json& json, const char* key) {
@@ -237,8 +276,12 @@ double touchHeight(const Curve& c, const Json& json, const Curve& other, double 
         if (isNumber(o, "radius_m"))
             high += 2.0 * number(o, "radius_m");
     low = high;
-    for (int i = 0; i < 20000 && gap(c, low, json, other, otherY) > 0.0; ++i)
-        low -= std::max(c.half, 0.25 * gap(c, low, json, other, otherY));
+    const double lowest = otherY - 4.0 * size - (high - otherY);
+    for (double g = gap(c, low, json, other, otherY); g > 0.0; g = gap(c, low, json, other, otherY)) {
+        low -= std::max(c.half, 0.25 * g);
+        if (low < lowest || !(c.half > 0.0))
+            return std::nan(""); // they pass each other
+    }
     for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
         (gap(c, middle, json, other, otherY) > 0.0 ? high : low) = middle;
@@ -253,13 +296,15 @@ void workOutHeight(Json& json, const Imported& all, std::vector<std::string>& re
     if (touched == all.runs.end() || !json["obstacles"].is_array() || json["specimens"].empty())
         return;
     const auto done = [&](Json& point, double y) {
+        if (!std::isfinite(y))
+            return;
         point[1] = y;
         remarks.push_back("height of the head at displacement 0: " + shown(1e3 * y) + " mm, from the first touch at " +
                           shown(1e3 * touched->touch) + " mm of " + touched->file +
                           " and the unloaded shape; its uncertainty, initial_gap_unc_m, is yours to state");
     };
     Json& last = json["specimens"].back();
-    if (json["protocol"] == "arch_between_plates") {
+    if (json["protocol"] == "arch_between_plates" && !json["obstacles"].empty()) {
         const double length = number(last, "arc_length_m"), k = number(last, "natural_curvature_1_m"),
                      h = number(last, "thickness_m");
         Json& plate = json["obstacles"].back();
@@ -287,12 +332,13 @@ const char* expectedAt(const std::string& key) {
         {"arc_length_m", "length along the strip, m"},
         {"natural_curvature_1_m", "1 / radius of the unloaded specimen, 1/m; 0: straight"},
         {"thickness_m", "m"},
-        {"width_m", "m"},
-        {"young_modulus_Pa", "Pa (with width and thickness it gives the bending modulus)"},
-        {"bending_modulus_N_m2", "E w h^3 / 12, N m^2"},
+        {"width_m", "m (take the line out if unknown)"},
+        {"young_modulus_Pa",
+         "Pa (with width and thickness it gives the bending modulus; take the line out if unknown)"},
+        {"bending_modulus_N_m2", "E w h^3 / 12, N m^2; import works it out if --specimen gives E, w and h"},
         {"linear_mass_kg_m", "mass / length, kg/m"},
-        {"clamp", "how the specimen is held"},
-        {"obstacles", "what it is pushed against"},
+        {"clamp", "how the specimen is held; --protocol NAME fills it in"},
+        {"obstacles", "what it is pushed against; --protocol NAME fills it in"},
         {"radius_m", "m"},
         {"coefficient", "friction coefficient"},
         {"arc_fraction", "where on the specimen: 0 first end, 1 last end"},
@@ -351,6 +397,33 @@ Json sourceJson(const Source& s) {
             {"remarks", remarksJson(s.table.remarks)}};
 }
 
+record::Result<Description> fillIn(const Imported& all, const std::string& protocol, const Json& own) {
+    record::Result<Description> result;
+    Json json = frameOf(all, protocol);
+    Json taken = own;
+    if (own.contains("runs") && own["runs"].size() != all.runs.size()) {
+        taken.erase("runs");
+        result.value.remarks.push_back("the runs of the file with the specimen are not taken: there are " +
+                                       std::to_string(own["runs"].size()) + ", here " +
+                                       std::to_string(all.runs.size()));
+    }
+    addOwn(json, taken);
+    if (json["specimens"].is_array()) {
+        for (Json& s : json["specimens"])
+            workOutModuli(s, result.value.remarks);
+        workOutHeight(json, all, result.value.remarks);
+    }
+    collectTodo(json, "", result.value.todo);
+    for (std::size_t k = 0; k < all.runs.size(); ++k)
+        if (all.runs[k].track.find(Quantity::Force) == nullptr)
+            result.value.todo.push_back("/runs/" + std::to_string(k) +
+                                        "/file: this run has an angle and no force; no protocol knows such a run, "
+                                        "its table is converted all the same");
+    result.value.supposed = supposed(json, own);
+    result.value.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return result;
+}
+
 } // namespace
 
 const std::vector<std::string>& protocols() {
@@ -370,29 +443,26 @@ record::Result<Description> describe(const Imported& all, const TemplateOptions&
         return Result::fail("there is no protocol \"" + options.protocol + "\"; expected one of " + list +
                             (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
     }
-    Json own;
-    std::string protocol = options.protocol;
-    if (!options.specimenFile.empty() && protocol.empty()) { // the file may say it
-        if (const auto text = record::readText(options.specimenFile))
-            own = Json::parse(text.value, nullptr, false);
-        if (own.is_object() && own.contains("protocol") && own["protocol"].is_string())
-            protocol = own["protocol"].get<std::string>();
-        if (std::find(known.begin(), known.end(), protocol) == known.end())
-            protocol.clear();
-    }
-    Json json = frameOf(all, protocol);
+    Json own = Json::object();
     if (!options.specimenFile.empty())
-        if (const std::string why = addSpecimen(json, options.specimenFile); !why.empty())
+        if (const std::string why = readOwn(options.specimenFile, own); !why.empty())
             return Result::fail(why);
-    Result result;
-    if (json["specimens"].is_array()) {
-        for (Json& s : json["specimens"])
-            workOutModuli(s, result.value.remarks);
-        workOutHeight(json, all, result.value.remarks);
+    std::string protocol = options.protocol;
+    if (own.contains("protocol") && own["protocol"].is_string()) {
+        const std::string said = own["protocol"];
+        if (!protocol.empty() && said != protocol)
+            return Result::fail(options.specimenFile + ": /protocol: this is \"" + said + "\", but --protocol says \"" +
+                                protocol + "\"; expected one protocol");
+        if (std::find(known.begin(), known.end(), said) != known.end())
+            protocol = said;
     }
-    collectTodo(json, "", result.value.todo);
-    result.value.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    return result;
+    try {
+        return fillIn(all, protocol, own);
+    } catch (const Json::exception& e) { // a list where a number belongs, and the like
+        const std::string what = e.what();
+        return Result::fail(options.specimenFile + ": this is no part of an experiment: " +
+                            what.substr(std::min(what.size(), what.find("] ") + 2)));
+    }
 }
 
 std::string accountJson(const Imported& all, const Description& description) {
@@ -418,6 +488,7 @@ std::string accountJson(const Imported& all, const Description& description) {
     const Json json = {{"sources", sources},
                        {"runs", runs},
                        {"worked_out", description.remarks},
+                       {"supposed", description.supposed},
                        {"to_be_filled_in", description.todo}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -59,9 +59,11 @@ std::string fromUtf16(std::string_view bytes, bool bigEndian) {
     };
     for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
         std::uint32_t c = unit(i);
-        if (c >= 0xD800 && c < 0xDC00 && i + 3 < bytes.size()) {
-            c = 0x10000 + ((c - 0xD800) << 10) + (unit(i + 2) - 0xDC00);
-            i += 2;
+        if (c >= 0xD800 && c < 0xE000) { // half of a pair; one without the other is no character
+            const std::uint32_t low = c < 0xDC00 && i + 3 < bytes.size() ? unit(i + 2) : 0;
+            const bool pair = low >= 0xDC00 && low < 0xE000;
+            c = pair ? 0x10000 + ((c - 0xD800) << 10) + (low - 0xDC00) : 0xFFFD;
+            i += pair ? 2 : 0;
         }
         appendUtf8(out, c);
     }
@@ -120,7 +122,7 @@ Result<Text> refused(const std::string& what) {
 
 } // namespace
 
-Result<Text> decode(std::string_view bytes) {
+Result<Text> decode(std::string bytes) {
     Result<Text> result;
     Text& t = result.value;
     if (bytes.empty())
@@ -129,21 +131,22 @@ Result<Text> decode(std::string_view bytes) {
         return refused("this is a spreadsheet or an archive, not a text");
     if (startsWith(bytes, "\xEF\xBB\xBF")) {
         t.encoding = "UTF-8 with byte order mark";
-        t.utf8 = bytes.substr(3);
+        bytes.erase(0, 3);
+        t.utf8 = validUtf8(bytes) ? std::move(bytes) : fromWindows(bytes);
     } else if (startsWith(bytes, "\xFF\xFE")) {
         t.encoding = "UTF-16 (little-endian)";
-        t.utf8 = fromUtf16(bytes.substr(2), false);
+        t.utf8 = fromUtf16(std::string_view(bytes).substr(2), false);
     } else if (startsWith(bytes, "\xFE\xFF")) {
         t.encoding = "UTF-16 (big-endian)";
-        t.utf8 = fromUtf16(bytes.substr(2), true);
+        t.utf8 = fromUtf16(std::string_view(bytes).substr(2), true);
     } else if (const int zeros = zeroParity(bytes); zeros >= 0) {
         t.encoding = zeros == 1 ? "UTF-16 (little-endian)" : "UTF-16 (big-endian)";
         t.utf8 = fromUtf16(bytes, zeros == 0);
-    } else if (bytes.find('\0') != std::string_view::npos) {
+    } else if (bytes.find('\0') != std::string::npos) {
         return refused("there are zero bytes in it: this is not a text");
     } else if (validUtf8(bytes)) {
         t.encoding = "UTF-8";
-        t.utf8 = bytes;
+        t.utf8 = std::move(bytes); // recordings can be large
     } else {
         t.encoding = "Windows-1252";
         t.utf8 = fromWindows(bytes);
@@ -219,6 +222,42 @@ std::vector<std::string> cellsOf(std::string_view line, char separator) {
     }
     finish();
     return cells;
+}
+
+void splitCells(std::string_view line, char separator, std::vector<std::string_view>& cells) {
+    cells.clear();
+    if (separator == ' ') {
+        for (std::size_t i = 0; i < line.size();) {
+            const std::size_t from = line.find_first_not_of(" \t", i);
+            if (from == std::string_view::npos)
+                return;
+            i = std::min(line.find_first_of(" \t", from), line.size());
+            cells.push_back(line.substr(from, i - from));
+        }
+        return;
+    }
+    for (std::size_t from = 0; from <= line.size();) {
+        const std::size_t to = std::min(line.find(separator, from), line.size());
+        cells.push_back(trimmed(line.substr(from, to - from)));
+        from = to + 1;
+    }
+}
+
+std::size_t placeOf(std::string_view line, char separator, std::size_t cell) {
+    if (separator == ' ') {
+        std::vector<std::string_view> cells;
+        splitCells(line, separator, cells);
+        return cell < cells.size() ? static_cast<std::size_t>(cells[cell].data() - line.data()) + 1 : 1;
+    }
+    bool quoted = false;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (count == cell && line[i] != ' ')
+            return i + 1;
+        quoted = quoted != (line[i] == '"');
+        count += line[i] == separator && !quoted ? 1 : 0;
+    }
+    return 1;
 }
 
 std::string folded(std::string_view utf8) {

@@ -21,7 +21,7 @@ struct Text {
 /// Recognises the encoding: byte order marks, UTF-16 without one (zero bytes), valid UTF-8, else Windows-1252 (which
 /// contains Latin-1).
 /// @return the text, or why it is none (a spreadsheet, a zip, an image)
-Result<Text> decode(std::string_view bytes);
+Result<Text> decode(std::string bytes);
 
 /// Lines without their ends; "\n", "\r\n" and "\r" end one.
 std::vector<std::string_view> linesOf(std::string_view text);
@@ -32,6 +32,12 @@ std::string_view trimmed(std::string_view text);
 /// Cells of a line. ' ' separates at runs of blanks; other separators at each occurrence outside double quotes. Blanks
 /// around cells and quotes are taken off; doubled quotes inside quotes are one.
 std::vector<std::string> cellsOf(std::string_view line, char separator);
+
+/// Cells of a line without quotes, as views of it; ' ' separates at runs of blanks.
+void splitCells(std::string_view line, char separator, std::vector<std::string_view>& cells);
+
+/// Column, from 1, at which a cell (from 0) of a line begins; 1 if there is no such cell.
+std::size_t placeOf(std::string_view line, char separator, std::size_t cell);
 
 /// Lower case without accents, for comparing words: "Prüf-Kraft" gives "pruf-kraft".
 std::string folded(std::string_view utf8);

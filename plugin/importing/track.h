@@ -7,13 +7,14 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::importing {
 
-/// Something that was understood, assumed or mended.
+/// Something that was understood, assumed, doubted, mended or left out.
 struct Remark {
-    enum class Kind { Understood, Assumed, Mended, LeftOut } kind = Kind::Understood;
+    enum class Kind { Understood, Assumed, Doubtful, Mended, LeftOut } kind = Kind::Understood;
     std::size_t line = 0; ///< of the export, from 1; 0: the file as a whole
     std::string what;
 };
@@ -31,6 +32,7 @@ struct Track {
     std::vector<Channel> channels;
     std::vector<std::size_t> line;   ///< of each row, from 1
     std::vector<std::size_t> breaks; ///< rows before which the header was repeated
+    double clockStart = 0.0;         ///< s, the reading of the clock that became 0
     [[nodiscard]] std::size_t rows() const { return line.size(); }
     std::vector<double>* find(Quantity quantity);
     [[nodiscard]] const std::vector<double>* find(Quantity quantity) const;
@@ -58,16 +60,21 @@ struct Table {
     std::vector<Remark> remarks;
 };
 
-/// Reads the table of a text. Errors name line and what was expected.
+/// Names for --columns that a table of so many columns could have.
+std::string exampleOfColumns(std::size_t columns);
+
+/// Reads the table of a text. Errors name line, column and what was expected: "LINE:COLUMN: ...".
 record::Result<Table> readTable(const Text& text, const Hints& hints);
 
 /// Gives a track its times: from its column, mended (clocks set back, coarse clocks, missing times), or from rate or
-/// speed. An error if nothing tells them.
+/// speed, as hints or header have them.
+/// @return empty, or why there are no times: "LINE:1: what is wrong"
 std::string mendTime(Track& track, const Hints& hints, const std::vector<Metadata>& metadata,
                      std::vector<Remark>& remarks);
 
-/// Tests that follow each other in one file: where the clock starts again and the head stands where it started.
-std::vector<Track> splitRuns(const Track& track, std::vector<Remark>& remarks);
+/// Tests that follow each other in one file: where the clock starts again and the head stands where it started, or
+/// where the clock starts again below a repeated header (without a clock: at every repeated header).
+std::vector<Track> splitRuns(Track&& track, std::vector<Remark>& remarks);
 
 /// Takes resets of the displacement counter out.
 void mendCounter(Track& track, std::vector<Remark>& remarks);
@@ -75,6 +82,26 @@ void mendCounter(Track& track, std::vector<Remark>& remarks);
 /// Turns signs so that displacement grows towards the specimen and the force is positive while it resists; puts the
 /// start of the displacement at zero.
 void orient(Track& track, const Hints& hints, std::vector<Remark>& remarks);
+
+/// Remarks of one kind about many rows: the first few one by one, the rest as a number.
+class Tally {
+public:
+    Tally(Remark::Kind kind, std::string rest) : kind_(kind), rest_(std::move(rest)) {}
+    void add(std::vector<Remark>& remarks, std::size_t line, const std::string& what) {
+        if (++count_ <= 3)
+            remarks.push_back({kind_, line, what});
+    }
+    void finish(std::vector<Remark>& remarks) const {
+        if (count_ > 3)
+            remarks.push_back({kind_, 0, std::to_string(count_ - 3) + " more " + rest_});
+    }
+    [[nodiscard]] std::size_t count() const { return count_; }
+
+private:
+    Remark::Kind kind_;
+    std::string rest_;
+    std::size_t count_ = 0;
+};
 
 /// Short text of a number for messages.
 std::string shown(double value);

@@ -96,6 +96,16 @@ void doubtStatements(ImportedRun& run, const Table& t, double peak) {
                 " N; the rows are taken (the unit of their force is " + unitWords(t, Quantity::Force) + ")");
 }
 
+void tellMissing(ImportedRun& run, const std::vector<double>& values, std::size_t known, const char* what,
+                 const char* done) {
+    if (known == values.size())
+        return;
+    const auto first = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+    run.remarks.push_back({Kind::Mended, run.track.line[static_cast<std::size_t>(first - values.begin())],
+                           std::to_string(values.size() - known) + " of " + std::to_string(values.size()) +
+                               " values of the " + what + " are missing, here first: " + done});
+}
+
 } // namespace
 
 std::string refuse(const Track& track) {
@@ -122,6 +132,8 @@ void doubt(ImportedRun& run, const Table& t, std::size_t runsOfFile) {
     if (d == nullptr || f == nullptr)
         return;
     const Range way = rangeOf(*d), force = rangeOf(*f);
+    tellMissing(run, *f, force.known, "force", "their rows are kept without it");
+    tellMissing(run, *d, way.known, "displacement", "the straight legs stand in");
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
     doubtSizes(run, t, way.hi - way.lo, peak);
     if (runsOfFile > 1)

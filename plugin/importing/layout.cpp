@@ -201,7 +201,10 @@ bool readMetadata(std::string_view line, const Layout& l, Metadata& m) {
         m.value = std::string(rest);
         return true;
     }
-    const std::vector<std::string> cells = cellsOf(line, l.separator == ' ' ? '\t' : l.separator);
+    std::vector<std::string> cells;
+    for (const char separator : {l.separator == ' ' ? '\t' : l.separator, ';', '\t'}) // not every header is the table's
+        if (cells.size() < 2)
+            cells = cellsOf(line, separator);
     m.key = cells.front();
     for (std::size_t i = 1; i < cells.size(); ++i)
         m.value += (m.value.empty() || cells[i].empty() ? "" : " ") + cells[i];

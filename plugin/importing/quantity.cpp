@@ -308,6 +308,12 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
         h.unit = own;
         h.rank = 5;
     }
+    // a letter of a formula ("s in mm" is a way in German) is what its unit says
+    if (h.quantity == Quantity::None && words.size() == 1 && words[0].size() == 1 && !unit.empty() &&
+        h.unit.measures != Quantity::None) {
+        h.quantity = h.unit.measures;
+        h.rank = 3;
+    }
     h.unitStated = h.unit.measures != Quantity::None;
     if (h.quantity != Quantity::None && !unit.empty() && !fits(h.quantity, h.unit))
         h.unknownUnit = unit;

@@ -235,7 +235,8 @@ private:
             shownLine.pop_back(); // no half of a character
         shownLine = "\"" + shownLine + (line.size() > 40 ? "..." : "") + "\"";
         if (cells_.size() != columns)
-            return shownLine + " has " + std::to_string(cells_.size()) + " cells instead of " + std::to_string(columns);
+            return shownLine + " has " + std::to_string(cells_.size()) + (cells_.size() == 1 ? " cell" : " cells") +
+                   " instead of " + std::to_string(columns);
         return good ? shownLine + " holds no number" : shownLine + ": " + columnText(t_, bad) + " holds no number";
     }
 

@@ -62,6 +62,30 @@ TEST_CASE("import writes experiment, runs and account, and check agrees", "[impo
     CHECK_THAT(end.text, Contains("a good experiment"));
 }
 
+TEST_CASE("the worked example of docs/import.md", "[importing]") {
+    const Folder folder;
+    const std::string example = std::string(SC_SOURCE_DIR) + "/examples/import/", out = folder.path + "/out";
+    const Ending end =
+        start("import " + example + "shell_on_cylinder.csv --specimen " + example + "specimen.json --out " + out);
+    INFO(end.text);
+    REQUIRE(end.code == 0);
+    CHECK_THAT(end.text, Contains("ready: supercircle replay"));
+    const std::string page = contentOf(std::string(SC_SOURCE_DIR) + "/docs/import.md");
+    std::istringstream account(contentOf(out + "/import.txt"));
+    std::string line;
+    std::getline(account, line); // the path
+    while (std::getline(account, line))
+        CHECK_THAT(page, Contains("    " + line + "\n"));
+    // the export was written from a motion of 2 mm/s with corners at 1, 13 and 25 s, at a head 46.65 mm high; a row is
+    // 0.24 mm
+    const auto json = nlohmann::json::parse(contentOf(out + "/experiment.json"));
+    const auto times = json["runs"][0]["drive_time_s"].get<std::vector<double>>();
+    REQUIRE(times.size() == 5);
+    for (const auto& [i, t] : {std::pair{1, 1.0}, {2, 13.0}, {3, 25.0}})
+        CHECK(times[static_cast<std::size_t>(i)] == Approx(t).margin(1e-3));
+    CHECK(json["specimens"][0]["clamp"]["initial_point_m"][1].get<double>() == Approx(0.0466529).margin(0.3e-3));
+}
+
 TEST_CASE("import's exit codes", "[importing]") {
     const Folder folder;
     const std::string good = folder.write("good.csv", exported()), bad = folder.write("bad.csv", "nothing\n");

@@ -96,6 +96,21 @@ void doubtStatements(ImportedRun& run, const Table& t, double peak) {
                 " N; the rows are taken (the unit of their force is " + unitWords(t, Quantity::Force) + ")");
 }
 
+/// A force that one row alone knows of is hardly one.
+void doubtSpike(ImportedRun& run, const std::vector<double>& f, double peak) {
+    std::size_t large = 0, at = 0;
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (std::abs(f[i]) > 0.01 * peak) {
+            ++large;
+            at = i;
+        }
+    if (large == 1)
+        add(run, run.track.line[at],
+            "the force is " + shown(f[at]) +
+                " N in this row, and below a hundredth of it in all others: a glitch? (an "
+                "empty cell is passed over)");
+}
+
 void tellMissing(ImportedRun& run, const std::vector<double>& values, std::size_t known, const char* what,
                  const char* done) {
     if (known == values.size())
@@ -135,6 +150,7 @@ void doubt(ImportedRun& run, const Table& t, std::size_t runsOfFile) {
     tellMissing(run, *f, force.known, "force", "their rows are kept without it");
     tellMissing(run, *d, way.known, "displacement", "the straight legs stand in");
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
+    doubtSpike(run, *f, peak);
     doubtSizes(run, t, way.hi - way.lo, peak);
     if (runsOfFile > 1)
         return; // a header above several runs need not speak of each

@@ -191,6 +191,12 @@ TEST_CASE("statements of the header that the rows contradict are doubted", "[imp
                !Contains("doubtful"));
 }
 
+TEST_CASE("a glitch of the force is doubted", "[importing]") {
+    const std::string account =
+        accountOf(changed([](int i, double&, double&, double& force) { force = i == 150 ? 5e3 : force; }));
+    CHECK_THAT(account, Contains("doubtful   line 152: the force is 5000 N in this row, and below a hundredth of it"));
+}
+
 TEST_CASE("a noisy ramp gives few legs", "[importing]") {
     const auto all = imported(changed([](int i, double&, double& way, double&) {
         way += 0.002 * std::sin(12.9898 * i) * std::sin(78.233 * i * i); // 2 um, as a counter jitters

@@ -9,8 +9,11 @@ namespace supercircle::step {
 
 namespace {
 
-constexpr std::size_t kMostBodies = 64; ///< of the host in one problem; farther ones press with their last force
-constexpr double kStiff = 1e6;          ///< damping of a rigid row over the effective mass it acts on
+/// Of the host in one problem; farther ones press with their last force, and heaps do not stand on that: with a limit
+/// of 64 one of 109 crates kept moving at 0.9 m/s, whole it rests within 1e-6 m/s at the same cost. The bound is for
+/// groups that joints hold together: their block is dense.
+constexpr std::size_t kMostBodies = 256;
+constexpr double kStiff = 1e6; ///< damping of a rigid row over the effective mass it acts on
 
 /// A body of fixed rotation has translations only.
 int freedomsOf(const Body& body) {

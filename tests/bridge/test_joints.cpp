@@ -267,15 +267,15 @@ TEST_CASE("every joint of Box2D stays closed and quiet on a body that a shell ca
     }
 }
 
-TEST_CASE("a heap of more bodies than one problem takes stays where it is", "[bridge]") {
+TEST_CASE("a heap of 72 crates on shells comes to rest", "[bridge]") {
     std::size_t coupled = 0;
     const Seen s = heap(9, 8, kDt, 1.0, &coupled);
     CAPTURE(s.gap / kThick, s.jitter, s.growth, coupled);
     CHECK(s.finite);
-    CHECK(coupled >= 64);
-    CHECK(coupled < 73);
+    CHECK(coupled == 73); // all of them, and the plank: with a part of them it kept moving at 0.15 m/s
     CHECK(s.gap < 0.1 * kThick);
-    CHECK(s.growth < 1e-3);
+    CHECK(s.jitter < 1e-3);
+    CHECK(s.growth < 1e-3); // they meet overlapping after a fall of some hundredths of h
 }
 
 TEST_CASE("figures of joints on loaded bodies", "[.joints]") {

@@ -56,8 +56,8 @@ void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
 
 template <class Ar>
 void io(Ar& ar, Is<effects::AdhesionModel> auto& m) {
-    auto& [law, force, range] = m;
-    ar(law, force, range);
+    auto& [law, force, range, spots] = m;
+    ar(law, force, range, spots);
 }
 
 template <class Ar>

@@ -38,9 +38,9 @@ struct ContactStage {
     std::vector<ContactWork> work;
     std::vector<PullWork> pulls;           ///< of adhesion
     std::map<std::uint64_t, double> slips; ///< by contact id: speed the friction was taken at, m/s (friction_state.h)
-    std::vector<int> bodyProblemIndex; ///< per World::bodies, -1: not in the problem
-    std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
-    std::vector<LinkRow> linkRows;     ///< storage; the first linkCount belong to this attempt
+    std::vector<int> bodyProblemIndex;     ///< per World::bodies, -1: not in the problem
+    std::vector<BodyMotion> motion;        ///< per World::bodies: as predicted, then as solved
+    std::vector<LinkRow> linkRows;         ///< storage; the first linkCount belong to this attempt
     std::size_t linkCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
     double overlap = 0.0;                                          ///< deeper overlaps are not closed at once, m
@@ -88,6 +88,9 @@ void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& fu
 /// Solves, and puts the new velocities into rods (contact-free ones get their free velocity) and into stage.motion.
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage);
+
+/// Give of a contact, m/N along (n, t): that of the rods in it, mean of both.
+Vec2 giveOf(const World& world, const contact::Candidate& candidate);
 
 /// Impulses of the stage by contact id, as mean forces.
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out);

@@ -342,8 +342,8 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     });
     coupleLinks(world, rods, dt, stage);
-    addGive(world, dt, world.impulses, stage);
     addHostContacts(world, dt, stage);
+    addGive(world, dt, world.impulses, stage); // last: it widens the rows of all contacts
 }
 
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,

@@ -22,6 +22,9 @@ void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::
 void readNumerics(Context& context, ObjectReader& top, Numerics& out);
 void readReport(Context& context, ObjectReader& top, Report& out);
 
+/// game; bodies must have been read.
+void readGame(Context& context, ObjectReader& top, const Scene& scene, std::optional<Game>& out);
+
 /// Names of the scene's pictures and summaries.
 const std::vector<std::string>& reportKinds();
 

@@ -80,6 +80,13 @@ const std::vector<Rule>& rules() {
          {"Eigen/", "tbb/"},
          {},
          true},
+        // Games see the public headers and their frame; the frame draws with report's canvas and reads levels with the
+        // scenes' reader, so that a level is checked like any scene and a window shows what a PNG file has.
+        {"examples/frame/",
+         {"examples/frame/", "plugin/include/", "plugin/report/", "plugin/scene/", "bridge/"},
+         {"Eigen/", "box2d/"},
+         {"CLI/", "GLFW/", "GL/"},
+         true},
         {"examples/", {"examples/", "plugin/include/", "bridge/"}, {"Eigen/", "box2d/"}, {}, true},
     };
     return kRules;

@@ -121,6 +121,13 @@ TEST_CASE("schema and loader refuse the same files") {
         R"({"body": [{"angle": "12"}]})",
         R"({"numerics": {"dt_max": 0}})",
         R"({"report": {"kind": "pie"}})",
+        R"({"game": []})",
+        R"({"game": {"kind": "chess", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "lander", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": []}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [0], "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": [{"name": "p", "colour": "red"}]}, "body": [{"name": "a", "type": 2}]})",
     };
     for (const char* text : files) {
         INFO(text);
@@ -139,6 +146,7 @@ TEST_CASE("schema and loader accept the same files") {
         R"({"shell": [{"radius": "infinite", "length": 0.1, "natural_curvature": 2, "curvature": 1}]})",
         R"({"shell": [{"elements": 2, "natural_curvature": [1, {"expr": "2"}]}]})",
         R"({"protocol": {"moves": [{"repeat": 2, "cycle": true, "moves": [{"settle": 1}, {"hold": 0}]}]}})",
+        R"({"body": [{"name": "a", "type": 2}], "game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": [{"name": "p", "colour": "#aAbb09"}]}})",
         R"({"body": [{"fixture": [{"loop": {"vertices": {"x": [0, 1, 1], "y": [0, 0, 1]}}}]}]})",
     };
     for (const char* text : files) {
@@ -150,7 +158,9 @@ TEST_CASE("schema and loader accept the same files") {
 
 TEST_CASE("the guide names every key of the schema, and its first scene loads") {
     std::ifstream in(std::string(SC_SOURCE_DIR) + "/docs/scenes.md");
-    const std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    std::ifstream levels(std::string(SC_SOURCE_DIR) + "/docs/levels.md"); // the section "game" has a page of its own
+    guide.append(std::istreambuf_iterator<char>(levels), std::istreambuf_iterator<char>());
     std::vector<std::string> keys;
     collectKeys(readJson(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json"), keys);
     CHECK(keys.size() > 100);

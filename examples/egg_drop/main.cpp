@@ -1,6 +1,7 @@
 // Egg drop: fill a crate with shells, then let the egg fall on them from rising heights. What the egg feels decides;
 // the bars show where its energy went.
 
+#include "examples/frame/feel.h"
 #include "examples/frame/game.h"
 
 #include <box2d/box2d.h>
@@ -12,7 +13,7 @@ namespace supercircle::frame {
 
 namespace {
 
-constexpr double kG = 9.81;
+constexpr double kG = Feel::kG;
 constexpr double kRest = 0.15;     ///< m/s: a bed or an egg slower than this is at rest ...
 constexpr int kRestSteps = 30;     ///< ... after so many steps
 constexpr int kLongestFall = 480;  ///< steps a drop is watched at most
@@ -26,8 +27,7 @@ public:
             return "there is no egg";
         money_ = stage.game().budget;
         radius_ = eggRadius();
-        raise(stage);
-        stage.shells().set_event_settings({.snap_energy = 0.05});
+        raise();
         return {};
     }
 
@@ -59,7 +59,9 @@ public:
                 end(Verdict::Lost, "The time is up: the egg went cold", 0);
             return;
         }
-        feel(stage);
+        feel_.step(stage.velocity(*egg_));
+        felt_ = feel_.hardest();
+        hardest_ = std::max(hardest_, felt_);
         if (felt_ > level.limit)
             return end(Verdict::Lost,
                        "The egg broke: " + number(felt_, 1) + " g, it survives " + number(level.limit, 0), 0);
@@ -72,7 +74,7 @@ public:
             return;
         points_ += static_cast<int>(std::lround(100.0 * level.heights[drop_] * (1.5 - felt_ / level.limit)));
         if (++drop_ < level.heights.size())
-            return raise(stage);
+            return raise();
         points_ += static_cast<int>(std::lround(50.0 * money_));
         end(Verdict::Won,
             "Whole after " + std::to_string(drop_) + " drops, hardest landing " + number(hardest_, 1) + " g", points_);
@@ -164,11 +166,11 @@ private:
     }
 
     /// Takes the egg out of the world until it falls again.
-    void raise(Stage& stage) {
+    void raise() {
         falling_ = false;
         wait_ = 0;
         dropX_ = 0.0;
-        (void)stage;
+        
         egg_->SetEnabled(false);
     }
 
@@ -182,20 +184,8 @@ private:
         falling_ = true;
         steps_ = still_ = snapCount_ = 0;
         felt_ = snaps_ = 0.0;
-        last_ = {0.0, 0.0};
+        feel_.reset({0.0, 0.0});
         books_ = stage.shells().books();
-    }
-
-    /// Acceleration against free fall, the mean of two steps, in g.
-    void feel(const Stage& stage) {
-        const Point v = stage.velocity(*egg_);
-        const double ax = (v.x - last_.x) / kStep, ay = (v.y - last_.y) / kStep + kG;
-        const double now = std::hypot(0.5 * (ax + lastA_.x), 0.5 * (ay + lastA_.y)) / kG;
-        lastA_ = steps_ == 0 ? Point{} : Point{ax, ay};
-        last_ = v;
-        if (steps_ > 2)
-            felt_ = std::max(felt_, now);
-        hardest_ = std::max(hardest_, felt_);
     }
 
     [[nodiscard]] double energyOfEgg(const Stage& stage) const {
@@ -238,7 +228,8 @@ private:
     int bought_ = 0, wait_ = 0, steps_ = 0, still_ = 0, snapCount_ = 0, points_ = 0;
     bool falling_ = false;
     double felt_ = 0.0, hardest_ = 0.0, snaps_ = 0.0;
-    Point aim_{}, last_{}, lastA_{};
+    Point aim_{};
+    Feel feel_;
     EnergyBooks books_{};
 };
 

@@ -58,18 +58,21 @@ int playHeadless(Session& session, Script& script, const Arguments& a, const Pro
     }
     for (int i = 0; i < 20 && session.failure().empty() && session.game().verdict() != Verdict::Playing; ++i)
         session.step(input); // a moment more, so that the picture shows what happened
-    if (!a.png.empty())
-        if (const std::string why =
-                writePng(a.png, a.width, a.height, [&](Canvas& c, double w, double h) { session.draw(c, w, h); });
-            !why.empty()) {
+    if (!a.png.empty()) {
+        report::CairoCanvas canvas(a.width, a.height, 1.0);
+        session.draw(canvas, a.width, a.height);
+        if (const std::string why = writePng(a.png, canvas); !why.empty()) {
             std::fprintf(stderr, "%s\n", why.c_str());
             return 4;
         }
+    }
     const Game& game = session.game();
     std::printf("%s %zu: %s after %d steps, %d points, state %016llx%s%s\n", program.name.c_str(), session.level() + 1,
                 text(game.verdict()), frames, game.score(),
                 static_cast<unsigned long long>(session.stage().shells().hash()), game.reason().empty() ? "" : ": ",
                 game.reason().c_str());
+    for (const Status& s : game.status(session.stage()))
+        std::printf("  %s: %s\n", s.name.c_str(), s.value.c_str());
     if (a.cost)
         std::printf("processor time per step: mean %.2f ms, worst %.2f ms\n", session.stage().meanCost(),
                     session.stage().worstCost());
@@ -115,10 +118,7 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
 
 } // namespace
 
-std::string writePng(const std::string& path, int width, int height,
-                     const std::function<void(Canvas&, double, double)>& draw) {
-    report::CairoCanvas canvas(width, height, 1.0);
-    draw(canvas, width, height);
+std::string writePng(const std::string& path, report::CairoCanvas& canvas) {
     const auto png = canvas.png();
     if (!png)
         return png.error;

@@ -92,7 +92,7 @@ void View::bodies(const Stage& stage, double alpha, const std::function<Style(co
                 const double r = static_cast<double>(c->m_radius) / u * camera_->scale();
                 const report::Point centre = place(c->m_p);
                 canvas_->circle(centre, r, paint);
-                if (pose.body->GetType() == b2_dynamicBody)
+                if (pose.body->GetType() == b2_dynamicBody && pose.body->GetFixtureList()->GetNext() == nullptr)
                     canvas_->line(
                         centre, {centre.x + 0.7 * r * std::cos(pose.angle), centre.y - 0.7 * r * std::sin(pose.angle)},
                         {look.edge, 1.6});

@@ -3,8 +3,7 @@
 
 #include "examples/frame/window.h"
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/glext.h>
+#define GLFW_INCLUDE_GLEXT
 #include <GLFW/glfw3.h>
 
 #include <algorithm>

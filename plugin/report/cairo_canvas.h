@@ -33,6 +33,8 @@ public:
         int width = 0, height = 0, stride = 0;
     };
     [[nodiscard]] Pixels pixels() const;
+    /// To be called after somebody else has drawn into pixels().
+    void touched() const;
 
 private:
     void apply(const Paint& paint);

@@ -157,8 +157,11 @@ private:
     void buy(Stage& stage, const scene::GamePart& part) {
         if (part.cost > money_ + 1e-9)
             return;
-        const double turn = 0.9 * static_cast<double>(bought_ % 7) - 2.7; // every shell lies another way
-        if (!stage.add(part, {spawnX(), spawnHeight(stage) + part.radius}, M_PI + turn))
+        // Every shell lies another way; its place is that of its middle, the mouse points at the centre of its circle.
+        const double angle = M_PI - 2.7 + 0.9 * static_cast<double>(bought_ % 7);
+        const Point middle{spawnX() + part.radius * std::sin(angle),
+                           spawnHeight(stage) - part.radius * std::cos(angle)};
+        if (!stage.add(part, middle, angle))
             return;
         money_ -= part.cost;
         ++bought_;
@@ -170,7 +173,7 @@ private:
         falling_ = false;
         wait_ = 0;
         dropX_ = 0.0;
-        
+
         egg_->SetEnabled(false);
     }
 

@@ -71,6 +71,11 @@ int playHeadless(Session& session, Script& script, const Arguments& a, const Pro
                 text(game.verdict()), frames, game.score(),
                 static_cast<unsigned long long>(session.stage().shells().hash()), game.reason().empty() ? "" : ": ",
                 game.reason().c_str());
+    if (const b2Body* actor = session.stage().body(session.stage().game().actor); actor != nullptr) {
+        const Point at = session.stage().position(*actor), v = session.stage().velocity(*actor);
+        std::printf("  %s: at %.4f, %.4f m, %.4f, %.4f m/s\n", session.stage().game().actor.c_str(), at.x, at.y, v.x,
+                    v.y);
+    }
     for (const Status& s : game.status(session.stage()))
         std::printf("  %s: %s\n", s.name.c_str(), s.value.c_str());
     if (a.cost)

@@ -139,7 +139,11 @@ void drawPlot(frame::Canvas& canvas, const report::Rect& area, const std::string
     const Unit unit = readableUnit(std::max(std::abs(y.lo), std::abs(y.hi)), yUnit);
     const Rect inner{area.x + 62.0, area.y + 36.0, area.width - 80.0, area.height - 84.0};
     const Plot plot(inner, x, padded(y, 0.05));
-    plot.drawFrame(canvas, {.x = {xLabel, xScale}, .y = {unit.text, unit.factor}, .xTicks = 5, .yTicks = 5});
+    PlotStyle style;
+    style.x = {xLabel, xScale};
+    style.y = {unit.text, unit.factor};
+    style.xTicks = style.yTicks = 5;
+    plot.drawFrame(canvas, style);
     double legend = inner.x + 6.0;
     for (const Line& line : lines) {
         plot.drawLine(canvas, xs, *line.values, {line.colour, 2.0});

@@ -332,7 +332,7 @@ TEST_CASE("a level's mistakes are answered where they stand") {
     const std::string all = say(errors);
     INFO(all);
     CHECK(errors.size() == 5);
-    CHECK(contains(all, "3:41: /game/actor: there is no body named \"kraft\""));
+    CHECK(contains(all, "3:39: /game/actor: there is no body named \"kraft\""));
     CHECK(contains(all, "did you mean \"craft\"?"));
     CHECK(contains(all, "/game/service: the body \"craft\" is of another type; expected \"type\": 0"));
     CHECK(contains(all, "unknown key \"limt\""));

@@ -116,8 +116,8 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
         session.draw(canvas, window.width(), window.height());
         window.show(canvas);
     }
-    std::printf("%s %zu: %s, %d points\n", program.name.c_str(), session.level() + 1, text(session.game().verdict()),
-                session.game().score());
+    std::printf("%s %zu: %s, %d points, held %d times\n", program.name.c_str(), session.level() + 1,
+                text(session.game().verdict()), session.game().score(), session.stage().timesHeld());
     return session.failure().empty() ? 0 : 3;
 }
 

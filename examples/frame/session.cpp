@@ -90,7 +90,7 @@ void Session::draw(Canvas& canvas, double width, double height) {
     if (slow_)
         hint = "[slow motion] " + hint;
     drawStrips(view, program_->title + " " + std::to_string(index_ + 1) + ": " + stage_->game().title,
-               game_->status(*stage_), hint);
+               game_->status(*stage_), hint, "H: help");
     if (!failure_.empty())
         drawCard(view, "Stopped", {failure_, "R: again"}, look::bad);
     else if (game_->verdict() == Verdict::Won)

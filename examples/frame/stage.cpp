@@ -52,6 +52,7 @@ struct Stage::Impl {
     b2MouseJoint* bodyHand = nullptr;
     b2Body* ground = nullptr;
     Point handTarget{};
+    int held = 0;
 
     std::map<const b2Body*, BodyPose> bodyBefore;
     std::map<std::uint32_t, Line> lineBefore; ///< by index of the handle
@@ -232,6 +233,7 @@ bool Stage::take(Point at, double reach, double strength, double frequency) {
         b2LinearStiffness(def.stiffness, def.damping, static_cast<float>(frequency), 0.9F, s.ground, body);
         s.bodyHand = static_cast<b2MouseJoint*>(s.world.CreateJoint(&def));
         body->SetAwake(true);
+        ++s.held;
         return true;
     }
     const auto near = s.shells.nearest(at, reach);
@@ -248,6 +250,7 @@ bool Stage::take(Point at, double reach, double strength, double frequency) {
     s.hand = *hand;
     s.heldShell = near->shell;
     s.heldFraction = near->arc_fraction;
+    ++s.held;
     return true;
 }
 
@@ -272,6 +275,10 @@ void Stage::letGo() {
 
 bool Stage::holding() const {
     return impl_->bodyHand != nullptr || !impl_->hand.null();
+}
+
+int Stage::timesHeld() const {
+    return impl_->held;
 }
 
 Point Stage::handAt() const {

@@ -67,6 +67,7 @@ public:
     void moveHand(Point to);
     void letGo();
     [[nodiscard]] bool holding() const;
+    [[nodiscard]] int timesHeld() const;    ///< how often it has taken hold of something
     [[nodiscard]] Point handAt() const;     ///< what it holds, m
     [[nodiscard]] Point handTarget() const; ///< m
 

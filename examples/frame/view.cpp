@@ -153,8 +153,8 @@ void View::label(Point at, const std::string& text, const Colour& colour, double
     canvas_->text({p.x, p.y}, text, {.size = size, .colour = colour, .anchor = report::Anchor::Middle});
 }
 
-void drawStrips(const View& view, const std::string& title, const std::vector<Status>& status,
-                const std::string& hint) {
+void drawStrips(const View& view, const std::string& title, const std::vector<Status>& status, const std::string& hint,
+                const std::string& corner) {
     Canvas& c = view.canvas();
     const double w = view.width(), h = view.height();
     c.rectangle({0, 0, w, look::top}, {.fill = look::strip});
@@ -171,7 +171,8 @@ void drawStrips(const View& view, const std::string& title, const std::vector<St
         x -= wide + 22.0;
     }
     c.text({18.0, h - 12.0}, hint, {.size = 13.0, .colour = look::muted});
-    c.text({w - 18.0, h - 12.0}, "H: help", {.size = 13.0, .colour = look::muted, .anchor = report::Anchor::End});
+    if (!corner.empty())
+        c.text({w - 18.0, h - 12.0}, corner, {.size = 13.0, .colour = look::muted, .anchor = report::Anchor::End});
 }
 
 void drawCard(const View& view, const std::string& title, const std::vector<std::string>& lines, const Colour& colour) {

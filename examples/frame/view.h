@@ -93,7 +93,8 @@ struct Status {
 };
 
 /// Title, status and hint around the picture.
-void drawStrips(const View& view, const std::string& title, const std::vector<Status>& status, const std::string& hint);
+void drawStrips(const View& view, const std::string& title, const std::vector<Status>& status, const std::string& hint,
+                const std::string& corner = "");
 /// A card in the middle, for the end of a game and for help.
 void drawCard(const View& view, const std::string& title, const std::vector<std::string>& lines, const Colour& colour);
 /// Keys and what they do, a card at the right.

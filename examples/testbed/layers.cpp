@@ -42,9 +42,11 @@ void drawColoured(const Bed& bed, const View& view, const Layers& layers) {
             before = now;
         }
     }
+    view.shells(bed.stage(), 1.0, [](ShellHandle) { return look::strip; }); // the edge, in one piece
     for (const Piece& p : pieces)
-        view.curve(p.line, layers.energy ? report::energyColour(p.value / most) : report::signedColour(p.value / most),
-                   0.0);
+        view.canvas().line(
+            view.pixel(p.line.front()), view.pixel(p.line.back()),
+            {layers.energy ? report::energyColour(p.value / most) : report::signedColour(p.value / most), 4.0});
 }
 
 /// Contact forces of the last inner step: lines as long as the square root of the force, so that weak ones are seen.
@@ -144,13 +146,14 @@ void drawPlot(frame::Canvas& canvas, const report::Rect& area, const std::string
     style.y = {unit.text, unit.factor};
     style.xTicks = style.yTicks = 5;
     plot.drawFrame(canvas, style);
-    double legend = inner.x + 6.0;
-    for (const Line& line : lines) {
-        plot.drawLine(canvas, xs, *line.values, {line.colour, 2.0});
+    double legend = area.right() - 14.0;
+    for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
+        plot.drawLine(canvas, xs, *line->values, {line->colour, 2.0});
         if (lines.size() < 2)
             continue;
-        canvas.text({legend, inner.y + 13.0}, line.name, {.size = 11.0, .colour = line.colour, .bold = true});
-        legend += textWidth(line.name, 11.0, true) + 8.0;
+        canvas.text({legend, area.y + 22.0}, line->name,
+                    {.size = 11.0, .colour = line->colour, .anchor = Anchor::End, .bold = true});
+        legend -= textWidth(line->name, 11.0, true) + 8.0;
     }
 }
 
@@ -210,7 +213,7 @@ void drawCurves(const Bed& bed, frame::Canvas& canvas, const report::Rect& area)
     drawPlot(canvas, {area.x, area.y + half + 12.0, area.width, half}, "Energy books", "s", c.time, 1.0, "J",
              {{"bending", &c.bending, look::accent},
               {"friction", &c.friction, look::bad},
-              {"impact + damping", &c.losses, look::muted}});
+              {"lost", &c.losses, look::muted}});
 }
 
 } // namespace supercircle::testbed

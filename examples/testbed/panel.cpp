@@ -151,6 +151,10 @@ bool PanelContext::wantsMouse() const {
     return ImGui::GetIO().WantCaptureMouse;
 }
 
+void PanelContext::skip() {
+    ImGui::EndFrame();
+}
+
 void PanelContext::draw(const report::CairoCanvas& picture) {
     ImGui::Render();
     const ImDrawData* data = ImGui::GetDrawData();

@@ -17,6 +17,7 @@ public:
     /// Mouse in pixels; then call ImGui, then draw().
     void begin(double width, double height, report::Point mouse, bool button, double wheel);
     void draw(const report::CairoCanvas& picture);
+    void skip(); ///< instead of draw() when nobody looks
     /// The mouse belongs to a panel.
     [[nodiscard]] bool wantsMouse() const;
 

@@ -39,8 +39,8 @@ public:
             record(arguments_.record);
         return {};
     }
-    /// One picture: panels and, unless paused, as many steps as the speed asks for.
-    void turn(Input& input, report::Point mouse, double wheel, report::CairoCanvas& canvas, double width,
+    /// One picture (drawn only if visible): panels and, unless paused, as many steps as the speed asks for.
+    void turn(Input& input, report::Point mouse, double wheel, report::CairoCanvas& canvas, bool visible, double width,
               double height) {
         camera_.resize(width - kRight, height, kLeft);
         panels_.begin(width, height, mouse, input.buttonHeld(), wheel);
@@ -53,9 +53,13 @@ public:
             bed_.step();
             recorder_.motion(bed_.stage());
         }
-        draw(canvas, width, height);
-        panels_.draw(canvas);
-        recorder_.picture(canvas);
+        if (visible || recorder_.running()) {
+            draw(canvas, width, height);
+            panels_.draw(canvas);
+            recorder_.picture(canvas);
+        } else {
+            panels_.skip();
+        }
         if (restart_) {
             restart_ = false;
             message_ = bed_.open();
@@ -66,6 +70,7 @@ public:
     [[nodiscard]] Bed& bed() { return bed_; }
     [[nodiscard]] bool wantsMouse() const { return panels_.wantsMouse(); }
     [[nodiscard]] bool quit() const { return quit_; }
+    [[nodiscard]] bool paused() const { return paused_; }
     void stopRecording() { recorder_.stop(); }
 
 private:
@@ -125,6 +130,7 @@ void Testbed::sliders() {
         low = std::min(low, p.value);
         high = std::max(high, p.value);
         double& value = edited_.try_emplace(p.name, p.value).first->second;
+        ImGui::AlignTextToFramePadding();
         ImGui::TextUnformatted((p.name + (p.unit == "1" ? "" : ", " + p.unit)).c_str());
         ImGui::SameLine(125.0F);
         ImGui::SetNextItemWidth(135.0F);
@@ -186,7 +192,7 @@ void Testbed::panel(double height) {
     for (const auto& [name, ms] : bed_.profile()) {
         char text[32];
         std::snprintf(text, sizeof text, "%.3f ms", ms);
-        ImGui::ProgressBar(sum > 0.0 ? static_cast<float>(ms / sum) : 0.0F, {150.0F, 14.0F}, "");
+        ImGui::ProgressBar(sum > 0.0 ? static_cast<float>(ms / sum) : 0.0F, {150.0F, ImGui::GetTextLineHeight()}, "");
         ImGui::SameLine();
         ImGui::Text("%s %s", name.c_str(), text);
     }
@@ -221,7 +227,7 @@ int headless(Testbed& testbed, const Arguments& a, frame::Script& script) {
     for (int i = 0; i < std::max(a.frames, 1) && !testbed.quit() && testbed.bed().failure().empty(); ++i) {
         script.play(static_cast<std::uint64_t>(i), input);
         report::CairoCanvas canvas(a.width, a.height, 1.0);
-        testbed.turn(input, testbed.camera().pixel(input.mouse()), 0.0, canvas, a.width, a.height);
+        testbed.turn(input, testbed.camera().pixel(input.mouse()), 0.0, canvas, i + 1 >= a.frames, a.width, a.height);
         if (i + 1 < a.frames || a.png.empty())
             continue;
         if (const std::string why = frame::writePng(a.png, canvas); !why.empty()) {
@@ -256,9 +262,11 @@ int windowed(Testbed& testbed, const Arguments& a, frame::Script& script) {
             testbed.camera().zoom(pointer.wheel > 0.0 ? 1.15 : 1.0 / 1.15, pointer.at);
         testbed.camera().pan(pointer.dragX, pointer.dragY);
         report::CairoCanvas canvas(window.width(), window.height(), 1.0);
-        testbed.turn(input, pointer.at, pointer.wheel, canvas, window.width(), window.height());
+        testbed.turn(input, pointer.at, pointer.wheel, canvas, true, window.width(), window.height());
         window.show(canvas);
     }
+    std::printf("%s: %.4f s%s\n", testbed.bed().stage().scene().name.c_str(), testbed.bed().stage().shells().time(),
+                testbed.paused() ? ", paused" : "");
     return 0;
 }
 

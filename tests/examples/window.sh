@@ -70,8 +70,8 @@ grep -q "paused" "$work/said.txt" || fail "the click on Pause was not felt"
 
 # The game: drag the waiting clip upwards; it says where the actor and its own hand have been.
 start Clip "$clip" 1
-xdotool mousemove 113 529 sleep 0.3 mousedown 1 sleep 0.3
-for y in 500 470 440 410 380 350; do
+xdotool mousemove 114 432 sleep 0.3 mousedown 1 sleep 0.3
+for y in 400 380 360 340 320 300; do
     xdotool mousemove 140 $y sleep 0.1
 done
 sleep 0.5

@@ -223,7 +223,7 @@ void drawEnergy(const View& view, double x, double y, const std::string& title,
         c.text({x + 14.0, base}, joules[i].first, {.size = 13.0, .colour = look::muted});
         const double bar = 110.0 * std::max(0.0, joules[i].second) / most;
         c.rectangle({x + 104.0, base - 11.0, std::max(bar, 1.0), 13.0}, {.fill = colours[i % colours.size()]});
-        c.text({x + 286.0, base}, number(joules[i].second, joules[i].second < 10.0 ? 1 : 0) + " J",
+        c.text({x + 286.0, base}, number(std::max(0.0, joules[i].second), joules[i].second < 10.0 ? 1 : 0) + " J",
                {.size = 13.0, .colour = look::ink, .anchor = report::Anchor::End});
     }
 }

@@ -171,7 +171,7 @@ void Bed::bomb(Point at) {
         }
 }
 
-void Bed::extent(Point& lower, Point& upper) const {
+void Bed::extent(Point& lower, Point& upper, bool shellsOnly) const {
     lower = {1e300, 1e300};
     upper = {-1e300, -1e300};
     const auto add = [&](double x, double y) {
@@ -184,7 +184,8 @@ void Bed::extent(Point& lower, Point& upper) const {
             add(m->box.upper.x, m->box.upper.y);
         }
     const double u = stage_->units();
-    for (const frame::BodyPose& pose : stage_->bodies(1.0))
+    const bool bodies = !shellsOnly || !(lower.x < upper.x);
+    for (const frame::BodyPose& pose : bodies ? stage_->bodies(1.0) : std::vector<frame::BodyPose>{})
         for (const b2Fixture* f = pose.body->GetFixtureList(); f != nullptr; f = f->GetNext())
             for (int child = 0; child < f->GetShape()->GetChildCount(); ++child) {
                 const b2AABB box = f->GetAABB(child);

@@ -57,8 +57,8 @@ public:
     [[nodiscard]] const std::string& failure() const { return failure_; }
     /// Wall time of each stage of the step, ms per frame, smoothed.
     [[nodiscard]] const std::vector<std::pair<std::string, double>>& profile() const { return profile_; }
-    /// A box around everything.
-    void extent(Point& lower, Point& upper) const;
+    /// A box around everything, or around the shells alone.
+    void extent(Point& lower, Point& upper, bool shellsOnly = false) const;
 
 private:
     struct Saved {

@@ -29,9 +29,7 @@ public:
     std::string open() {
         if (std::string why = bed_.open(); !why.empty())
             return why;
-        Point lower, upper;
-        bed_.extent(lower, upper);
-        camera_.fit(lower, upper);
+        fit(false);
         if (!arguments_.show.empty())
             if (const std::string word = layers_.set(arguments_.show); !word.empty())
                 return "--show: there is no layer \"" + word + "\"";
@@ -74,6 +72,11 @@ public:
     void stopRecording() { recorder_.stop(); }
 
 private:
+    void fit(bool shellsOnly) {
+        Point lower, upper;
+        bed_.extent(lower, upper, shellsOnly);
+        camera_.fit(lower, upper);
+    }
     void keys(const Input& input);
     void hand(const Input& input);
     void panel(double height);
@@ -101,8 +104,8 @@ void Testbed::keys(const Input& input) {
         paused_ = !paused_;
     single_ = single_ || input.pressed(".");
     restart_ = restart_ || input.pressed("r");
-    if (input.pressed("home"))
-        camera_.home();
+    if (input.pressed("home") || input.pressed("f"))
+        fit(input.pressed("f"));
     if (input.pressed("b"))
         bed_.bomb(input.mouse());
     if (input.pressed("s"))
@@ -189,6 +192,7 @@ void Testbed::panel(double height) {
     for (const auto& entry : bed_.profile())
         sum += entry.second;
     ImGui::Text("one frame: %.2f ms in the shells' step", sum);
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {4.0F, 0.0F}); // bars as high as their words
     for (const auto& [name, ms] : bed_.profile()) {
         char text[32];
         std::snprintf(text, sizeof text, "%.3f ms", ms);
@@ -196,6 +200,7 @@ void Testbed::panel(double height) {
         ImGui::SameLine();
         ImGui::Text("%s %s", name.c_str(), text);
     }
+    ImGui::PopStyleVar();
     ImGui::End();
 }
 
@@ -217,9 +222,9 @@ void Testbed::draw(frame::Canvas& canvas, double width, double height) {
     }
     const std::string trouble = !bed_.failure().empty() ? bed_.failure() : message_;
     drawStrips(view, stage.scene().name, status,
-               !trouble.empty()
-                   ? trouble
-                   : "Drag shells and bodies; B: bomb at the mouse; wheel, right drag, Home: camera; Esc: quit");
+               !trouble.empty() ? trouble
+                                : "Drag shells and bodies; B: bomb at the mouse; wheel, right drag, F (shells), Home "
+                                  "(all): camera; Esc: quit");
 }
 
 int headless(Testbed& testbed, const Arguments& a, frame::Script& script) {

@@ -14,6 +14,8 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 using namespace scenetest;
@@ -70,6 +72,25 @@ TEST_CASE("the schema accepts every scene and the R.U.B.E. sample") {
         CHECK(complaints(readJson(scenePath(name))) == "");
     }
     CHECK(complaints(readJson(std::string(SC_SOURCE_DIR) + "/tests/scene/rube_sample.json")) == "");
+}
+
+TEST_CASE("every level is accepted by loader and schema, and so is the one in the guide") {
+    std::vector<std::string> levels;
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(SC_SOURCE_DIR) + "/scenes/games"))
+        levels.push_back(entry.path().string());
+    std::sort(levels.begin(), levels.end());
+    CHECK(levels.size() >= 9); // three games of three levels
+    for (const std::string& path : levels) {
+        INFO(path);
+        CHECK(good(path).game.has_value());
+        CHECK(complaints(readJson(path)) == "");
+    }
+    std::ifstream in(std::string(SC_SOURCE_DIR) + "/docs/levels.md");
+    const std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const std::size_t begin = guide.find("```json\n") + 8;
+    const std::string first = guide.substr(begin, guide.find("```", begin) - begin);
+    CHECK(goodText(first).game.has_value());
+    CHECK(complaints(json::parse(first)) == "");
 }
 
 TEST_CASE("schema and loader refuse the same files") {

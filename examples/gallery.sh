@@ -10,8 +10,8 @@ cd "$top"
 play() {
     "$build/examples/$1" "$2" --headless --script "tests/examples/$3.json" --frames "$4" --png "$out/gallery_$1.png"
 }
-play egg_drop 2 egg_drop_2_won 1475
-play lander 2 lander_2_won 330
+play egg_drop 2 egg_drop_2_played 1130
+play lander 3 lander_3_won 275
 play clip 2 clip_2_won 950
 "$build/plugin/supercircle" view scenes/two_shells.json --headless --frames 260 --show energy,contacts,slip \
     --png "$out/gallery_view.png"

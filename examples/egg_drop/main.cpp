@@ -23,10 +23,12 @@ class EggDrop final : public Game {
 public:
     std::string start(Stage& stage) override {
         egg_ = stage.body(stage.game().actor);
-        if (egg_ == nullptr)
-            return "there is no egg";
+        const b2Fixture* f = egg_->GetFixtureList();
+        const auto* circle = f != nullptr ? dynamic_cast<const b2CircleShape*>(f->GetShape()) : nullptr;
+        if (circle == nullptr)
+            return "the egg has to be a circle";
         money_ = stage.game().budget;
-        radius_ = eggRadius();
+        radius_ = static_cast<double>(circle->m_radius);
         raise();
         return {};
     }
@@ -140,10 +142,6 @@ public:
 
 private:
     static Style eggStyle() { return {Colour::hex(0xfdf3e1), Colour::hex(0xb07d3c)}; }
-    [[nodiscard]] double eggRadius() const {
-        const auto* c = dynamic_cast<const b2CircleShape*>(egg_->GetFixtureList()->GetShape());
-        return c != nullptr ? static_cast<double>(c->m_radius) : 0.4;
-    }
     [[nodiscard]] double spawnX() const { return std::clamp(aim_.x, -1.35, 1.35); }
     /// Above everything that lies in the crate.
     [[nodiscard]] double spawnHeight(const Stage& stage) const {

@@ -200,7 +200,7 @@ void drawHelp(const View& view, const std::vector<std::pair<std::string, std::st
         second = std::max(second, report::textWidth(what, 14.0));
     }
     const double wide = first + second + 62.0, high = 28.0 + 24.0 * static_cast<double>(keys.size());
-    const double x = view.width() - wide - 16.0, y = view.height() - look::bottom - high - 16.0;
+    const double x = view.width() - wide - 16.0, y = look::top + 16.0;
     c.rectangle({x, y, wide, high}, {.fill = look::strip.alpha(0.95), .stroke = Stroke{look::rule, 1.0}});
     for (std::size_t i = 0; i < keys.size(); ++i) {
         const double base = y + 30.0 + 24.0 * static_cast<double>(i);

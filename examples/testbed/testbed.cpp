@@ -23,6 +23,13 @@ namespace look = frame::look;
 constexpr double kLeft = 290.0;  ///< px, panel
 constexpr double kRight = 340.0; ///< px, curves
 
+/// The part of a parameter's range that a slider shows: wide ranges end at ten times the value.
+std::pair<double, double> usefulRange(const scene::Parameter& p) {
+    const double low = std::isfinite(p.min) ? p.min : p.value - 2.0 * std::abs(p.value) - 1.0;
+    const double high = std::isfinite(p.max) ? p.max : p.value + 2.0 * std::abs(p.value) + 1.0;
+    return {low, std::min(high, std::max(10.0 * std::abs(p.value), low + 1e-9))};
+}
+
 class Testbed {
 public:
     explicit Testbed(const Arguments& a) : arguments_(a), bed_(a) {}
@@ -92,7 +99,8 @@ private:
     Layers layers_;
     Recorder recorder_;
     std::string message_;
-    std::map<std::string, double> edited_; ///< what the sliders show
+    std::map<std::string, double> edited_;                    ///< what the sliders show
+    std::map<std::string, std::pair<double, double>> ranges_; ///< of the sliders
     float speed_ = 1.0F;
     double due_ = 0.0;
     bool paused_ = false, single_ = false, restart_ = false, quit_ = false;
@@ -127,9 +135,7 @@ void Testbed::hand(const Input& input) {
 /// One slider for every parameter of the scene; letting go of it starts the scene again with the new value.
 void Testbed::sliders() {
     for (const scene::Parameter& p : bed_.stage().scene().parameters) {
-        double low = std::isfinite(p.min) ? p.min : p.value - 2.0 * std::abs(p.value) - 1.0;
-        double high = std::isfinite(p.max) ? p.max : p.value + 2.0 * std::abs(p.value) + 1.0;
-        high = std::min(high, std::max(10.0 * std::abs(p.value), low + 1e-9)); // the useful part of wide ranges
+        auto& [low, high] = ranges_.try_emplace(p.name, usefulRange(p)).first->second;
         low = std::min(low, p.value);
         high = std::max(high, p.value);
         double& value = edited_.try_emplace(p.name, p.value).first->second;

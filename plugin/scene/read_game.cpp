@@ -122,6 +122,8 @@ void readGame(Context& context, ObjectReader& top, const Scene& scene, std::opti
     g.limit = game.number("limit", g.limit, positive);
     g.budget = game.number("budget", g.budget, positive);
     g.heights = game.numbers("heights", positive);
+    if (const Node* heights = game.find("heights"); heights != nullptr && g.heights.empty())
+        context.error(*heights, "/game/heights", "no height", "at least one, m");
     g.fuel = game.number("fuel", g.fuel, positive);
     g.thrust = game.number("thrust", g.thrust, positive);
     g.wind = game.number("wind", g.wind);

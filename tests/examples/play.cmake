@@ -1,6 +1,10 @@
-# Plays SCRIPT on level LEVEL of PROGRAM twice: it must end as END says, and both times in the same state.
+# Plays SCRIPT on level LEVEL of PROGRAM twice: it must end as END says (won, lost; played: somehow), and both times in the same state.
+set(expect --expect ${END})
+if(END STREQUAL "played")
+  set(expect)
+endif()
 foreach(turn 1 2)
-  execute_process(COMMAND ${PROGRAM} ${LEVEL} --headless --script ${SCRIPT} --expect ${END} RESULT_VARIABLE code
+  execute_process(COMMAND ${PROGRAM} ${LEVEL} --headless --script ${SCRIPT} ${expect} RESULT_VARIABLE code
                   OUTPUT_VARIABLE said${turn} ERROR_VARIABLE complained)
   if(NOT code EQUAL 0)
     message(FATAL_ERROR "exit code ${code}: ${said${turn}}${complained}")

@@ -147,6 +147,7 @@ TEST_CASE("schema and loader refuse the same files") {
         R"({"game": {"kind": "egg_drop", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
         R"({"game": {"kind": "lander", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
         R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": []}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [], "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
         R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [0], "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
         R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": [{"name": "p", "colour": "red"}]}, "body": [{"name": "a", "type": 2}]})",
     };

@@ -47,17 +47,7 @@ public:
     }
 
     void control(Stage& stage, const Input& input) override {
-        if (input.clicked())
-            take(stage, input.mouse());
-        if (stage.holding()) {
-            stage.moveHand(input.mouse());
-            keepUpright(stage);
-        }
-        if (!input.buttonHeld()) {
-            stage.letGo();
-            held_ = clips_.size();
-            loadHeld_ = false;
-        }
+        keepUpright(stage);
         if (input.pressed("space") || input.pressed("enter"))
             going_ = true;
         drive(stage);
@@ -123,7 +113,7 @@ public:
     std::vector<std::pair<std::string, std::string>> help() const override {
         return {{"drag", "clips and load"}, {"space", "the carrier goes"}};
     }
-    bool grabs() const override { return false; }
+    Grip grip() const override { return {true, kReach, kHand, kSpring, 0.5 * kSpring}; }
 
 private:
     /// The circle of a body.
@@ -136,35 +126,25 @@ private:
         return false;
     }
 
-    void take(Stage& stage, Point mouse) {
-        for (const b2Fixture* f = load_->GetFixtureList(); f != nullptr; f = f->GetNext())
-            loadHeld_ = loadHeld_ || f->TestPoint({static_cast<float>(mouse.x), static_cast<float>(mouse.y)});
-        const auto near = stage.shells().nearest(mouse, kReach);
-        for (std::size_t i = 0; near && !loadHeld_ && i < clips_.size(); ++i)
-            if (clips_[i].upper == near->shell || clips_[i].lower == near->shell)
-                held_ = i;
-        stage.take(mouse, kReach, kHand, loadHeld_ ? 0.5 * kSpring : kSpring);
-    }
-
     /// The hand turns what it holds upright: a spring and a damper of some hertz.
     void keepUpright(Stage& stage) {
         constexpr double kStiff = 250.0, kDamp = 24.0; // 1/s^2, 1/s
-        if (loadHeld_) {
-            const double inertia = static_cast<double>(load_->GetInertia());
-            stage.push(*load_, {},
-                       -inertia * (0.3 * kStiff * std::remainder(static_cast<double>(load_->GetAngle()), 2.0 * M_PI) +
-                                   0.3 * kDamp * static_cast<double>(load_->GetAngularVelocity())));
+        if (stage.heldBody() == load_) {
+            const double turn = std::remainder(static_cast<double>(load_->GetAngle()), 2.0 * M_PI);
+            const double spin = static_cast<double>(load_->GetAngularVelocity());
+            stage.push(*load_, {}, -0.3 * static_cast<double>(load_->GetInertia()) * (kStiff * turn + kDamp * spin));
         }
-        if (held_ >= clips_.size())
-            return;
-        const auto middle = stage.shells().section(clips_[held_].upper, 0.5);
-        const auto mass = stage.shells().measure(clips_[held_].upper);
-        if (!middle || !mass)
-            return;
-        const double inertia = 2.0 * mass->mass * std::pow(0.25 * mass->length, 2);
-        stage.shells().apply_torque(clips_[held_].upper, 0.5,
-                                    -inertia *
-                                        (kStiff * std::remainder(middle->angle, 2.0 * M_PI) + kDamp * middle->spin));
+        for (const Pair& clip : clips_) {
+            if (stage.heldShell() != clip.upper && stage.heldShell() != clip.lower)
+                continue;
+            const auto middle = stage.shells().section(clip.upper, 0.5);
+            const auto shell = stage.shells().measure(clip.upper);
+            if (!middle || !shell)
+                continue;
+            const double inertia = 2.0 * shell->mass * std::pow(0.25 * shell->length, 2);
+            const double turn = std::remainder(middle->angle, 2.0 * M_PI);
+            stage.shells().apply_torque(clip.upper, 0.5, -inertia * (kStiff * turn + kDamp * middle->spin));
+        }
     }
 
     /// The level's first shell hangs on a carrier without a peg: clips snap onto it.
@@ -211,8 +191,6 @@ private:
     b2Body* carrier_ = nullptr;
     Point loadPeg_{}, carrierPeg_{};
     std::vector<Pair> clips_;
-    std::size_t held_ = 99; ///< index of the clip in the hand
-    bool loadHeld_ = false;
     bool going_ = false;
     int snaps_ = 0;
     double goalX_ = 0.0, startX_ = 0.0, ramp_ = 0.0, stay_ = 0.0, released_ = 0.0;

@@ -138,7 +138,7 @@ public:
                 {"click, space", "drop one below the mouse"},
                 {"Enter", "let the egg fall"}};
     }
-    bool grabs() const override { return false; }
+    Grip grip() const override { return {.allowed = false}; }
 
 private:
     static Style eggStyle() { return {Colour::hex(0xfdf3e1), Colour::hex(0xb07d3c)}; }

@@ -15,6 +15,15 @@ namespace supercircle::frame {
 
 enum class Verdict { Playing, Won, Lost };
 
+/// The player's hand.
+struct Grip {
+    bool allowed = true;
+    double reach = 0.0;          ///< m, how near to a shell one has to click; 0: some pixels
+    double strength = 0.0;       ///< N, 0: as strong as Box2D's mouse
+    double shellFrequency = 5.0; ///< Hz, of a shell on the hand's spring
+    double bodyFrequency = 5.0;  ///< Hz, of a body on it
+};
+
 class Game {
 public:
     virtual ~Game() = default;
@@ -30,8 +39,8 @@ public:
     [[nodiscard]] virtual std::vector<Status> status(const Stage& stage) const = 0;
     [[nodiscard]] virtual std::string hint(const Stage& stage) const = 0;
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> help() const = 0;
-    /// False: the mouse does not take hold of bodies and shells by itself.
-    [[nodiscard]] virtual bool grabs() const { return true; }
+    /// How the mouse takes hold of shells and bodies.
+    [[nodiscard]] virtual Grip grip() const { return {}; }
 
     [[nodiscard]] Verdict verdict() const { return verdict_; }
     [[nodiscard]] const std::string& reason() const { return reason_; } ///< one sentence about the verdict

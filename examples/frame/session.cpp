@@ -44,10 +44,12 @@ bool Session::frameKeys(Input& input) {
 }
 
 void Session::hand(const Input& input) {
-    if (!game_->grabs())
+    const Grip grip = game_->grip();
+    if (!grip.allowed)
         return;
     if (input.clicked())
-        stage_->take(input.mouse(), 14.0 / camera_.scale());
+        stage_->take(input.mouse(), grip.reach > 0.0 ? grip.reach : 14.0 / camera_.scale(), grip.strength,
+                     grip.shellFrequency, grip.bodyFrequency);
     if (stage_->holding())
         stage_->moveHand(input.mouse());
     if (!input.buttonHeld() && stage_->holding())

@@ -219,7 +219,7 @@ double Stage::worstCost() const {
     return impl_->worst;
 }
 
-bool Stage::take(Point at, double reach, double strength, double frequency) {
+bool Stage::take(Point at, double reach, double strength, double shellFrequency, double bodyFrequency) {
     letGo();
     Impl& s = *impl_;
     s.handTarget = at;
@@ -230,7 +230,7 @@ bool Stage::take(Point at, double reach, double strength, double frequency) {
         def.target = s.unitsOf(at);
         const double mass = static_cast<double>(body->GetMass());
         def.maxForce = static_cast<float>((strength > 0.0 ? strength : 1000.0 * mass) * units());
-        b2LinearStiffness(def.stiffness, def.damping, static_cast<float>(frequency), 0.9F, s.ground, body);
+        b2LinearStiffness(def.stiffness, def.damping, static_cast<float>(bodyFrequency), 0.9F, s.ground, body);
         s.bodyHand = static_cast<b2MouseJoint*>(s.world.CreateJoint(&def));
         body->SetAwake(true);
         ++s.held;
@@ -242,7 +242,7 @@ bool Stage::take(Point at, double reach, double strength, double frequency) {
     GrabDef def;
     def.arc_fraction = near->arc_fraction;
     def.target = at;
-    def.frequency = frequency;
+    def.frequency = shellFrequency;
     def.max_force = strength;
     const auto hand = s.shells.grab(near->shell, def);
     if (!hand)
@@ -275,6 +275,14 @@ void Stage::letGo() {
 
 bool Stage::holding() const {
     return impl_->bodyHand != nullptr || !impl_->hand.null();
+}
+
+ShellHandle Stage::heldShell() const {
+    return impl_->hand.null() ? ShellHandle{} : impl_->heldShell;
+}
+
+b2Body* Stage::heldBody() const {
+    return impl_->bodyHand != nullptr ? impl_->bodyHand->GetBodyB() : nullptr;
 }
 
 int Stage::timesHeld() const {

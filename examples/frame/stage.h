@@ -63,13 +63,15 @@ public:
 
     /// The player's hand: takes the shell or dynamic body at (or near) a place, and lets it go. `strength` N, 0: of
     /// Box2D's mouse.
-    bool take(Point at, double reach, double strength = 0.0, double frequency = 5.0);
+    bool take(Point at, double reach, double strength = 0.0, double shellFrequency = 5.0, double bodyFrequency = 5.0);
     void moveHand(Point to);
     void letGo();
     [[nodiscard]] bool holding() const;
-    [[nodiscard]] int timesHeld() const;    ///< how often it has taken hold of something
-    [[nodiscard]] Point handAt() const;     ///< what it holds, m
-    [[nodiscard]] Point handTarget() const; ///< m
+    [[nodiscard]] ShellHandle heldShell() const; ///< null: none
+    [[nodiscard]] b2Body* heldBody() const;      ///< null: none
+    [[nodiscard]] int timesHeld() const;         ///< how often it has taken hold of something
+    [[nodiscard]] Point handAt() const;          ///< what it holds, m
+    [[nodiscard]] Point handTarget() const;      ///< m
 
     /// For pictures: bodies and centre lines `alpha` of the way from the last step to this one (0 .. 1).
     [[nodiscard]] std::vector<BodyPose> bodies(double alpha) const;

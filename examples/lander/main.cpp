@@ -137,7 +137,7 @@ public:
     std::vector<std::pair<std::string, std::string>> help() const override {
         return {{"up", "main engine"}, {"left, right", "side jets"}};
     }
-    bool grabs() const override { return false; }
+    Grip grip() const override { return {.allowed = false}; }
 
 private:
     [[nodiscard]] Point toWorld(Point p) const {

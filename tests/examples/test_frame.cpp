@@ -99,9 +99,12 @@ TEST_CASE("the hand takes shells and bodies and carries them", "[frame]") {
     // It hangs on a spring of 5 Hz: below the target by g / (2 pi f)^2 = 9.9 mm, and sways a little still.
     CHECK(std::abs(s.handAt().x - target.x) < 0.02);
     CHECK(s.handAt().y == Approx(target.y - 9.81 / std::pow(10.0 * M_PI, 2)).margin(0.02));
+    CHECK(s.heldShell() == shell);
     s.letGo();
     CHECK_FALSE(s.holding());
+    CHECK(s.heldShell().null());
     REQUIRE(s.take(s.position(*s.body("crate")), 0.0));
+    CHECK(s.heldBody() == s.body("crate"));
     CHECK(s.timesHeld() == 2);
 }
 

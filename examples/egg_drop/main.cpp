@@ -108,13 +108,15 @@ public:
         const EnergyBooks b = stage.shells().books();
         drawEnergy(view, 18.0, look::top + 60.0 + 34.0 * static_cast<double>(level.parts.size()),
                    "Where the energy went",
-                   {{"in flight", energyOfEgg(stage)},
-                    {"bending", b.bending},
+                   {{"egg", energyOfEgg(stage)},
+                    {"bending", b.bending - books_.bending},
+                    {"shells move", b.kinetic + b.gravity - books_.kinetic - books_.gravity},
                     {"friction", b.friction - books_.friction},
-                    {"snaps", snaps_},
                     {"impact", b.impact - books_.impact},
-                    {"damping", b.numerical - books_.numerical}},
-                   {look::looseEdge, look::accent, look::bad, Colour::hex(0x8b5fbf), look::muted, look::rule});
+                    {"damping", b.numerical - books_.numerical},
+                    {"through snaps", snaps_}},
+                   {look::looseEdge, look::accent, Colour::hex(0x6fb1d8), look::bad, look::muted, look::rule,
+                    Colour::hex(0x8b5fbf)});
     }
 
     std::vector<Status> status(const Stage& stage) const override {

@@ -15,6 +15,6 @@ play lander 3 lander_3_won 275
 play clip 2 clip_2_won 950
 "$build/plugin/supercircle" view scenes/two_shells.json --headless --frames 260 --show energy,contacts,slip \
     --png "$out/gallery_view.png"
-"$build/plugin/supercircle" view scenes/stack30.json --param shells=8 --param width=0.1 --headless --frames 800 \
+"$build/plugin/supercircle" view scenes/stack30.json --param shells=5 --param width=0.08 --headless --frames 700 \
     --script tests/examples/view_close.json --show curvature,contacts --png "$out/gallery_stack.png"
 ls -l "$out"/gallery_*.png

@@ -114,7 +114,7 @@ public:
                     {"friction", b.friction - books_.friction},
                     {"impact", b.impact - books_.impact},
                     {"damping", b.numerical - books_.numerical},
-                    {"through snaps", snaps_}},
+                    {"snaps", snaps_}},
                    {look::looseEdge, look::accent, Colour::hex(0x6fb1d8), look::bad, look::muted, look::rule,
                     Colour::hex(0x8b5fbf)});
     }

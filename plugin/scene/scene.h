@@ -3,6 +3,7 @@
 // laboratory runner (plugin/lab) plays it.
 
 #include "plugin/include/supercircle/definitions.hpp"
+#include "supercircle/effects/effect.h"
 #include "supercircle/step/rigid_definition.h"
 
 #include <cstdint>
@@ -129,6 +130,7 @@ struct Scene {
     std::vector<HoldDef> holds;
     std::optional<Drop> drop;
     std::optional<Protocol> protocol;
+    std::vector<effects::Setting> effects; ///< gravity and misalignment are in the scene already
     Numerics numerics;
     Report report;
     std::optional<Game> game;

@@ -163,6 +163,7 @@ CLI::App* describeSensitivity(CLI::App& app, supercircle::cli::SensitivityArgume
         ->type_name("NAME")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    verb->add_flag("--effects", a.effects, "vary the amplitudes of all extra physics too (supercircle effects)");
     verb->add_option("--out", a.out,
                      "folder for the results (default: out/<name of the experiment's folder>_sensitivity)")
         ->type_name("DIR");

@@ -52,6 +52,7 @@ struct SensitivityArguments {
     std::string file;
     std::vector<std::string> parameters; ///< NAME=VALUE
     std::vector<std::string> columns;    ///< names to vary, empty: all
+    bool effects = false;                ///< the amplitudes of all effects too
     std::string out;                     ///< folder; empty: out/<name of the experiment's folder>_sensitivity
     int elements = 0;                    ///< arcs per specimen, 0: as the resolution has it
     bool full = false;                   ///< the resolution for residuals

@@ -44,6 +44,15 @@ void addParameters(CLI::App& verb, std::vector<std::string>& parameters, const c
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+void addEffects(CLI::App& verb, std::vector<std::string>& effects) {
+    verb.add_option(
+            "--effect", effects,
+            "KEY:NAME=VALUE: extra physics, `supercircle effects` lists it (repeatable); KEY:shell=NAME for one shell")
+        ->type_name("KEY:NAME=VALUE")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 std::string wholeFromZero(const std::string& text) {
     std::int64_t value = 0;
     const bool good = CLI::detail::lexical_cast(text, value) && value >= 0;
@@ -93,6 +102,7 @@ CLI::App* describeReplay(CLI::App& app, supercircle::cli::ReplayArguments& a) {
     CLI::App* replay = app.add_subcommand("replay", "simulate a recorded experiment and show what differs");
     replay->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
     addParameters(*replay, a.parameters, kExperimentParameterHelp);
+    addEffects(*replay, a.effects);
     replay->add_option("--out", a.out, "folder for the results (default: out/<name of the experiment's folder>_replay)")
         ->type_name("DIR");
     replay->add_option("--elements", a.elements, "arcs per specimen, 2 to 500 (default: as the resolution has it)")
@@ -177,6 +187,10 @@ int dispatch(int argc, char** argv) {
     ValidateArguments validateArguments;
     CLI::App* validate = describeValidate(app, validateArguments);
 
+    std::string effectName;
+    CLI::App* effects = app.add_subcommand("effects", "list the extra physics a scene or a replay may switch on");
+    effects->add_option("key", effectName, "only this one, with all it has to say")->type_name("KEY");
+
     std::string filter, json;
     CLI::App* bench = app.add_subcommand("bench", "measure speed and memory");
     bench->add_option("--filter", filter, "only benchmarks whose name contains this")->type_name("NAME");
@@ -198,6 +212,8 @@ int dispatch(int argc, char** argv) {
         return supercircle::cli::run(runArguments);
     if (replay->parsed())
         return supercircle::cli::replay(replayArguments);
+    if (effects->parsed())
+        return supercircle::cli::effects(effectName);
     if (sensitivity->parsed())
         return supercircle::cli::sensitivity(sensitivityArguments);
     if (check->parsed())

@@ -7,6 +7,7 @@
 #include "plugin/experiment/load.h"
 #include "plugin/record/csv.h"
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -33,7 +34,34 @@ bool prepare(const ReplayArguments& a, Replay& out) {
             std::fprintf(stderr, "--param %s=%.10g: %s\n", o.name.c_str(), o.value, why.c_str());
             return false;
         }
+    for (const std::string& text : a.effects)
+        if (const std::string why = effects::add(out.parameters.effects, text); !why.empty()) {
+            std::fprintf(stderr, "--effect %s: %s\n", text.c_str(), why.c_str());
+            return false;
+        }
+    if (const std::string why = replay::checkEffects(out.parameters, out.experiment); !why.empty()) {
+        std::fprintf(stderr, "--effect: %s\n", why.c_str());
+        return false;
+    }
     return true;
+}
+
+/// The effects that are on, by key: their parameters.
+Json effectsOn(const replay::Parameters& parameters) {
+    Json out = Json::object();
+    for (const effects::Setting& s : parameters.effects) {
+        const effects::Effect& effect = effects::catalog()[static_cast<std::size_t>(s.key)];
+        if (effects::isOff(s))
+            continue;
+        Json& one = out[effect.name];
+        one["shell"] = s.shell;
+        for (std::size_t i = 0; i < effect.parameters.size(); ++i)
+            if (const effects::Parameter& p = effect.parameters[i]; !p.words.empty())
+                one[p.name] = p.words[static_cast<std::size_t>(s.values[i])];
+            else if (std::isfinite(s.values[i]))
+                one[p.name] = s.values[i];
+    }
+    return out;
 }
 
 std::vector<double> scaled(std::vector<double> values, double factor) {
@@ -126,6 +154,7 @@ std::string summary(const Replay& replay) {
                        {"elements", replay.resolution.elements},
                        {"position_tolerance_m", replay.resolution.positionTolerance},
                        {"parameters", parameters},
+                       {"effects", effectsOn(replay.parameters)},
                        {"window_before_landmark_s", w.before},
                        {"window_after_landmark_s", w.after},
                        {"runs", runs}};

@@ -28,6 +28,7 @@ struct RunArguments {
 struct ReplayArguments {
     std::string file;
     std::vector<std::string> parameters; ///< NAME=VALUE
+    std::vector<std::string> effects;    ///< KEY:NAME=VALUE
     std::string out;                     ///< folder; empty: out/<name of the experiment's folder>_replay
     int elements = 0;                    ///< arcs per specimen, 0: as the resolution has it
     bool coarse = false;                 ///< the quick resolution
@@ -57,6 +58,8 @@ struct ValidateArguments {
 int run(const RunArguments& arguments);
 /// Says whether a scene can be started, without running it.
 int check(const std::string& file, const std::vector<std::string>& parameters);
+/// Lists the catalogue of effects, or describes the one called `key`.
+int effects(const std::string& key);
 /// Simulates a recorded experiment and writes what differs.
 int replay(const ReplayArguments& arguments);
 /// Derivatives of a recorded experiment's simulated readings with respect to its parameters.

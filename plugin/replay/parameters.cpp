@@ -2,6 +2,7 @@
 
 #include "plugin/scene/problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -127,7 +128,24 @@ std::vector<ParameterInfo> parameterList(const Experiment& e) {
     return all;
 }
 
+std::string checkEffects(const Parameters& parameters, const Experiment& experiment) {
+    std::vector<std::string> known;
+    for (const Specimen& s : experiment.specimens)
+        known.push_back(s.id);
+    for (const std::string& shell : effects::shellsNamed(parameters.effects))
+        if (std::find(known.begin(), known.end(), shell) == known.end()) {
+            const std::string near = effects::nearest(shell, known);
+            return "there is no specimen \"" + shell + "\"" + (near.empty() ? "" : "; did you mean \"" + near + "\"?");
+        }
+    return effects::validate(parameters.effects);
+}
+
 std::string set(Parameters& parameters, const Experiment& experiment, const std::string& name, double value) {
+    if (name.find(':') != std::string::npos) {
+        char number[32];
+        std::snprintf(number, sizeof number, "%.17g", value);
+        return effects::add(parameters.effects, name + "=" + number);
+    }
     const Target target = find(parameters, experiment, name);
     if (target.values.empty()) {
         std::vector<std::string> names;
@@ -155,6 +173,17 @@ std::string set(Parameters& parameters, const Experiment& experiment, const std:
 }
 
 std::optional<double> get(const Parameters& parameters, const Experiment& experiment, const std::string& name) {
+    if (const std::size_t colon = name.find(':'); colon != std::string::npos) {
+        const effects::Effect* effect = effects::find(name.substr(0, colon));
+        for (std::size_t i = 0; effect != nullptr && i < effect->parameters.size(); ++i)
+            if (effect->parameters[i].name == name.substr(colon + 1)) {
+                for (const effects::Setting& s : parameters.effects)
+                    if (s.key == effect->key)
+                        return s.values[i];
+                return effect->parameters[i].off;
+            }
+        return std::nullopt;
+    }
     Parameters copy = parameters;
     const Target target = find(copy, experiment, name);
     return target.values.empty() ? std::nullopt : std::optional<double>(*target.values.front());

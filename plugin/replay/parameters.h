@@ -3,6 +3,7 @@
 // lines and fits.
 
 #include "plugin/experiment/experiment.h"
+#include "supercircle/effects/effect.h"
 
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ struct Parameters {
     /// Give of everything in series with the specimen, m/N: the head goes this much less far per newton of force. The
     /// rods are inextensible, so the stretch L / EA of a strip pressed lengthwise stands here too (the nominal value).
     double seriesCompliance = 0.0;
+    std::vector<effects::Setting> effects; ///< extra physics; specimens go by their ids
 };
 
 /// What a name stands for.
@@ -45,9 +47,13 @@ Parameters nominal(const experiment::Experiment& experiment);
 /// specimens, one per specimen ("bending_modulus.B"). The stated interval of a shared name is the first specimen's.
 std::vector<ParameterInfo> parameterList(const experiment::Experiment& experiment);
 
-/// Sets a parameter by name; empty, or why not (unknown name with the nearest known one, value out of physical range).
+/// Sets a parameter by name, "KEY:NAME" for one of an effect's (which comes into being with it); empty, or why not
+/// (unknown name with the nearest known one, value out of physical range).
 std::string set(Parameters& parameters, const experiment::Experiment& experiment, const std::string& name,
                 double value);
+
+/// Empty, or which effects do not go together or with this experiment.
+std::string checkEffects(const Parameters& parameters, const experiment::Experiment& experiment);
 
 /// Value by name (of the first specimen for shared names); empty: no such name.
 std::optional<double> get(const Parameters& parameters, const experiment::Experiment& experiment,

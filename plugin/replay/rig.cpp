@@ -73,7 +73,10 @@ Rig::Rig(const Experiment& e, const Parameters& p, const Resolution& resolution)
     }
     // Between specimens a contact needs both surfaces; against obstacles the thickness is shared out (contactArm).
     const double arm = e.obstacles.empty() ? 1.0 : std::clamp(p.contactArm, kThinnest, 1.0);
-    world_.gravity = vec(p.gravity);
+    if (failure_ = checkEffects(p, e); !failure_.empty())
+        return;
+    common_ = effects::modelFor(p.effects, "all");
+    world_.gravity = vec(p.gravity) + common_.gravity;
     double extent = 0.0, skin = 0.0;
     for (std::size_t i = 0; i < e.specimens.size(); ++i) {
         extent = std::max(extent, 4.0 * e.specimens[i].length);
@@ -106,7 +109,8 @@ void Rig::addObstacle(const Obstacle& o, const Parameters& p, double skin, doubl
     body.id = world_.bodies.size() + 1;
     body.driven = moves;
     body.state.moving = moves;
-    body.state.centre = vec(o.point) + Vec2(0.0, moves ? p.gapShift : 0.0);
+    body.state.centre = vec(o.point);
+    place(o.carriedBy, body.state.centre, body.state.angle, p);
     step::BodyOutline outline;
     outline.body = body.id;
     outline.friction = p.friction;
@@ -125,6 +129,14 @@ void Rig::addObstacle(const Obstacle& o, const Parameters& p, double skin, doubl
     world_.outlines.push_back(std::move(outline));
 }
 
+/// The head may be higher than stated, off axis and tilted; what it carries comes along.
+void Rig::place(const Carrier& carrier, Vec2& point, double& angle, const Parameters& p) const {
+    if (carrier != Carrier::MachineHead)
+        return;
+    point += Vec2(common_.apparatus.offset, p.gapShift);
+    angle += common_.apparatus.tilt;
+}
+
 void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Parameters& p, double arm) {
     rod::RodDefinition d;
     d.length = s.length;
@@ -136,11 +148,18 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
         failure_ = "specimen " + s.id + ": " + failure_;
         return;
     }
-    const rod::RodModel model(d);
+    const effects::Model extra = effects::modelFor(p.effects, s.id);
+    rod::RodDefinition formed = d; // as it was made: defects of the natural shape included
+    const effects::Section section =
+        effects::sections(rod::RodModel(d), extra.material.profiles, extra.material.profiles.size());
+    for (std::size_t i = 0; i < formed.naturalCurvature.size(); ++i)
+        formed.naturalCurvature[i] += section.curvature[i];
+    const rod::RodModel model(formed);
     const bool onHead = s.clamp.carriedBy == Carrier::MachineHead;
     const bool clamped = s.clamp.where != ClampPlace::None;
-    const Vec2 point = vec(s.clamp.initialPoint) + Vec2(0.0, onHead ? p.gapShift : 0.0);
-    const double angle = s.clamp.initialTangentAngle;
+    Vec2 point = vec(s.clamp.initialPoint);
+    double angle = s.clamp.initialTangentAngle;
+    place(s.clamp.carriedBy, point, angle, p);
     Eigen::VectorXd q;
     if (clamped) {
         rod::EquilibriumProblem hanging;
@@ -162,6 +181,7 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
         q[model.dofY()] += floor + 0.5 * own.thickness - lowest(model, q);
     }
     const std::size_t index = step::addRod(world_, d, q, Eigen::VectorXd::Zero(model.dofs()), p.friction);
+    step::setEffects(world_, index, extra);
     if (!clamped)
         return;
     step::Hold hold;
@@ -177,6 +197,7 @@ void Rig::settle() {
     world_.dtNext = 1e-3;
     if (!move(0.0, kRest, {}))
         return;
+    step::restEffects(world_);
     start_ = world_.time;
 }
 

@@ -41,6 +41,7 @@ public:
 private:
     void addSpecimen(const experiment::Specimen& specimen, const SpecimenParameters& own, const Parameters& p,
                      double arm);
+    void place(const experiment::Carrier& carrier, rod::Vec2& point, double& angle, const Parameters& p) const;
     void addObstacle(const experiment::Obstacle& obstacle, const Parameters& p, double skin, double extent);
     void chooseSettings(const Parameters& p, double arm);
     void settle();
@@ -51,6 +52,7 @@ private:
     step::Stepper stepper_;
     std::string failure_;
     MeanForce mean_;
+    effects::Model common_;         ///< what effects do to all specimens and the set-up
     step::Ledger books_;            ///< at the end of the last step
     double lastDisplacement_ = 0.0; ///< m
     double forceScale_ = 0.0;       ///< largest mean force so far, N

@@ -11,14 +11,15 @@
 // 1e-5 of the peak outside of jumps. Within a jump (snap, slip-off, first touch of a strip) a sample may fall anywhere
 // between the two forces.
 //
-// Where further physics belongs: material, load and contact effects go into the world (rig.cpp, where specimens and
-// obstacles are built); apparatus effects between the commanded motion and the head (class Player, where
-// seriesCompliance is); sensor effects between the trace and the readings (function read). Their parameters go into
-// Parameters and, to be reachable by name, into the tables of parameters.cpp.
+// Extra physics (supercircle/effects) enters at its place: material, load and contact effects in the world and
+// misalignment in the set-up (rig.cpp), compliance and play between the commanded motion and the head (class Player),
+// drift, gain and delay between the trace and the readings.
 
 #include "plugin/replay/simulate.h"
 
 #include "plugin/replay/rig.h"
+#include "supercircle/effects/play.h"
+#include "supercircle/effects/sensor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,24 +101,33 @@ double commanded(const Run& run, double t) {
 /// slow motion, implicit (stiff specimens do no harm), and where a snap lets d jump back the clock stands still.
 class Player {
 public:
-    Player(Rig& rig, const Experiment& e, const Run& run, double give, const Options& options)
-        : rig_(rig), e_(e), run_(run), give_(give), options_(options), clock_(run.driveTime.front()) {}
+    Player(Rig& rig, const Experiment& e, const Run& run, double give, const effects::ApparatusModel& apparatus,
+           const Options& options)
+        : rig_(rig), e_(e), run_(run), give_(give + apparatus.compliance), apparatus_(apparatus), options_(options),
+          clock_(run.driveTime.front()) {}
 
     Trace play() {
-        if (run_.driveDisplacement.front() != 0.0) // the head comes from displacement 0 to where the run starts
-            rig_.move(run_.driveDisplacement.front(), 1.0, {});
+        const effects::Motion drive =
+            effects::behindPlay({run_.driveTime, run_.driveDisplacement}, apparatus_.backlash);
+        if (drive.displacement.front() != 0.0) // the head comes from displacement 0 to where the run starts
+            rig_.move(drive.displacement.front(), 1.0, {});
         trace_.addForce(clock_, rig_.force());
         trace_.addMarkers(rig_, e_, clock_);
         lastDisplacement_ = rig_.displacement();
         pressing_ = rig_.force();
-        for (std::size_t i = 1; i < run_.driveTime.size() && rig_.failure().empty() && !stopped_; ++i)
-            leg(run_.driveTime[i - 1], run_.driveTime[i], run_.driveDisplacement[i - 1], run_.driveDisplacement[i]);
+        for (std::size_t i = 1; i < drive.time.size() && rig_.failure().empty() && !stopped_; ++i)
+            leg(drive.time[i - 1], drive.time[i], drive.displacement[i - 1], drive.displacement[i]);
         return std::move(trace_);
     }
     [[nodiscard]] bool stopped() const { return stopped_; }
 
 private:
-    [[nodiscard]] double position() const { return rig_.displacement() + give_ * pressing_; }
+    /// What the drive shows: the head and all that gives in series with it.
+    [[nodiscard]] double position() const {
+        return rig_.displacement() + give_ * pressing_ +
+               0.5 * apparatus_.slack * pressing_ / std::hypot(pressing_, apparatus_.slackForce);
+    }
+    [[nodiscard]] bool rigid() const { return give_ <= 0.0 && apparatus_.slack <= 0.0; }
 
     /// The force that compresses what is in series: smoothed over 2 um of travel, which hides the one-step spikes with
     /// which an inextensible strip meets the floor (60 N for a microsecond) and shifts d by less than a nanometre.
@@ -134,7 +144,7 @@ private:
         bool arrived = false;
         const auto observe = [&] {
             press();
-            const bool byDisplacement = give_ > 0.0 && speed != 0.0;
+            const bool byDisplacement = !rigid() && speed != 0.0;
             const double now = byDisplacement ? t0 + (position() - from) / speed : t0 + rig_.time() - begin;
             const double before = std::exchange(clock_, std::clamp(now, clock_, t1));
             readForce(0.5 * (before + clock_));
@@ -147,7 +157,7 @@ private:
         };
         means_ = 0;
         started_ = false;
-        if (give_ <= 0.0 || speed == 0.0) {
+        if (rigid() || speed == 0.0) {
             rig_.move(to - from, t1 - t0, observe);
             finishLeg();
             return;
@@ -191,6 +201,7 @@ private:
     const Experiment& e_;
     const Run& run_;
     double give_;
+    effects::ApparatusModel apparatus_;
     const Options& options_;
     double clock_;                  ///< of the recording, s
     bool started_ = false;          ///< the leg has had its first step
@@ -258,8 +269,12 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
     }
     Rig rig(e, parameters, resolution);
     if (rig.failure().empty()) {
-        Player player(rig, e, e.runs[run], parameters.seriesCompliance, options);
-        const Trace trace = player.play();
+        const effects::Model common = effects::modelFor(parameters.effects, "all");
+        Player player(rig, e, e.runs[run], parameters.seriesCompliance, common.apparatus, options);
+        Trace trace = player.play();
+        effects::SensorChain sensor(common.sensor);
+        for (std::size_t i = 0; common.sensor.on() && i < trace.force.size(); ++i)
+            trace.force[i] = sensor.read(trace.forceTime[i], trace.force[i]);
         out.stopped = player.stopped();
         read(trace, e, e.runs[run], out);
     }

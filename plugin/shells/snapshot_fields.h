@@ -5,6 +5,7 @@
 
 #include "plugin/shells/shells_impl.h"
 #include "plugin/shells/snapshot_archive.h"
+#include "plugin/shells/snapshot_effects.h"
 
 #include <algorithm>
 #include <optional>
@@ -155,9 +156,10 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs, width,
-           material, group, island, rested, restPlace] = r;
+           material, group, island, rested, restPlace, effects] = r;
     ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material, group,
        island, rested, restPlace);
+    ioEffects(ar, model, effects);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || qGood.size() != n || static_cast<int>(u.size()) != model.gaussPoints() ||
@@ -310,12 +312,13 @@ template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
     auto& [time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
            ledger, counters, candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials,
-           sleepingImpulses, nextIsland] = w;
+           sleepingImpulses, nextIsland, effectsGone] = w;
     ar(time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
        ledger);
     ar.aside(counters);
     ar.aside(nextPart); // handles only
-    ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland);
+    ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland,
+       effectsGone);
 }
 
 // ---- the facade ----

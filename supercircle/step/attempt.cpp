@@ -1,7 +1,10 @@
 #include "supercircle/step/attempt.h"
 
+#include "supercircle/step/attraction_stage.h"
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contact_stiffness.h"
+#include "supercircle/step/effect_stage.h"
+#include "supercircle/step/friction_state.h"
 #include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/loads.h"
@@ -121,9 +124,12 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
         StageTimer timer(times, Stage::Evaluate);
         collectRolling(world, rods, dt, impulses, first, stage);
         collectAxial(world, rods, impulses, stage);
+        collectPulls(world, rods, dt, stage);
         forEachRod(stage.loop, n, [&](std::size_t i) {
-            if (!rods[i].frozen)
-                evaluateRod(world, world.rods[i], dt, first, rods[i]);
+            if (rods[i].frozen)
+                return;
+            evaluateRod(world, world.rods[i], dt, first, rods[i]);
+            addPulls(stage, static_cast<int>(i), dt, rods[i]);
         });
     }
     {
@@ -136,6 +142,7 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
     {
         StageTimer timer(times, Stage::Couple);
         couple(world, rods, dt, impulses, !first, stage);
+        applyFrictionState(world, rods, dt, !first, stage);
     }
     {
         StageTimer timer(times, Stage::Solve);
@@ -219,12 +226,14 @@ void Attempt::witness(const World& world) {
                   [&](const contact::Crossing& c) { return excluded(world, stage, c.rodA, c.rodB, c.outline); });
 }
 
-/// Whether links or grabs ask for another linearisation.
+/// Whether links, grabs or effects ask for another linearisation.
 bool Attempt::partsOff(const World& world, double tolerance) const {
     for (std::size_t i = 0; i < rods.size(); ++i)
-        if (!rods[i].frozen && grabsOff(world.rods[i], dt, rods[i]))
+        if (!rods[i].frozen && (grabsOff(world.rods[i], dt, rods[i]) ||
+                                (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
             return true;
-    return linkError(world, rods, dt, tolerance, stage) > 1.0;
+    return frictionError(world, rods, dt, stage) > 1.0 || pullError(world, rods, dt, stage) > 1.0 ||
+           linkError(world, rods, dt, tolerance, stage) > 1.0;
 }
 
 /// Wakes the sleepers that somebody pressed on; false if nobody did.

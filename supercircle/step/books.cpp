@@ -1,6 +1,8 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/attraction_stage.h"
+#include "supercircle/step/friction_state.h"
 #include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 #include "supercircle/step/parallel.h"
@@ -106,6 +108,12 @@ void accept(World& world, Attempt& t) {
     bookContacts(world, rods, stage, dt);
     bookLinks(world, rods, stage, dt);
     Ledger& l = world.ledger;
+    const AttractionBooks pulls = bookAttraction(world, rods, dt, stage);
+    l.effects += pulls.taken;
+    l.numerical += pulls.secondOrder;
+    l.work += pulls.work;
+    l.toBodies += pulls.toBodies;
+    advanceSurfaces(world, rods, dt, stage);
     std::vector<RodBooks>& books = t.books;
     books.assign(rods.size(), RodBooks{});
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
@@ -124,6 +132,7 @@ void accept(World& world, Attempt& t) {
         l.numerical += b.kineticLoss - impact + b.secondOrder;
         l.work += b.holdWork + b.loadWork;
         l.pushOut -= b.rollingWork;
+        l.effects += b.effects;
     }
     acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);

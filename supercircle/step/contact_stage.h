@@ -4,6 +4,8 @@
 #include "supercircle/parallel/parallel.h"
 #include "supercircle/step/work.h"
 
+#include <map>
+
 namespace supercircle::step {
 
 /// Mean velocity of a host body over the attempt, drift included.
@@ -46,12 +48,14 @@ struct ContactStage {
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
     double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
-    std::vector<BodyPlace> place;      ///< per World::bodies
-    std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
-    std::vector<BodyEnds> contactEnds; ///< of World::constraints.contacts
-    std::vector<BodyEnds> rowEnds;     ///< of World::constraints.rows
-    std::vector<int> hostEntries;      ///< the problem's contacts after the links: k = host contact, -1 - k = limit
-    std::vector<LinkRow> linkRows;     ///< storage; the first linkCount belong to this attempt
+    std::vector<AttractionWork> pulls;     ///< of adhesion
+    std::map<std::uint64_t, double> slips; ///< by contact id: speed the friction was taken at, m/s (friction_state.h)
+    std::vector<BodyPlace> place;          ///< per World::bodies
+    std::vector<BodyMotion> motion;        ///< per World::bodies: as predicted, then as solved
+    std::vector<BodyEnds> contactEnds;     ///< of World::constraints.contacts
+    std::vector<BodyEnds> rowEnds;         ///< of World::constraints.rows
+    std::vector<int> hostEntries;          ///< the problem's contacts after the links: k = host contact, -1 - k = limit
+    std::vector<LinkRow> linkRows;         ///< storage; the first linkCount belong to this attempt
     std::size_t linkCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
     double overlap = 0.0;                                          ///< deeper overlaps are not closed at once, m

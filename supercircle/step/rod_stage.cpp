@@ -1,5 +1,6 @@
 #include "supercircle/step/rod_stage.h"
 
+#include "supercircle/step/effect_stage.h"
 #include "supercircle/step/loads.h"
 
 #include <Eigen/QR>
@@ -147,6 +148,8 @@ void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodW
         w.rhs += dt * w.product;
     }
     addLoads(rod, dt, first, w);
+    if (rod.effects.on())
+        addEffects(rod, dt, !first, w);
     evaluateHolds(world, rod, dt, w);
 }
 
@@ -217,6 +220,11 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         }
     }
     books.loadWork = bookLoads(rod, dt, w);
+    if (rod.effects.on()) {
+        const EffectBooks taken = acceptEffects(rod, dt, w);
+        books.effects = taken.taken;
+        books.secondOrder += taken.secondOrder;
+    }
     const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
     const double turned = meanAngle(rod.model, w.kin1) - meanAngle(rod.model, w.kin);
     rod.u = w.u1;

@@ -27,6 +27,7 @@ struct RodBooks {
     double secondOrder = 0.0; ///< of implicit bending and of gravity
     double holdWork = 0.0;    ///< work of holds
     double loadWork = 0.0;    ///< work of forces and grabs
+    double effects = 0.0;     ///< taken by effects
     double rollingWork = 0.0; ///< of contact forces while their points roll and turn (contact_stiffness.h)
 };
 /// Accepts the attempt: state, material velocities, hold reactions.

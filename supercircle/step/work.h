@@ -39,6 +39,29 @@ struct GrabWork {
     double damping = 0.0;                       ///< N s/m
 };
 
+/// The effects on a rod, linearised (effect_stage.h).
+struct EffectWork {
+    std::vector<double> curvature, moment, tangent; ///< per element: where, extra moment (N m), its slope (N m^2)
+    std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows; ///< of the drag's points
+    std::vector<Vec2> way;                                      ///< in the step as predicted, m
+    std::vector<effects::DragPoint> drag;
+    int tries = 0; ///< linearisations of this step so far
+};
+
+/// Attraction between a place of a rod and what is near (attraction_stage.h), linearised.
+struct AttractionWork {
+    int rodA = -1, rodB = -1, bodyB = -1; ///< bodyB: index into World::bodies
+    std::size_t point = 0;                ///< of rod A's Attraction
+    double share = 1.0;                   ///< of its weight
+    Vec2 normal = Vec2::UnitX();          ///< from B to A
+    double force = 0.0;                   ///< as linearised, towards each other, N
+    double stiffness = 0.0;               ///< >= 0, of each side's own motion, N/m
+    Eigen::RowVectorXd rowA, rowB;        ///< velocity along the normal
+    double wayA = 0.0, wayB = 0.0;        ///< along the normal in the step as predicted, m
+    double surface = 0.0;                 ///< velocity of a body along the normal, m/s
+    Vec2 armB = Vec2::Zero();             ///< foot minus body centre, m
+};
+
 /// One rod inside an attempt.
 struct RodWork {
     rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
@@ -75,6 +98,7 @@ struct RodWork {
     int body = -1;                  ///< index into the contact problem, -1: no candidates
     bool touching = false;
     Eigen::VectorXd vFree;
+    EffectWork effects;
     Eigen::VectorXd difference, product; ///< scratch, n
     Eigen::LLT<Eigen::MatrixXd> llt;     ///< of A, used where the rod has no contact
 };
@@ -86,6 +110,8 @@ struct ContactWork {
     int rodA = -1, rodB = -1;
     int bodyB = -1;           ///< index into World::bodies
     Vec2 armB = Vec2::Zero(); ///< contact point minus body centre at the linearisation point
+    double slip = 0.0;        ///< speed of slip its friction was taken at, m/s
+    double friction = 1.0;    ///< factor of the friction coefficient
 };
 
 } // namespace supercircle::step

@@ -60,6 +60,13 @@ void book(World& world, const Rod& rod, double sign) {
     world.ledger.bending += sign * bending;
     world.ledger.gravity += sign * gravity;
     world.ledger.added += sign * (kinetic + bending + gravity);
+    double held = 0.0;
+    for (const effects::Book& b : rod.effects.books)
+        held += b.stored;
+    if (held != 0.0) {
+        world.ledger.effects += sign * held;
+        world.ledger.added += sign * held;
+    }
 }
 
 /// Detection's ids leave 20 bits for a rod: when they are used up, keys of rods that are gone come again.
@@ -89,6 +96,49 @@ void forgetContacts(World& world, std::uint32_t key) {
 
 } // namespace
 
+namespace {
+
+/// What the effects on a rod hold at its present configuration.
+void refreshEffects(Rod& rod) {
+    if (rod.effects.material.on())
+        effects::storedEnergy(rod.model, rod.effects.material, rod.q, rod.effects.books);
+    if (rod.effects.drag.on())
+        rod.effects.books[static_cast<std::size_t>(effects::Key::PlanarDrag)].stored =
+            effects::storedEnergy(rod.effects.drag);
+}
+
+} // namespace
+
+void setEffects(World& world, std::size_t index, const effects::Model& model) {
+    wake(world, index);
+    Rod& rod = world.rods[index];
+    book(world, rod, -1.0);
+    for (std::size_t k = 0; k < effects::kKeys; ++k)
+        world.effectsGone[k].dissipated += rod.effects.books[k].dissipated;
+    rod.effects = effects::makeRodEffects(rod.model, model);
+    refreshEffects(rod);
+    book(world, rod, 1.0);
+}
+
+void restEffects(World& world) {
+    for (Rod& rod : world.rods) {
+        book(world, rod, -1.0);
+        effects::rest(rod.effects);
+        refreshEffects(rod);
+        book(world, rod, 1.0);
+    }
+}
+
+effects::Books effectBooks(const World& world) {
+    effects::Books sum = world.effectsGone;
+    for (const Rod& rod : world.rods)
+        for (std::size_t k = 0; k < effects::kKeys; ++k) {
+            sum[k].stored += rod.effects.books[k].stored;
+            sum[k].dissipated += rod.effects.books[k].dissipated;
+        }
+    return sum;
+}
+
 int rodIndex(const World& world, std::uint32_t key) {
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (world.rods[i].key == key)
@@ -116,6 +166,8 @@ void removeRod(World& world, std::size_t index) {
     wake(world, index);
     const std::uint32_t key = world.rods[index].key;
     book(world, world.rods[index], -1.0);
+    for (std::size_t k = 0; k < effects::kKeys; ++k)
+        world.effectsGone[k].dissipated += world.rods[index].effects.books[k].dissipated;
     world.rods.erase(world.rods.begin() + static_cast<std::ptrdiff_t>(index));
     std::erase_if(world.links,
                   [key](const Link& l) { return l.rodA == key || (l.end == LinkEnd::Rod && l.rodB == key); });
@@ -129,7 +181,13 @@ void changeRod(World& world, std::size_t index, const rod::RodDefinition& defini
     rod.model = rod::RodModel(definition);
     const std::vector<Vec2> u = rod.u;
     refreshRod(rod);
-    rod.u = u; // the motion stays what it was, to the last digit
+    rod.u = u;                       // the motion stays what it was, to the last digit
+    if (rod.effects.material.on()) { // the same laws, shares of the new modulus
+        effects::Material& m = rod.effects.material;
+        for (std::size_t k = 0; k < m.upTo.size(); ++k)
+            m.upTo[k] = effects::sections(rod.model, m.model.profiles, k);
+    }
+    refreshEffects(rod);
     book(world, rod, 1.0);
     world.range.clear();
 }
@@ -142,6 +200,7 @@ void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const E
     rod.q = rod.qGood = q;
     rod.v = v;
     refreshRod(rod);
+    refreshEffects(rod);
     book(world, rod, 1.0);
     if (moved)
         forgetContacts(world, rod.key);

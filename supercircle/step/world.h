@@ -5,6 +5,7 @@
 #include "supercircle/contact/crossing.h"
 #include "supercircle/contact/detection.h"
 #include "supercircle/coulomb/solver.h"
+#include "supercircle/effects/rod_effects.h"
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/inertia.h"
 #include "supercircle/step/joint.h"
@@ -46,6 +47,7 @@ struct Rod {
     double rested = 0.0; ///< how long its tips and middle have stayed within Settings::sleepDrift of `restPlace`, s
     std::array<Vec2, 3> restPlace{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
     [[nodiscard]] bool asleep() const { return island != 0; }
+    effects::RodEffects effects{}; ///< extra physics of this rod
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
@@ -169,6 +171,7 @@ struct World {
     std::vector<BodyMaterial> bodyMaterials;      ///< sorted by body
     std::vector<ContactImpulse> sleepingImpulses; ///< of sleeping islands, sorted by id
     std::uint32_t nextIsland = 1;
+    effects::Books effectsGone{}; ///< dissipated on rods that are gone
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
     [[nodiscard]] Vec2 machineForce() const;
@@ -192,6 +195,13 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle);
 /// Changes the motion of a rod at once by an impulse (N s) and an angular impulse (N m s) at arc length `s`; the change
 /// of its energy is booked as work.
 void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse);
+/// Gives a rod the material and load effects of `model` (those of before go); what they store at its configuration is
+/// booked as added.
+void setEffects(World& world, std::size_t index, const effects::Model& model);
+/// A long rest: viscous stresses gone, ages zero, drag springs loose; plastic curvature stays.
+void restEffects(World& world);
+/// Energy of the effects by cause, J.
+[[nodiscard]] effects::Books effectBooks(const World& world);
 /// Index of the rod with this key, -1 if there is none.
 [[nodiscard]] int rodIndex(const World& world, std::uint32_t key);
 /// Index of the body in World::bodies, -1 if it is not there.

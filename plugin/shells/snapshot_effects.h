@@ -1,0 +1,122 @@
+#pragma once
+// The fields of effects that are saved (private to shells/), see snapshot_fields.h. Constants that follow from the
+// model of an effect and its rod are made again; state is checked against them.
+
+#include "plugin/shells/snapshot_archive.h"
+#include "supercircle/effects/rod_effects.h"
+
+namespace supercircle::archive {
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Book> auto& b) {
+    auto& [stored, dissipated] = b;
+    ar(stored, dissipated);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Profile> auto& p) {
+    auto& [cause, shape, centre, width, stiffness, curvature] = p;
+    ar(cause, shape, centre, width, stiffness, curvature);
+    if constexpr (Ar::kLoads)
+        if (cause >= effects::Key::Count || shape > effects::Profile::Shape::Thickness || !(width > 0.0))
+            ar.fail("an effect in it is impossible");
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Backbone> auto& b) {
+    auto& [law, knee, exponent] = b;
+    ar(law, knee, exponent);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Branch> auto& b) {
+    auto& [stiffness, time] = b;
+    ar(stiffness, time);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::MaterialModel> auto& m) {
+    auto& [profiles, backbone, viscosity, branches, yield, hardening, kinematic, softening, softeningTime,
+           softeningByDecades] = m;
+    ar(profiles, backbone, viscosity, branches, yield, hardening, kinematic, softening, softeningTime,
+       softeningByDecades);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::DragModel> auto& m) {
+    auto& [force, presliding] = m;
+    ar(force, presliding);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
+    auto& [staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance] = m;
+    ar(staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::AdhesionModel> auto& m) {
+    auto& [law, force, range] = m;
+    ar(law, force, range);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::ContactComplianceModel> auto& m) {
+    auto& [normal, tangential] = m;
+    ar(normal, tangential);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::ContactModel> auto& m) {
+    auto& [friction, adhesion, compliance] = m;
+    ar(friction, adhesion, compliance);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Site> auto& s) {
+    auto& [weakened, slid, speed] = s;
+    ar(weakened, slid, speed);
+}
+
+/// `made`: the effect as it is right after being given to the rod; its lists say how long those that were saved are.
+template <class Ar, class List>
+void ioState(Ar& ar, List& list, const std::remove_const_t<List>& made) {
+    ar(list);
+    if constexpr (Ar::kLoads)
+        if (list.size() != made.size()) {
+            ar.fail("the state of an effect in it has the wrong size");
+            list = made;
+        }
+}
+
+template <class Ar>
+void ioEffects(Ar& ar, const rod::RodModel& rod, Is<effects::RodEffects> auto& fx) {
+    auto& [material, drag, surface, attraction, books] = fx;
+    auto& [laws, upTo, age, plastic, hardened, overstress] = material;
+    auto& [dragModel, dragPlace, dragWeight, stretch] = drag;
+    auto& [contact, spacing, sites] = surface;
+    effects::Model model;
+    if constexpr (Ar::kLoads) {
+        ar(model.material, model.drag, model.contact);
+        if (ar.fault().empty())
+            fx = effects::makeRodEffects(rod, model);
+    } else {
+        ar(laws, dragModel, contact);
+    }
+    const effects::RodEffects made = Ar::kLoads ? fx : effects::RodEffects{};
+    ar(age, books);
+    ioState(ar, plastic, made.material.plastic);
+    ioState(ar, hardened, made.material.hardened);
+    ioState(ar, overstress, made.material.overstress);
+    if constexpr (Ar::kLoads)
+        for (auto& branch : overstress)
+            if (branch.size() != plastic.size()) {
+                ar.fail("the state of an effect in it has the wrong size");
+                branch.assign(plastic.size(), 0.0);
+            }
+    ioState(ar, stretch, made.drag.stretch);
+    ioState(ar, sites, made.surface.sites);
+    (void)upTo, (void)dragPlace, (void)dragWeight, (void)spacing, (void)attraction; // follow from the models
+}
+
+} // namespace supercircle::archive

@@ -1,0 +1,47 @@
+#include "supercircle/effects/attraction.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::effects {
+
+namespace {
+
+constexpr double kSpacing = 2.5e-4; ///< m, of the quadrature points, and at most ...
+constexpr int kMostPerElement = 16; ///< ... this many
+
+} // namespace
+
+Attraction makeAttraction(const rod::RodModel& rod, const AdhesionModel& model) {
+    Attraction a;
+    a.model = model;
+    if (!model.on())
+        return a;
+    for (int e = 0; e < rod.elements(); ++e) {
+        const double l = rod.elementLength(e);
+        const int n = std::clamp(static_cast<int>(std::ceil(l / kSpacing)), 2, kMostPerElement);
+        for (int i = 0; i < n; ++i) { // midpoints: no point is counted twice at joints
+            a.place.push_back(rod::locate(rod, e, rod.nodeS(e) + (i + 0.5) * l / n));
+            a.weight.push_back(l / n);
+        }
+    }
+    return a;
+}
+
+AttractionPoint attractionAt(const AdhesionModel& m, double gap) {
+    const double x = gap / m.range;
+    if (!(x < 1.0))
+        return {};
+    const double y = 1.0 - std::max(x, 0.0), y2 = y * y;
+    if (m.law == AdhesionModel::Law::Hump) {
+        const double f = 6.75 * m.force;
+        const bool apart = x > 0.0;
+        return {apart ? f * x * y2 : 0.0, apart ? f / m.range * (y2 - 2.0 * x * y) : 0.0,
+                -f * m.range * y2 * y * (1.0 / 3.0 - 0.25 * y)};
+    }
+    AttractionPoint out{m.force * y2, x > 0.0 ? -2.0 * m.force / m.range * y : 0.0, -m.force * m.range * y2 * y / 3.0};
+    out.energy += m.force * std::min(gap, 0.0); // pressed into each other by round-off
+    return out;
+}
+
+} // namespace supercircle::effects

@@ -1,0 +1,47 @@
+#pragma once
+// The entries of the catalogue, one file each (private to effects/).
+
+#include "supercircle/effects/effect.h"
+
+namespace supercircle::effects {
+
+inline constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// A parameter that switches the effect on where it differs from `off`.
+inline Parameter amplitude(std::string name, std::string unit, double off, double min, double max, double typical,
+                           std::string about) {
+    return {std::move(name), std::move(unit), off, min, max, typical, true, std::move(about), {}};
+}
+/// One that says more about it.
+inline Parameter detail(std::string name, std::string unit, double standard, double min, double max,
+                        std::string about) {
+    return {std::move(name), std::move(unit), standard, min, max, standard, false, std::move(about), {}};
+}
+/// A choice; the first word is the default.
+inline Parameter choice(std::string name, std::vector<std::string> words, std::string about) {
+    const double last = static_cast<double>(words.size()) - 1.0;
+    return {std::move(name), "1", 0.0, 0.0, last, 0.0, false, std::move(about), std::move(words)};
+}
+
+Effect viscoelasticBending();
+Effect nonlinearElasticity();
+Effect plasticity();
+Effect localDamage();
+Effect naturalCurvatureDefect();
+Effect stiffnessGradient();
+Effect softeningOverTime();
+Effect planarDrag();
+Effect gravity();
+Effect staticFrictionExcess();
+Effect rateDependentFriction();
+Effect wear();
+Effect adhesion();
+Effect contactCompliance();
+Effect machineCompliance();
+Effect backlash();
+Effect misalignment();
+Effect sensorDrift();
+Effect sensorGain();
+Effect sensorDelay();
+
+} // namespace supercircle::effects

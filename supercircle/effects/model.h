@@ -1,0 +1,181 @@
+#pragma once
+// What the effects of one world amount to, slot by slot: plain numbers that the step, the laboratory and the replay
+// read. Everything here is off as initialised.
+
+#include "supercircle/rod/arc.h"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace supercircle::effects {
+
+using rod::Vec2;
+
+/// Every effect of the catalogue, in its order; energies are booked by it.
+enum class Key : std::uint8_t {
+    ViscoelasticBending,
+    NonlinearElasticity,
+    Plasticity,
+    LocalDamage,
+    NaturalCurvatureDefect,
+    StiffnessGradient,
+    SofteningOverTime,
+    PlanarDrag,
+    Gravity,
+    StaticFrictionExcess,
+    RateDependentFriction,
+    Wear,
+    Adhesion,
+    ContactCompliance,
+    MachineCompliance,
+    Backlash,
+    Misalignment,
+    SensorDrift,
+    SensorGain,
+    SensorDelay,
+    Count
+};
+inline constexpr std::size_t kKeys = static_cast<std::size_t>(Key::Count);
+
+/// Where the energy that an effect took has gone.
+struct Book {
+    double stored = 0.0;     ///< now, J (may be negative: less than without the effect)
+    double dissipated = 0.0; ///< so far, J, never falls
+};
+using Books = std::array<Book, kKeys>;
+
+/// A change of the section along the rod.
+struct Profile {
+    enum class Shape : std::uint8_t {
+        Gauss,    ///< exp(-((s - s0) / width)^2 / 2)
+        Flat,     ///< 1 on a stretch of length `width` around s0, 0 elsewhere
+        Linear,   ///< 2 s / L - 1: from -1 at the first end to 1 at the last
+        Thickness ///< stiffness (1 + amount * (2 s / L - 1))^3
+    };
+    Key cause = Key::LocalDamage;
+    Shape shape = Shape::Gauss;
+    double centre = 0.5;    ///< arc fraction s0 / L, 1
+    double width = 1.0;     ///< m
+    double stiffness = 0.0; ///< B is multiplied by 1 + stiffness * shape, 1
+    double curvature = 0.0; ///< natural curvature gains curvature * shape, 1/m
+};
+
+/// Elastic moment over curvature change, per bending modulus.
+struct Backbone {
+    enum class Law : std::uint8_t { Linear, Softening, Stiffening, RambergOsgood };
+    Law law = Law::Linear;
+    double knee = std::numeric_limits<double>::infinity(); ///< u_c, 1/m
+    double exponent = 3.0;                                 ///< of Ramberg-Osgood, 1
+};
+
+/// A Maxwell element beside the bending spring.
+struct Branch {
+    double stiffness = 0.0; ///< share of B, 1
+    double time = 1.0;      ///< relaxation time, s
+};
+
+/// Moment-curvature law of a rod where it is not B (kappa - kappa0).
+struct MaterialModel {
+    std::vector<Profile> profiles;
+    Backbone backbone;
+    double viscosity = 0.0; ///< eta / B, s
+    std::vector<Branch> branches;
+    double yield = std::numeric_limits<double>::infinity(); ///< M_y / B, 1/m
+    double hardening = 0.0;                                 ///< H / B, 1
+    bool kinematic = false;                                 ///< hardening moves the yield range instead of widening it
+    double softening = 0.0;                                 ///< share of B that is lost in the end, or per decade
+    double softeningTime = 1.0;                             ///< s
+    bool softeningByDecades = false;                        ///< logarithmic in time
+
+    [[nodiscard]] bool on() const;
+};
+
+/// Dry friction of every point of the rod against walls in front and behind.
+struct DragModel {
+    double force = 0.0;       ///< per length, N/m
+    double presliding = 1e-6; ///< m, elastic motion before it slides
+
+    [[nodiscard]] bool on() const { return force > 0.0; }
+};
+
+/// How the friction coefficient of a contact depends on its state, as factors of the declared one.
+struct FrictionModel {
+    enum class Rate : std::uint8_t { Stribeck, Logarithmic, Viscous };
+    double staticRatio = 1.0;    ///< mu_s / mu_k, 1
+    double slipWeakening = 1e-4; ///< D_c, m
+    double healing = 1.0;        ///< time at rest after which the excess is back, s
+    Rate rate = Rate::Stribeck;
+    double rateStrength = 0.0; ///< relative change, 1
+    double rateSpeed = 1e-3;   ///< m/s
+    double wearChange = 0.0;   ///< relative change in the end, 1
+    double wearDistance = 0.1; ///< m
+
+    [[nodiscard]] bool on() const { return staticRatio != 1.0 || rateStrength != 0.0 || wearChange != 0.0; }
+};
+
+/// Attraction of near surfaces: force per length of rod against the gap.
+struct AdhesionModel {
+    enum class Law : std::uint8_t { Hump, Decaying };
+    Law law = Law::Hump;
+    double force = 0.0;  ///< largest, N/m
+    double range = 1e-4; ///< gap where it ends, m
+
+    [[nodiscard]] bool on() const { return force > 0.0; }
+};
+
+/// Give of every contact.
+struct ContactComplianceModel {
+    double normal = 0.0;     ///< m/N
+    double tangential = 0.0; ///< m/N
+
+    [[nodiscard]] bool on() const { return normal > 0.0 || tangential > 0.0; }
+};
+
+struct ContactModel {
+    FrictionModel friction;
+    AdhesionModel adhesion;
+    ContactComplianceModel compliance;
+
+    [[nodiscard]] bool on() const { return friction.on() || adhesion.on() || compliance.on(); }
+};
+
+/// The testing machine.
+struct ApparatusModel {
+    double compliance = 0.0;  ///< of the machine, m/N
+    double backlash = 0.0;    ///< travel lost at a reversal, m
+    double slack = 0.0;       ///< travel lost where the force changes its sign, m
+    double slackForce = 1e-3; ///< N, on which the slack is taken up
+    double offset = 0.0;      ///< sideways place of what the machine carries, m
+    double tilt = 0.0;        ///< its rotation, rad
+
+    [[nodiscard]] bool on() const {
+        return compliance > 0.0 || backlash > 0.0 || slack > 0.0 || offset != 0.0 || tilt != 0.0;
+    }
+};
+
+/// The load cell and its chain.
+struct SensorModel {
+    double drift = 0.0;     ///< N, reached in the end
+    double driftTime = 1.0; ///< s
+    double driftRate = 0.0; ///< N/s
+    double gain = 0.0;      ///< reading = (1 + gain) force, 1
+    double delay = 0.0;     ///< s
+    double lag = 0.0;       ///< time constant of a first-order low pass, s
+
+    [[nodiscard]] bool on() const {
+        return drift != 0.0 || driftRate != 0.0 || gain != 0.0 || delay > 0.0 || lag > 0.0;
+    }
+};
+
+struct Model {
+    MaterialModel material;
+    DragModel drag;
+    Vec2 gravity = Vec2::Zero(); ///< beside the declared one, m/s^2
+    ContactModel contact;
+    ApparatusModel apparatus;
+    SensorModel sensor;
+};
+
+} // namespace supercircle::effects

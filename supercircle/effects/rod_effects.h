@@ -1,0 +1,26 @@
+#pragma once
+// Everything the effects keep per rod, constants and state: plain data inside the saved world.
+
+#include "supercircle/effects/attraction.h"
+#include "supercircle/effects/drag.h"
+#include "supercircle/effects/material.h"
+#include "supercircle/effects/surface.h"
+
+namespace supercircle::effects {
+
+struct RodEffects {
+    Material material;
+    Drag drag;
+    Surface surface;
+    Attraction attraction;
+    Books books{};
+    /// Of one rod alone; its surface and attraction concern others too.
+    [[nodiscard]] bool on() const { return material.on() || drag.on(); }
+};
+
+/// All slots that act on a rod, at rest.
+RodEffects makeRodEffects(const rod::RodModel& rod, const Model& model);
+/// A long rest: see each slot.
+void rest(RodEffects& effects);
+
+} // namespace supercircle::effects

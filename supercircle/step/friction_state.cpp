@@ -1,0 +1,110 @@
+#include "supercircle/step/friction_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace supercircle::step {
+
+namespace {
+
+constexpr double kTolerance = 1e-3; ///< of a friction factor
+
+bool anySurface(const World& world) {
+    return std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.effects.surface.on(); });
+}
+
+/// Speed of slip as last solved, m/s.
+double slipOf(const std::vector<RodWork>& rods, const ContactStage& stage, std::size_t i) {
+    const ContactWork& k = stage.work[i];
+    double u = k.Ja.row(1).dot(rods[static_cast<std::size_t>(k.rodA)].v);
+    if (k.rodB >= 0) {
+        u -= k.Jb.row(1).dot(rods[static_cast<std::size_t>(k.rodB)].v);
+    } else {
+        const BodyMotion& m = stage.motion[static_cast<std::size_t>(k.bodyB)];
+        u -= rod::perp(stage.candidates[i].normal).dot(m.velocity + m.spin * rod::perp(k.armB));
+    }
+    return std::abs(u);
+}
+
+/// The sides of a contact whose surfaces have a memory.
+template <class Do>
+void forSides(const World& world, const contact::Candidate& c, Do&& act) {
+    for (const contact::RodPoint* p : {&c.a, &c.b})
+        if (p->rod >= 0) {
+            const effects::Surface& s = world.rods[static_cast<std::size_t>(p->rod)].effects.surface;
+            if (s.on())
+                act(static_cast<std::size_t>(p->rod), s, effects::siteAt(s, p->s));
+        }
+}
+
+/// Mean over the sides.
+double factorAt(const World& world, const contact::Candidate& c, double slip, double dt) {
+    double sum = 0.0;
+    int count = 0;
+    forSides(world, c, [&](std::size_t, const effects::Surface& s, std::size_t site) {
+        sum += effects::frictionFactor(s.model.friction, s.sites[site], slip, dt);
+        ++count;
+    });
+    return count > 0 ? sum / count : 1.0;
+}
+
+} // namespace
+
+void applyFrictionState(const World& world, const std::vector<RodWork>& rods, double dt, bool again,
+                        ContactStage& stage) {
+    if (!anySurface(world))
+        return;
+    std::map<std::uint64_t, double> known;
+    std::swap(known, stage.slips);
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        const contact::Candidate& c = stage.candidates[i];
+        double slip = 0.0;
+        if (const auto it = known.find(c.id); again && it != known.end())
+            slip = 0.5 * (it->second + slipOf(rods, stage, i));
+        else if (again)
+            slip = slipOf(rods, stage, i);
+        else
+            forSides(world, c, [&](std::size_t, const effects::Surface& s, std::size_t site) {
+                slip = std::max(slip, s.sites[site].speed);
+            });
+        stage.slips[c.id] = slip;
+        stage.work[i].slip = slip;
+        stage.work[i].friction = factorAt(world, c, slip, dt);
+        stage.problem.contacts[i].mu *= stage.work[i].friction;
+    }
+}
+
+double frictionError(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
+    if (!anySurface(world))
+        return 0.0;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i)
+        if (stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) {
+            const double now = factorAt(world, stage.candidates[i], slipOf(rods, stage, i), dt);
+            worst = std::max(worst, std::abs(now - stage.work[i].friction) / (kTolerance * stage.work[i].friction));
+        }
+    return worst;
+}
+
+void advanceSurfaces(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
+    if (!anySurface(world))
+        return;
+    std::vector<std::vector<double>> speeds(world.rods.size());
+    for (std::size_t i = 0; i < speeds.size(); ++i)
+        speeds[i].assign(world.rods[i].effects.surface.sites.size(), 0.0);
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i)
+        if (stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) {
+            const double slip = slipOf(rods, stage, i);
+            forSides(world, stage.candidates[i], [&](std::size_t rod, const effects::Surface&, std::size_t site) {
+                speeds[rod][site] = std::max(speeds[rod][site], slip);
+            });
+        }
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+        effects::Surface& s = world.rods[i].effects.surface;
+        for (std::size_t k = 0; k < s.sites.size(); ++k)
+            effects::advance(s.model.friction, s.sites[k], speeds[i][k], dt);
+    }
+}
+
+} // namespace supercircle::step

@@ -46,6 +46,15 @@ struct SensitivityArguments {
     bool quiet = false;
 };
 
+struct DiagnoseArguments {
+    std::string file;
+    std::string out;       ///< folder; empty: out/<name of the experiment's folder>_diagnosis
+    int jobs = 0;          ///< simulations at a time, 0: as many as there are cores
+    std::int64_t seed = 1; ///< not negative
+    std::vector<std::string> without; ///< effects left out of the catalogue
+    bool quiet = false;
+};
+
 struct ValidateArguments {
     std::string data; ///< folder of the reference curves
     std::string out = "out/validation";
@@ -64,6 +73,8 @@ int effects(const std::string& key);
 int replay(const ReplayArguments& arguments);
 /// Derivatives of a recorded experiment's simulated readings with respect to its parameters.
 int sensitivity(const SensitivityArguments& arguments);
+/// Finds out what physics a simulation of a recorded experiment leaves out.
+int diagnose(const DiagnoseArguments& arguments);
 /// Compares the laboratory with every solved reference and writes one page about it.
 int validate(const ValidateArguments& arguments);
 /// Measures the benchmarks whose name contains `filter`; `json` is a file for the figures, empty: none.

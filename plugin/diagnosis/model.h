@@ -30,6 +30,7 @@ struct Scalar {
     double upper = std::numeric_limits<double>::infinity();
     double step = 0.0; ///< a change that shows: half-width of the stated interval, or a share of a typical value
     Scale scale = Scale::Linear;
+    bool amplitude = false; ///< the effect is absent where all its amplitudes are 0
 };
 
 /// An effect that may be missing, in one of its forms (a law, a specimen). Several candidates may share a label.
@@ -39,9 +40,8 @@ struct Candidate {
     std::string form; ///< what distinguishes candidates of one label, may be empty
     std::string law;
     std::vector<Scalar> parameters;
-    /// Inner values at which it shows in experiments of this kind; starts of searches.
+    /// Inner values at which it shows in experiments of this kind; starts of searches. The first is a size that matters.
     std::vector<std::vector<double>> probes;
-    std::string relevant; ///< an amplitude worth knowing of, in words
 };
 
 /// An effect with values.
@@ -65,6 +65,18 @@ struct Response {
     Eigen::VectorXd markers; ///< m: x of marker 0 over time, its y, x of marker 1, ...
 };
 
+/// A run that was not made but could be.
+struct Design {
+    std::string what; ///< in words
+    std::size_t run = 0; ///< which recorded run it varies
+};
+
+/// Readings of such a run, with their times.
+struct DesignResponse {
+    std::string failure;
+    Eigen::VectorXd time, force;
+};
+
 class Model {
 public:
     Model() = default;
@@ -76,6 +88,11 @@ public:
     /// Deterministic; called from several threads at a time.
     [[nodiscard]] virtual Response simulate(std::size_t run, const Point& point, Fineness fineness,
                                             const std::atomic<bool>* interrupt) const = 0;
+    /// Runs that might tell rivals apart; none by default.
+    [[nodiscard]] virtual std::vector<Design> designs() const { return {}; }
+    [[nodiscard]] virtual DesignResponse simulateDesign(std::size_t, const Point&, const std::atomic<bool>*) const {
+        return {"this model has no designs", {}, {}};
+    }
     /// What, beside the values, the readings depend on: part of the key under which they are kept.
     [[nodiscard]] virtual std::string identity() const = 0;
 };

@@ -60,7 +60,8 @@ void print(const diagnosis::Diagnosis& d, const std::string& folder) {
         std::printf("  %-26s probability %.3f, gain on unseen runs %.1f +- %.1f, error there %.3g N\n", e.label.c_str(),
                     e.probability, e.gain, e.gainError, e.heldOutRmse);
     }
-    std::printf("  %-26s probability %.3f\n  %-26s probability %.3f\n", "nothing", d.nothing, "none of these", d.unknown);
+    std::printf("  %-26s probability %.3f\n  %-26s probability %.3f\n", "nothing", d.nothing, "none of these",
+                d.unknown);
     std::printf("%zu simulated runs, %s; results: %s/diagnosis.json, pictures: %s/report.html\n", d.forwardRuns,
                 duration(d.elapsed).c_str(), folder.c_str(), folder.c_str());
 }

@@ -74,8 +74,9 @@ std::string diagnosisJson(const Diagnosis& d) {
                            {"fitted", n.fitted},
                            {"tension", n.tension},
                            {"unit", n.unit}};
-    const Json improved = d.improved ? Json{{"training_rmse_N", d.improvedTraining}, {"heldout_rmse_N", d.improvedHeldOut}}
-                                     : Json(nullptr);
+    const Json improved = d.improved
+                              ? Json{{"training_rmse_N", d.improvedTraining}, {"heldout_rmse_N", d.improvedHeldOut}}
+                              : Json(nullptr);
     Json next = nullptr;
     if (d.next)
         next = {{"what", d.next->what}, {"separates", d.next->separates}, {"expected_power", d.next->power}};

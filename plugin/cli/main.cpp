@@ -147,7 +147,8 @@ CLI::App* describeDiagnose(CLI::App& app, supercircle::cli::DiagnoseArguments& a
     CLI::App* verb =
         app.add_subcommand("diagnose", "find out what physics a simulation of a recorded experiment leaves out");
     verb->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
-    verb->add_option("--out", a.out, "folder for the results (default: out/<name of the experiment's folder>_diagnosis)")
+    verb->add_option("--out", a.out,
+                     "folder for the results (default: out/<name of the experiment's folder>_diagnosis)")
         ->type_name("DIR");
     verb->add_option("--jobs", a.jobs, "simulations at a time, 1 to 64; the digits do not depend on it")
         ->check(CLI::Range(1, 64).description(""))

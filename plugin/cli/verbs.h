@@ -48,9 +48,9 @@ struct SensitivityArguments {
 
 struct DiagnoseArguments {
     std::string file;
-    std::string out;       ///< folder; empty: out/<name of the experiment's folder>_diagnosis
-    int jobs = 0;          ///< simulations at a time, 0: as many as there are cores
-    std::int64_t seed = 1; ///< not negative
+    std::string out;                  ///< folder; empty: out/<name of the experiment's folder>_diagnosis
+    int jobs = 0;                     ///< simulations at a time, 0: as many as there are cores
+    std::int64_t seed = 1;            ///< not negative
     std::vector<std::string> without; ///< effects left out of the catalogue
     bool quiet = false;
 };

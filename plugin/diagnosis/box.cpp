@@ -51,8 +51,7 @@ Eigen::VectorXd boxMinimum(const Eigen::MatrixXd& Gin, const Eigen::VectorXd& g,
     for (int sweep = 0; sweep < 400; ++sweep) {
         double moved = 0.0;
         for (Eigen::Index i = 0; i < x.size(); ++i) {
-            const double to =
-                std::clamp(x[i] + (g[i] - G.row(i).dot(x)) / G(i, i), lower[i], upper[i]);
+            const double to = std::clamp(x[i] + (g[i] - G.row(i).dot(x)) / G(i, i), lower[i], upper[i]);
             moved = std::max(moved, std::abs(to - x[i]) * std::sqrt(G(i, i)));
             x[i] = to;
         }

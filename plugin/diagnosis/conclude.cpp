@@ -60,7 +60,8 @@ std::string verdictOf(const Evidence& e) {
 std::string statementOf(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "nothing_missing")
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " + number(e.p) +
-               " for the largest of " + std::to_string(d.mismatch.family) + " window statistics): nothing is missing "
+               " for the largest of " + std::to_string(d.mismatch.family) +
+               " window statistics): nothing is missing "
                "that these runs could show.";
     if (d.verdict == "not_enough_information")
         return "The simulation agrees with the runs, but most effects of the catalogue could be there at a size that "

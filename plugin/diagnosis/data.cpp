@@ -37,8 +37,7 @@ double commanded(const experiment::Run& run, double t) {
     std::size_t i = 1;
     while (i + 1 < run.driveTime.size() && t > run.driveTime[i])
         ++i;
-    const double share =
-        std::clamp((t - run.driveTime[i - 1]) / (run.driveTime[i] - run.driveTime[i - 1]), 0.0, 1.0);
+    const double share = std::clamp((t - run.driveTime[i - 1]) / (run.driveTime[i] - run.driveTime[i - 1]), 0.0, 1.0);
     return (1.0 - share) * run.driveDisplacement[i - 1] + share * run.driveDisplacement[i];
 }
 

@@ -40,10 +40,10 @@ struct RecordedRun {
 
 struct Data {
     std::vector<RecordedRun> runs;
-    double statedForceNoise = 0.0;  ///< N, within about 30 %; 0: not stated
-    double statedMarkerNoise = 0.0; ///< m
-    double displacementNoise = 0.0; ///< m
-    double zeroWindow = 0.0;        ///< s, stretch whose mean force was subtracted
+    double statedForceNoise = 0.0;   ///< N, within about 30 %; 0: not stated
+    double statedMarkerNoise = 0.0;  ///< m
+    double displacementNoise = 0.0;  ///< m
+    double zeroWindow = 0.0;         ///< s, stretch whose mean force was subtracted
     std::vector<double> arcFraction; ///< of each marker
     std::vector<std::string> markerNames;
     [[nodiscard]] double peakForce() const;

@@ -32,8 +32,7 @@ struct Tried {
 class Work {
 public:
     Work(const Data& data, Evaluator& evaluator, const Settings& settings)
-        : data_(data), evaluator_(evaluator), settings_(settings),
-          begin_(std::chrono::steady_clock::now()) {}
+        : data_(data), evaluator_(evaluator), settings_(settings), begin_(std::chrono::steady_clock::now()) {}
 
     Diagnosis run() {
         out_.seed = settings_.seed;
@@ -111,12 +110,15 @@ bool Work::nominal() {
     Fitted other = fit(evaluator_, *misfit_, v.at(elsewhere));
     if (other.failure.empty() && other.misfit < base_.misfit - 1.0)
         base_ = std::move(other);
-    differentiate(evaluator_, *misfit_, v, base_.x, 0.2, [&] {
-        std::vector<Index> all;
-        for (Index i = 0; i < v.size(); ++i)
-            all.push_back(i);
-        return all;
-    }(), base_.jacobian);
+    differentiate(
+        evaluator_, *misfit_, v, base_.x, 0.2,
+        [&] {
+            std::vector<Index> all;
+            for (Index i = 0; i < v.size(); ++i)
+                all.push_back(i);
+            return all;
+        }(),
+        base_.jacobian);
     return true;
 }
 
@@ -235,8 +237,7 @@ FoundEffect Work::found(const Tried& t, const Weighed& w, std::size_t i) const {
         const double width = std::min(v.upper[k] - v.lower[k], 1e3);
         precision(k, k) += 12.0 / (width * width);
     }
-    const Eigen::MatrixXd covariance =
-        precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
+    const Eigen::MatrixXd covariance = precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
     constexpr double k90 = 1.6448536269514722; // of a normal distribution
     for (Index k = v.nominal; k < v.size(); ++k) {
         const Scalar& s = v.scalar(k);
@@ -334,8 +335,8 @@ void Work::nominalResults() {
     const Variables v(evaluator_.model(), base_.point);
     for (Index i = 0; i < v.nominal; ++i) {
         const Scalar& s = v.scalar(i);
-        out_.nominal.push_back({s.name, s.unit, s.value, s.step, base_.point.nominal[static_cast<std::size_t>(i)],
-                                base_.x[i]});
+        out_.nominal.push_back(
+            {s.name, s.unit, s.value, s.step, base_.point.nominal[static_cast<std::size_t>(i)], base_.x[i]});
     }
     out_.similarityLabels.clear();
     Eigen::MatrixXd signatures(misfit_->rows(), static_cast<Index>(order_.size()));

@@ -12,8 +12,8 @@ namespace supercircle::diagnosis {
 
 struct Settings {
     std::uint64_t seed = 1;
-    int draws = 999;            ///< of the null distribution
-    std::size_t fits = 6;       ///< effects that are fitted in full
+    int draws = 999;      ///< of the null distribution
+    std::size_t fits = 6; ///< effects that are fitted in full
     MisfitSettings misfit;
     std::function<void(double fraction, const std::string& stage)> progress;
 };

@@ -136,8 +136,7 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
             auto there = evaluator.everywhere({v.at(to)}, Fineness::Fine).front();
             const auto residual = misfit.residual(there);
             // A step that the training rows themselves reject is not taken.
-            if (!residual ||
-                train.cwiseProduct(*residual).squaredNorm() > train.cwiseProduct(r).squaredNorm() + 1.0)
+            if (!residual || train.cwiseProduct(*residual).squaredNorm() > train.cwiseProduct(r).squaredNorm() + 1.0)
                 break;
             x = to;
             r = *residual;
@@ -145,7 +144,8 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
         }
         Eigen::VectorXd e = held.cwiseProduct(r);
         const Eigen::LLT<Eigen::MatrixXd> precision(G + prior);
-        const Eigen::MatrixXd root = precision.matrixL().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).transpose();
+        const Eigen::MatrixXd root =
+            precision.matrixL().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).transpose();
         const double logDet = standardise(held.asDiagonal() * (J * root), e);
         const double rows = held.sum();
         for (Index k = 0; k < e.size(); ++k)

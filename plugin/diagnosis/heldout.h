@@ -25,11 +25,11 @@ Grouping groupingOf(const Misfit& misfit);
 
 struct HeldOut {
     std::string failure;
-    Eigen::VectorXd energy;  ///< per block: |standardised error|^2
-    Eigen::VectorXd volume;  ///< per block: log determinant's share
-    Eigen::VectorXd rows;    ///< per block
-    Eigen::VectorXd error;   ///< whitened, per row of the stack
-    double forceRmse = 0.0;  ///< N
+    Eigen::VectorXd energy; ///< per block: |standardised error|^2
+    Eigen::VectorXd volume; ///< per block: log determinant's share
+    Eigen::VectorXd rows;   ///< per block
+    Eigen::VectorXd error;  ///< whitened, per row of the stack
+    double forceRmse = 0.0; ///< N
     /// Log density per block, tempered by the dispersion.
     [[nodiscard]] Eigen::VectorXd score(double dispersion) const { return -0.5 * (energy / dispersion + volume); }
 };

@@ -88,7 +88,13 @@ private:
                 const double from = most * piece / (1 << level), to = most * (piece + 1) / (1 << level);
                 Spot c;
                 c.window = {runs.size() > 1 ? "all" : misfit_.data().runs[runs.front()].name,
-                            name(phase), "force", 0.0, 0.0, from, to, -1.0};
+                            name(phase),
+                            "force",
+                            0.0,
+                            0.0,
+                            from,
+                            to,
+                            -1.0};
                 for (const std::size_t r : runs)
                     collect(r, phase, from, to, c);
                 add(std::move(c));

@@ -23,20 +23,20 @@
 namespace supercircle::diagnosis {
 
 struct Window {
-    std::string run;    ///< name, or "all"
-    std::string phase;  ///< loading, unloading, hold, all
-    std::string channel; ///< "force" or the marker's name with _x, _y
+    std::string run;                                     ///< name, or "all"
+    std::string phase;                                   ///< loading, unloading, hold, all
+    std::string channel;                                 ///< "force" or the marker's name with _x, _y
     double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: of the first)
     double displacementFrom = 0.0, displacementTo = 0.0; ///< m
     double arcFraction = -1.0;                           ///< of a marker, -1: none
-    double z = 0.0;      ///< standardised statistic, the larger of shift and energy
-    bool shift = true;   ///< which of the two
-    double p = 1.0;      ///< family-wise
+    double z = 0.0;                                      ///< standardised statistic, the larger of shift and energy
+    bool shift = true;                                   ///< which of the two
+    double p = 1.0;                                      ///< family-wise
 };
 
 struct Localisation {
-    double p = 1.0;        ///< of the largest statistic
-    double critical = 0.0; ///< of |statistic| at 5 %, family-wise
+    double p = 1.0;                  ///< of the largest statistic
+    double critical = 0.0;           ///< of |statistic| at 5 %, family-wise
     std::vector<Window> significant; ///< merged, largest first
     std::size_t family = 0;          ///< statistics that were looked at
 };

@@ -81,7 +81,8 @@ public:
         if (effect_ == nullptr)
             return *this;
         const bool reciprocal = scale != Scale::Linear;
-        add(name, reciprocal ? 0.0 : effect_->parameters[find(name)].off, reciprocal ? 0.0 : lower, reciprocal ? inner(scale, lower) : upper, inner(scale, step), scale);
+        add(name, reciprocal ? 0.0 : effect_->parameters[find(name)].off, reciprocal ? 0.0 : lower,
+            reciprocal ? inner(scale, lower) : upper, inner(scale, step), scale);
         candidate_.parameters.back().amplitude = true;
         return *this;
     }

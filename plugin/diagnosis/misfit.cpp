@@ -17,8 +17,9 @@ std::vector<double> listOf(const Eigen::VectorXd& v) {
 }
 
 double spacing(const RecordedRun& run) {
-    return run.time.size() > 1 ? (run.time[run.time.size() - 1] - run.time[0]) / static_cast<double>(run.time.size() - 1)
-                               : 1.0;
+    return run.time.size() > 1
+               ? (run.time[run.time.size() - 1] - run.time[0]) / static_cast<double>(run.time.size() - 1)
+               : 1.0;
 }
 
 /// Steepest change of the simulated force from one row to the next within two rows, N.
@@ -138,7 +139,8 @@ std::optional<Eigen::VectorXd> Misfit::residual(const std::vector<Response>& sim
     return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
 }
 
-std::optional<Eigen::VectorXd> Misfit::difference(const std::vector<Response>& a, const std::vector<Response>& b) const {
+std::optional<Eigen::VectorXd> Misfit::difference(const std::vector<Response>& a,
+                                                  const std::vector<Response>& b) const {
     Eigen::VectorXd out(rows());
     for (std::size_t r = 0; r < runs(); ++r) {
         if (!a[r].failure.empty() || !b[r].failure.empty() || a[r].force.size() != b[r].force.size() ||

@@ -24,12 +24,12 @@
 namespace supercircle::diagnosis {
 
 struct MisfitSettings {
-    double contactPlace = 3e-6;    ///< to which contact places agree, m
-    double shareOfPeak = 1e-3;     ///< accuracy of a fine simulation, share of the peak force
-    double markerPlace = 1.5e-5;   ///< of a simulated marker, m
-    double snapBefore = 0.1;       ///< s left out ahead of a snap
-    double snapAfter = 0.3;        ///< and behind it
-    double snapShare = 0.15;       ///< of the force range within two rows
+    double contactPlace = 3e-6;  ///< to which contact places agree, m
+    double shareOfPeak = 1e-3;   ///< accuracy of a fine simulation, share of the peak force
+    double markerPlace = 1.5e-5; ///< of a simulated marker, m
+    double snapBefore = 0.1;     ///< s left out ahead of a snap
+    double snapAfter = 0.3;      ///< and behind it
+    double snapShare = 0.15;     ///< of the force range within two rows
 };
 
 /// Rows that do not count, and the simulation's error in the others.
@@ -44,8 +44,8 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
 class Misfit {
 public:
     /// @param fine, coarse simulations near the recordings, per run
-    Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine,
-           const std::vector<Response>& coarse, const MisfitSettings& settings = {});
+    Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine, const std::vector<Response>& coarse,
+           const MisfitSettings& settings = {});
 
     /// Recorded minus simulated of all runs, whitened; empty if a simulation failed or did not reach the end.
     [[nodiscard]] std::optional<Eigen::VectorXd> residual(const std::vector<Response>& simulated) const;

@@ -40,7 +40,8 @@ struct Candidate {
     std::string form; ///< what distinguishes candidates of one label, may be empty
     std::string law;
     std::vector<Scalar> parameters;
-    /// Inner values at which it shows in experiments of this kind; starts of searches. The first is a size that matters.
+    /// Inner values at which it shows in experiments of this kind; starts of searches. The first is a size that
+    /// matters.
     std::vector<std::vector<double>> probes;
 };
 
@@ -67,7 +68,7 @@ struct Response {
 
 /// A run that was not made but could be.
 struct Design {
-    std::string what; ///< in words
+    std::string what;    ///< in words
     std::size_t run = 0; ///< which recorded run it varies
 };
 

@@ -100,8 +100,7 @@ std::vector<Roughness> roughnessOf(const Data& data) {
 
 double roughnessLogLikelihood(const Roughness& r, double white, double coloured, double memory) {
     const double phi = std::exp(-r.dt / memory);
-    const double expected =
-        std::sqrt(6.0 * white * white + coloured * coloured * (6.0 - 8.0 * phi + 2.0 * phi * phi));
+    const double expected = std::sqrt(6.0 * white * white + coloured * coloured * (6.0 - 8.0 * phi + 2.0 * phi * phi));
     // The logarithm of a scale by the median from n correlated values has a deviation of about 1.5 / sqrt(n); the
     // curve's own bends add a few per cent.
     const double deviation = std::hypot(1.5 / std::sqrt(r.count), 0.03);

@@ -3,6 +3,7 @@
 
 #include "plugin/diagnosis/replay_model.h"
 
+#include "plugin/diagnosis/designs.h"
 #include "plugin/record/text.h"
 #include "plugin/replay/parameters.h"
 #include "plugin/replay/simulate.h"
@@ -29,6 +30,21 @@ bool oneBatch(const experiment::Experiment& e) {
     return true;
 }
 
+/// Every set-up gives a little, and no description says so: frames, clamps and contacts of this size together 20 kN/m
+/// and more. Up to that it is not worth a name; beyond, it is the effect machine_compliance.
+Scalar ordinaryGive(const experiment::Experiment& e) {
+    constexpr double kMost = 5e-5; // m/N
+    Scalar s;
+    s.name = "series_compliance";
+    s.unit = "m/N";
+    s.about = "give of an ordinary set-up";
+    s.lower = replay::nominal(e).seriesCompliance;
+    s.upper = s.lower + kMost;
+    s.step = 0.5 * kMost;
+    s.value = s.lower + s.step;
+    return s;
+}
+
 /// Parameters with a stated interval; those of specimens that are described differently on their own.
 std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
     std::vector<Scalar> all;
@@ -51,6 +67,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         s.step = info.stated.halfWidth;
         all.push_back(s);
     }
+    all.push_back(ordinaryGive(e));
     return all;
 }
 
@@ -69,13 +86,11 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without)
     : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without)) {}
 
-Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fineness,
-                               const std::atomic<bool>* interrupt) const {
-    Response out;
-    replay::Parameters p = replay::nominal(experiment_);
+std::string ReplayModel::parametersAt(const Point& point, replay::Parameters& p) const {
+    p = replay::nominal(experiment_);
     for (std::size_t i = 0; i < nominal_.size() && i < point.nominal.size(); ++i)
-        if (out.failure = replay::set(p, experiment_, nominal_[i].name, point.nominal[i]); !out.failure.empty())
-            return out;
+        if (std::string why = replay::set(p, experiment_, nominal_[i].name, point.nominal[i]); !why.empty())
+            return why;
     for (const Term& t : point.terms) {
         const Recipe& recipe = menu_.recipes[t.candidate];
         effects::Setting setting = recipe.base;
@@ -86,11 +101,53 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
         if (!effects::isOff(setting))
             p.effects.push_back(setting);
     }
-    if (out.failure = replay::checkEffects(p, experiment_); !out.failure.empty())
+    return replay::checkEffects(p, experiment_);
+}
+
+namespace {
+
+/// A search may ask for values at which every step is tiny. The limit counts steps, not time: the same everywhere.
+replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t run, const replay::Parameters& p,
+                                 const replay::Resolution& resolution, const std::atomic<bool>* interrupt) {
+    constexpr int kMostSteps = 15000;
+    std::atomic<bool> enough{false};
+    int steps = 0;
+    const auto count = [&](double) { enough = ++steps > kMostSteps || (interrupt != nullptr && interrupt->load()); };
+    replay::Simulated s = replay::simulate(e, run, p, resolution, {&enough, count});
+    if (s.failure.empty() && s.stopped)
+        s.failure = "too many steps";
+    return s;
+}
+
+} // namespace
+
+std::vector<Design> ReplayModel::designs() const {
+    return designsFor(experiment_);
+}
+
+DesignResponse ReplayModel::simulateDesign(std::size_t index, const Point& point,
+                                           const std::atomic<bool>* interrupt) const {
+    DesignResponse out;
+    replay::Parameters p;
+    if (out.failure = parametersAt(point, p); !out.failure.empty())
+        return out;
+    const replay::Simulated s =
+        simulateWithin(designed(experiment_, index), 0, p, replay::Resolution::coarse(), interrupt);
+    out.failure = s.failure;
+    out.time = vectorOf(s.readings.time);
+    out.force = vectorOf(s.readings.force);
+    return out;
+}
+
+Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fineness,
+                               const std::atomic<bool>* interrupt) const {
+    Response out;
+    replay::Parameters p;
+    if (out.failure = parametersAt(point, p); !out.failure.empty())
         return out;
     const replay::Resolution resolution =
         fineness == Fineness::Fine ? replay::Resolution::full() : replay::Resolution::coarse();
-    const replay::Simulated s = replay::simulate(experiment_, run, p, resolution, {interrupt, {}});
+    const replay::Simulated s = simulateWithin(experiment_, run, p, resolution, interrupt);
     out.failure = s.failure;
     const experiment::Run& recorded = experiment_.runs[run];
     out.force = vectorOf(filled(s.readings.force, recorded.readings.time.size()));

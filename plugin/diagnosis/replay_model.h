@@ -4,6 +4,7 @@
 #include "plugin/diagnosis/menu.h"
 #include "plugin/diagnosis/model.h"
 #include "plugin/experiment/experiment.h"
+#include "plugin/replay/parameters.h"
 
 #include <string>
 #include <vector>
@@ -19,9 +20,15 @@ public:
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return menu_.candidates; }
     [[nodiscard]] Response simulate(std::size_t run, const Point& point, Fineness fineness,
                                     const std::atomic<bool>* interrupt) const override;
+    [[nodiscard]] std::vector<Design> designs() const override;
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t index, const Point& point,
+                                                const std::atomic<bool>* interrupt) const override;
     [[nodiscard]] std::string identity() const override;
 
 private:
+    /// Empty, or why the point is none.
+    std::string parametersAt(const Point& point, replay::Parameters& parameters) const;
+
     const experiment::Experiment& experiment_;
     std::vector<Scalar> nominal_;
     Menu menu_;

@@ -26,9 +26,9 @@ struct FoundEffect {
     double probability = 0.0;
     std::vector<std::string> group; ///< labels that these runs cannot tell from it, itself first
     std::vector<FittedParameter> parameters;
-    double gain = 0.0, gainError = 0.0; ///< held-out log score over "nothing"
+    double gain = 0.0, gainError = 0.0;           ///< held-out log score over "nothing"
     double trainingRmse = 0.0, heldOutRmse = 0.0; ///< N
-    double misfitPerRow = 0.0;          ///< chi^2 / rows, training
+    double misfitPerRow = 0.0;                    ///< chi^2 / rows, training
 };
 
 /// What the screen saw of a label.
@@ -71,7 +71,7 @@ struct Diagnosis {
     bool stopped = false; ///< interrupted; what was simulated is kept
     std::string verdict, statement;
     Noise noise;
-    Localisation mismatch, left; ///< of the nominal fit; of the best effect's
+    Localisation mismatch, left;      ///< of the nominal fit; of the best effect's
     std::vector<FoundEffect> effects; ///< most probable first
     std::vector<SeenEffect> seen;     ///< whole catalogue
     double nothing = 0.0, unknown = 0.0;

@@ -20,8 +20,8 @@ public:
     Store(const Store&) = delete;
     Store& operator=(const Store&) = delete;
 
-    /// Reads what `file` holds for `identity` and keeps everything new there. Empty, or why not; without a file, entries
-    /// live in memory only.
+    /// Reads what `file` holds for `identity` and keeps everything new there. Empty, or why not; without a file,
+    /// entries live in memory only.
     std::string open(const std::string& file, const std::string& identity);
     std::optional<Response> find(const std::string& key) const;
     void keep(const std::string& key, const Response& response);

@@ -14,10 +14,13 @@ double dispersionOf(const HeldOut& h) {
 }
 
 Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double floor) {
-    const double rows = nothing.rows.sum();
+    const double rows = std::max(1.0, nothing.rows.sum());
+    // Pure noise has an energy of `rows` give or take sqrt(2 rows), and the noise's size is known to some 5 %.
+    floor *= 1.1 + 2.0 * std::sqrt(2.0 / rows);
     const double toExplain = 0.5 * std::max(0.0, nothing.energy.sum() - floor * rows) / dispersion;
     const double cost = std::max(4.0 * std::log(std::max(2.0, rows)), 0.15 * toExplain);
-    return -(0.5 * floor / dispersion + cost / std::max(1.0, rows)) * nothing.rows;
+    // It has the nominal parameters' uncertainty too.
+    return -(0.5 * floor / dispersion + cost / rows) * nothing.rows - 0.5 * nothing.volume;
 }
 
 void improvementOf(const HeldOut& from, const HeldOut& to, Random& random, Weighed& out) {

@@ -1,13 +1,13 @@
 #pragma once
 // From held-out scores to probabilities, groups and a verdict.
 //
-// Probability: pseudo-BMA with the Bayesian bootstrap over blocks. Weights w ~ Dirichlet(1, ..., 1) over the blocks give
-// scores S_m = B sum_b w_b l_mb; P_m is the mean over draws of prior_m exp S_m / sum. Prior masses: 0.3 that nothing is
-// missing, 0.1 for something that is not in the catalogue, the rest in equal parts.
+// Probability: pseudo-BMA with the Bayesian bootstrap over blocks. Weights w ~ Dirichlet(1, ..., 1) over the blocks
+// give scores S_m = B sum_b w_b l_mb; P_m is the mean over draws of prior_m exp S_m / sum. Prior masses: 0.3 that
+// nothing is missing, 0.1 for something that is not in the catalogue, the rest in equal parts.
 //
-// "None of these" scores as a model would that leaves pure noise, minus what a flexible law of eight numbers costs,
-// (8/2) log n, or 15 % of what there is to explain if that is more: a named law that explains more than 85 % of the
-// misfit is believed, because no two simulators agree better.
+// "None of these" scores as a model would that leaves pure noise (of a size known to some 5 %), minus what a flexible
+// law of eight numbers costs, (8/2) log n, or 15 % of what there is to explain if that is more: a named law that
+// explains more than 85 % of the misfit is believed, because no two simulators agree better.
 //
 // Scores are tempered by the dispersion of the best model, c = max(1, chi^2 per row): what even the best model leaves
 // makes all of them less sure (quasi-likelihood).
@@ -26,11 +26,11 @@ namespace supercircle::diagnosis {
 
 struct Weighed {
     double nothing = 0.0, unknown = 0.0;
-    std::vector<double> effects;             ///< probabilities, as the input
-    std::vector<double> gain, gainError;     ///< of the score over "nothing", and its standard error over blocks
+    std::vector<double> effects;         ///< probabilities, as the input
+    std::vector<double> gain, gainError; ///< of the score over "nothing", and its standard error over blocks
     double dispersion = 1.0;
     double improvement = 0.0, improvementLow = 0.0, improvementHigh = 0.0; ///< of the best: fall of the error, 90 %
-    std::size_t best = 0;                    ///< the highest score; meaningless without effects
+    std::size_t best = 0; ///< the highest score; meaningless without effects
 };
 
 /// @param catalogue number of labels there are, also those that were not fitted

@@ -83,6 +83,7 @@ private:
     Grouping grouping_;
     std::vector<Screened> screened_;
     std::vector<Tried> tried_;
+    double least_ = 0.0;             ///< misfit of any fit so far
     std::vector<std::size_t> order_; ///< of tried_, as out_.effects
 };
 
@@ -104,12 +105,16 @@ bool Work::nominal() {
         }
         at = base_.point;
     }
-    stage(0.14, "nominal fit from elsewhere");
     const Variables v(evaluator_.model(), at);
-    const Eigen::VectorXd elsewhere = base_.x.unaryExpr([](double x) { return x > 0.0 ? -0.7 : 0.7; });
-    Fitted other = fit(evaluator_, *misfit_, v.at(elsewhere));
-    if (other.failure.empty() && other.misfit < base_.misfit - 1.0)
-        base_ = std::move(other);
+    if (base_.misfit > 1.3 * static_cast<double>(misfit_->present())) { // below, there is nothing better to find
+        stage(0.14, "nominal fit from elsewhere");
+        const Eigen::VectorXd elsewhere = base_.x.unaryExpr([](double x) { return x > 0.0 ? -0.7 : 0.7; });
+        FitSettings given;
+        given.rival = base_.misfit / 2.0;
+        Fitted other = fit(evaluator_, *misfit_, v.at(elsewhere), given);
+        if (other.failure.empty() && other.misfit < base_.misfit - 1.0)
+            base_ = std::move(other);
+    }
     differentiate(
         evaluator_, *misfit_, v, base_.x, 0.2,
         [&] {
@@ -170,7 +175,7 @@ void Work::look() {
 void Work::tryEffects() {
     std::map<std::string, std::vector<const Screened*>> byLabel;
     for (const Screened& s : screened_)
-        if (s.simulated && s.gain > 2.0)
+        if (s.simulated && s.gain > 8.0) // less is luck: 8 is a p-value of half a per cent for one number
             byLabel[candidates()[s.candidate].label].push_back(&s);
     std::vector<std::vector<const Screened*>> ranked;
     for (auto& [label, probes] : byLabel) {
@@ -180,13 +185,23 @@ void Work::tryEffects() {
     }
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const auto& a, const auto& b) { return a.front()->gain > b.front()->gain; });
-    if (ranked.size() > settings_.fits)
-        ranked.resize(settings_.fits);
+    // A first look is linear and may be wrong by much, not by a factor of thirty.
+    while (ranked.size() > 3 &&
+           (ranked.size() > settings_.fits || ranked.back().front()->gain < ranked.front().front()->gain / 30.0))
+        ranked.pop_back();
     for (std::size_t i = 0; i < ranked.size() && !evaluator_.stopped(); ++i) {
         stage(0.35 + 0.55 * static_cast<double>(i) / static_cast<double>(ranked.size()),
               "fitting " + candidates()[ranked[i].front()->candidate].label);
         tryLabel(ranked[i]);
     }
+    // Two rivals are always weighed; others only where they come near.
+    std::stable_sort(tried_.begin(), tried_.end(),
+                     [](const Tried& a, const Tried& b) { return a.fit.misfit < b.fit.misfit; });
+    while (tried_.size() > 2 && tried_.back().fit.misfit > 3.0 * least_)
+        tried_.pop_back();
+    for (Tried& t : tried_)
+        if (!evaluator_.stopped())
+            t.held = leaveOut(evaluator_, *misfit_, grouping_, t.fit);
 }
 
 /// Fits an effect from its best probes: of each of its two best forms the best, and one more.
@@ -195,7 +210,7 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
     for (const Screened* p : probes)
         if (starts.size() < 2 && p->candidate != probes.front()->candidate && p->gain > 0.3 * probes.front()->gain)
             starts.push_back(p);
-    if (probes.size() > 1 && starts.size() < 3 && probes[1] != starts.back())
+    if (probes.size() > 1 && starts.size() < 2 && probes[1]->gain > 0.3 * probes.front()->gain)
         starts.push_back(probes[1]);
     Tried best;
     bool any = false;
@@ -206,7 +221,11 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
         start.terms.push_back({s->candidate, s->values});
         Tried t;
         t.candidate = s->candidate;
-        t.fit = fit(evaluator_, *misfit_, start, {}, base_.jacobian);
+        FitSettings given;
+        given.rival = least_;
+        t.fit = fit(evaluator_, *misfit_, start, given, base_.jacobian);
+        if (t.fit.failure.empty())
+            least_ = least_ > 0.0 ? std::min(least_, t.fit.misfit) : t.fit.misfit;
         if (t.fit.failure.empty() && (!any || t.fit.misfit < best.fit.misfit)) {
             best = std::move(t);
             any = true;
@@ -214,7 +233,6 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
     }
     if (!any || best.fit.misfit > base_.misfit - 1.0)
         return;
-    best.held = leaveOut(evaluator_, *misfit_, grouping_, best.fit);
     tried_.push_back(std::move(best));
 }
 

@@ -145,18 +145,22 @@ private:
         rejected_ = 0;
         fresh_ = false;
         const double gain = now_.misfit - trial.misfit;
+        const bool hopeless = now_.iterations >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
         trial.jacobian = std::move(now_.jacobian);
         const Eigen::VectorXd change = now_.residual - trial.residual; // of the simulation
         trial.jacobian += (change - trial.jacobian * step) * step.transpose() / step.squaredNorm();
         damping_ = std::max(1e-6, gain > 0.5 * foreseen ? damping_ / 10.0 : damping_);
         now_ = std::move(trial);
-        if (gain < settings_.enough)
+        if (settings_.rival > 0.0 && hopeless)
+            now_.converged = true;
+        else if (gain < settings_.enough)
             finishOrRefresh();
     }
 
     /// At a dead end of an old Jacobian a new one may know the way on.
     void finishOrRefresh() {
-        if (fresh_ || refreshes_ >= settings_.refreshes) {
+        const bool behind = settings_.rival > 0.0 && now_.misfit > 3.0 * settings_.rival;
+        if (fresh_ || behind || refreshes_ >= settings_.refreshes) {
             now_.converged = true;
             return;
         }

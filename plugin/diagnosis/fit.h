@@ -49,6 +49,8 @@ struct FitSettings {
     double enough = 0.3;     ///< a smaller gain of misfit ends it
     double difference = 0.2; ///< of x, for derivatives
     int refreshes = 2;
+    /// Misfit of a rival: a search that is above three times this after five iterations and creeps is given up.
+    double rival = 0.0;
 };
 
 /// d(whitened simulation)/dx by central differences (one-sided at bounds), coarse. Columns that cannot be simulated

@@ -29,7 +29,6 @@ const std::vector<Rule>& rules() {
          {"Eigen/"},
          {}},
         {"supercircle/coulomb/", {"supercircle/coulomb/", "supercircle/parallel/"}, {"Eigen/"}, {}},
-        // effects/ and plugin/diagnosis/ hold nothing yet: their arrows are settled beforehand.
         {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
         {"supercircle/step/", {"supercircle/"}, {"Eigen/", "tbb/"}, {}},
         {"supercircle/", {}, {"Eigen/"}, {}},

@@ -102,8 +102,8 @@ TEST_CASE("the box minimum fulfils the conditions of Karush, Kuhn and Tucker", "
 }
 
 TEST_CASE("noise is told from rests and neighbours, whatever else the force does", "[diagnosis]") {
-    // 3 x 4 s of rest hold about 24 memories of the coloured part: its deviation is known to some 20 %, the white part's
-    // to 3 %; the priors pull towards 0.0100 N, the truth is 0.0103 N.
+    // 3 x 4 s of rest hold about 24 memories of the coloured part: its deviation is known to some 20 %, the white
+    // part's to 3 %; the priors pull towards 0.0100 N, the truth is 0.0103 N.
     for (const std::uint64_t seed : {1, 2, 3}) {
         const Noise noise = estimateNoise(toy::recordings(seed, "cubic", 4e5));
         CHECK(noise.white == Approx(toy::kWhite).epsilon(0.1));

@@ -20,7 +20,9 @@ inline RecordedRun motion(const std::string& name, double speed, double rate) {
     const double knots[] = {0.0, 1.0, 1.0 + leg, 3.0 + leg, 3.0 + 2.0 * leg, 4.0 + 2.0 * leg};
     const double speeds[] = {0.0, speed, 0.0, -speed, 0.0};
     for (int i = 0; i < 5; ++i)
-        run.legs.push_back({speeds[i] > 0.0 ? Phase::Loading : speeds[i] < 0.0 ? Phase::Unloading : Phase::Hold,
+        run.legs.push_back({speeds[i] > 0.0   ? Phase::Loading
+                            : speeds[i] < 0.0 ? Phase::Unloading
+                                              : Phase::Hold,
                             knots[i], knots[i + 1], speeds[i]});
     const auto n = static_cast<Eigen::Index>(std::floor(knots[5] * rate));
     run.time.resize(n);
@@ -46,18 +48,25 @@ public:
         nominal_ = {{"stiffness", "N/m", "", 100.0, 94.0, 106.0, 6.0, Scale::Linear, false},
                     {"friction", "N", "", 0.1, 0.05, 0.15, 0.05, Scale::Linear, false}};
         if (dashpot)
-            candidates_.push_back({"dashpot", "material", "", "c v",
-                                   {{"c", "N s/m", "", 0.0, 0.0, 1e3, 2.0, Scale::Linear, true}}, {{5.0}}});
-        candidates_.push_back({"drift", "sensor", "", "a t",
-                               {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-3, Scale::Linear, true}}, {{5e-3}}});
-        candidates_.push_back({"cubic", "material", "", "b x^3",
-                               {{"b", "N/m^3", "", 0.0, -1e9, 1e9, 1e4, Scale::Linear, true}}, {{1e5}}});
+            candidates_.push_back({"dashpot",
+                                   "material",
+                                   "",
+                                   "c v",
+                                   {{"c", "N s/m", "", 0.0, 0.0, 1e3, 2.0, Scale::Linear, true}},
+                                   {{5.0}}});
+        candidates_.push_back(
+            {"drift", "sensor", "", "a t", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-3, Scale::Linear, true}}, {{5e-3}}});
+        candidates_.push_back({"cubic",
+                               "material",
+                               "",
+                               "b x^3",
+                               {{"b", "N/m^3", "", 0.0, -1e9, 1e9, 1e4, Scale::Linear, true}},
+                               {{1e5}}});
     }
     [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
     [[nodiscard]] std::string identity() const override { return "spring"; }
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness,
-                                    const std::atomic<bool>*) const override {
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness, const std::atomic<bool>*) const override {
         const RecordedRun& run = data_.runs[r];
         Response out;
         out.force.resize(run.time.size());

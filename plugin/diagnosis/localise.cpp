@@ -58,7 +58,7 @@ private:
             for (int half = 0; half < (level == 0 ? 1 : 2 * pieces - 1); ++half) {
                 const Eigen::Index a = n * half / (2 * pieces), b = std::min(n, n * (half + 2) / (2 * pieces));
                 Spot c;
-                c.window = {run.name, "all", "force", run.time[a], run.time[b - 1], 0.0, 0.0, -1.0};
+                c.window = {run.name, "all", "time", "force", run.time[a], run.time[b - 1], 0.0, 0.0, -1.0};
                 span(run, a, b, c.window);
                 for (Eigen::Index k = a; k < b; ++k)
                     if (counts(r, k))
@@ -89,6 +89,7 @@ private:
                 Spot c;
                 c.window = {runs.size() > 1 ? "all" : misfit_.data().runs[runs.front()].name,
                             name(phase),
+                            "displacement",
                             "force",
                             0.0,
                             0.0,
@@ -107,10 +108,9 @@ private:
             const double d = run.displacement[k];
             if (run.phase(k) != phase || d < from || d > to || !counts(r, k))
                 continue;
-            if (c.rows.empty())
-                c.window.timeFrom = run.time[k];
+            c.window.timeFrom = c.rows.empty() ? run.time[k] : std::min(c.window.timeFrom, run.time[k]);
+            c.window.timeTo = c.rows.empty() ? run.time[k] : std::max(c.window.timeTo, run.time[k]);
             c.rows.push_back(misfit_.start(r) + k);
-            c.window.timeTo = run.time[k];
         }
     }
 
@@ -122,7 +122,7 @@ private:
             for (int piece = 0; piece < (1 << level); ++piece) {
                 const double from = most * piece / (1 << level), to = most * (piece + 1) / (1 << level);
                 Spot load, unload;
-                load.window = {"all", "loading against unloading", "force", 0.0, 0.0, from, to, -1.0};
+                load.window = {"all", "loading against unloading", "contrast", "force", 0.0, 0.0, from, to, -1.0};
                 for (const std::size_t r : runs) {
                     collect(r, Phase::Loading, from, to, load);
                     collect(r, Phase::Unloading, from, to, unload);
@@ -150,6 +150,7 @@ private:
                     const auto m = static_cast<std::size_t>(c / 2);
                     w.window.run = run.name;
                     w.window.phase = "all";
+                    w.window.axis = "time";
                     w.window.channel = misfit_.data().markerNames[m] + (c % 2 == 0 ? "_x" : "_y");
                     w.window.arcFraction = misfit_.data().arcFraction[m];
                     w.window.timeFrom = run.markerTime[a];
@@ -195,19 +196,64 @@ Eigen::MatrixXd statistics(const std::vector<Spot>& family, const Eigen::MatrixX
     return t;
 }
 
-bool overlap(const Window& a, const Window& b) {
-    return a.run == b.run && a.channel == b.channel && a.phase == b.phase && a.timeFrom <= b.timeTo &&
-           b.timeFrom <= a.timeTo && a.displacementFrom <= b.displacementTo && b.displacementFrom <= a.displacementTo;
+/// Whether two windows are of one kind, so that they can be compared.
+bool sameKind(const Window& a, const Window& b) {
+    return a.run == b.run && a.channel == b.channel && a.axis == b.axis && (a.axis == "time" || a.phase == b.phase);
 }
 
-/// The largest ones; what overlaps a larger one of the same kind is part of it.
+bool touches(const Window& a, const Window& b) {
+    constexpr double kNear = 1e-9;
+    if (a.axis == "time")
+        return a.timeFrom <= b.timeTo + kNear && b.timeFrom <= a.timeTo + kNear;
+    return a.displacementFrom <= b.displacementTo + kNear && b.displacementFrom <= a.displacementTo + kNear;
+}
+
+/// Whether a is a proper part of b.
+bool inside(const Window& a, const Window& b) {
+    const bool byTime = a.axis == "time";
+    const double a0 = byTime ? a.timeFrom : a.displacementFrom, a1 = byTime ? a.timeTo : a.displacementTo;
+    const double b0 = byTime ? b.timeFrom : b.displacementFrom, b1 = byTime ? b.timeTo : b.displacementTo;
+    return a0 >= b0 && a1 <= b1 && a1 - a0 < 0.99 * (b1 - b0);
+}
+
+void join(Window& into, const Window& more) {
+    into.timeFrom = std::min(into.timeFrom, more.timeFrom);
+    into.timeTo = std::max(into.timeTo, more.timeTo);
+    into.displacementFrom = std::min(into.displacementFrom, more.displacementFrom);
+    into.displacementTo = std::max(into.displacementTo, more.displacementTo);
+    into.phase = into.phase == more.phase ? into.phase : "all";
+    if (std::abs(more.z) > std::abs(into.z)) {
+        into.z = more.z;
+        into.shift = more.shift;
+    }
+    into.p = std::min(into.p, more.p);
+}
+
+/// A large window may be significant because of a part of it: it goes where a part has four fifths of its statistic or
+/// more (a misfit that fills it would leave a half only 0.7). What is left and touches is one place. Windows over all
+/// runs only say what those of single runs are too weak to say.
 std::vector<Window> merged(std::vector<Window> all) {
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
+    const auto overRuns = std::stable_partition(all.begin(), all.end(), [](const Window& w) { return w.run != "all"; });
+    if (overRuns != all.begin())
+        all.erase(overRuns, all.end());
     std::vector<Window> kept;
-    for (const Window& w : all)
-        if (std::none_of(kept.begin(), kept.end(), [&](const Window& k) { return overlap(k, w); }))
-            kept.push_back(w);
+    for (const Window& w : all) {
+        if (std::any_of(all.begin(), all.end(), [&](const Window& v) {
+                return sameKind(v, w) && inside(v, w) && std::abs(v.z) >= 0.8 * std::abs(w.z);
+            }))
+            continue;
+        Window joined = w;
+        for (auto k = kept.begin(); k != kept.end();)
+            if (sameKind(*k, joined) && touches(*k, joined)) {
+                join(joined, *k);
+                k = kept.erase(k);
+            } else {
+                ++k;
+            }
+        kept.push_back(joined);
+    }
+    std::stable_sort(kept.begin(), kept.end(),
+                     [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
     constexpr std::size_t kMost = 40;
     kept.resize(std::min(kept.size(), kMost));
     return kept;

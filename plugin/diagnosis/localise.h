@@ -25,8 +25,9 @@ namespace supercircle::diagnosis {
 struct Window {
     std::string run;                                     ///< name, or "all"
     std::string phase;                                   ///< loading, unloading, hold, all
+    std::string axis;                                    ///< time, displacement, contrast (loading against unloading)
     std::string channel;                                 ///< "force" or the marker's name with _x, _y
-    double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: of the first)
+    double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: earliest and latest)
     double displacementFrom = 0.0, displacementTo = 0.0; ///< m
     double arcFraction = -1.0;                           ///< of a marker, -1: none
     double z = 0.0;                                      ///< standardised statistic, the larger of shift and energy
@@ -35,10 +36,11 @@ struct Window {
 };
 
 struct Localisation {
-    double p = 1.0;                  ///< of the largest statistic
-    double critical = 0.0;           ///< of |statistic| at 5 %, family-wise
-    std::vector<Window> significant; ///< merged, largest first
-    std::size_t family = 0;          ///< statistics that were looked at
+    double p = 1.0;        ///< of the largest statistic
+    double critical = 0.0; ///< of |statistic| at 5 %, family-wise
+    /// Largest first; parts of larger ones left out, what touches joined.
+    std::vector<Window> significant;
+    std::size_t family = 0; ///< statistics that were looked at
 };
 
 /// @param free columns of the Jacobian that are not held by a bound

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <map>
 #include <new>
 #include <thread>
 
@@ -116,6 +117,43 @@ CLI::App* describeReplay(CLI::App& app, supercircle::cli::ReplayArguments& a) {
     return replay;
 }
 
+CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
+    CLI::App* verb =
+        app.add_subcommand("import", "testing-machine exports to an experiment, saying what was understood");
+    verb->add_option("files", a.files,
+                     "exports (CSV or text), one or more runs each; a file of markers follows its run")
+        ->required()
+        ->type_name("FILE.csv ...");
+    verb->add_option("--out", a.out, "folder for experiment.json and the runs")->required()->type_name("DIR");
+    verb->add_option("--protocol", a.protocol,
+                     "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor or arch_between_plates")
+        ->type_name("NAME");
+    verb->add_option("--specimen", a.specimen, "JSON with the specimen, or with any part of an experiment")
+        ->type_name("FILE.json");
+    verb->add_option("--columns", a.columns,
+                     "what the columns are: time[s],displacement[mm],force[kN],angle[deg],NAME_x[mm]; - for none")
+        ->type_name("LIST");
+    verb->add_option("--rate", a.rate, "rows per second, where there are no times")->check(positive)->type_name("HZ");
+    verb->add_option("--speed", a.speed, "speed of the head in mm/s, where there are no times")
+        ->check(positive)
+        ->type_name("MM_PER_S");
+    verb->add_option("--tolerance", a.tolerance, "mm, how closely straight legs follow the displacement")
+        ->check(positive)
+        ->type_name("MM");
+    const std::map<std::string, int> signs{{"positive", 1}, {"negative", -1}};
+    verb->add_option("--displacement", a.displacementSign, "sign of the column as the head nears the specimen")
+        ->transform(CLI::Transformer(signs).description(""))
+        ->check(CLI::IsMember({1, -1}).description(""))
+        ->type_name("positive|negative");
+    verb->add_option("--force", a.forceSign, "sign of the column while the specimen resists")
+        ->transform(CLI::Transformer(signs).description(""))
+        ->check(CLI::IsMember({1, -1}).description(""))
+        ->type_name("positive|negative");
+    verb->add_flag("--quiet", a.quiet, "print nothing but errors");
+    verb->footer("Exit codes: 0 done; 2 bad input; 4 output could not be written.");
+    return verb;
+}
+
 CLI::App* describeSensitivity(CLI::App& app, supercircle::cli::SensitivityArguments& a) {
     a.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64);
     CLI::App* verb = app.add_subcommand("sensitivity", "how a recorded experiment's readings depend on its parameters");
@@ -200,6 +238,9 @@ int dispatch(int argc, char** argv) {
     ReplayArguments replayArguments;
     CLI::App* replay = describeReplay(app, replayArguments);
 
+    ImportArguments importArguments;
+    CLI::App* import = describeImport(app, importArguments);
+
     SensitivityArguments sensitivityArguments;
     CLI::App* sensitivity = describeSensitivity(app, sensitivityArguments);
 
@@ -241,6 +282,8 @@ int dispatch(int argc, char** argv) {
         return supercircle::cli::run(runArguments);
     if (replay->parsed())
         return supercircle::cli::replay(replayArguments);
+    if (import->parsed())
+        return supercircle::cli::import(importArguments);
     if (effects->parsed())
         return supercircle::cli::effects(effectName);
     if (diagnose->parsed())

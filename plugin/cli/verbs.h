@@ -35,6 +35,19 @@ struct ReplayArguments {
     bool quiet = false;
 };
 
+struct ImportArguments {
+    std::vector<std::string> files;
+    std::string out;
+    std::string protocol, specimen; ///< empty: not known
+    std::string columns;            ///< a name per column, separated by commas; empty: from the headings
+    double rate = 0.0;              ///< Hz, 0: from the file
+    double speed = 0.0;             ///< mm/s, 0: from the file
+    double tolerance = 0.0;         ///< mm, 0: from the data
+    int displacementSign = 0;       ///< of the column towards the specimen, 0: from the data
+    int forceSign = 0;              ///< of the column while the specimen resists, 0: from the data
+    bool quiet = false;
+};
+
 struct SensitivityArguments {
     std::string file;
     std::vector<std::string> parameters; ///< NAME=VALUE
@@ -71,6 +84,8 @@ int check(const std::string& file, const std::vector<std::string>& parameters);
 int effects(const std::string& key);
 /// Simulates a recorded experiment and writes what differs.
 int replay(const ReplayArguments& arguments);
+/// Testing-machine exports as an experiment.
+int import(const ImportArguments& arguments);
 /// Derivatives of a recorded experiment's simulated readings with respect to its parameters.
 int sensitivity(const SensitivityArguments& arguments);
 /// Finds out what physics a simulation of a recorded experiment leaves out.

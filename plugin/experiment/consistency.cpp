@@ -62,6 +62,28 @@ void judgeSizes(const Specimen& s, const std::string& pointer, std::vector<Remar
                        false});
 }
 
+/// Intervals that reach zero, and a mass that no material of this cross-section has.
+void judgeIntervals(const Specimen& s, const std::string& pointer, std::vector<Remark>& out) {
+    const auto reachesZero = [&](const Stated& v, const char* key) {
+        if (v.halfWidth >= std::abs(v.value) && v.value != 0.0)
+            out.push_back(
+                {pointer + key,
+                 "the interval reaches from " + shown(v.value - v.halfWidth) + " to " + shown(v.value + v.halfWidth),
+                 "an uncertainty below the value itself", true});
+    };
+    reachesZero(s.bendingModulus, "/bending_modulus_rel_unc");
+    reachesZero(s.thickness, "/thickness_unc_m");
+    reachesZero(s.linearMass, "/linear_mass_rel_unc");
+    if (s.width <= 0.0)
+        return;
+    const double density = s.linearMass.value / (s.width * s.thickness.value);
+    if (density > 3e4 || density < 5.0)
+        out.push_back({pointer + "/linear_mass_kg_m",
+                       "with width and thickness this is a density of " + shown(density) + " kg/m^3; kg/m is expected",
+                       {},
+                       false});
+}
+
 /// Point of the unloaded specimen at arc length s, held where the clamp holds it.
 Point unloaded(const Specimen& specimen, double s) {
     const Clamp& c = specimen.clamp;
@@ -75,6 +97,15 @@ double distance(const Obstacle& o, const Point& p) {
     if (o.kind == ObstacleKind::Cylinder)
         return std::hypot(p.x - o.point.x, p.y - o.point.y) - o.radius;
     return (p.x - o.point.x) * o.normal.x + (p.y - o.point.y) * o.normal.y;
+}
+
+/// Largest displacement that is commanded in any run.
+double furthest(const Experiment& e) {
+    double most = 0.0;
+    for (const Run& run : e.runs)
+        for (const double d : run.driveDisplacement)
+            most = std::max(most, std::abs(d));
+    return most;
 }
 
 /// A clamped specimen that starts inside an obstacle (sagging and stated uncertainties are granted).
@@ -94,6 +125,13 @@ void judgePlaces(const Experiment& e, std::vector<Remark>& out) {
                                "at displacement 0 the unloaded specimen is " + shown(-1e3 * least) +
                                    " mm deep in obstacle " + std::to_string(k),
                                "a start without overlap", true});
+            else if (e.specimens.size() == 1 && e.obstacles.size() == 1 && least > furthest(e) + slack)
+                out.push_back({"/specimens/" + std::to_string(i) + "/clamp/initial_point_m",
+                               "at displacement 0 the unloaded specimen is " + shown(1e3 * least) +
+                                   " mm from the obstacle, and the head moves by " + shown(1e3 * furthest(e)) +
+                                   " mm: they never touch",
+                               {},
+                               false});
         }
     }
 }
@@ -130,6 +168,7 @@ std::vector<Remark> contradictions(const Experiment& e) {
         const std::string pointer = "/specimens/" + std::to_string(i);
         judgeSizes(e.specimens[i], pointer, out);
         judgeModuli(e.specimens[i], pointer, out);
+        judgeIntervals(e.specimens[i], pointer, out);
     }
     for (std::size_t i = 0; i < e.markers.size(); ++i)
         for (std::size_t k = 0; k < i; ++k)
@@ -138,6 +177,8 @@ std::vector<Remark> contradictions(const Experiment& e) {
                                "there are two markers \"" + e.markers[i].name + "\"",
                                {},
                                true});
+    if (e.friction.value > 10.0)
+        out.push_back({"/friction/coefficient", "a friction coefficient of " + shown(e.friction.value), {}, false});
     if (std::hypot(e.gravity.x, e.gravity.y) > 50.0)
         out.push_back({"/gravity_m_s2", "gravity of " + shown(std::hypot(e.gravity.x, e.gravity.y)) + " m/s^2",
                        "m/s^2, 9.81 downwards", true});

@@ -118,7 +118,14 @@ std::string rowsOf(std::size_t n, std::size_t all) {
     return std::to_string(n) + " of " + std::to_string(all);
 }
 
+/// "missing", or "missing or infinite"
+std::string goneWord(const std::vector<double>& values) {
+    return std::any_of(values.begin(), values.end(), [](double v) { return std::isinf(v); }) ? "missing or infinite"
+                                                                                             : "missing";
+}
+
 bool goodForce(Readings& r, Place& place) {
+    const std::string word = goneWord(r.force);
     const std::size_t gone = missing(r.force), rows = r.force.size();
     for (double& f : r.force)
         if (!std::isfinite(f))
@@ -134,7 +141,7 @@ bool goodForce(Readings& r, Place& place) {
         return false;
     }
     if (gone > 0)
-        place.note(rowsOf(gone, rows) + " values of force_N are missing; these rows are passed over");
+        place.note(rowsOf(gone, rows) + " values of force_N are " + word + "; these rows are passed over");
     return true;
 }
 
@@ -194,7 +201,8 @@ bool goodDisplacement(Run& run, Place& place) {
         return false;
     }
     if (gone > 0)
-        place.note(rowsOf(gone, rows) + " values of displacement_mm are missing; the commanded motion stands in");
+        place.note(rowsOf(gone, rows) + " values of displacement_mm are " + goneWord(r.displacement) +
+                   "; the commanded motion stands in");
     if (gone == rows || travel == 0.0) {
         for (std::size_t i = 0; i < rows; ++i)
             r.displacement[i] = std::isfinite(r.displacement[i]) ? r.displacement[i] : commanded(run, r.time[i]);
@@ -240,6 +248,48 @@ double noiseAtRest(const Run& run) {
     return n >= 10.0 ? std::sqrt(sum / n) : 0.0;
 }
 
+/// The largest force stands in one row, between rows that know nothing of it: no reading.
+bool aloneIn(const std::vector<double>& force, double peak, Place& place) {
+    const auto at = std::find_if(force.begin(), force.end(), [&](double f) { return std::abs(f) == peak; });
+    const auto quiet = [&](double f) { return !(std::abs(f) > 0.01 * peak); };
+    if (!std::all_of(force.begin(), at, quiet) || !std::all_of(at + 1, force.end(), quiet))
+        return false;
+    place.errorAt(static_cast<std::size_t>(at - force.begin()),
+                  "force_N is " + shown(*at) + " in this row, and below a hundredth of it in all others",
+                  "a reading, or an empty cell where there is none");
+    return true;
+}
+
+/// At the first touch a specimen resists, whatever it does later.
+void judgeSign(const Run& run, Place& place) {
+    const std::vector<double>& f = run.readings.force;
+    const auto [least, most] = range(f);
+    const double level = 0.2 * (most - least), rest = std::isfinite(f.front()) ? f.front() : 0.0;
+    const auto touch = std::find_if(f.begin(), f.end(), [&](double v) { return std::abs(v - rest) > level; });
+    if (touch != f.end() && *touch < rest)
+        place.note("force_N falls first, to " + shown(*touch) + " N at " +
+                   shown(run.readings.time[static_cast<std::size_t>(touch - f.begin())]) +
+                   " s; it is positive while the specimen resists: is its sign turned?");
+}
+
+/// Stretches of the commanded motion without samples.
+void judgeCoverage(const Run& run, Place& place) {
+    const std::vector<double>& t = run.readings.time;
+    const double step = 1.0 / run.samplingRate, from = run.driveTime.front(), to = run.driveTime.back(),
+                 slack = std::max(3.5 * step, 0.02 * (to - from));
+    if (t.front() > from + slack || t.back() < to - slack)
+        place.note("there are samples from " + shown(t.front()) + " to " + shown(t.back()) + " s of a motion from " +
+                   shown(from) + " to " + shown(to) + " s; the rest is not compared");
+    std::size_t gaps = 0, longest = 1;
+    for (std::size_t i = 1; i < t.size(); ++i) {
+        gaps += t[i] - t[i - 1] > 3.5 * step ? 1 : 0;
+        longest = t[i] - t[i - 1] > t[longest] - t[longest - 1] ? i : longest;
+    }
+    if (gaps > 0)
+        place.note(std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + " in the samples, the longest from " +
+                   shown(t[longest - 1]) + " to " + shown(t[longest]) + " s; nothing is compared there");
+}
+
 /// A thousand times too large or too small. The scale of bending forces alone does not prove it (a sticking shell
 /// carries forty times what a sliding one does), nor does a noise that was stated roughly: an error needs both.
 void judgeForceUnit(const Experiment& e, const Run& run, Place& place) {
@@ -251,8 +301,13 @@ void judgeForceUnit(const Experiment& e, const Run& run, Place& place) {
     const double noise = noiseAtRest(run), stated = e.sensors.forceNoise;
     const double ratio = noise > 0.0 && stated > 0.0 ? noise / stated : 0.0;
     const bool small = peak<5e-3 * scale, large = peak> 2e3 * scale;
-    if (!small && !large)
+    if (large && aloneIn(run.readings.force, peak, place))
         return;
+    if (!small && !large) {
+        if (peak > 20.0 * scale && ratio > 3e2 && ratio < 3e3)
+            place.note("the noise of force_N is " + shown(ratio) + " times the stated one; is it in millinewtons?");
+        return;
+    }
     const bool confirmed = small ? ratio > 1e-4 && ratio < 1e-2 : ratio > 1e2 && ratio < 1e4;
     const std::string what = "the largest force, " + shown(peak) + " N, is " + shown(peak / scale) +
                              " times the scale of bending forces, " + shown(scale) + " N";
@@ -312,7 +367,9 @@ void judgeReadings(const Experiment& e, Run& run, const std::string& path, std::
     if (!goodForce(run.readings, place) || !goodDisplacement(run, place))
         return;
     judgeRate(run, place);
+    judgeCoverage(run, place);
     judgeForceUnit(e, run, place);
+    judgeSign(run, place);
     thin(run, place);
 }
 
@@ -328,7 +385,7 @@ void judgeTracks(const Experiment& e, Run& run, const std::string& path, std::ve
             if (const auto [lo, hi] = range(track); hi >= lo)
                 most = std::max({most, std::abs(lo), std::abs(hi)});
     if (most == 0.0)
-        place.error("no marker is anywhere but at 0", "positions in millimetres");
+        place.error("every position of a marker is missing or 0", "positions in millimetres");
     else if (most < 0.01 * length)
         place.error("markers are at most " + shown(1e3 * most) + " mm from the origin, with a specimen of " +
                         shown(1e3 * length) + " mm: they look like metres",

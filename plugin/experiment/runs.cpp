@@ -3,7 +3,9 @@
 #include "plugin/experiment/health.h"
 #include "plugin/experiment/load.h"
 #include "plugin/record/csv.h"
+#include "plugin/record/files.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -35,10 +37,38 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
     return out;
 }
 
+/// What a file of another kind is, told before its bytes are taken for names of columns; empty: nothing strange.
+std::string foreign(const std::string& text) {
+    const std::string import = "; `supercircle import` reads exports of other forms";
+    if (text.find('\0') != std::string::npos)
+        return ":1:1: there are zero bytes in it: UTF-16, or no text; expected CSV in UTF-8" + import;
+    if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos)
+        return ":1:1: its lines end with a carriage return alone; expected LF or CRLF" + import;
+    const std::string head = text.substr(0, std::min(text.find('\n'), text.size()));
+    const auto strange = std::find_if(head.begin(), head.end(), [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r';
+    });
+    if (strange != head.end())
+        return ":1:" + std::to_string(strange - head.begin() + 1) + ": a control character; expected names of columns";
+    if (head.find(',') == std::string::npos && head.find_first_of(";\t") != std::string::npos)
+        return ":1:1: cells are separated by " +
+               std::string(head.find(';') != std::string::npos ? "semicolons" : "tabs") + "; expected commas" + import;
+    return {};
+}
+
+record::Result<record::Series> readTable(const std::string& path, const record::CsvOptions& options) {
+    const auto text = record::readText(path);
+    if (!text)
+        return record::Result<record::Series>::fail(text.error);
+    if (const std::string why = foreign(text.value); !why.empty())
+        return record::Result<record::Series>::fail(path + why);
+    return record::parseCsv(text.value, path, options);
+}
+
 void readReadings(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
     record::CsvOptions options;
     options.required = {"time_s", "displacement_mm", "force_N"};
-    const auto csv = record::readCsv(path, options);
+    const auto csv = readTable(path, options);
     if (!csv) {
         reportCsv(problems, path, csv.error);
         return;
@@ -55,7 +85,7 @@ void readTracks(const Experiment& e, Run& run, const std::string& path, std::vec
     for (const Marker& m : e.markers)
         for (const char* axis : {"_x_mm", "_y_mm"})
             options.required.push_back(m.name + axis);
-    const auto csv = record::readCsv(path, options);
+    const auto csv = readTable(path, options);
     if (!csv) {
         reportCsv(problems, path, csv.error);
         return;

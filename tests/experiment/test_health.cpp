@@ -4,6 +4,7 @@
 
 #include "plugin/experiment/health.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -219,4 +220,61 @@ TEST_CASE("statements that contradict each other are found", "[experiment][healt
     CHECK_THAT(problemsOf(with(good, "-9.81", "-9810")), Contains("/gravity_m_s2: gravity of 9810 m/s^2"));
     CHECK_THAT(problemsOf(with(good, "    24,\n", "    24000,\n")),
                Contains("/runs/0/drive_displacement_mm: the head moves"));
+}
+
+TEST_CASE("files of another form are named, with the tool that reads them", "[experiment][health]") {
+    const std::string good = csv({});
+    refused(load(std::string("t\0i\0m\0e\0", 8)), "run_1.csv:1:1: there are zero bytes in it");
+    std::string text = good;
+    std::replace(text.begin(), text.end(), ',', ';');
+    refused(load(text),
+            "run_1.csv:1:1: cells are separated by semicolons; expected commas; `supercircle import` reads");
+    std::replace(text.begin(), text.end(), ';', '\t');
+    refused(load(text), "cells are separated by tabs");
+    text = good;
+    std::replace(text.begin(), text.end(), '\n', '\r');
+    refused(load(text), "run_1.csv:1:1: its lines end with a carriage return alone");
+    refused(load("ab\x01" + good), "run_1.csv:1:3: a control character");
+}
+
+TEST_CASE("a single impossible force is refused with its row", "[experiment][health]") {
+    Made m;
+    m.force = [](double t) { return std::abs(t - 10.0) < 1e-9 ? 1e300 : 0.06 * std::sin(M_PI * t / 26.0); };
+    refused(load(csv(m)), "run_1.csv:252:1: force_N is 1e+300 in this row, and below a hundredth of it in all others");
+}
+
+TEST_CASE("infinite values count as missing", "[experiment][health]") {
+    const Loaded l = load(with(csv({}), "\n10.0000000,18.000000,", "\n10.0000000,-inf,"));
+    CHECK_THAT(l.text, Contains("note: 1 of 650 values of displacement_mm are missing or infinite"));
+}
+
+TEST_CASE("stretches without samples are noted", "[experiment][health]") {
+    const std::string good = csv({});
+    Loaded l = load(good.substr(0, good.find("\n12.0000000,") + 1));
+    CHECK(l.experiment);
+    CHECK_THAT(l.text, Contains("note: there are samples from 0 to 11.96 s of a motion from 0 to 26 s"));
+    std::string text = good;
+    const std::size_t from = text.find("\n5.0000000,"), to = text.find("\n7.0000000,");
+    l = load(text.erase(from, to - from));
+    CHECK(l.experiment);
+    CHECK_THAT(l.text, Contains("note: 1 gap in the samples, the longest from 4.96 to 7 s; nothing is compared there"));
+}
+
+TEST_CASE("a force with its sign turned is noted", "[experiment][health]") {
+    Made m;
+    m.force = [](double t) { return -0.06 * std::sin(M_PI * t / 26.0); };
+    const Loaded l = load(csv(m));
+    CHECK(l.experiment);
+    CHECK_THAT(l.text, Contains("note: force_N falls first") && Contains("is its sign turned?"));
+}
+
+TEST_CASE("uncertainties, masses and places that cannot be are found", "[experiment][health]") {
+    const std::string good = contentOf(baseline(101));
+    CHECK_THAT(problemsOf(with(good, "\"bending_modulus_rel_unc\": 0.06", "\"bending_modulus_rel_unc\": 1.5")),
+               Contains("/specimens/0/bending_modulus_rel_unc: the interval reaches from -0.0001146 to 0.0005729"));
+    CHECK_THAT(problemsOf(with(good, "0.006350000000000001", "6350.0")),
+               Contains("note: /specimens/0/linear_mass_kg_m: with width and thickness this is a density of 1.27e+09"));
+    CHECK_THAT(problemsOf(with(good, "\"coefficient\": 0.3", "\"coefficient\": 30.0")),
+               Contains("note: /friction/coefficient: a friction coefficient of 30"));
+    CHECK_THAT(problemsOf(with(good, "0.0466529", "3.0466529")), Contains("they never touch"));
 }

@@ -1,0 +1,42 @@
+#pragma once
+// What a column of an export measures and in which unit, from its heading.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace supercircle::importing {
+
+enum class Quantity : std::uint8_t { None, Time, Displacement, Force, Angle, MarkerX, MarkerY };
+
+const char* name(Quantity quantity);
+
+/// A unit of measurement.
+struct Unit {
+    std::string name;                   ///< as it is usually written
+    Quantity measures = Quantity::None; ///< Time, Displacement (any length), Force, Angle; None: no unit we know
+    double factor = 1.0;                ///< value in SI = value * factor
+};
+
+/// "kN", "[mm]", "(N)", "in", "Sek.": measures == None if it is no unit we know. Lengths count as Displacement.
+Unit unitOf(std::string_view text);
+
+/// A heading taken apart.
+struct Heading {
+    std::string text; ///< as it stands in the file
+    Quantity quantity = Quantity::None;
+    std::string marker; ///< name of the marker
+    Unit unit;
+    bool unitStated = false;
+    std::string unknownUnit; ///< what stands in the unit's place but is none
+    int rank = 0;            ///< how sure: of several columns of one quantity the one with the highest rank is taken
+};
+
+/// From the name of a column and, if there is a line of units, its unit (which wins over one in the name).
+Heading headingOf(std::string_view columnName, std::string_view unitCell);
+
+/// The unit that is assumed where none is stated: s, mm, N, deg.
+Unit usualUnit(Quantity quantity);
+
+} // namespace supercircle::importing

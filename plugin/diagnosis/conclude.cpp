@@ -44,7 +44,7 @@ std::string named(const Diagnosis& d) {
 } // namespace
 
 std::string verdictOf(const Evidence& e) {
-    const bool gains = e.any && e.gain > 2.0 * e.gainError && e.gain > 3.0;
+    const bool gains = e.any && e.gainLow > 0.0 && e.gain > 3.0;
     const bool sure = gains && e.bestGroup >= 0.9;
     if (e.p > 0.05 && !(sure && e.bestGroup >= 0.95 && e.gain > 10.0))
         return e.blind > 0.5 ? "not_enough_information" : "nothing_missing";

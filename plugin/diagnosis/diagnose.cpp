@@ -320,7 +320,7 @@ void Work::conclude() {
     if (e.any) {
         const Tried& best = tried_[order_.front()];
         e.gain = out_.effects.front().gain;
-        e.gainError = out_.effects.front().gainError;
+        e.gainLow = w.gainLow[order_.front()];
         e.bestPerRow = best.held.energy.sum() / std::max(1.0, best.held.rows.sum());
         out_.improved = true;
         out_.improvedTraining = out_.effects.front().trainingRmse;

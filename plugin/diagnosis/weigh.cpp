@@ -81,6 +81,7 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, std::
     if (catalogue > effects.size())
         prior[0] += 0.6 * static_cast<double>(catalogue - effects.size()) / static_cast<double>(catalogue);
     std::vector<double> sum(scores.size(), 0.0);
+    std::vector<std::vector<double>> gains(effects.size());
     Random random(seed);
     constexpr int kDraws = 2000;
     for (int d = 0; d < kDraws; ++d) {
@@ -91,12 +92,18 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, std::
         std::vector<double> s;
         for (std::size_t m = 0; m < scores.size(); ++m)
             s.push_back(std::log(prior[m]) + w.dot(scores[m]));
+        for (std::size_t m = 0; m < effects.size(); ++m)
+            gains[m].push_back(w.dot(scores[m + 2] - scores.front()));
         const double top = *std::max_element(s.begin(), s.end());
         double total = 0.0;
         for (double& x : s)
             total += x = std::exp(x - top);
         for (std::size_t m = 0; m < s.size(); ++m)
             sum[m] += s[m] / total / kDraws;
+    }
+    for (std::vector<double>& g : gains) {
+        std::sort(g.begin(), g.end());
+        out.gainLow.push_back(g[static_cast<std::size_t>(0.023 * kDraws)]);
     }
     out.nothing = sum[0];
     out.unknown = sum[1];

@@ -25,6 +25,9 @@
 namespace supercircle::diagnosis {
 
 struct Weighed {
+    /// 2.3 % quantile of the gain over the bootstrap's draws: two standard errors below it where gains are normal.
+    /// Where a few blocks hold most of the gain, a standard error would count their size against it.
+    std::vector<double> gainLow;
     double nothing = 0.0, unknown = 0.0;
     std::vector<double> effects;         ///< probabilities, as the input
     std::vector<double> gain, gainError; ///< of the score over "nothing", and its standard error over blocks

@@ -27,6 +27,15 @@ std::string joined(const std::vector<std::string>& labels, std::size_t from = 0)
     return out;
 }
 
+/// Effects that could be there at a size that matters without being seen.
+std::string blindSpots(const Diagnosis& d) {
+    std::vector<std::string> labels;
+    for (const SeenEffect& s : d.seen)
+        if (s.visible > 1.0)
+            labels.push_back(s.label);
+    return labels.empty() ? "" : " Of a size that matters these runs would not show " + joined(labels) + ".";
+}
+
 std::string named(const Diagnosis& d) {
     const FoundEffect& e = d.effects.front();
     std::string text = "The runs are explained by " + words(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
@@ -61,8 +70,7 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "nothing_missing")
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " + number(e.p) +
                " for the largest of " + std::to_string(d.mismatch.family) +
-               " window statistics): nothing is missing "
-               "that these runs could show.";
+               " window statistics): nothing is missing that these runs could show." + blindSpots(d);
     if (d.verdict == "not_enough_information")
         return "The simulation agrees with the runs, but most effects of the catalogue could be there at a size that "
                "matters without being seen: these runs do not decide.";

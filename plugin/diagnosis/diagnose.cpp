@@ -93,6 +93,7 @@ bool Work::nominal() {
     for (const Scalar& s : evaluator_.model().nominal())
         stated.nominal.push_back(s.value);
     Point at = stated;
+    evaluator_.checkStore({0, stated, Fineness::Coarse});
     // The second round weighs rows by what the simulation looks like where it fits.
     for (int round = 0; round < 2; ++round) {
         const auto fine = evaluator_.everywhere({at}, Fineness::Fine).front();
@@ -339,7 +340,9 @@ void Work::conclude() {
     out_.verdict = verdictOf(e);
     nominalResults();
     curves();
-    if (order_.size() > 1 && out_.verdict != "nothing_missing") {
+    const bool open =
+        out_.verdict != "nothing_missing" && (out_.verdict != "named" || out_.effects.front().group.size() > 1);
+    if (order_.size() > 1 && open) {
         stage(0.96, "next experiment");
         std::vector<Rival> rivals;
         for (std::size_t i = 0; i < order_.size() && i < 3; ++i)

@@ -27,6 +27,15 @@ std::string keyOf(const Question& q) {
 
 } // namespace
 
+void Evaluator::checkStore(const Question& question) {
+    const auto known = store_.find(keyOf(question));
+    if (!known)
+        return;
+    const Response again = model_.simulate(question.run, question.point, question.fineness, interrupt_);
+    if (!stopped() && (again.force.size() != known->force.size() || again.force != known->force))
+        store_.forget();
+}
+
 std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
     std::vector<std::string> keys;
     std::map<std::string, std::size_t> first; // twins within a batch are simulated once

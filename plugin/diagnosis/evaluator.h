@@ -32,6 +32,10 @@ public:
     /// All runs at each point: result[point][run].
     std::vector<std::vector<Response>> everywhere(const std::vector<Point>& points, Fineness fineness);
 
+    /// Simulates a run that the store knows once more. Where the readings differ the store is of another program, and
+    /// it is emptied.
+    void checkStore(const Question& question);
+
     [[nodiscard]] const Model& model() const { return model_; }
     [[nodiscard]] std::size_t runs() const { return runs_; }
     [[nodiscard]] std::size_t asked() const { return asked_.size(); } ///< different runs so far, known ones included

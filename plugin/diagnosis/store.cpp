@@ -97,6 +97,8 @@ Store::~Store() {
 std::string Store::open(const std::string& path, const std::string& identity) {
     std::string head = kMagic;
     put(head, identity);
+    path_ = path;
+    head_ = head;
     std::string text;
     {
         std::ifstream in(path, std::ios::binary);
@@ -133,6 +135,20 @@ std::string Store::open(const std::string& path, const std::string& identity) {
     if (good == 0 && std::fwrite(head.data(), 1, head.size(), file_) != head.size())
         return path + ": cannot be written";
     return {};
+}
+
+void Store::forget() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    known_.clear();
+    fromFile_ = 0;
+    if (file_ == nullptr)
+        return;
+    std::fclose(file_);
+    file_ = std::fopen(path_.c_str(), "wb");
+    if (file_ != nullptr) {
+        std::fwrite(head_.data(), 1, head_.size(), file_);
+        std::fflush(file_);
+    }
 }
 
 std::optional<Response> Store::find(const std::string& key) const {

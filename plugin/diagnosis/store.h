@@ -25,12 +25,15 @@ public:
     std::string open(const std::string& file, const std::string& identity);
     std::optional<Response> find(const std::string& key) const;
     void keep(const std::string& key, const Response& response);
+    /// Empties memory and file.
+    void forget();
     [[nodiscard]] std::size_t fromFile() const { return fromFile_; }
 
 private:
     mutable std::mutex mutex_;
     std::map<std::string, Response> known_;
     std::FILE* file_ = nullptr;
+    std::string path_, head_;
     std::size_t fromFile_ = 0;
 };
 

@@ -116,6 +116,22 @@ TEST_CASE("kept runs come back bit for bit, torn ones do not", "[diagnosis]") {
     CHECK(other.fromFile() == 0);
 }
 
+TEST_CASE("runs kept by another program are not believed", "[diagnosis]") {
+    const Data data = toy::recordings(17);
+    const toy::Spring spring(data);
+    Store store;
+    Evaluator evaluator(spring, data.runs.size(), {}, store);
+    const Question question{0, {{100.0, 0.1}, {}}, Fineness::Coarse};
+    evaluator.ask({question});
+    evaluator.checkStore(question);
+    const Data longer = toy::recordings(17, {}, 0.0, 40.0);
+    const toy::Spring other(longer);
+    Evaluator later(other, data.runs.size(), {}, store);
+    CHECK(evaluator.ask({question}).front().force.size() == data.runs[0].force.size());
+    later.checkStore(question);
+    CHECK(later.ask({question}).front().force.size() == longer.runs[0].force.size());
+}
+
 TEST_CASE("intervals of 90 % cover the truth nine times of ten", "[diagnosis][slow]") {
     int covered = 0;
     constexpr int kTrials = 150;

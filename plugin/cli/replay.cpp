@@ -124,6 +124,8 @@ Json summaryOf(const ReplayedRun& run) {
                  {"peak_recorded_N", c.peakRecorded},
                  {"peak_simulated_N", c.peakSimulated},
                  {"rmse_N", c.rmse},
+                 {"residual_mean_N", c.zero},
+                 {"rmse_zeroed_N", c.rmseZeroed},
                  {"max_error_N", c.maxError},
                  {"max_error_at_s", c.maxErrorAt},
                  {"rmse_with_landmarks_N", c.rmseAll},

@@ -140,6 +140,7 @@ std::string figures(const ReplayedRun& run) {
     row("peak, recorded", number(c.peakRecorded) + " N");
     row("peak, simulated", number(c.peakSimulated) + " N");
     row("rms error", number(c.rmse) + " N (" + percent(c.rmse, c.peakRecorded) + " of the peak)");
+    row("the same about its mean", number(c.rmseZeroed) + " N (mean " + number(c.zero) + " N)");
     row("largest error",
         number(c.maxError) + " N (" + percent(c.maxError, c.peakRecorded) + ") at " + number(c.maxErrorAt) + " s");
     row("left out around jumps", number(100.0 * c.leftOut, "%.1f") + " % of the samples");

@@ -40,6 +40,8 @@ void Session::touch() {
 void Session::play(const scene::Move& move, std::size_t number) {
     const scene::Protocol& p = *scene_.protocol;
     const double speed = move.kind == scene::Move::Kind::Travel ? move.speed : 0.0;
+    if (speed != 0.0)
+        back_ = speed < 0.0;
     shells_.set_machine_velocity({speed * p.direction.x, speed * p.direction.y});
     double branch =
         std::isfinite(move.until.displacement) ? std::abs(move.until.displacement - travel()) : 0.25 * pileHeight_;

@@ -53,6 +53,10 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
         out_.B = bendingModulus(scene.shells.front());
     if (out_.B <= 0.0 && scene.drop)
         out_.B = bendingModulus(scene.drop->shell);
+    const effects::Model common = effects::modelFor(scene.effects, "all");
+    apparatus_ = common.apparatus;
+    sensor_ = effects::SensorChain(common.sensor);
+    sensorOn_ = common.sensor.on();
     for (const scene::Parameter& p : scene.parameters)
         out_.parameters.emplace_back(p.name, p.value);
     out_.series.names = {"time_s",     "displacement_m", "force_N",    "work_in_J", "bending_J",
@@ -74,6 +78,11 @@ void Session::pace(double speed, double branch) {
     frame_ = s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
 }
 
+void Session::addEffects(std::size_t rod, const std::string& shell) {
+    if (!scene_.effects.empty())
+        step::setEffects(shells_.world(), rod, effects::modelFor(scene_.effects, shell.empty() ? "all" : shell));
+}
+
 std::string Session::populate() {
     std::vector<std::pair<std::string, ShellHandle>> named;
     for (const ShellDef& d : scene_.shells) {
@@ -81,6 +90,7 @@ std::string Session::populate() {
         if (!made)
             return "shell \"" + d.name + "\": " + made.error();
         named.emplace_back(d.name, *made);
+        addEffects(shells_.size() - 1, d.name);
         addShellInfo(shells_.size() - 1);
     }
     for (const HoldDef& h : scene_.holds) {
@@ -190,11 +200,17 @@ double Session::force() const {
     return -(f.x * scene_.protocol->direction.x + f.y * scene_.protocol->direction.y);
 }
 
+/// What the drive shows: the head, what gives between it and the drive, and play.
 double Session::travel() const {
     if (!scene_.protocol)
         return 0.0;
     const Vec2 t = shells_.world().machineTravel;
-    return t.x() * scene_.protocol->direction.x + t.y() * scene_.protocol->direction.y - zeroTravel_;
+    const double head = t.x() * scene_.protocol->direction.x + t.y() * scene_.protocol->direction.y - zeroTravel_;
+    if (!apparatus_.on())
+        return head;
+    const double f = force();
+    return head + apparatus_.compliance * f - (back_ ? apparatus_.backlash : 0.0) +
+           (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / std::hypot(f, apparatus_.slackForce) : 0.0);
 }
 
 bool Session::frame(double dt, const std::function<bool()>& stop) {
@@ -238,7 +254,7 @@ void Session::sample() {
     const step::Ledger& l = w.ledger;
     const double row[] = {w.time,
                           travel(),
-                          force(),
+                          sensorOn_ ? sensor_.read(w.time, force()) : force(),
                           l.work - atStart_.work,
                           l.bending,
                           l.gravity,
@@ -327,8 +343,10 @@ std::string Session::dropBatch(int count) {
     std::vector<ShellHandle> made;
     if (std::string error = player::dropBatch(shells_, *scene_.drop, count, random_, made); !error.empty())
         return error;
-    for (std::size_t i = before; i < shells_.size(); ++i)
+    for (std::size_t i = before; i < shells_.size(); ++i) {
+        addEffects(i, {});
         addShellInfo(i);
+    }
     keep(true);
     return {};
 }

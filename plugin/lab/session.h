@@ -4,6 +4,7 @@
 #include "plugin/include/supercircle/shells.hpp"
 #include "plugin/lab/runner.h"
 #include "plugin/player/random.h"
+#include "supercircle/effects/sensor.h"
 #include "supercircle/step/stepper.h"
 
 #include <limits>
@@ -45,7 +46,8 @@ private:
     [[nodiscard]] double pileTop() const;       ///< highest point of the shells' surfaces, m
     [[nodiscard]] double machineBottom() const; ///< lowest point of the carried bodies, m
     [[nodiscard]] double force() const;
-    [[nodiscard]] double travel() const; ///< m since touch
+    [[nodiscard]] double travel() const; ///< of the drive, m since touch
+    void addEffects(std::size_t rod, const std::string& shell);
     void summarise(record::Recording& out);
 
     const scene::Scene& scene_;
@@ -57,6 +59,10 @@ private:
     End end_ = End::Done;
     std::string message_;
     std::string phase_ = "start";
+    effects::ApparatusModel apparatus_;
+    effects::SensorChain sensor_;
+    bool sensorOn_ = false;
+    bool back_ = false; ///< the machine moves back, play is on its other side
     bool inProtocol_ = false;
     double zeroTravel_ = 0.0;
     double pileHeight_ = 0.0; ///< H0, m

@@ -68,8 +68,15 @@ struct ScenePlayer::Impl {
     void nextMove();
     double limit(double dt);
     bool reached();
+    void addEffects(std::size_t rod, const std::string& name);
     std::string phase() const;
 };
+
+/// Effects of the material, of loads and of contact; what the laboratory's machine and load cell do is not played.
+void ScenePlayer::Impl::addEffects(std::size_t rod, const std::string& name) {
+    if (!scene.effects.empty())
+        step::setEffects(shells->world(), rod, effects::modelFor(scene.effects, name.empty() ? "all" : name));
+}
 
 /// Bodies, shells, holds and the machine. Empty or why not; what was added by then is taken back by the caller.
 std::string ScenePlayer::Impl::populate() {
@@ -82,6 +89,7 @@ std::string ScenePlayer::Impl::populate() {
         if (!shell)
             return "shell \"" + d.name + "\": " + shell.error();
         made.push_back(*shell);
+        addEffects(shells->world().rods.size() - 1, d.name);
         named.emplace_back(d.name, *shell);
     }
     for (const HoldDef& h : scene.holds) {
@@ -123,7 +131,10 @@ void ScenePlayer::Impl::dropNext() {
             return enter(scene.protocol ? Stage::Touch : Stage::Free);
     }
     const int count = std::min(d.together, d.count - dropped);
+    const std::size_t before = shells->world().rods.size();
     failure = player::dropBatch(*shells, d, count, random, made);
+    for (std::size_t i = before; i < shells->world().rods.size(); ++i)
+        addEffects(i, {});
     dropped += count;
     since = shells->time();
 }

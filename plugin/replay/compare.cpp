@@ -64,7 +64,7 @@ void compareForces(const Run& run, const Readings& simulated, const std::vector<
     const std::size_t rows = run.readings.time.size();
     c.residual.assign(rows, std::numeric_limits<double>::quiet_NaN());
     c.inWindow.assign(rows, false);
-    double all = 0.0, outside = 0.0;
+    double all = 0.0, outside = 0.0, mean = 0.0;
     std::size_t countAll = 0, countOutside = 0, left = 0;
     for (std::size_t k = 0; k < rows; ++k) {
         c.inWindow[k] = inside(windowed, run.readings.time[k]);
@@ -77,6 +77,7 @@ void compareForces(const Run& run, const Readings& simulated, const std::vector<
         if (c.inWindow[k])
             continue;
         outside += e * e;
+        mean += e;
         ++countOutside;
         if (std::abs(e) > c.maxError) {
             c.maxError = std::abs(e);
@@ -85,6 +86,8 @@ void compareForces(const Run& run, const Readings& simulated, const std::vector<
     }
     c.rmseAll = countAll > 0 ? std::sqrt(all / static_cast<double>(countAll)) : 0.0;
     c.rmse = countOutside > 0 ? std::sqrt(outside / static_cast<double>(countOutside)) : 0.0;
+    c.zero = countOutside > 0 ? mean / static_cast<double>(countOutside) : 0.0;
+    c.rmseZeroed = std::sqrt(std::max(0.0, c.rmse * c.rmse - c.zero * c.zero));
     c.leftOut = rows > 0 ? static_cast<double>(left) / static_cast<double>(rows) : 0.0;
 }
 

@@ -36,6 +36,8 @@ struct Comparison {
     double peakRecorded = 0.0; ///< largest |force|, N
     double peakSimulated = 0.0;
     double rmse = 0.0;       ///< force, outside the windows, N
+    double zero = 0.0;       ///< mean of the residual there, N: the recording's zero is a mean of noise itself
+    double rmseZeroed = 0.0; ///< rmse with that mean taken off, N
     double maxError = 0.0;   ///< the same, N
     double maxErrorAt = 0.0; ///< its time, s
     double rmseAll = 0.0;    ///< force, windows included, N

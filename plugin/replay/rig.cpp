@@ -163,7 +163,8 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
     Eigen::VectorXd q;
     if (clamped) {
         rod::EquilibriumProblem hanging;
-        hanging.gravity = world_.gravity;
+        if (!extra.drag.on()) // walls that hold it hold it where it was put, in its natural shape: it sinks in settle()
+            hanging.gravity = world_.gravity;
         hanging.holds = {rod::clamp(s.clamp.arcPosition, point, angle)};
         const rod::Equilibrium rest =
             rod::solveEquilibrium(model, hanging, shapeAt(model, s.clamp.arcPosition, point, angle));

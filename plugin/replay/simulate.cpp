@@ -100,6 +100,8 @@ double commanded(const Run& run, double t) {
 /// it is d that keeps time: the head is moved at the commanded speed and the clock is read off d. That is exact for
 /// slow motion, implicit (stiff specimens do no harm), and where a snap lets d jump back the clock stands still.
 class Player {
+    static constexpr double kBraking = 5e-3; ///< s, in which the drive comes to rest
+
 public:
     Player(Rig& rig, const Experiment& e, const Run& run, double give, const effects::ApparatusModel& apparatus,
            const Options& options)
@@ -115,8 +117,22 @@ public:
         trace_.addMarkers(rig_, e_, clock_);
         lastDisplacement_ = rig_.displacement();
         pressing_ = rig_.force();
-        for (std::size_t i = 1; i < drive.time.size() && rig_.failure().empty() && !stopped_; ++i)
-            leg(drive.time[i - 1], drive.time[i], drive.displacement[i - 1], drive.displacement[i]);
+        double late = 0.0; // of the leg before: it came to rest that much behind its end, s
+        for (std::size_t i = 0; i < e_.specimens.size();
+             ++i) { // ten times the Euler load of a rod clamped at both ends
+            const double turn = 2.0 * M_PI / e_.specimens[i].length;
+            impact_ = std::max(impact_, 10.0 * turn * turn * e_.specimens[i].bendingModulus.value);
+        }
+        for (std::size_t i = 1; i < drive.time.size() && rig_.failure().empty() && !stopped_; ++i) {
+            const double t0 = drive.time[i - 1], t1 = drive.time[i];
+            const double from = drive.displacement[i - 1], to = drive.displacement[i];
+            const bool rests = i + 1 < drive.time.size() && drive.displacement[i + 1] == to && to != from;
+            const double brake = rests ? std::min({kBraking, t1 - t0, drive.time[i + 1] - t1}) : 0.0;
+            leg(t0 + late, t1 - 0.5 * brake, from, to - 0.5 * brake * (to - from) / (t1 - t0));
+            late = 0.5 * brake;
+            if (rests && rig_.failure().empty() && !stopped_)
+                stop(t1, brake, to, (to - from) / (t1 - t0));
+        }
         return std::move(trace_);
     }
     [[nodiscard]] bool stopped() const { return stopped_; }
@@ -129,13 +145,35 @@ private:
     }
     [[nodiscard]] bool rigid() const { return give_ <= 0.0 && apparatus_.slack <= 0.0; }
 
-    /// The force that compresses what is in series: smoothed over 2 um of travel, which hides the one-step spikes with
-    /// which an inextensible strip meets the floor (60 N for a microsecond) and shifts d by less than a nanometre.
+    /// The force that compresses what is in series, smoothed over 2 um of travel (which shifts d by nanometres),
+    /// without the spikes with which an inextensible strip meets the floor: 60 to 1000 N for a microsecond or two,
+    /// hundreds of times the load under which it buckles. What is in series would have taken them up.
     void press() {
         constexpr double kSmooth = 2e-6; // m
         const double moved = std::abs(rig_.displacement() - lastDisplacement_);
         lastDisplacement_ = rig_.displacement();
-        pressing_ += (rig_.force() - pressing_) * -std::expm1(-moved / kSmooth);
+        if (std::abs(rig_.force()) < impact_)
+            pressing_ += (rig_.force() - pressing_) * -std::expm1(-moved / kSmooth);
+    }
+
+    /// Comes to rest around time t1, evenly slower. A drive that stopped at once would shake the specimen: the inertia
+    /// of 10 mm/s carries it on by micrometres, and the recoil loosens whatever dry friction holds.
+    void stop(double t1, double duration, double to, double speed) {
+        constexpr int kPieces = 10;
+        started_ = true;
+        for (int k = 1; k <= kPieces && rig_.failure().empty() && !stopped_; ++k) {
+            const double left = duration * (1.0 - static_cast<double>(k) / kPieces); // s
+            const double goal = to - 0.5 * speed * left * left / duration;
+            const double end = t1 + 0.5 * duration - left;
+            rig_.move(goal - position(), duration / kPieces, [&] {
+                press();
+                stopped_ = options_.interrupt != nullptr && options_.interrupt->load();
+                return stopped_;
+            });
+            clock_ = std::max(clock_, end);
+            trace_.addForce(clock_, rig_.force());
+            trace_.addMarkers(rig_, e_, clock_);
+        }
     }
 
     void leg(double t0, double t1, double from, double to) {
@@ -208,9 +246,42 @@ private:
     int means_ = 0;                 ///< readings in a row that are means
     double pressing_ = 0.0;         ///< N
     double lastDisplacement_ = 0.0; ///< m
+    double impact_ = 0.0;           ///< N, forces beyond it are impacts
     bool stopped_ = false;
     Trace trace_;
 };
+
+/// Takes out impacts of rigid on inextensible: steps whose force is ten times what stands on either side of them. Such
+/// a force is an impulse over a step, as large as the step is short, and no load cell would show it.
+void withoutImpacts(std::vector<double>& force) {
+    constexpr std::ptrdiff_t kNear = 3, kFar = 8;
+    constexpr double kShare = 10.0;
+    const auto n = static_cast<std::ptrdiff_t>(force.size());
+    double scale = 0.0; // what most steps show
+    if (n > 0) {
+        std::vector<double> sizes;
+        for (const double f : force)
+            sizes.push_back(std::abs(f));
+        std::nth_element(sizes.begin(), sizes.begin() + n / 2, sizes.end());
+        scale = sizes[static_cast<std::size_t>(n / 2)];
+    }
+    std::vector<double> kept = force;
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+        double around = scale, before = 0.0, after = 0.0;
+        for (std::ptrdiff_t k = kNear; k <= kFar; ++k) {
+            const double b = force[static_cast<std::size_t>(std::max<std::ptrdiff_t>(i - k, 0))];
+            const double a = force[static_cast<std::size_t>(std::min<std::ptrdiff_t>(i + k, n - 1))];
+            around = std::max({around, std::abs(b), std::abs(a)});
+            if (k == kNear) {
+                before = b;
+                after = a;
+            }
+        }
+        if (std::abs(force[static_cast<std::size_t>(i)]) > kShare * around)
+            kept[static_cast<std::size_t>(i)] = 0.5 * (before + after);
+    }
+    force = std::move(kept);
+}
 
 void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& out) {
     const std::vector<double>& times = run.readings.time.empty() ? evenTimes(run, run.samplingRate) : run.readings.time;
@@ -272,6 +343,7 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         const effects::Model common = effects::modelFor(parameters.effects, "all");
         Player player(rig, e, e.runs[run], parameters.seriesCompliance, common.apparatus, options);
         Trace trace = player.play();
+        withoutImpacts(trace.force);
         effects::SensorChain sensor(common.sensor);
         for (std::size_t i = 0; common.sensor.on() && i < trace.force.size(); ++i)
             trace.force[i] = sensor.read(trace.forceTime[i], trace.force[i]);

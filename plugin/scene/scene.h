@@ -3,6 +3,7 @@
 // laboratory runner (plugin/lab) plays it.
 
 #include "plugin/include/supercircle/definitions.hpp"
+#include "supercircle/effects/effect.h"
 #include "supercircle/step/rigid_definition.h"
 
 #include <cstdint>
@@ -94,6 +95,7 @@ struct Scene {
     std::vector<HoldDef> holds;
     std::optional<Drop> drop;
     std::optional<Protocol> protocol;
+    std::vector<effects::Setting> effects; ///< gravity and misalignment are in the scene already
     Numerics numerics;
     Report report;
     double duration = 0.0; ///< s, for scenes without a protocol; with one: stop at the end of the moves

@@ -19,6 +19,8 @@ void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out);
 
 /// protocol; bodies and holds must have been read.
 void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::optional<Protocol>& out);
+/// effects[]; all that they act on must have been read.
+void readEffects(Context& context, ObjectReader& top, Scene& scene);
 void readNumerics(Context& context, ObjectReader& top, Numerics& out);
 void readReport(Context& context, ObjectReader& top, Report& out);
 

@@ -7,6 +7,19 @@
 
 namespace supercircle::archive {
 
+/// Numbers beyond what the catalogue allows were never set by anybody: they are refused, not simulated.
+template <class Ar>
+void demand(Ar& ar, bool possible) {
+    if constexpr (Ar::kLoads)
+        if (!possible)
+            ar.fail("an effect in it is impossible");
+}
+inline bool within(double value, double least, double most) {
+    return value >= least && value <= most; // not a number is within nothing
+}
+inline constexpr double kAny = std::numeric_limits<double>::max();
+inline constexpr double kEndlessToo = std::numeric_limits<double>::infinity();
+
 template <class Ar>
 void io(Ar& ar, Is<effects::Book> auto& b) {
     auto& [stored, dissipated] = b;
@@ -17,21 +30,24 @@ template <class Ar>
 void io(Ar& ar, Is<effects::Profile> auto& p) {
     auto& [cause, shape, centre, width, stiffness, curvature] = p;
     ar(cause, shape, centre, width, stiffness, curvature);
-    if constexpr (Ar::kLoads)
-        if (cause >= effects::Key::Count || shape > effects::Profile::Shape::Thickness || !(width > 0.0))
-            ar.fail("an effect in it is impossible");
+    demand(ar, cause < effects::Key::Count && shape <= effects::Profile::Shape::Thickness &&
+                   within(width, 1e-9, kAny) && within(centre, 0.0, 1.0) && within(stiffness, -0.99, 1e3) &&
+                   within(curvature, -1e4, 1e4));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::Backbone> auto& b) {
     auto& [law, knee, exponent] = b;
     ar(law, knee, exponent);
+    demand(ar, law <= effects::Backbone::Law::RambergOsgood && within(knee, 1e-3, kEndlessToo) &&
+                   within(exponent, 1.0, 50.0));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::Branch> auto& b) {
     auto& [stiffness, time] = b;
     ar(stiffness, time);
+    demand(ar, within(stiffness, 0.0, 1e3) && within(time, 1e-6, 1e9));
 }
 
 template <class Ar>
@@ -40,30 +56,39 @@ void io(Ar& ar, Is<effects::MaterialModel> auto& m) {
            softeningByDecades] = m;
     ar(profiles, backbone, viscosity, branches, yield, hardening, kinematic, softening, softeningTime,
        softeningByDecades);
+    demand(ar, within(viscosity, 0.0, 1e4) && within(yield, 1e-6, kEndlessToo) && within(hardening, 0.0, 1e3) &&
+                   within(softening, 0.0, 0.95) && within(softeningTime, 1e-6, 1e9));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::DragModel> auto& m) {
     auto& [force, presliding] = m;
     ar(force, presliding);
+    demand(ar, within(force, 0.0, 1e4) && within(presliding, 1e-9, 1e-2));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
     auto& [staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance] = m;
     ar(staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance);
+    demand(ar, within(staticRatio, 1.0, 100.0) && within(slipWeakening, 1e-7, 1.0) && within(healing, 1e-6, 1e9) &&
+                   rate <= effects::FrictionModel::Rate::Viscous && within(rateStrength, -0.95, 100.0) &&
+                   within(rateSpeed, 1e-9, 1e3) && within(wearChange, -0.95, 100.0) && within(wearDistance, 1e-6, 1e6));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::AdhesionModel> auto& m) {
-    auto& [law, force, range] = m;
-    ar(law, force, range);
+    auto& [law, force, range, spots] = m;
+    ar(law, force, range, spots);
+    demand(ar, law <= effects::AdhesionModel::Law::Decaying && within(force, 0.0, 1e6) && within(range, 1e-7, 1.0) &&
+                   within(spots, 0.0, 1.0));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::ContactComplianceModel> auto& m) {
     auto& [normal, tangential] = m;
     ar(normal, tangential);
+    demand(ar, within(normal, 0.0, 1.0) && within(tangential, 0.0, 1.0));
 }
 
 template <class Ar>
@@ -76,6 +101,7 @@ template <class Ar>
 void io(Ar& ar, Is<effects::Site> auto& s) {
     auto& [weakened, slid, speed] = s;
     ar(weakened, slid, speed);
+    demand(ar, within(weakened, 0.0, 1.0 + 1e-9) && within(slid, 0.0, kAny) && within(speed, -kAny, kAny));
 }
 
 /// `made`: the effect as it is right after being given to the rod; its lists say how long those that were saved are.

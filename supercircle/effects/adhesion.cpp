@@ -18,9 +18,11 @@ Effect adhesion() {
                    "Toporov, J. Colloid Interface Sci. 53, 314 (1975)";
     e.parameters = {choice("law", {"hump", "decaying"}, "attraction against the gap"),
                     amplitude("F_a_N_m", "N/m", 0.0, 0.0, 1e6, 10.0, "largest attraction per length of rod"),
-                    detail("range_m", "m", 1e-4, 1e-7, 1.0, "gap where it ends")};
+                    detail("range_m", "m", 1e-4, 1e-7, 1.0, "gap where it ends"),
+                    detail("spots_m", "m", 0.0, 0.0, 1.0,
+                           "distance of the spots that attract, both tips among them; 0: the whole surface does")};
     e.apply = [](const Values& v, Model& m) {
-        m.contact.adhesion = {v[0] == 0.0 ? AdhesionModel::Law::Hump : AdhesionModel::Law::Decaying, v[1], v[2]};
+        m.contact.adhesion = {v[0] == 0.0 ? AdhesionModel::Law::Hump : AdhesionModel::Law::Decaying, v[1], v[2], v[3]};
     };
     return e;
 }

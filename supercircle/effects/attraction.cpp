@@ -17,6 +17,15 @@ Attraction makeAttraction(const rod::RodModel& rod, const AdhesionModel& model) 
     a.model = model;
     if (!model.on())
         return a;
+    const double L = rod.definition().length;
+    if (model.spots > 0.0) {
+        const int n = std::max(1, static_cast<int>(std::lround(std::min(1e5, L / model.spots))));
+        for (int i = 0; i <= n; ++i) {
+            a.place.push_back(rod::locate(rod, L * i / n));
+            a.weight.push_back((i == 0 || i == n ? 0.5 : 1.0) * L / n);
+        }
+        return a;
+    }
     for (int e = 0; e < rod.elements(); ++e) {
         const double l = rod.elementLength(e);
         const int n = std::clamp(static_cast<int>(std::ceil(l / kSpacing)), 2, kMostPerElement);

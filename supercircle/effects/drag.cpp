@@ -19,10 +19,6 @@ Drag makeDrag(const rod::RodModel& rod, const DragModel& model) {
     return d;
 }
 
-void rest(Drag& d) {
-    std::fill(d.stretch.begin(), d.stretch.end(), Vec2::Zero());
-}
-
 DragPoint dragAt(const Drag& d, std::size_t i, const Vec2& way, bool secant) {
     DragPoint out;
     const double limit = d.model.force * d.weight[i], spring = limit / d.model.presliding;

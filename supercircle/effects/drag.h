@@ -23,8 +23,6 @@ struct Drag {
 };
 
 Drag makeDrag(const rod::RodModel& rod, const DragModel& model);
-/// Springs unstretched.
-void rest(Drag& drag);
 
 /// Force on a point that moves by `way` in a step, with its derivative.
 struct DragPoint {

@@ -151,8 +151,8 @@ Response respond(const rod::RodModel& rod, const Material& m, int element, doubl
 }
 
 void storedEnergy(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, Books& books) {
-    for (Book& b : books)
-        b.stored = 0.0;
+    for (std::size_t k = 0; k <= static_cast<std::size_t>(Key::SofteningOverTime); ++k) // the slot's keys come first
+        books[k].stored = 0.0;
     const double B = rod.definition().bendingModulus;
     for (int e = 0; e < rod.elements(); ++e)
         storedLine(rod, m, static_cast<std::size_t>(e), q[rod.dofOfElement(e)], [&](Key cause, double energy) {

@@ -95,7 +95,7 @@ struct MaterialModel {
 /// Dry friction of every point of the rod against walls in front and behind.
 struct DragModel {
     double force = 0.0;       ///< per length, N/m
-    double presliding = 1e-6; ///< m, elastic motion before it slides
+    double presliding = 3e-6; ///< m, elastic motion before it slides
 
     [[nodiscard]] bool on() const { return force > 0.0; }
 };
@@ -121,6 +121,7 @@ struct AdhesionModel {
     Law law = Law::Hump;
     double force = 0.0;  ///< largest, N/m
     double range = 1e-4; ///< gap where it ends, m
+    double spots = 0.0;  ///< distance of the spots along the rod that attract, both tips among them; 0: all of it, m
 
     [[nodiscard]] bool on() const { return force > 0.0; }
 };

@@ -16,7 +16,7 @@ Effect planarDrag() {
     e.literature = "Goyal, Ruina and Papadopoulos, Wear 143, 307 (1991); Prandtl, Z. Angew. Math. Mech. 8, "
                    "85 (1928)";
     e.parameters = {amplitude("f_N_m", "N/m", 0.0, 0.0, 1e4, 0.1, "friction force per length"),
-                    detail("presliding_m", "m", 1e-6, 1e-9, 1e-2, "elastic motion before a point slides")};
+                    detail("presliding_m", "m", 3e-6, 1e-9, 1e-2, "elastic motion before a point slides")};
     e.apply = [](const Values& v, Model& m) { m.drag = {v[0], v[1]}; };
     return e;
 }

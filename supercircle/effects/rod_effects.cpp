@@ -13,7 +13,6 @@ RodEffects makeRodEffects(const rod::RodModel& rod, const Model& model) {
 
 void rest(RodEffects& fx) {
     rest(fx.material);
-    rest(fx.drag);
     rest(fx.surface);
 }
 

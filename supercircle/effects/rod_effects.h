@@ -20,7 +20,7 @@ struct RodEffects {
 
 /// All slots that act on a rod, at rest.
 RodEffects makeRodEffects(const rod::RodModel& rod, const Model& model);
-/// A long rest: see each slot.
+/// A long rest: viscous stresses go, surfaces heal. What is plastic, worn or held by dry friction stays.
 void rest(RodEffects& effects);
 
 } // namespace supercircle::effects

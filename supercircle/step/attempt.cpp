@@ -33,12 +33,15 @@ struct GapErrors {
     double deepest = 0.0; ///< deepest overlap after the step, m
 };
 
-GapErrors gapErrors(const ContactStage& stage, const std::vector<ContactImpulse>& loaded) {
+/// Contacts that give (contact_stage.h) are closed where their springs say.
+GapErrors gapErrors(const World& world, const ContactStage& stage, const std::vector<ContactImpulse>& loaded) {
     GapErrors e;
-    e.deepest = deepest(stage.after);
     for (const contact::Candidate& c : stage.after) {
-        if (findImpulse(loaded, c.id))
-            e.loaded = std::max(e.loaded, std::abs(c.gap));
+        const ContactImpulse* force = findImpulse(loaded, c.id);
+        const double give = force != nullptr ? giveOf(world, c).x() * force->normal : 0.0;
+        e.deepest = std::max(e.deepest, -(c.gap + give));
+        if (force != nullptr)
+            e.loaded = std::max(e.loaded, std::abs(c.gap + give));
     }
     return e;
 }
@@ -296,7 +299,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
         }
         collideEnd(world, settings);
         gather(stage, dt, impulses);
-        const GapErrors e = gapErrors(stage, impulses);
+        const GapErrors e = gapErrors(world, stage, impulses);
         const double reject = settings.rejectPenetration * h, tolerance = settings.relinearise * h;
         const bool deeper = e.deepest > reject && e.deepest > before + 0.1 * reject;
         const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > before);

@@ -2,6 +2,7 @@
 
 #include "supercircle/step/attempt.h"
 #include "supercircle/step/attraction_stage.h"
+#include "supercircle/step/contact_memory.h"
 #include "supercircle/step/friction_state.h"
 #include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
@@ -70,9 +71,31 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
                 world.ledger.work += r.dot(k.surface);
             }
         }
+        if (!k.give.isZero(0.0)) { // the springs take their part
+            const ContactImpulse* before = findImpulse(world.impulses, c.id);
+            const Vec2 sprung(k.give.x() * (r.x() / dt - (before != nullptr ? before->normal : 0.0)),
+                              k.give.y() * r.y() / dt - k.bent);
+            world.ledger.numerical += r.dot(sprung) / dt; // what stays in them is taken off in accept
+            u += sprung / dt;
+        }
         world.ledger.friction -= r.y() * u.y();
         world.ledger.pushOut -= r.x() * u.x();
     }
+}
+
+/// Energy in the springs of contacts that give, J.
+double giveEnergy(const World& world, const std::vector<contact::Candidate>& candidates,
+                  const std::vector<ContactImpulse>& forces) {
+    double sum = 0.0;
+    if (std::none_of(world.rods.begin(), world.rods.end(),
+                     [](const Rod& r) { return r.effects.surface.model.compliance.on(); }))
+        return sum;
+    for (const contact::Candidate& c : candidates)
+        if (const ContactImpulse* f = findImpulse(forces, c.id)) {
+            const Vec2 give = giveOf(world, c);
+            sum += 0.5 * (give.x() * f->normal * f->normal + give.y() * f->tangent * f->tangent);
+        }
+    return sum;
 }
 
 void advanceBodies(World& world, const ContactStage& stage, double dt) {
@@ -113,6 +136,12 @@ void accept(World& world, Attempt& t) {
     l.numerical += pulls.secondOrder;
     l.work += pulls.work;
     l.toBodies += pulls.toBodies;
+    effects::Book& give = world.effectsGone[static_cast<std::size_t>(effects::Key::ContactCompliance)];
+    if (const double held = giveEnergy(world, stage.after, t.impulses); held != give.stored) {
+        l.effects += held - give.stored;
+        l.numerical -= held - give.stored;
+        give.stored = held;
+    }
     advanceSurfaces(world, rods, dt, stage);
     std::vector<RodBooks>& books = t.books;
     books.assign(rods.size(), RodBooks{});

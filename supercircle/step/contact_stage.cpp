@@ -108,6 +108,71 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     out.id = c.id;
 }
 
+/// A contact that gives has two springs of its own, memoryless along the normal, with the deflection left by the last
+/// step along the tangent. They are two more unknowns of the body on its first side, with A = dt^2 / give: a spring
+/// that is stiff or soft costs the solver the same, and the law stays exact.
+void addGive(const World& world, double dt, const std::vector<ContactImpulse>& warm, ContactStage& stage) {
+    const bool gives = std::any_of(world.rods.begin(), world.rods.end(),
+                                   [](const Rod& r) { return r.effects.surface.model.compliance.on(); });
+    if (!gives) {
+        for (ContactWork& k : stage.work)
+            k.give.setZero();
+        return;
+    }
+    std::vector<std::vector<std::size_t>> ofBody(stage.problem.bodies.size());
+    bool any = false;
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        ContactWork& k = stage.work[i];
+        k.give = giveOf(world, stage.candidates[i]);
+        const int a = stage.problem.contacts[i].a;
+        if ((k.give.x() > 0.0 || k.give.y() > 0.0) && a >= 0) {
+            ofBody[static_cast<std::size_t>(a)].push_back(i);
+            any = true;
+        } else {
+            k.give.setZero();
+        }
+    }
+    if (!any)
+        return;
+    constexpr double kRigid = 1e-12; // m/N, along the direction that does not give
+    std::vector<Eigen::Index> size;
+    for (const coulomb::Body& b : stage.problem.bodies)
+        size.push_back(b.vFree.size());
+    for (std::size_t b = 0; b < ofBody.size(); ++b) {
+        if (ofBody[b].empty())
+            continue;
+        coulomb::Body& body = stage.problem.bodies[b];
+        const Eigen::Index n = size[b], more = 2 * static_cast<Eigen::Index>(ofBody[b].size());
+        body.A.conservativeResizeLike(Eigen::MatrixXd::Zero(n + more, n + more));
+        body.vFree.conservativeResizeLike(Eigen::VectorXd::Zero(n + more));
+        for (std::size_t j = 0; j < ofBody[b].size(); ++j) {
+            ContactWork& k = stage.work[ofBody[b][j]];
+            const Eigen::Index at = n + 2 * static_cast<Eigen::Index>(j);
+            for (int axis = 0; axis < 2; ++axis)
+                body.A(at + axis, at + axis) = dt * dt / std::max(k.give[axis], kRigid);
+            const ContactImpulse* before = findImpulse(warm, stage.candidates[ofBody[b][j]].id);
+            k.bent = before != nullptr ? k.give.y() * before->tangent : 0.0;
+        }
+    }
+    const auto widen = [&](std::int32_t body, Eigen::Matrix<double, 2, Eigen::Dynamic>& rows) {
+        if (body < 0 || ofBody[static_cast<std::size_t>(body)].empty())
+            return;
+        const Eigen::Index n = rows.cols();
+        rows.conservativeResizeLike(Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(
+            2, n + 2 * static_cast<Eigen::Index>(ofBody[static_cast<std::size_t>(body)].size())));
+    };
+    for (coulomb::Contact& c : stage.problem.contacts) {
+        widen(c.a, c.Ha);
+        widen(c.b, c.Hb);
+    }
+    for (std::size_t b = 0; b < ofBody.size(); ++b)
+        for (std::size_t j = 0; j < ofBody[b].size(); ++j) {
+            coulomb::Contact& c = stage.problem.contacts[ofBody[b][j]];
+            c.Ha.middleCols<2>(size[b] + 2 * static_cast<Eigen::Index>(j)).setIdentity();
+            c.w.y() -= stage.work[ofBody[b][j]].bent / dt;
+        }
+}
+
 void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& stage) {
     for (RodWork& w : rods)
         w.body = -1;
@@ -142,6 +207,18 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
 }
 
 } // namespace
+
+Vec2 giveOf(const World& world, const contact::Candidate& c) {
+    Vec2 sum = Vec2::Zero();
+    double count = 0.0;
+    for (const contact::RodPoint* p : {&c.a, &c.b})
+        if (p->rod >= 0) {
+            const auto& m = world.rods[static_cast<std::size_t>(p->rod)].effects.surface.model.compliance;
+            sum += Vec2(m.normal, m.tangential);
+            count += 1.0;
+        }
+    return sum / count;
+}
 
 void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
             Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced) {
@@ -257,6 +334,7 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     });
     coupleLinks(world, rods, dt, stage);
+    addGive(world, dt, world.impulses, stage);
     addHostContacts(world, dt, stage);
 }
 
@@ -273,12 +351,17 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
         const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
+        const Eigen::Index own = w.vFree.size(); // behind it stand the springs of contacts that give
         if (w.frozen)
             w.v.setZero(world.rods[i].model.dofs());
-        else if (w.C.rows() == 0)
+        else if (w.C.rows() == 0 && x.size() == own)
             w.v = x;
-        else
+        else if (w.C.rows() == 0)
+            w.v = x.head(own);
+        else if (x.size() == own)
             w.v = w.vp + w.Z * x;
+        else
+            w.v = w.vp + w.Z * x.head(own);
     }
     readHostBlocks(world, stage);
 }

@@ -106,6 +106,9 @@ void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& fu
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage);
 
+/// Give of a contact, m/N along (n, t): that of the rods in it, mean of both.
+Vec2 giveOf(const World& world, const contact::Candidate& candidate);
+
 /// Impulses of the stage by contact id, as mean forces.
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out);
 

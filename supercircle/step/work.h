@@ -112,6 +112,8 @@ struct ContactWork {
     Vec2 armB = Vec2::Zero(); ///< contact point minus body centre at the linearisation point
     double slip = 0.0;        ///< speed of slip its friction was taken at, m/s
     double friction = 1.0;    ///< factor of the friction coefficient
+    Vec2 give = Vec2::Zero(); ///< compliance along (n, t), m/N
+    double bent = 0.0;        ///< tangential deflection at the start of the step, m
 };
 
 } // namespace supercircle::step

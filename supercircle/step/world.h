@@ -171,7 +171,7 @@ struct World {
     std::vector<BodyMaterial> bodyMaterials;      ///< sorted by body
     std::vector<ContactImpulse> sleepingImpulses; ///< of sleeping islands, sorted by id
     std::uint32_t nextIsland = 1;
-    effects::Books effectsGone{}; ///< dissipated on rods that are gone
+    effects::Books effectsGone{}; ///< dissipated on rods that are gone; stored in contacts that give
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
     [[nodiscard]] Vec2 machineForce() const;
@@ -198,7 +198,7 @@ void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, dou
 /// Gives a rod the material and load effects of `model` (those of before go); what they store at its configuration is
 /// booked as added.
 void setEffects(World& world, std::size_t index, const effects::Model& model);
-/// A long rest: viscous stresses gone, ages zero, drag springs loose; plastic curvature stays.
+/// A long rest: viscous stresses gone, ages zero, surfaces healed.
 void restEffects(World& world);
 /// Energy of the effects by cause, J.
 [[nodiscard]] effects::Books effectBooks(const World& world);

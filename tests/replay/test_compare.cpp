@@ -65,5 +65,7 @@ TEST_CASE("a run that ended early is compared as far as it goes", "[replay]") {
         column->resize(100);
     const replay::Comparison c = replay::compare(run, s);
     CHECK(c.rmse == Approx(0.1).epsilon(1e-9));
+    CHECK(c.zero == Approx(0.1).epsilon(1e-9));
+    CHECK(c.rmseZeroed == Approx(0.0).margin(1e-8)); // root of a difference of equal numbers near .01
     CHECK(std::isnan(c.residual[100]));
 }

@@ -1,0 +1,123 @@
+// Effects inside the step: off is absent, books close, and what the laws say comes out.
+
+#include "tests/step/setup.h"
+
+#include "supercircle/effects/effect.h"
+
+using namespace supercircle;
+using namespace supercircle::test;
+
+namespace {
+
+effects::Model modelOf(std::initializer_list<const char*> texts) {
+    std::vector<effects::Setting> settings;
+    for (const char* text : texts)
+        REQUIRE(effects::add(settings, text).empty());
+    REQUIRE(effects::validate(settings).empty());
+    return effects::modelFor(settings, "all");
+}
+
+/// A shell dropped on its tips on a floor, with the model; 0.12 s.
+step::World dropped(const effects::Model* model, double tilt = 0.3) {
+    FakeHost host;
+    host.g = {0.0, -kG};
+    host.addGround(1, 0.35);
+    step::World w;
+    w.gravity = {0.0, -kG};
+    put(w, paperShell(), {0.0, 0.045}, M_PI + tilt, 0.35, {0.05, -0.2});
+    if (model)
+        step::setEffects(w, 0, *model);
+    step::Stepper stepper{step::Settings{}};
+    for (int i = 0; i < 30; ++i)
+        frame(stepper, w, host, 4e-3);
+    return w;
+}
+
+double scale(const step::Ledger& l) {
+    return std::abs(l.added) + std::abs(l.kinetic) + std::abs(l.bending) + 1e-9;
+}
+
+} // namespace
+
+TEST_CASE("an effect that is off is bit-identical to one that is absent") {
+    const step::World without = dropped(nullptr);
+    std::vector<effects::Setting> all;
+    for (const effects::Effect& e : effects::catalog())
+        all.push_back(effects::off(e));
+    const effects::Model off = effects::modelFor(all, "all");
+    CHECK(sameState(dropped(&off), without));
+}
+
+TEST_CASE("energy books close with each effect on, and dissipation is never negative") {
+    for (const auto& texts : std::vector<std::vector<const char*>>{
+             {"viscoelastic_bending:eta_over_B_s=0.002"},
+             {"viscoelastic_bending:law=standard_linear_solid", "viscoelastic_bending:branch_over_B=0.5",
+              "viscoelastic_bending:tau_s=0.01"},
+             {"nonlinear_elasticity:law=softening", "nonlinear_elasticity:uc_1_m=10"},
+             {"plasticity:My_over_B_1_m=1", "plasticity:H_over_B=0.3"},
+             {"local_damage:stiffness_drop=0.6", "local_damage:arc_fraction=0.8"},
+             {"natural_curvature_defect:curvature_change_1_m=-10"},
+             {"stiffness_gradient:gradient=0.3"},
+             {"softening_over_time:drop=0.3", "softening_over_time:tau_s=0.05"},
+             {"planar_drag:f_N_m=0.02"},
+             {"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:Dc_m=0.001"},
+             {"rate_dependent_friction:strength=-0.4", "rate_dependent_friction:speed_m_s=0.05"},
+             {"wear:change=0.5", "wear:distance_m=0.005"},
+             {"contact_compliance:normal_m_N=1e-4", "contact_compliance:tangential_m_N=2e-4"},
+             {"adhesion:F_a_N_m=0.5", "adhesion:range_m=0.0005"}}) {
+        std::vector<effects::Setting> settings;
+        for (const char* text : texts)
+            REQUIRE(effects::add(settings, text).empty());
+        const effects::Model model = effects::modelFor(settings, "all");
+        const step::World w = dropped(&model);
+        INFO(texts.front() << ": residual " << w.ledger.residual() << " of " << scale(w.ledger) << ", numerical "
+                           << w.ledger.numerical << ", effects " << w.ledger.effects);
+        CHECK(std::abs(w.ledger.residual()) < 1e-9 * scale(w.ledger)); // round-off: every term is booked
+        CHECK(w.ledger.friction >= 0.0);
+        for (const effects::Book& b : step::effectBooks(w))
+            CHECK(b.dissipated >= 0.0);
+        CHECK_FALSE(sameState(w, dropped(nullptr)));
+    }
+}
+
+TEST_CASE(
+    "a sliding strip stops after the way its friction says, with drag of front and back walls instead of a floor") {
+    // Free flight without gravity: m v^2 / 2 = f L x, all of it dissipated.
+    step::World w;
+    const double v = 0.1, f = 0.05;
+    rod::RodDefinition d = strip(0.05, 100.0);
+    put(w, d, {0.0, 0.0}, 0.0, 0.0, {v, 0.0});
+    effects::Model m = modelOf({"planar_drag:f_N_m=0.05"});
+    step::setEffects(w, 0, m);
+    step::Settings s;
+    s.fixedDt = 1e-4;
+    step::Stepper stepper{s};
+    FakeHost host;
+    for (int i = 0; i < 30; ++i)
+        frame(stepper, w, host, 4e-3);
+    const double expected = 0.5 * d.linearMass * v * v / f;
+    CHECK(centre(w.rods[0]).x() == Approx(expected).epsilon(0.02)); // one step of travel is 1 % of it
+    CHECK(w.rods[0].speed < 1e-6);
+}
+
+TEST_CASE("a world with effects is restored from its copy and goes on bit for bit") {
+    FakeHost host;
+    host.g = {0.0, -kG};
+    host.addGround(1, 0.35);
+    step::World w;
+    w.gravity = {0.0, -kG};
+    put(w, paperShell(), {0.0, 0.045}, M_PI + 0.3, 0.35, {0.05, -0.2});
+    step::setEffects(w, 0,
+                     modelOf({"plasticity:My_over_B_1_m=1", "planar_drag:f_N_m=0.02",
+                              "static_friction_excess:mu_s_over_mu_k=1.5", "adhesion:F_a_N_m=0.5"}));
+    step::Stepper stepper{step::Settings{}};
+    for (int i = 0; i < 12; ++i)
+        frame(stepper, w, host, 4e-3);
+    step::World copy = w;
+    step::Stepper other{step::Settings{}};
+    for (int i = 0; i < 6; ++i) {
+        frame(stepper, w, host, 4e-3);
+        frame(other, copy, host, 4e-3);
+    }
+    CHECK(sameState(w, copy));
+}

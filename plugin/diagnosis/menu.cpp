@@ -198,6 +198,8 @@ void contacts(Writer& w, const Sizes& s) {
     w.form("adhesion", "hump").with("law", 0).amplitude("F_a_N_m", 0.0, 30.0 * pull, 0.2 * pull);
     w.extent("range_m", 1e-5, 2e-3);
     w.probe({0.5 * pull, 1e-4}).probe({1.5 * pull, 1e-4}).probe({0.5 * pull, 4e-4});
+    w.form("adhesion", "hump, in spots").with("law", 0).amplitude("F_a_N_m", 0.0, 30.0 * pull, 0.2 * pull);
+    w.extent("range_m", 1e-5, 2e-3).with("spots_m", 5e-3 * s.length).probe({0.5 * pull, 1e-4}).probe({pull, 1e-4});
     w.form("contact_compliance").amplitude("normal_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
     w.amplitude("tangential_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
     w.probe({0.0, 5e-3 * s.travel / s.force}).probe({5e-3 * s.travel / s.force, 0.0});

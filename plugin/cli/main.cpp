@@ -163,6 +163,7 @@ CLI::App* describeSensitivity(CLI::App& app, supercircle::cli::SensitivityArgume
         ->type_name("NAME")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    verb->add_flag("--effects", a.effects, "vary the amplitudes of all extra physics too (supercircle effects)");
     verb->add_option("--out", a.out,
                      "folder for the results (default: out/<name of the experiment's folder>_sensitivity)")
         ->type_name("DIR");
@@ -224,6 +225,25 @@ CLI::App* describeValidate(CLI::App& app, supercircle::cli::ValidateArguments& a
     return validate;
 }
 
+CLI::App* describeView(CLI::App& app, supercircle::cli::ViewArguments& a) {
+    CLI::App* view = app.add_subcommand("view", "watch a scene in a window: sliders, layers, live curves");
+    view->add_option("scene", a.scene, "scene file (JSON)")->required()->type_name("SCENE.json");
+    addParameters(*view, a.parameters);
+    view->add_flag("--game", a.game, "game quality instead of the laboratory's");
+    view->add_flag("--headless", a.headless, "no window: play, write the picture, end");
+    view->add_option("--frames", a.frames, "steps of 1/60 s, headless")
+        ->check(CLI::Range(1, 1000000).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    view->add_option("--png", a.png, "the last picture, headless")->type_name("FILE");
+    view->add_option("--script", a.script, "timed inputs (docs/levels.md)")->type_name("FILE.json");
+    view->add_option("--show", a.show, "layers: curvature, energy, contacts, slip, proxies, boxes; with commas")
+        ->type_name("NAMES");
+    view->add_option("--record", a.record, "film of the pictures; the motion goes beside it as .csv")
+        ->type_name("FILE.mp4");
+    return view;
+}
+
 /// Parses, and runs what was asked for.
 int dispatch(int argc, char** argv) {
     using namespace supercircle::cli;
@@ -256,6 +276,9 @@ int dispatch(int argc, char** argv) {
 
     ValidateArguments validateArguments;
     CLI::App* validate = describeValidate(app, validateArguments);
+
+    ViewArguments viewArguments;
+    CLI::App* view = describeView(app, viewArguments);
 
     std::string effectName;
     CLI::App* effects = app.add_subcommand("effects", "list the extra physics a scene or a replay may switch on");
@@ -294,6 +317,8 @@ int dispatch(int argc, char** argv) {
         return supercircle::cli::check(file, parameters);
     if (validate->parsed())
         return supercircle::cli::validate(validateArguments);
+    if (view->parsed())
+        return supercircle::cli::view(viewArguments);
     if (bench->parsed())
         return supercircle::cli::bench(filter, json);
     return kBadInput;

@@ -174,7 +174,7 @@ void print(const SensitivityStudy& study, const std::string& folder) {
             for (Eigen::Index i = 0; i < run.force.rows(); ++i)
                 if (run.usable(i, at))
                     most = std::max(most, std::abs(run.force(i, at)));
-            std::printf("  %-20s changes the force by up to %-9.3g N for %.3g %s%s%s\n", s.columns[c].name.c_str(),
+            std::printf("  %-40s changes the force by up to %-9.3g N for %.3g %s%s%s\n", s.columns[c].name.c_str(),
                         most * s.columns[c].scale, s.columns[c].scale,
                         s.columns[c].unit == "1" ? "" : s.columns[c].unit.c_str(),
                         q.weak ? "; lost in the solver's noise" : "", q.reorders ? "; moves or makes jumps" : "");
@@ -208,8 +208,16 @@ std::optional<sensitivity::Model> prepare(const SensitivityArguments& a, Sensiti
             return std::nullopt;
         }
     std::string error;
-    sensitivity::Model model =
-        sensitivity::replayModel(study.experiment, parameters, study.resolution, a.columns, error);
+    std::vector<std::string> columns = a.columns;
+    if (a.effects) {
+        if (columns.empty())
+            for (const replay::ParameterInfo& info : replay::parameterList(study.experiment))
+                if (info.name.find('.') == std::string::npos)
+                    columns.push_back(info.name);
+        const std::vector<std::string> effects = sensitivity::effectNames();
+        columns.insert(columns.end(), effects.begin(), effects.end());
+    }
+    sensitivity::Model model = sensitivity::replayModel(study.experiment, parameters, study.resolution, columns, error);
     if (!error.empty()) {
         std::fprintf(stderr, "--column: %s\n", error.c_str());
         return std::nullopt;

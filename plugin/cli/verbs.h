@@ -52,6 +52,7 @@ struct SensitivityArguments {
     std::string file;
     std::vector<std::string> parameters; ///< NAME=VALUE
     std::vector<std::string> columns;    ///< names to vary, empty: all
+    bool effects = false;                ///< the amplitudes of all effects too
     std::string out;                     ///< folder; empty: out/<name of the experiment's folder>_sensitivity
     int elements = 0;                    ///< arcs per specimen, 0: as the resolution has it
     bool full = false;                   ///< the resolution for residuals
@@ -76,6 +77,15 @@ struct ValidateArguments {
     int jobs = 1;
 };
 
+struct ViewArguments {
+    std::string scene;
+    std::vector<std::string> parameters; ///< NAME=VALUE
+    bool game = false;                   ///< game quality instead of the laboratory's
+    bool headless = false;
+    int frames = 300; ///< steps of 1/60 s, headless
+    std::string png, script, show, record;
+};
+
 /// Simulates a scene and writes what came out. Returns the exit code, as all verbs do.
 int run(const RunArguments& arguments);
 /// Says whether a scene can be started, without running it.
@@ -92,6 +102,8 @@ int sensitivity(const SensitivityArguments& arguments);
 int diagnose(const DiagnoseArguments& arguments);
 /// Compares the laboratory with every solved reference and writes one page about it.
 int validate(const ValidateArguments& arguments);
+/// Shows a scene in a window, or headless as a picture.
+int view(const ViewArguments& arguments);
 /// Measures the benchmarks whose name contains `filter`; `json` is a file for the figures, empty: none.
 int bench(const std::string& filter, const std::string& json);
 

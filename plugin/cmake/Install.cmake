@@ -76,7 +76,9 @@ install(FILES ${PROJECT_SOURCE_DIR}/plugin/scene/scene.schema.json DESTINATION $
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/data/reference/
   DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle/reference FILES_MATCHING PATTERN "*.csv" PATTERN "README.md")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+# Those that build on the installed package; the games need the source tree.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/hello ${PROJECT_SOURCE_DIR}/examples/hello_scene
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 

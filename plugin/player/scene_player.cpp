@@ -165,6 +165,8 @@ void ScenePlayer::Impl::jumpToPile() {
         step::BodyState s;
         if (port->state(id, s))
             port->drive(id, s.centre - Vec2(0.0, free - p.touch_gap), s.angle, Vec2::Zero(), 0.0);
+        if (const int known = step::bodyIndex(w, id); known >= 0) // our pose of the machine rules over the host's
+            w.bodies[static_cast<std::size_t>(known)].state.centre.y() -= free - p.touch_gap;
     }
     w.range.clear();
 }

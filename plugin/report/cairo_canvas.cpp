@@ -100,6 +100,16 @@ void CairoCanvas::popClip() {
     cairo_restore(context);
 }
 
+CairoCanvas::Pixels CairoCanvas::pixels() const {
+    cairo_surface_flush(surface);
+    return {cairo_image_surface_get_data(surface), cairo_image_surface_get_width(surface),
+            cairo_image_surface_get_height(surface), cairo_image_surface_get_stride(surface)};
+}
+
+void CairoCanvas::touched() const {
+    cairo_surface_mark_dirty(surface);
+}
+
 record::Result<std::string> CairoCanvas::png() {
     record::Result<std::string> result;
     cairo_status_t status = cairo_status(context); // also carries a failed surface

@@ -26,6 +26,16 @@ public:
     /// The picture as the content of a PNG file, or what Cairo says is wrong.
     [[nodiscard]] record::Result<std::string> png();
 
+    /// The finished picture in memory: rows of `stride` bytes, four bytes a pixel, 0xXXRRGGBB in native order. Good
+    /// until the next drawing call; null if Cairo failed.
+    struct Pixels {
+        unsigned char* data = nullptr;
+        int width = 0, height = 0, stride = 0;
+    };
+    [[nodiscard]] Pixels pixels() const;
+    /// To be called after somebody else has drawn into pixels().
+    void touched() const;
+
 private:
     void apply(const Paint& paint);
     cairo_surface_t* surface = nullptr;

@@ -39,9 +39,10 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     readEffects(context, top, scene);
     readNumerics(context, top, scene.numerics);
     readReport(context, top, scene.report);
+    readGame(context, top, scene, scene.game);
     scene.duration = top.number("duration", scene.duration, notNegative);
     top.finish();
-    if (!scene.protocol && scene.duration == 0.0)
+    if (!scene.protocol && !scene.game && scene.duration == 0.0)
         context.note(context.document.root, "", "neither \"protocol\" nor \"duration\": nothing is simulated");
     scene.parameters = context.scope.parameters();
 }

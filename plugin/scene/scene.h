@@ -85,6 +85,41 @@ struct Report {
     double sample_dt = 0.02;   ///< s, series and trajectory spacing at most this (events are sampled finer)
 };
 
+/// A kind of shell a game hands out: the paper's shell at the size of games (supercircle::scaledShell).
+struct GamePart {
+    std::string name;
+    std::uint32_t colour = 0x3a7bd5; ///< 0xRRGGBB
+    double radius = 0.5;             ///< m
+    double mass = 0.5;               ///< kg
+    double phi_bar = 0.75;           ///< opening angle / 2 pi
+    double stiffness = 1.0; ///< bending stiffness over that of the paper's shell scaled to this radius and mass
+    double mu = 0.35;       ///< friction coefficient
+    int elements = 15;
+    double cost = 1.0;       ///< of the budget
+    std::optional<Point> at; ///< m, where it waits (clip)
+};
+
+/// What makes a scene a level (docs/levels.md). Keys that a kind of game does not use keep their defaults.
+struct Game {
+    std::string kind; ///< "egg_drop" | "lander" | "clip"
+    std::string title, hint;
+    std::string actor;                        ///< body the game is about
+    std::string carrier;                      ///< clip: kinematic body that carries
+    std::string service;                      ///< lander: body that holds spent legs while they are pulled off
+    Point viewLower{-8, -1}, viewUpper{8, 8}; ///< m, what the picture shows at least
+    Point goalLower{}, goalUpper{};           ///< m, where the actor has to be ...
+    double hold = 1.0;                        ///< s, ... and stay
+    double time = 60.0;                       ///< s, limit
+    double limit = 10.0;                      ///< g, what the actor survives
+    double budget = 10.0;
+    std::vector<double> heights; ///< m, of the egg's lowest point above the crate's floor, one drop each
+    double fuel = 20.0;          ///< s of full thrust
+    double thrust = 400.0;       ///< N
+    double wind = 0.0;           ///< N, to the right
+    double speed = 1.0;          ///< m/s, of the carrier
+    std::vector<GamePart> parts;
+};
+
 struct Scene {
     std::string name;
     std::string about;
@@ -98,6 +133,7 @@ struct Scene {
     std::vector<effects::Setting> effects; ///< gravity and misalignment are in the scene already
     Numerics numerics;
     Report report;
+    std::optional<Game> game;
     double duration = 0.0; ///< s, for scenes without a protocol; with one: stop at the end of the moves
 };
 

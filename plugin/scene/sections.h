@@ -24,6 +24,9 @@ void readEffects(Context& context, ObjectReader& top, Scene& scene);
 void readNumerics(Context& context, ObjectReader& top, Numerics& out);
 void readReport(Context& context, ObjectReader& top, Report& out);
 
+/// game; bodies must have been read.
+void readGame(Context& context, ObjectReader& top, const Scene& scene, std::optional<Game>& out);
+
 /// Names of the scene's pictures and summaries.
 const std::vector<std::string>& reportKinds();
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace supercircle::sensitivity {
 
@@ -50,7 +51,57 @@ Column columnOf(const Experiment& e, const replay::ParameterInfo& info, double v
     return c;
 }
 
+/// Column of a parameter of an effect; empty: no such effect or parameter.
+std::optional<Column> effectColumn(const Experiment& e, const replay::Parameters& parameters, const std::string& name) {
+    const std::size_t colon = name.find(':');
+    const effects::Effect* effect = colon == std::string::npos ? nullptr : effects::find(name.substr(0, colon));
+    if (effect == nullptr)
+        return std::nullopt;
+    for (const effects::Parameter& p : effect->parameters) {
+        if (p.name != name.substr(colon + 1) || !p.words.empty())
+            continue;
+        Column c;
+        c.name = name;
+        c.unit = p.unit;
+        c.about = p.about;
+        c.value = replay::get(parameters, e, name).value_or(p.off);
+        c.lower = p.min;
+        c.upper = p.max;
+        c.scale = std::abs(p.typical - (p.switches ? p.off : 0.0));
+        if (std::isinf(c.value)) {
+            c.name = effect->name + ":1/" + p.name;
+            c.unit = p.unit == "1/m" ? "m" : p.unit == "N/m" ? "m/N" : "1/(" + p.unit + ")";
+            c.about = "inverse of: " + p.about;
+            c.value = 0.0;
+            c.lower = 0.0;
+            c.upper = 1.0 / std::max(p.min, 1e-12);
+            c.scale = 1.0 / p.typical;
+            c.inverse = true;
+        }
+        return c;
+    }
+    return std::nullopt;
+}
+
+std::string setColumn(replay::Parameters& p, const Experiment& e, const Column& c, double value) {
+    if (!c.inverse)
+        return replay::set(p, e, c.name, value);
+    std::string name = c.name;
+    name.erase(name.find(":1/") + 1, 2);
+    return value > 0.0 ? replay::set(p, e, name, 1.0 / value) : "an amplitude is negative";
+}
+
 } // namespace
+
+std::vector<std::string> effectNames() {
+    std::vector<std::string> names;
+    for (const effects::Effect& effect : effects::catalog())
+        for (const effects::Parameter& p : effect.parameters)
+            if (p.switches &&
+                !(effect.key == effects::Key::ViscoelasticBending && p.name == "branch_over_B")) // other law
+                names.push_back(effect.name + ":" + p.name);
+    return names;
+}
 
 Model replayModel(const Experiment& e, const replay::Parameters& parameters, const replay::Resolution& resolution,
                   const std::vector<std::string>& names, std::string& error) {
@@ -70,6 +121,10 @@ Model replayModel(const Experiment& e, const replay::Parameters& parameters, con
             add(*found);
             continue;
         }
+        if (const auto column = effectColumn(e, parameters, name)) {
+            model.columns.push_back(*column);
+            continue;
+        }
         replay::Parameters copy = parameters;
         error = replay::set(copy, e, name, 0.0); // says what is known
         return {};
@@ -80,7 +135,7 @@ Model replayModel(const Experiment& e, const replay::Parameters& parameters, con
         replay::Parameters p = parameters;
         for (std::size_t i = 0; i < columns.size() && i < values.size(); ++i)
             if (values[i] != columns[i].value)
-                if (const std::string why = replay::set(p, e, columns[i].name, values[i]); !why.empty()) {
+                if (const std::string why = setColumn(p, e, columns[i], values[i]); !why.empty()) {
                     replay::Simulated failed;
                     failed.failure = why;
                     return failed;

@@ -24,6 +24,9 @@ struct Column {
     double scale = 0.0;
     double lower = -std::numeric_limits<double>::infinity(); ///< least value that can be simulated
     double upper = std::numeric_limits<double>::infinity();
+    /// The column is the inverse of what is set: amplitudes of effects that are off at infinity (a yield moment, the
+    /// stiffness of the machine) are differentiated where they are off, at 0.
+    bool inverse = false;
 };
 
 /// A simulator of all runs of an experiment with named scalars.
@@ -35,8 +38,11 @@ struct Model {
         simulate;
 };
 
+/// Names ("KEY:NAME") of the amplitudes of all effects (supercircle/effects/effect.h), for `names` below.
+std::vector<std::string> effectNames();
+
 /// The replay of an experiment with the parameters called `names` as columns (empty: all that are shared by the
-/// specimens) at `parameters`. `experiment` must outlive the model.
+/// specimens) at `parameters`; "KEY:NAME" is a parameter of an effect. `experiment` must outlive the model.
 /// @return the model, or in `error` the unknown name and the nearest known one
 Model replayModel(const experiment::Experiment& experiment, const replay::Parameters& parameters,
                   const replay::Resolution& resolution, const std::vector<std::string>& names, std::string& error);

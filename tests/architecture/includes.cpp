@@ -77,12 +77,30 @@ const std::vector<Rule>& rules() {
           "supercircle/effects/effect.h", "supercircle/parallel/"},
          {"Eigen/", "boost/math/"},
          {}},
-        {"plugin/cli/", {"plugin/", "bridge/", "supercircle/"}, {"Eigen/", "CLI/"}, {"nlohmann/", "muParser"}, true},
+        // The verb `view` starts the testbed, which lives on the games' frame.
+        {"plugin/cli/",
+         {"plugin/", "bridge/", "supercircle/", "examples/testbed/testbed.h"},
+         {"Eigen/", "CLI/"},
+         {"nlohmann/", "muParser"},
+         true},
         {"plugin/",
          {"plugin/include/", "plugin/scene/", "plugin/record/", "plugin/player/", "plugin/lab/", "plugin/shells/",
           "supercircle/"},
          {"Eigen/", "tbb/"},
          {},
+         true},
+        // Games see the public headers and their frame; the frame draws with report's canvas and reads levels with the
+        // scenes' reader, so that a level is checked like any scene and a window shows what a PNG file has.
+        {"examples/frame/",
+         {"examples/frame/", "plugin/include/", "plugin/report/", "plugin/scene/", "bridge/"},
+         {"Eigen/", "box2d/"},
+         {"CLI/", "GLFW/", "GL/"},
+         true},
+        // The testbed looks inside the step: contacts, timings.
+        {"examples/testbed/",
+         {"examples/testbed/", "examples/frame/", "plugin/include/", "plugin/report/", "bridge/", "supercircle/step/"},
+         {"Eigen/", "box2d/"},
+         {"imgui"},
          true},
         {"examples/", {"examples/", "plugin/include/", "bridge/"}, {"Eigen/", "box2d/"}, {}, true},
     };
@@ -172,8 +190,8 @@ std::string checkLibrary(const Rule& rule, const std::string& file, const std::s
         return "this library stays private: .cpp files only";
     }
     const bool library = path.find('/') != std::string::npos && !startsWith(path, "sys/");
-    // cairo and muParser are the libraries whose headers look like those of the system.
-    if (!library && !startsWithOneOf(path, {"cairo", "muParser"}) && rule.system && endsWith(path, ".h"))
+    // cairo, muParser and imgui are the libraries whose headers look like those of the system.
+    if (!library && !startsWithOneOf(path, {"cairo", "muParser", "imgui"}) && rule.system && endsWith(path, ".h"))
         return {};
     return std::string(rule.folder) + " may not use this library";
 }

@@ -90,6 +90,8 @@ TEST_CASE("the include checker lets lawful lines pass", "[architecture]") {
     CHECK_FALSE(offends("plugin/cli/main.cpp", "#include <unistd.h>"));
     CHECK_FALSE(offends("plugin/diagnosis/fit.cpp", "#include \"plugin/include/supercircle/recording.hpp\""));
     CHECK_FALSE(offends("tests/bridge/test_port.cpp", "#include <box2d/box2d.h>"));
+    CHECK_FALSE(offends("examples/frame/view.h", "#include \"plugin/report/canvas.h\""));
+    CHECK_FALSE(offends("examples/frame/window_glfw.cpp", "#include <GLFW/glfw3.h>"));
     CHECK_FALSE(offends("supercircle/rod/arc.cpp", "// #include <box2d/box2d.h>"));
 }
 
@@ -133,6 +135,9 @@ TEST_CASE("the include checker catches every kind of offence", "[architecture]")
     mustOffend("plugin/diagnosis/fit.cpp", "#include \"plugin/lab/runner.h\"");
     mustOffend("plugin/diagnosis/fit.cpp", "#include \"supercircle/step/world.h\"");
     mustOffend("examples/game.cpp", "#include \"supercircle/step/world.h\"");
+    mustOffend("examples/egg_drop/main.cpp", "#include <GLFW/glfw3.h>");
+    mustOffend("examples/frame/window.h", "#include <GLFW/glfw3.h>");
+    mustOffend("examples/frame/stage.cpp", "#include \"supercircle/step/world.h\"");
     // paths from the root
     mustOffend("supercircle/rod/arc.cpp", "#include \"arc.h\"");
     mustOffend("supercircle/rod/arc.cpp", "#include \"../rod/arc.h\"");

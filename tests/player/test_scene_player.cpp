@@ -20,7 +20,7 @@ const std::string kScenes = std::string(SC_SOURCE_DIR) + "/scenes/";
 struct Stage {
     b2World world{b2Vec2(0.0F, -1.0F)};
     Shells shells{bridge::attach(world, {52.1})};
-    double strongest = 0.0;
+    double strongest = 0.0, farthest = 0.0; ///< N, m
 
     void play(ScenePlayer scene, int frames) {
         for (int i = 0; i < frames && !scene.finished(); ++i) {
@@ -30,6 +30,7 @@ struct Stage {
                 world.Step(static_cast<float>(r.advanced), 8, 3);
             scene.post_step();
             strongest = std::max(strongest, scene.force());
+            farthest = std::max(farthest, scene.travel());
         }
     }
 };
@@ -68,6 +69,8 @@ TEST_CASE("shells of a scene are dropped in turn, then the machine comes", "[pla
     CHECK(scene->shells().size() == 3);
     CHECK(s.strongest >= 0.2); // the force that turns the plate back
     CHECK(s.strongest < 0.5);
+    CHECK(s.farthest > 0.0);
+    CHECK(s.farthest < 6.0 * 0.0192); // the plate came down to the three shells before the travel began to count
     CHECK(std::abs(scene->travel()) < 1e-9);
     CHECK(s.shells.world().counters.crossings == 0);
 }

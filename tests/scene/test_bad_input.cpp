@@ -323,3 +323,20 @@ TEST_CASE("no cut and no flipped byte of a good file crashes the loader") {
         CHECK(scene.has_value() != anyError(problems));
     }
 }
+
+TEST_CASE("a level's mistakes are answered where they stand") {
+    const auto errors = bad(R"({
+  "body": [{"name": "craft", "type": 2}, {"name": "pad", "type": 0}],
+  "game": {"kind": "lander", "actor": "kraft", "service": "craft", "limt": 3, "part": [{"name": "leg", "colour": "red"}],
+    "goal": {"lower": {"x": 1, "y": 0}, "upper": {"x": 0, "y": 1}}}})");
+    const std::string all = say(errors);
+    INFO(all);
+    CHECK(errors.size() == 5);
+    CHECK(contains(all, "3:39: /game/actor: there is no body named \"kraft\""));
+    CHECK(contains(all, "did you mean \"craft\"?"));
+    CHECK(contains(all, "/game/service: the body \"craft\" is of another type; expected \"type\": 0"));
+    CHECK(contains(all, "unknown key \"limt\""));
+    CHECK(contains(all, "did you mean \"limit\"?"));
+    CHECK(contains(all, "/game/part/0/colour: this is no colour"));
+    CHECK(contains(all, "4:13: /game/goal: the area is empty"));
+}

@@ -14,6 +14,8 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 using namespace scenetest;
@@ -72,6 +74,25 @@ TEST_CASE("the schema accepts every scene and the R.U.B.E. sample") {
     CHECK(complaints(readJson(std::string(SC_SOURCE_DIR) + "/tests/scene/rube_sample.json")) == "");
 }
 
+TEST_CASE("every level is accepted by loader and schema, and so is the one in the guide") {
+    std::vector<std::string> levels;
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(SC_SOURCE_DIR) + "/scenes/games"))
+        levels.push_back(entry.path().string());
+    std::sort(levels.begin(), levels.end());
+    CHECK(levels.size() >= 9); // three games of three levels
+    for (const std::string& path : levels) {
+        INFO(path);
+        CHECK(good(path).game.has_value());
+        CHECK(complaints(readJson(path)) == "");
+    }
+    std::ifstream in(std::string(SC_SOURCE_DIR) + "/docs/levels.md");
+    const std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const std::size_t begin = guide.find("```json\n") + 8;
+    const std::string first = guide.substr(begin, guide.find("```", begin) - begin);
+    CHECK(goodText(first).game.has_value());
+    CHECK(complaints(json::parse(first)) == "");
+}
+
 TEST_CASE("schema and loader refuse the same files") {
     const char* files[] = {
         R"([])",
@@ -121,6 +142,14 @@ TEST_CASE("schema and loader refuse the same files") {
         R"({"body": [{"angle": "12"}]})",
         R"({"numerics": {"dt_max": 0}})",
         R"({"report": {"kind": "pie"}})",
+        R"({"game": []})",
+        R"({"game": {"kind": "chess", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "lander", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": []}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [], "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [0], "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": [{"name": "p", "colour": "red"}]}, "body": [{"name": "a", "type": 2}]})",
     };
     for (const char* text : files) {
         INFO(text);
@@ -139,6 +168,7 @@ TEST_CASE("schema and loader accept the same files") {
         R"({"shell": [{"radius": "infinite", "length": 0.1, "natural_curvature": 2, "curvature": 1}]})",
         R"({"shell": [{"elements": 2, "natural_curvature": [1, {"expr": "2"}]}]})",
         R"({"protocol": {"moves": [{"repeat": 2, "cycle": true, "moves": [{"settle": 1}, {"hold": 0}]}]}})",
+        R"({"body": [{"name": "a", "type": 2}], "game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": [{"name": "p", "colour": "#aAbb09"}]}})",
         R"({"body": [{"fixture": [{"loop": {"vertices": {"x": [0, 1, 1], "y": [0, 0, 1]}}}]}]})",
     };
     for (const char* text : files) {
@@ -150,7 +180,9 @@ TEST_CASE("schema and loader accept the same files") {
 
 TEST_CASE("the guide names every key of the schema, and its first scene loads") {
     std::ifstream in(std::string(SC_SOURCE_DIR) + "/docs/scenes.md");
-    const std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    std::ifstream levels(std::string(SC_SOURCE_DIR) + "/docs/levels.md"); // the section "game" has a page of its own
+    guide.append(std::istreambuf_iterator<char>(levels), std::istreambuf_iterator<char>());
     std::vector<std::string> keys;
     collectKeys(readJson(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json"), keys);
     CHECK(keys.size() > 100);

@@ -131,3 +131,35 @@ TEST_CASE("the verb writes tables and pictures", "[sensitivity]") {
     CHECK_FALSE(std::filesystem::exists(folder + "/b"));
     std::filesystem::remove_all(folder);
 }
+
+TEST_CASE("amplitudes of effects are columns, also those that are off at infinity", "[sensitivity]") {
+    const experiment::Experiment e = baseline(106);
+    const replay::Parameters p = replay::nominal(e);
+    std::string error;
+    const sensitivity::Model model = sensitivity::replayModel(
+        e, p, replay::Resolution::coarse(),
+        {"series_compliance", "machine_compliance:k_N_m", "sensor_gain:error", "sensor_drift:rate_N_s"}, error);
+    REQUIRE(error.empty());
+    REQUIRE(model.columns.size() == 4);
+    CHECK(model.columns[1].name == "machine_compliance:1/k_N_m");
+    CHECK(model.columns[1].value == 0.0);
+    const sensitivity::Sensitivities s = sensitivity::differentiate(model, e, {});
+    REQUIRE(s.failure.empty());
+    const sensitivity::RunSensitivity& run = s.runs[0];
+    double ab = 0.0, aa = 0.0, bb = 0.0;
+    for (Eigen::Index i = 0; i < run.force.rows(); ++i) {
+        if (!run.usable.row(i).all())
+            continue;
+        ab += run.force(i, 0) * run.force(i, 1);
+        aa += run.force(i, 0) * run.force(i, 0);
+        bb += run.force(i, 1) * run.force(i, 1);
+        const auto k = static_cast<std::size_t>(i);
+        // Gain and steady drift are exact: the force itself, and the time. The drift's zero is taken with the force's.
+        CHECK(run.force(i, 2) == Approx(run.base.readings.force[k]).margin(1e-3));
+        CHECK(run.force(i, 3) == Approx(run.base.readings.time[k] - 0.25).margin(0.05));
+    }
+    // Both are give in series with the head. One is differentiated over ten times the other's step, which shifts the
+    // reversals by some samples: the same direction (cosine .948), not the same numbers.
+    CHECK(ab > 0.9 * std::sqrt(aa * bb));
+    CHECK(sensitivity::effectNames().size() >= 20);
+}

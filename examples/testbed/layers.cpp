@@ -1,0 +1,219 @@
+#include "examples/testbed/layers.h"
+
+#include "bridge/include/supercircle/box2d_proxies.hpp"
+#include "plugin/report/colour_map.h"
+#include "plugin/report/plot.h"
+#include "supercircle/step/stepper.h"
+
+#include <box2d/box2d.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::testbed {
+
+using frame::View;
+using report::Colour;
+namespace look = frame::look;
+
+namespace {
+
+constexpr int kPieces = 60; ///< of a coloured shell
+
+void drawColoured(const Bed& bed, const View& view, const Layers& layers) {
+    const Shells& shells = bed.stage().shells();
+    double most = 1e-30; // one scale for all shells
+    struct Piece {
+        std::vector<Point> line;
+        double value;
+    };
+    std::vector<Piece> pieces;
+    for (const ShellHandle shell : shells.list()) {
+        auto before = shells.section(shell, 0.0);
+        for (int i = 1; before && i <= kPieces; ++i) {
+            const auto now = shells.section(shell, static_cast<double>(i) / kPieces);
+            const auto middle = shells.section(shell, (i - 0.5) / kPieces);
+            if (!now || !middle)
+                break;
+            const double change = middle->curvature - middle->natural_curvature;
+            const double value = layers.energy ? middle->energy_density : change;
+            pieces.push_back({{before->position, now->position}, value});
+            most = std::max(most, std::abs(value));
+            before = now;
+        }
+    }
+    view.shells(bed.stage(), 1.0, [](ShellHandle) { return look::strip; }); // the edge, in one piece
+    for (const Piece& p : pieces)
+        view.canvas().line(
+            view.pixel(p.line.front()), view.pixel(p.line.back()),
+            {layers.energy ? report::energyColour(p.value / most) : report::signedColour(p.value / most), 4.0});
+}
+
+/// Contact forces of the last inner step: lines as long as the square root of the force, so that weak ones are seen.
+void drawContacts(const Bed& bed, const View& view, const Layers& layers) {
+    Shells& shells = const_cast<Bed&>(bed).stage().shells(); // the core is only read
+    const step::Stepper& stepper = shells.stepper();
+    const auto& candidates = stepper.lastCandidates();
+    const auto& contacts = stepper.lastProblem().contacts;
+    const Eigen::VectorXd& r = stepper.lastImpulses();
+    const double dt = std::max(stepper.lastDt(), 1e-12);
+    double most = 1e-30;
+    const std::size_t n = std::min({candidates.size(), contacts.size(), static_cast<std::size_t>(r.size() / 2)});
+    for (std::size_t i = 0; i < n; ++i)
+        most = std::max(most, r[static_cast<Eigen::Index>(2 * i)] / dt);
+    for (std::size_t i = 0; i < n; ++i) {
+        const double rn = r[static_cast<Eigen::Index>(2 * i)], rt = r[static_cast<Eigen::Index>(2 * i + 1)];
+        if (!(rn > 1e-6 * most * dt))
+            continue;
+        const contact::Candidate& c = candidates[i];
+        const bool slips = std::abs(rt) >= (1.0 - 1e-6) * contacts[i].mu * rn;
+        const Colour colour = layers.slip ? (slips ? look::bad : look::good) : look::ink;
+        const report::Point at = view.pixel({c.pointA.x(), c.pointA.y()});
+        if (layers.contacts) {
+            const double size = 60.0 * std::sqrt(rn / dt / most) / std::hypot(rn, rt);
+            const double x = rn * c.normal.x() - rt * c.normal.y(), y = rn * c.normal.y() + rt * c.normal.x();
+            view.canvas().line(at, {at.x + size * x, at.y - size * y}, {colour, 2.2});
+        }
+        view.canvas().circle(at, 3.4, {.fill = colour});
+    }
+}
+
+void drawBox(const View& view, Point lower, Point upper, const Colour& colour) {
+    const report::Point a = view.pixel({lower.x, upper.y}), b = view.pixel({upper.x, lower.y});
+    view.canvas().rectangle({a.x, a.y, b.x - a.x, b.y - a.y}, {.stroke = report::Stroke{colour, 1.0}});
+}
+
+void drawBoxes(const Bed& bed, const View& view) {
+    for (const ShellHandle shell : bed.stage().shells().list())
+        if (const auto m = bed.stage().shells().measure(shell))
+            drawBox(view, m->box.lower, m->box.upper, look::accent.alpha(0.7));
+    const double u = bed.stage().units();
+    for (const frame::BodyPose& pose : bed.stage().bodies(1.0))
+        for (const b2Fixture* f = pose.body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
+            const b2AABB box = f->GetAABB(0);
+            drawBox(view, {static_cast<double>(box.lowerBound.x) / u, static_cast<double>(box.lowerBound.y) / u},
+                    {static_cast<double>(box.upperBound.x) / u, static_cast<double>(box.upperBound.y) / u},
+                    look::looseEdge.alpha(0.7));
+        }
+}
+
+/// The edges that ShellProxies makes, in a world of their own: the scene's own world stays as it is.
+void drawProxies(const Bed& bed, const View& view) {
+    b2World world({0.0F, 0.0F});
+    const double u = bed.stage().units();
+    bridge::ShellProxies proxies(world, u);
+    proxies.begin();
+    if (!bed.stage().shells().draw(proxies, bridge::ShellProxies::options()) || !proxies.end())
+        return;
+    for (const b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext())
+        for (const b2Fixture* f = b->GetFixtureList(); f != nullptr; f = f->GetNext())
+            if (const auto* e = dynamic_cast<const b2EdgeShape*>(f->GetShape())) {
+                const auto place = [&](const b2Vec2& p) {
+                    const b2Vec2 w = b->GetWorldPoint(p);
+                    return Point{static_cast<double>(w.x) / u, static_cast<double>(w.y) / u};
+                };
+                view.line(place(e->m_vertex1), place(e->m_vertex2), Colour::hex(0x8b5fbf), 1.2);
+                view.canvas().circle(view.pixel(place(e->m_vertex1)), 1.8, {.fill = Colour::hex(0x8b5fbf)});
+            }
+}
+
+struct Line {
+    const char* name;
+    const std::vector<double>* values;
+    Colour colour;
+};
+
+void drawPlot(frame::Canvas& canvas, const report::Rect& area, const std::string& title, const std::string& xLabel,
+              const std::vector<double>& xs, double xScale, const std::string& yUnit, const std::vector<Line>& lines) {
+    using namespace report;
+    canvas.rectangle(area, {.fill = look::strip, .stroke = Stroke{look::rule, 1.0}});
+    canvas.text({area.x + 14.0, area.y + 22.0}, title, {.size = 14.0, .bold = true});
+    Range x{0.0, 0.0}, y{0.0, 0.0};
+    for (const double v : xs)
+        x = {std::min(x.lo, v), std::max(x.hi, v)};
+    for (const Line& line : lines)
+        for (const double v : *line.values)
+            y = {std::min(y.lo, v), std::max(y.hi, v)};
+    if (!(x.span() > 0.0))
+        x.hi = x.lo + 1e-3;
+    if (!(y.span() > 0.0))
+        y.hi = y.lo + 1e-3;
+    const Unit unit = readableUnit(std::max(std::abs(y.lo), std::abs(y.hi)), yUnit);
+    const Rect inner{area.x + 62.0, area.y + 36.0, area.width - 80.0, area.height - 84.0};
+    const Plot plot(inner, x, padded(y, 0.05));
+    PlotStyle style;
+    style.x = {xLabel, xScale};
+    style.y = {unit.text, unit.factor};
+    style.xTicks = style.yTicks = 5;
+    plot.drawFrame(canvas, style);
+    double legend = area.right() - 14.0;
+    for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
+        plot.drawLine(canvas, xs, *line->values, {line->colour, 2.0});
+        if (lines.size() < 2)
+            continue;
+        canvas.text({legend, area.y + 22.0}, line->name,
+                    {.size = 11.0, .colour = line->colour, .anchor = Anchor::End, .bold = true});
+        legend -= textWidth(line->name, 11.0, true) + 8.0;
+    }
+}
+
+} // namespace
+
+const std::vector<std::string>& layers() {
+    static const std::vector<std::string> names{"curvature", "energy", "contacts", "slip", "proxies", "boxes"};
+    return names;
+}
+
+std::vector<std::pair<const char*, bool*>> Layers::all() {
+    return {{"curvature", &curvature}, {"energy", &energy},   {"contacts", &contacts},
+            {"slip", &slip},           {"proxies", &proxies}, {"boxes", &boxes}};
+}
+
+std::string Layers::set(const std::string& names) {
+    for (const auto& [name, on] : all())
+        *on = false;
+    for (std::size_t begin = 0; begin < names.size();) {
+        const std::size_t end = std::min(names.find(',', begin), names.size());
+        const std::string word = names.substr(begin, end - begin);
+        bool known = false;
+        for (const auto& [name, on] : all())
+            if (word == name)
+                known = *on = true;
+        if (!known)
+            return word;
+        begin = end + 1;
+    }
+    return {};
+}
+
+void drawScene(const Bed& bed, const View& view, const Layers& layers, double alpha) {
+    view.bodies(bed.stage(), alpha);
+    if (layers.curvature || layers.energy)
+        drawColoured(bed, view, layers);
+    else
+        view.shells(bed.stage(), alpha);
+    if (layers.proxies)
+        drawProxies(bed, view);
+    if (layers.boxes)
+        drawBoxes(bed, view);
+    if (layers.contacts || layers.slip)
+        drawContacts(bed, view, layers);
+    view.hand(bed.stage());
+}
+
+void drawCurves(const Bed& bed, frame::Canvas& canvas, const report::Rect& area) {
+    const Curves& c = bed.curves();
+    const double half = 0.5 * (area.height - 12.0);
+    const bool machine = bed.stage().scene().protocol.has_value();
+    const report::Rect top{area.x, area.y, area.width, half};
+    if (machine)
+        drawPlot(canvas, top, "Force and displacement", "mm", c.travel, 1e3, "N", {{"force", &c.force, look::bad}});
+    else
+        drawPlot(canvas, top, "Kinetic energy", "s", c.time, 1.0, "J", {{"kinetic", &c.kinetic, look::bad}});
+    drawPlot(canvas, {area.x, area.y + half + 12.0, area.width, half}, "Energy books", "s", c.time, 1.0, "J",
+             {{"bending", &c.bending, look::accent},
+              {"friction", &c.friction, look::bad},
+              {"lost", &c.losses, look::muted}});
+}
+
+} // namespace supercircle::testbed

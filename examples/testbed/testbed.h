@@ -1,0 +1,30 @@
+#pragma once
+// The testbed behind `supercircle view`: any scene in a window, with its parameters as sliders, what happens inside it
+// drawn into it, and its forces and energies as live curves.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace supercircle::testbed {
+
+struct Arguments {
+    std::string scene;
+    std::vector<std::pair<std::string, double>> parameters;
+    bool game = false;     ///< game quality instead of the laboratory's
+    bool headless = false; ///< no window: play, write the picture, end
+    int frames = 300;      ///< steps of 1/60 s, headless
+    std::string png;       ///< file for the last picture, headless
+    std::string script;    ///< timed inputs (docs/levels.md)
+    std::string show;      ///< what is drawn at the start: names of the check boxes, with commas
+    std::string record;    ///< begins with a recording into this file (.mp4) and the trajectory beside it (.csv)
+    int width = 1280, height = 720;
+};
+
+/// Names for Arguments::show.
+const std::vector<std::string>& layers();
+
+/// Exit codes as of the verbs: 0, 2 bad input, 3 the simulation could not go on, 4 output could not be written.
+int view(const Arguments& arguments);
+
+} // namespace supercircle::testbed

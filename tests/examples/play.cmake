@@ -1,0 +1,16 @@
+# Plays SCRIPT on level LEVEL of PROGRAM twice: it must end as END says (won, lost; played: somehow), and both times in the same state.
+set(expect --expect ${END})
+if(END STREQUAL "played")
+  set(expect)
+endif()
+foreach(turn 1 2)
+  execute_process(COMMAND ${PROGRAM} ${LEVEL} --headless --script ${SCRIPT} ${expect} RESULT_VARIABLE code
+                  OUTPUT_VARIABLE said${turn} ERROR_VARIABLE complained)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "exit code ${code}: ${said${turn}}${complained}")
+  endif()
+endforeach()
+if(NOT said1 STREQUAL said2)
+  message(FATAL_ERROR "two plays of one script differ: ${said1}${said2}")
+endif()
+message(STATUS "${said1}")

@@ -181,6 +181,32 @@ CLI::App* describeSensitivity(CLI::App& app, supercircle::cli::SensitivityArgume
     return verb;
 }
 
+CLI::App* describeDiagnose(CLI::App& app, supercircle::cli::DiagnoseArguments& a) {
+    a.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64);
+    CLI::App* verb =
+        app.add_subcommand("diagnose", "find out what physics a simulation of a recorded experiment leaves out");
+    verb->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
+    verb->add_option("--out", a.out,
+                     "folder for the results (default: out/<name of the experiment's folder>_diagnosis)")
+        ->type_name("DIR");
+    verb->add_option("--jobs", a.jobs, "simulations at a time, 1 to 64; the digits do not depend on it")
+        ->check(CLI::Range(1, 64).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    verb->add_option("--seed", a.seed, "seed of the null distributions, a whole number from 0")
+        ->check(wholeFromZero)
+        ->type_name("N")
+        ->capture_default_str();
+    verb->add_option("--without", a.without, "EFFECT: leave it out of the catalogue (repeatable)")
+        ->type_name("EFFECT")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    verb->add_flag("--quiet", a.quiet, "print nothing but errors");
+    verb->footer("Simulations are kept in DIR: a diagnosis that was stopped goes on from there. Exit codes: 0 done; 2\n"
+                 "bad input; 3 a run could not go on; 4 output could not be written; 130 interrupted.");
+    return verb;
+}
+
 CLI::App* describeValidate(CLI::App& app, supercircle::cli::ValidateArguments& a) {
     a.data = supercircle::cli::referenceFolder();
     CLI::App* validate =
@@ -238,6 +264,9 @@ int dispatch(int argc, char** argv) {
     SensitivityArguments sensitivityArguments;
     CLI::App* sensitivity = describeSensitivity(app, sensitivityArguments);
 
+    DiagnoseArguments diagnoseArguments;
+    CLI::App* diagnose = describeDiagnose(app, diagnoseArguments);
+
     std::string file;
     std::vector<std::string> parameters;
     CLI::App* check =
@@ -280,6 +309,8 @@ int dispatch(int argc, char** argv) {
         return supercircle::cli::import(importArguments);
     if (effects->parsed())
         return supercircle::cli::effects(effectName);
+    if (diagnose->parsed())
+        return supercircle::cli::diagnose(diagnoseArguments);
     if (sensitivity->parsed())
         return supercircle::cli::sensitivity(sensitivityArguments);
     if (check->parsed())

@@ -60,6 +60,15 @@ struct SensitivityArguments {
     bool quiet = false;
 };
 
+struct DiagnoseArguments {
+    std::string file;
+    std::string out;                  ///< folder; empty: out/<name of the experiment's folder>_diagnosis
+    int jobs = 0;                     ///< simulations at a time, 0: as many as there are cores
+    std::int64_t seed = 1;            ///< not negative
+    std::vector<std::string> without; ///< effects left out of the catalogue
+    bool quiet = false;
+};
+
 struct ValidateArguments {
     std::string data; ///< folder of the reference curves
     std::string out = "out/validation";
@@ -89,6 +98,8 @@ int replay(const ReplayArguments& arguments);
 int import(const ImportArguments& arguments);
 /// Derivatives of a recorded experiment's simulated readings with respect to its parameters.
 int sensitivity(const SensitivityArguments& arguments);
+/// Finds out what physics a simulation of a recorded experiment leaves out.
+int diagnose(const DiagnoseArguments& arguments);
 /// Compares the laboratory with every solved reference and writes one page about it.
 int validate(const ValidateArguments& arguments);
 /// Shows a scene in a window, or headless as a picture.

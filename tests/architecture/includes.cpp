@@ -29,7 +29,6 @@ const std::vector<Rule>& rules() {
          {"Eigen/"},
          {}},
         {"supercircle/coulomb/", {"supercircle/coulomb/", "supercircle/parallel/"}, {"Eigen/"}, {}},
-        // effects/ and plugin/diagnosis/ hold nothing yet: their arrows are settled beforehand.
         {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
         {"supercircle/step/", {"supercircle/"}, {"Eigen/", "tbb/"}, {}},
         {"supercircle/", {}, {"Eigen/"}, {}},
@@ -74,8 +73,9 @@ const std::vector<Rule>& rules() {
          {"Eigen/", "tbb/"},
          {}},
         {"plugin/diagnosis/",
-         {"plugin/include/", "plugin/diagnosis/", "plugin/experiment/", "plugin/replay/", "plugin/record/"},
-         {"Eigen/"},
+         {"plugin/include/", "plugin/diagnosis/", "plugin/experiment/", "plugin/replay/", "plugin/record/",
+          "supercircle/effects/effect.h", "supercircle/parallel/"},
+         {"Eigen/", "boost/math/"},
          {}},
         // The verb `view` starts the testbed, which lives on the games' frame.
         {"plugin/cli/",

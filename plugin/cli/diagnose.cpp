@@ -1,0 +1,120 @@
+#include "plugin/cli/diagnose_page.h"
+#include "plugin/cli/output.h"
+#include "plugin/cli/progress.h"
+#include "plugin/cli/verbs.h"
+
+#include "plugin/diagnosis/diagnose.h"
+#include "plugin/diagnosis/replay_model.h"
+#include "plugin/experiment/load.h"
+#include "plugin/record/files.h"
+#include "plugin/scene/problem.h"
+#include "supercircle/effects/effect.h"
+#include "supercircle/step/parallel.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+namespace supercircle::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<experiment::Experiment> loadExperiment(const DiagnoseArguments& a) {
+    std::vector<scene::Problem> problems;
+    auto loaded = experiment::load(a.file, problems);
+    for (const scene::Problem& p : problems)
+        if (p.severity == scene::Problem::Severity::Error || !a.quiet)
+            std::fprintf(stderr, "%s\n", p.toString().c_str());
+    if (!loaded)
+        return std::nullopt;
+    for (const experiment::Run& run : loaded->runs)
+        if (run.readings.time.size() < 20) {
+            std::fprintf(stderr, "%s: %s has %zu rows; a diagnosis needs at least 20 readings of each run\n",
+                         a.file.c_str(), run.file.c_str(), run.readings.time.size());
+            return std::nullopt;
+        }
+    return loaded;
+}
+
+bool knownEffects(const std::vector<std::string>& labels) {
+    std::vector<std::string> known;
+    for (const effects::Effect& e : effects::catalog())
+        known.push_back(e.name);
+    for (const std::string& label : labels)
+        if (effects::find(label) == nullptr) {
+            const std::string near = effects::nearest(label, known);
+            std::fprintf(stderr, "--without %s: there is no such effect%s\n", label.c_str(),
+                         near.empty() ? "" : ("; did you mean \"" + near + "\"?").c_str());
+            return false;
+        }
+    return true;
+}
+
+void print(const diagnosis::Diagnosis& d, const std::string& folder) {
+    std::printf("%s: %s\n", d.verdict.c_str(), d.statement.c_str());
+    for (std::size_t i = 0; i < d.effects.size() && i < 5; ++i) {
+        const diagnosis::FoundEffect& e = d.effects[i];
+        std::printf("  %-26s probability %.3f, gain on unseen runs %.1f +- %.1f, error there %.3g N\n", e.label.c_str(),
+                    e.probability, e.gain, e.gainError, e.heldOutRmse);
+    }
+    std::printf("  %-26s probability %.3f\n  %-26s probability %.3f\n", "nothing", d.nothing, "none of these",
+                d.unknown);
+    std::printf("%zu simulated runs, %s; results: %s/diagnosis.json, pictures: %s/report.html\n", d.forwardRuns,
+                duration(d.elapsed).c_str(), folder.c_str(), folder.c_str());
+}
+
+diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment, const Folder& folder,
+                          std::string& error) {
+    const diagnosis::ReplayModel model(experiment, a.without);
+    diagnosis::Store store;
+    if (error = store.open(folder.path() + "/runs.cache", model.identity()); !error.empty())
+        return {};
+    diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), store, &interrupted);
+    diagnosis::Settings settings;
+    settings.seed = static_cast<std::uint64_t>(a.seed);
+    ProgressLine line(a.quiet);
+    settings.progress = [&](double fraction, const std::string& stage) { line.show(fraction, stage); };
+    return diagnosis::diagnose(diagnosis::dataOf(experiment), evaluator, settings);
+}
+
+} // namespace
+
+int diagnose(const DiagnoseArguments& a) {
+    const auto experiment = loadExperiment(a);
+    if (!experiment || !knownEffects(a.without))
+        return kBadInput;
+    const std::string name = fs::absolute(a.file).parent_path().filename().string();
+    Folder folder(a.out.empty() ? "out/" + (name.empty() ? "experiment" : name) + "_diagnosis" : a.out);
+    if (const std::string error = folder.prepare(); !error.empty()) {
+        std::fprintf(stderr, "%s\n", error.c_str());
+        return kCannotWrite;
+    }
+    std::string error;
+    const diagnosis::Diagnosis d = work(a, *experiment, folder, error);
+    if (!error.empty()) {
+        std::fprintf(stderr, "%s\n", error.c_str());
+        return kCannotWrite;
+    }
+    if (d.stopped) {
+        std::fprintf(stderr, "interrupted; the same command goes on from what %s keeps\n", folder.path().c_str());
+        return kInterrupted;
+    }
+    if (!d.failure.empty()) {
+        std::fprintf(stderr, "%s\n", d.failure.c_str());
+        return kCannotGoOn;
+    }
+    if (const std::string why = record::writeAtomically(
+            folder.path(), {{"diagnosis.json", diagnosisJson(d)}, {"report.html", diagnosisPage(d, *experiment)}});
+        !why.empty()) {
+        std::fprintf(stderr, "%s\n", why.c_str());
+        return kCannotWrite;
+    }
+    if (!a.quiet)
+        print(d, folder.path());
+    return printed() ? kDone : kCannotWrite;
+}
+
+} // namespace supercircle::cli

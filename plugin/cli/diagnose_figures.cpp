@@ -1,0 +1,262 @@
+#include "plugin/cli/diagnose_figures.h"
+
+#include "plugin/report/colour_map.h"
+#include "plugin/report/plot.h"
+#include "plugin/report/svg_canvas.h"
+#include "plugin/report/theme.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace supercircle::cli {
+
+namespace {
+
+using diagnosis::Diagnosis;
+using diagnosis::RunCurves;
+using report::Anchor;
+using report::Colour;
+using report::Plot;
+using report::PlotStyle;
+using report::Point;
+using report::Range;
+using report::SvgCanvas;
+namespace theme = report::theme;
+
+constexpr Colour kMarked = Colour::hex(0xf6d9a8);
+
+std::string number(double v, const char* format = "%.3g") {
+    char text[48];
+    std::snprintf(text, sizeof text, format, v);
+    return text;
+}
+
+std::string plain(std::string label) {
+    std::replace(label.begin(), label.end(), '_', ' ');
+    return label;
+}
+
+Range rangeOf(const std::vector<const std::vector<double>*>& columns) {
+    Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const std::vector<double>* c : columns)
+        for (const double v : *c)
+            if (std::isfinite(v))
+                range = {std::min(range.lo, v), std::max(range.hi, v)};
+    return report::padded(range, 0.05);
+}
+
+/// Means over a few rows: white residuals of two thousand rows would be a grey bar.
+std::vector<double> smoothed(const std::vector<double>& u, const std::vector<bool>& counts) {
+    const auto reach = static_cast<std::ptrdiff_t>(std::max<std::size_t>(1, u.size() / 160));
+    const auto n = static_cast<std::ptrdiff_t>(u.size());
+    std::vector<double> out(u.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::ptrdiff_t k = 0; k < n; ++k) {
+        double sum = 0.0, rows = 0.0;
+        for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, k - reach); j <= std::min(n - 1, k + reach); ++j)
+            if (counts[static_cast<std::size_t>(j)]) {
+                sum += u[static_cast<std::size_t>(j)];
+                rows += 1.0;
+            }
+        if (counts[static_cast<std::size_t>(k)])
+            out[static_cast<std::size_t>(k)] = sum / std::sqrt(rows); // of unit deviation where only noise is left
+    }
+    return out;
+}
+
+void legend(SvgCanvas& canvas, double x, double y, bool improved) {
+    const auto entry = [&](const char* word, const Colour& colour, double width) {
+        canvas.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {colour, width});
+        canvas.text({x + 30.0, y}, word, {theme::labelSize, theme::muted});
+        x += 50.0 + report::textWidth(word, theme::labelSize);
+    };
+    entry("recorded", theme::ink, 2.6);
+    entry("best simulation without extra physics", theme::loading, 1.4);
+    if (improved)
+        entry("with the most probable effect", theme::unloading, 1.4);
+    canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kMarked});
+    canvas.text({x + 30.0, y}, "misfit beyond noise", {theme::labelSize, theme::muted});
+}
+
+void markWindows(SvgCanvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run) {
+    for (const diagnosis::Window& w : d.mismatch.significant)
+        if (w.run == run && w.channel == "force") {
+            const double left = plot.at(w.timeFrom, 0.0).x, right = plot.at(w.timeTo, 0.0).x;
+            canvas.rectangle({left, plot.area.y, right - left, plot.area.height}, {.fill = kMarked});
+        }
+}
+
+} // namespace
+
+std::string runFigure(const Diagnosis& d, std::size_t r) {
+    const RunCurves& c = d.runs[r];
+    SvgCanvas canvas(1180.0, 560.0, "run" + std::to_string(r + 1), "forces and residuals of " + c.name);
+    const bool improved = !c.improved.empty();
+    legend(canvas, 80.0, 24.0, improved);
+    std::vector<const std::vector<double>*> forces = {&c.recorded};
+    const Range force = rangeOf(forces);
+    const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
+    const report::Unit unit = report::readableUnit(peak, "N");
+    PlotStyle style;
+    style.x = {"displacement (mm)", 1e3};
+    style.y = {"force (" + unit.text + ")", unit.factor};
+    const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&c.displacement}), force);
+    left.drawFrame(canvas, style);
+    canvas.pushClip(left.area);
+    left.drawLine(canvas, c.displacement, c.recorded, {theme::ink, 2.6});
+    left.drawLine(canvas, c.displacement, c.baseline, {theme::loading, 1.4});
+    if (improved)
+        left.drawLine(canvas, c.displacement, c.improved, {theme::unloading, 1.4});
+    canvas.popClip();
+    const auto residual = [&](double y, const std::vector<double>& u, const Colour& colour, const std::string& words) {
+        const std::vector<double> shown = smoothed(u, c.counts);
+        Range range = rangeOf({&shown});
+        range = {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
+        const Plot plot({640.0, y, 520.0, 180.0}, report::padded({c.time.front(), c.time.back()}, 0.01), range);
+        if (&u == &c.residual)
+            markWindows(canvas, plot, d, c.name);
+        const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
+        canvas.rectangle({plot.area.x, top, plot.area.width, bottom - top}, {.fill = theme::grid});
+        PlotStyle s;
+        s.x = {"time (s)", 1.0};
+        s.y = {words, 1.0};
+        s.yTicks = 5;
+        plot.drawFrame(canvas, s);
+        canvas.pushClip(plot.area);
+        plot.drawLine(canvas, c.time, shown, {colour, 1.3});
+        canvas.popClip();
+    };
+    residual(40.0, c.residual, theme::loading, "misfit (noise units)");
+    if (improved)
+        residual(320.0, c.residualImproved, theme::unloading, "with the effect");
+    return canvas.finish();
+}
+
+std::string probabilityFigure(const Diagnosis& d) {
+    std::vector<std::pair<std::string, double>> bars;
+    for (const diagnosis::FoundEffect& e : d.effects)
+        bars.emplace_back(plain(e.label), e.probability);
+    bars.emplace_back("nothing is missing", d.nothing);
+    bars.emplace_back("none of these", d.unknown);
+    const double height = 26.0 * static_cast<double>(bars.size()) + 20.0;
+    SvgCanvas canvas(720.0, height, "probability", "probability of each explanation");
+    for (std::size_t i = 0; i < bars.size(); ++i) {
+        const double y = 10.0 + 26.0 * static_cast<double>(i);
+        canvas.text({220.0, y + 15.0}, bars[i].first, {theme::labelSize, theme::ink, Anchor::End});
+        canvas.rectangle({230.0, y + 2.0, 400.0, 18.0}, {.fill = theme::grid});
+        canvas.rectangle({230.0, y + 2.0, 400.0 * bars[i].second, 18.0},
+                         {.fill = i < d.effects.size() ? theme::unloading : theme::driven});
+        canvas.text({640.0, y + 15.0}, number(100.0 * bars[i].second, "%.1f") + " %", {theme::labelSize, theme::muted});
+    }
+    return canvas.finish();
+}
+
+std::string screenFigure(const Diagnosis& d) {
+    std::vector<diagnosis::SeenEffect> seen = d.seen;
+    std::stable_sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
+    double most = 10.0;
+    for (const diagnosis::SeenEffect& s : seen)
+        most = std::max(most, s.gain);
+    SvgCanvas canvas(900.0, 22.0 * static_cast<double>(seen.size()) + 36.0, "screen", "what each effect could explain");
+    canvas.text({230.0, 14.0}, "explained misfit (square root scale)", {theme::tickSize, theme::muted});
+    canvas.text({610.0, 14.0}, "smallest size these runs would show", {theme::tickSize, theme::muted});
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        const double y = 22.0 + 22.0 * static_cast<double>(i);
+        canvas.text({220.0, y + 13.0}, plain(seen[i].label), {theme::labelSize, theme::ink, Anchor::End});
+        canvas.rectangle({230.0, y + 2.0, 360.0 * std::sqrt(seen[i].gain / most), 14.0}, {.fill = theme::unloading});
+        canvas.text({610.0, y + 13.0},
+                    std::isfinite(seen[i].visible) ? number(100.0 * seen[i].visible) + " % of a size that matters" +
+                                                         (seen[i].visible > 1.0 ? ": not visible here" : "")
+                                                   : "cannot be seen in these runs",
+                    {theme::labelSize, theme::muted});
+    }
+    return canvas.finish();
+}
+
+std::string similarityFigure(const Diagnosis& d) {
+    const std::size_t n = d.similarity.size();
+    if (n < 2)
+        return {};
+    constexpr double kCell = 54.0, kLeft = 200.0, kTop = 14.0;
+    const double side = kCell * static_cast<double>(n);
+    SvgCanvas canvas(kLeft + side + 20.0, kTop + side + 10.0, "similarity", "likeness of the effects' signatures");
+    for (std::size_t i = 0; i < n; ++i) {
+        const double y = kTop + kCell * static_cast<double>(i);
+        canvas.text({kLeft - 8.0, y + 32.0}, plain(d.similarityLabels[i]), {theme::labelSize, theme::ink, Anchor::End});
+        for (std::size_t j = 0; j < n; ++j) {
+            const double x = kLeft + kCell * static_cast<double>(j), v = d.similarity[i][j];
+            canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = report::signedColour(0.8 * v)});
+            canvas.text({x + 0.5 * kCell, y + 32.0}, number(v, "%.2f"), {theme::tickSize, theme::ink, Anchor::Middle});
+        }
+    }
+    return canvas.finish();
+}
+
+namespace {
+
+/// Points of the unloaded centre line from its first end, m.
+std::vector<Point> naturalLine(const experiment::Specimen& s) {
+    std::vector<Point> points;
+    constexpr int kPieces = 120;
+    const double k = s.naturalCurvature.value, h = s.length / kPieces;
+    double angle = -0.5 * k * s.length + (k > 0.0 ? 3.14159265358979 : 0.0), x = 0.0, y = 0.0;
+    for (int i = 0; i <= kPieces; ++i) {
+        points.push_back({x, y});
+        x += h * std::cos(angle + 0.5 * k * h);
+        y += h * std::sin(angle + 0.5 * k * h);
+        angle += k * h;
+    }
+    return points;
+}
+
+/// Arc fraction of the first effect's place, -1: it has none.
+double placeOf(const Diagnosis& d) {
+    if (!d.effects.empty())
+        for (const diagnosis::FittedParameter& p : d.effects.front().parameters)
+            if (p.name == "arc_fraction")
+                return p.value;
+    return -1.0;
+}
+
+} // namespace
+
+std::string specimenFigure(const Diagnosis& d, const experiment::Experiment& e) {
+    const double place = placeOf(d);
+    if (e.specimens.empty() || (place < 0.0 && e.markers.empty()))
+        return {};
+    const double width = 300.0;
+    SvgCanvas canvas(width * static_cast<double>(e.specimens.size()), 260.0, "specimen", "where along the specimen");
+    for (std::size_t s = 0; s < e.specimens.size(); ++s) {
+        std::vector<Point> line = naturalLine(e.specimens[s]);
+        Range x{0.0, 0.0}, y{0.0, 0.0};
+        for (const Point& p : line) {
+            x = {std::min(x.lo, p.x), std::max(x.hi, p.x)};
+            y = {std::min(y.lo, p.y), std::max(y.hi, p.y)};
+        }
+        const double scale = 190.0 / std::max({x.span(), y.span(), 1e-9});
+        for (Point& p : line)
+            p = {width * (static_cast<double>(s) + 0.5) + scale * (p.x - 0.5 * (x.lo + x.hi)),
+                 125.0 - scale * (p.y - 0.5 * (y.lo + y.hi))};
+        canvas.path(line, false, {.stroke = {{theme::ink, 4.0}}});
+        const auto at = [&](double f) {
+            return line[static_cast<std::size_t>(std::clamp(f, 0.0, 1.0) * static_cast<double>(line.size() - 1))];
+        };
+        for (const experiment::Marker& m : e.markers)
+            if (m.specimen == s)
+                canvas.circle(at(m.arcFraction), 4.0, {.fill = theme::driven});
+        const bool here =
+            place >= 0.0 && (e.specimens.size() == 1 ||
+                             d.effects.front().form.find("specimen " + e.specimens[s].id) != std::string::npos);
+        if (here) {
+            canvas.circle(at(place), 11.0, {.stroke = {{theme::loading, 3.0}}});
+            canvas.text({at(place).x, at(place).y - 18.0}, "arc fraction " + number(place, "%.2f"),
+                        {theme::labelSize, theme::loading, Anchor::Middle});
+        }
+        canvas.text({width * (static_cast<double>(s) + 0.5), 250.0}, "specimen " + e.specimens[s].id,
+                    {theme::labelSize, theme::muted, Anchor::Middle});
+    }
+    return canvas.finish();
+}
+
+} // namespace supercircle::cli

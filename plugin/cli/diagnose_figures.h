@@ -1,0 +1,22 @@
+#pragma once
+// The figures of the verb `diagnose`, as SVG.
+
+#include "plugin/diagnosis/result.h"
+#include "plugin/experiment/experiment.h"
+
+#include <string>
+
+namespace supercircle::cli {
+
+/// Force over displacement, recorded and simulated; below over time in noise units what is left, windows marked.
+std::string runFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run);
+/// A bar per probability: effects, "nothing", "none of these".
+std::string probabilityFigure(const diagnosis::Diagnosis& diagnosis);
+/// What the screen explains of the misfit, and the smallest size these runs show.
+std::string screenFigure(const diagnosis::Diagnosis& diagnosis);
+/// Cosines between the fitted effects' signatures; empty with fewer than two.
+std::string similarityFigure(const diagnosis::Diagnosis& diagnosis);
+/// The specimens as described, with what was found marked; empty where no place is known.
+std::string specimenFigure(const diagnosis::Diagnosis& diagnosis, const experiment::Experiment& experiment);
+
+} // namespace supercircle::cli

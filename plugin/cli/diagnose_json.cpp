@@ -1,0 +1,116 @@
+#include "plugin/cli/diagnose_page.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace supercircle::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using diagnosis::Diagnosis;
+using diagnosis::FoundEffect;
+using diagnosis::Window;
+
+Json finite(double v) {
+    return std::isfinite(v) ? Json(v) : Json(nullptr);
+}
+
+Json windowsOf(const diagnosis::Localisation& l) {
+    Json all = Json::array();
+    for (const Window& w : l.significant)
+        all.push_back({{"run", w.run},
+                       {"t_start_s", w.timeFrom},
+                       {"t_end_s", w.timeTo},
+                       {"displacement_from_mm", 1e3 * w.displacementFrom},
+                       {"displacement_to_mm", 1e3 * w.displacementTo},
+                       {"phase", w.phase},
+                       {"channel", w.channel},
+                       {"z", w.z},
+                       {"p_value", w.p},
+                       {"arc_fraction", w.arcFraction < 0.0 ? Json(nullptr) : Json(w.arcFraction)},
+                       {"kind", w.shift ? "shift" : "energy"}});
+    return all;
+}
+
+Json effectOf(const FoundEffect& e) {
+    Json parameters = Json::object();
+    for (const diagnosis::FittedParameter& p : e.parameters)
+        parameters[p.name] = {
+            {"value", finite(p.value)}, {"unit", p.unit}, {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}}};
+    return {{"label", e.label},
+            {"probability", e.probability},
+            {"group", e.group},
+            {"slot", e.slot},
+            {"law", e.form.empty() ? e.law : e.form + ": " + e.law},
+            {"parameters", parameters},
+            {"heldout_gain", e.gain},
+            {"heldout_gain_error", e.gainError},
+            {"training_rmse_N", e.trainingRmse},
+            {"heldout_rmse_N", e.heldOutRmse},
+            {"misfit_per_row", e.misfitPerRow}};
+}
+
+Json screenOf(const Diagnosis& d) {
+    Json all = Json::array();
+    for (const diagnosis::SeenEffect& s : d.seen)
+        all.push_back({{"label", s.label},
+                       {"explains", s.gain},
+                       {"absorbed_share", s.absorbed},
+                       {"visible_in_relevant_sizes", finite(s.visible)}});
+    return all;
+}
+
+} // namespace
+
+std::string diagnosisJson(const Diagnosis& d) {
+    Json effects = Json::array();
+    for (const FoundEffect& e : d.effects)
+        effects.push_back(effectOf(e));
+    Json nominal = Json::object();
+    for (const diagnosis::NominalResult& n : d.nominal)
+        nominal[n.name] = {{"stated", n.stated},
+                           {"uncertainty", n.uncertainty},
+                           {"fitted", n.fitted},
+                           {"tension", n.tension},
+                           {"unit", n.unit}};
+    const Json improved = d.improved
+                              ? Json{{"training_rmse_N", d.improvedTraining}, {"heldout_rmse_N", d.improvedHeldOut}}
+                              : Json(nullptr);
+    Json next = nullptr;
+    if (d.next)
+        next = {{"what", d.next->what}, {"separates", d.next->separates}, {"expected_power", d.next->power}};
+    const Json json = {
+        {"verdict", d.verdict},
+        {"statement", d.statement},
+        {"noise",
+         {{"force_std_N", d.noise.total()},
+          {"correlation_time_s", d.noise.memory},
+          {"source", d.noise.source},
+          {"white_std_N", d.noise.white},
+          {"correlated_std_N", d.noise.coloured},
+          {"marker_std_mm", 1e3 * d.noise.marker}}},
+        {"mismatch", windowsOf(d.mismatch)},
+        {"mismatch_p_value", d.mismatch.p},
+        {"effects", effects},
+        {"probability_nothing", d.nothing},
+        {"probability_unknown", d.unknown},
+        {"fit",
+         {{"baseline", {{"training_rmse_N", d.baselineTraining}, {"heldout_rmse_N", d.baselineHeldOut}}},
+          {"improved", improved},
+          {"noise_floor_rmse_N", d.noise.total()},
+          {"improvement_ci90", {d.improvementCi.low, d.improvementCi.high}},
+          {"baseline_misfit_per_row", d.baselinePerRow}}},
+        {"nominal", nominal},
+        {"homogeneity", {{"q", d.homogeneity.q}, {"degrees", d.homogeneity.degrees}, {"p_value", d.homogeneity.p}}},
+        {"left_over", windowsOf(d.left)},
+        {"screen", screenOf(d)},
+        {"next_experiment", next},
+        {"notes", d.notes},
+        {"seed", d.seed},
+        {"elapsed_s", d.elapsed},
+        {"forward_runs", d.forwardRuns}};
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+} // namespace supercircle::cli

@@ -1,0 +1,159 @@
+#include "plugin/cli/diagnose_page.h"
+
+#include "plugin/cli/diagnose_figures.h"
+
+#include "plugin/report/page_parts.h"
+#include "plugin/report/svg_canvas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace supercircle::cli {
+
+namespace {
+
+using diagnosis::Diagnosis;
+using report::escaped;
+
+std::string number(double v, const char* format = "%.4g") {
+    char text[48];
+    std::snprintf(text, sizeof text, format, v);
+    return text;
+}
+
+std::string plain(std::string label) {
+    std::replace(label.begin(), label.end(), '_', ' ');
+    return label;
+}
+
+std::string section(const std::string& title, const std::string& body) {
+    return body.empty() ? "" : "<div class=\"grid\"><section><h2>" + title + "</h2>" + body + "</section></div>";
+}
+
+std::string scroll(const std::string& figure) {
+    return figure.empty() ? "" : "<div class=\"scroll wide\">" + figure + "</div>";
+}
+
+std::string verdictWords(const std::string& verdict) {
+    if (verdict == "nothing_missing")
+        return "Nothing is missing";
+    if (verdict == "named")
+        return "The missing physics has a name";
+    if (verdict == "unexplained")
+        return "Something is missing, and it is none of the effects we know";
+    return verdict == "ambiguous" ? "Something is missing, but these runs do not decide what"
+                                  : "These runs do not hold enough information";
+}
+
+std::string errorTable(const Diagnosis& d) {
+    const double floor = std::max(1e-300, d.noise.total());
+    std::string html = "<table><tr><th></th><th>error on the runs fitted</th><th>on runs held out</th>"
+                       "<th>held out, in units of the noise</th></tr>";
+    const auto row = [&](const std::string& what, double training, double held) {
+        html += "<tr><td>" + what + "</td><td>" + number(training) + " N</td><td>" + number(held) + " N</td><td>" +
+                number(held / floor, "%.2f") + "</td></tr>";
+    };
+    row("without extra physics", d.baselineTraining, d.baselineHeldOut);
+    if (d.improved)
+        row("with " + escaped(plain(d.effects.front().label)), d.improvedTraining, d.improvedHeldOut);
+    html += "</table><p>Sensor noise: " + number(floor) + " N, learnt from " + escaped(d.noise.source) + ".";
+    if (d.improved)
+        html += " In noise units the held-out error falls by " + number(100.0 * d.improvement, "%.0f") +
+                " % (90 % interval " + number(100.0 * d.improvementCi.low, "%.0f") + " to " +
+                number(100.0 * d.improvementCi.high, "%.0f") + " %).";
+    return html + "</p>";
+}
+
+std::string effectTable(const Diagnosis& d) {
+    if (d.effects.empty())
+        return {};
+    std::string html = "<table><tr><th>effect</th><th>probability</th><th>gain on unseen runs</th><th>law and fitted "
+                       "values (90 % intervals)</th><th>not to be told from</th></tr>";
+    for (const diagnosis::FoundEffect& e : d.effects) {
+        std::string values;
+        for (const diagnosis::FittedParameter& p : e.parameters)
+            values += "<br>" + escaped(p.name) + " = " + number(p.value) + " [" + number(p.ci90.low) + ", " +
+                      number(p.ci90.high) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
+        std::string group;
+        for (std::size_t i = 1; i < e.group.size(); ++i)
+            group += (i > 1 ? ", " : "") + escaped(plain(e.group[i]));
+        html += "<tr><td>" + escaped(plain(e.label)) + (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") +
+                "</td><td>" + number(100.0 * e.probability, "%.1f") + " %</td><td>" + number(e.gain, "%.0f") + " ± " +
+                number(e.gainError, "%.0f") + "</td><td>" + escaped(e.law) + values + "</td><td>" + group +
+                "</td></tr>";
+    }
+    return html + "</table>";
+}
+
+std::string windowTable(const diagnosis::Localisation& l) {
+    if (l.significant.empty())
+        return "<p>No window stands out of the noise (p = " + number(l.p, "%.3f") + " for the largest of " +
+               std::to_string(l.family) + ").</p>";
+    std::string html = "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"
+                       "<th>size (deviations)</th><th>p, over all windows</th></tr>";
+    for (std::size_t i = 0; i < l.significant.size() && i < 12; ++i) {
+        const diagnosis::Window& w = l.significant[i];
+        html += "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
+                (w.arcFraction >= 0.0 ? " (arc fraction " + number(w.arcFraction, "%.2f") + ")" : "") + "</td><td>" +
+                number(w.timeFrom, "%.2f") + " to " + number(w.timeTo, "%.2f") + " s</td><td>" +
+                number(1e3 * w.displacementFrom, "%.2f") + " to " + number(1e3 * w.displacementTo, "%.2f") +
+                " mm</td><td>" + w.phase + "</td><td>" + number(w.z, "%.1f") + (w.shift ? "" : " (energy)") +
+                "</td><td>" + number(w.p, "%.3f") + "</td></tr>";
+    }
+    return html + "</table>";
+}
+
+std::string nominalTable(const Diagnosis& d) {
+    std::string html = "<table><tr><th>parameter</th><th>stated</th><th>fitted</th><th>place in its interval (-1 to "
+                       "1)</th></tr>";
+    for (const diagnosis::NominalResult& n : d.nominal)
+        html += "<tr><td>" + escaped(plain(n.name)) + "</td><td>" + number(n.stated) + " ± " +
+                number(n.uncertainty, "%.2g") + " " + (n.unit == "1" ? "" : escaped(n.unit)) + "</td><td>" +
+                number(n.fitted) + "</td><td>" + number(n.tension, "%.2f") + "</td></tr>";
+    html += "</table><p>Do single runs ask for the same parameters? Q = " + number(d.homogeneity.q, "%.1f") + " with " +
+            number(d.homogeneity.degrees, "%.0f") + " degrees of freedom, p = " + number(d.homogeneity.p, "%.2g") +
+            (d.homogeneity.p < 0.01 ? ": no. Something that changes from run to run is missing." : ": yes.") + "</p>";
+    return html;
+}
+
+std::string nextText(const Diagnosis& d) {
+    if (!d.next)
+        return {};
+    std::string both;
+    for (const std::string& label : d.next->separates)
+        both += (both.empty() ? "" : " from ") + escaped(plain(label));
+    return "<p>" + escaped(d.next->what) + ". It tells " + both + " with a power of at most " +
+           number(100.0 * d.next->power, "%.0f") + " %.</p>";
+}
+
+} // namespace
+
+std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
+    std::string html =
+        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Diagnosis</title><style>" +
+        std::string(report::pageStyle()) +
+        "table{border-collapse:collapse;font-size:14px}td,th{padding:3px 14px 3px 0;text-align:left;"
+        "vertical-align:top}</style></head><body><main><header><h1>" +
+        verdictWords(d.verdict) + "</h1><p>" + escaped(d.statement) + "</p><p>" + escaped(e.description) +
+        "</p></header>";
+    html += section("How probable each explanation is", scroll(probabilityFigure(d)) + effectTable(d));
+    html += section("Errors", errorTable(d));
+    for (std::size_t r = 0; r < d.runs.size(); ++r)
+        html += section(escaped(d.runs[r].name), scroll(runFigure(d, r)));
+    html += section("Where the simulation without extra physics misses", windowTable(d.mismatch));
+    if (d.improved)
+        html += section("Where it still misses with the most probable effect", windowTable(d.left));
+    html += section("Where on the specimen", scroll(specimenFigure(d, e)));
+    html += section("A first look at the whole catalogue", scroll(screenFigure(d)));
+    html += section("How alike the effects look in these runs (cosines; 1: the same)", scroll(similarityFigure(d)));
+    html += section("Stated and fitted parameters", nominalTable(d));
+    html += section("The next experiment", nextText(d));
+    html += section("About this page", "<p>" + std::to_string(d.forwardRuns) + " simulated runs, seed " +
+                                           std::to_string(d.seed) +
+                                           ". The method is told in docs/diagnosis.md. All numbers: "
+                                           "diagnosis.json.</p>");
+    return html + "</main></body></html>\n";
+}
+
+} // namespace supercircle::cli

@@ -1,0 +1,55 @@
+#pragma once
+// Recordings as the statistics see them: columns of numbers and what the machine was doing in each row.
+
+#include "plugin/experiment/experiment.h"
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+enum class Phase : std::uint8_t { Loading, Unloading, Hold };
+const char* name(Phase phase);
+
+/// A straight piece of the commanded motion.
+struct Leg {
+    Phase phase = Phase::Hold;
+    double from = 0.0, to = 0.0; ///< s
+    double speed = 0.0;          ///< m/s, downwards
+};
+
+struct RecordedRun {
+    std::string name;
+    Eigen::VectorXd time;         ///< s
+    Eigen::VectorXd displacement; ///< as commanded, m
+    Eigen::VectorXd force;        ///< N; NaN: missing
+    std::vector<Leg> legs;
+    std::vector<int> leg;        ///< of each row
+    Eigen::VectorXd markerTime;  ///< s
+    Eigen::VectorXd markers;     ///< as Response::markers, NaN: not seen
+    std::vector<int> markerLeg;  ///< of each marker row
+    std::size_t markerCount = 0; ///< markers.size() = 2 markerCount markerTime.size()
+
+    [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size(); }
+    [[nodiscard]] Phase phase(Eigen::Index row) const {
+        return legs[static_cast<std::size_t>(leg[static_cast<std::size_t>(row)])].phase;
+    }
+};
+
+struct Data {
+    std::vector<RecordedRun> runs;
+    double statedForceNoise = 0.0;   ///< N, within about 30 %; 0: not stated
+    double statedMarkerNoise = 0.0;  ///< m
+    double displacementNoise = 0.0;  ///< m
+    double zeroWindow = 0.0;         ///< s, stretch whose mean force was subtracted
+    std::vector<double> arcFraction; ///< of each marker
+    std::vector<std::string> markerNames;
+    [[nodiscard]] double peakForce() const;
+};
+
+/// The recordings of an experiment. Runs without readings are left out of every sum (all rows missing).
+Data dataOf(const experiment::Experiment& experiment);
+
+} // namespace supercircle::diagnosis

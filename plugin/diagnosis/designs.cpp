@@ -1,0 +1,93 @@
+#include "plugin/diagnosis/designs.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace supercircle::diagnosis {
+
+namespace {
+
+using experiment::Run;
+
+/// What the recorded runs do, as far as new ones need it.
+struct Habits {
+    double travel = 0.0, slowest = 0.0, fastest = 0.0; ///< m, m/s
+};
+
+Habits habitsOf(const experiment::Experiment& e) {
+    Habits h;
+    for (const Run& run : e.runs)
+        for (std::size_t i = 1; i < run.driveTime.size(); ++i) {
+            h.travel = std::max(h.travel, run.driveDisplacement[i]);
+            const double speed = std::abs(run.driveDisplacement[i] - run.driveDisplacement[i - 1]) /
+                                 (run.driveTime[i] - run.driveTime[i - 1]);
+            if (speed > 0.0) {
+                h.fastest = std::max(h.fastest, speed);
+                h.slowest = h.slowest > 0.0 ? std::min(h.slowest, speed) : speed;
+            }
+        }
+    return h;
+}
+
+/// A second of rest, then the way through these places.
+Run through(const std::vector<double>& places, double speed, double hold) {
+    Run run;
+    run.file = "design";
+    run.driveTime = {0.0, 1.0};
+    run.driveDisplacement = {0.0, 0.0};
+    const auto go = [&](double to) {
+        run.driveTime.push_back(run.driveTime.back() + std::abs(to - run.driveDisplacement.back()) / speed);
+        run.driveDisplacement.push_back(to);
+    };
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        go(places[i]);
+        if (hold > 0.0 && i == 0) {
+            run.driveTime.push_back(run.driveTime.back() + hold);
+            run.driveDisplacement.push_back(places[i]);
+        }
+    }
+    run.samplingRate = std::clamp(2000.0 / run.driveTime.back(), 5.0, 1000.0);
+    return run;
+}
+
+struct Plan {
+    std::string what;
+    Run run;
+};
+
+std::vector<Plan> plansFor(const experiment::Experiment& e) {
+    const Habits h = habitsOf(e);
+    if (h.travel <= 0.0 || h.fastest <= 0.0)
+        return {};
+    const auto speed = [](double v) {
+        char text[40];
+        std::snprintf(text, sizeof text, "%.3g mm/s", 1e3 * v);
+        return std::string(text);
+    };
+    const double d = h.travel;
+    return {{"a run ten times faster, at " + speed(10.0 * h.fastest), through({d, 0.0}, 10.0 * h.fastest, 0.0)},
+            {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest, 0.0)},
+            {"a hold of 100 s at the largest displacement", through({d, 0.0}, h.fastest, 100.0)},
+            {"five small cycles between 60 % and 50 % of the largest displacement",
+             through({0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
+                     h.slowest, 0.0)},
+            {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest, 0.0)},
+            {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest, 0.0)}};
+}
+
+} // namespace
+
+std::vector<Design> designsFor(const experiment::Experiment& e) {
+    std::vector<Design> all;
+    for (const Plan& p : plansFor(e))
+        all.push_back({p.what, 0});
+    return all;
+}
+
+experiment::Experiment designed(const experiment::Experiment& e, std::size_t index) {
+    experiment::Experiment out = e;
+    out.runs = {plansFor(e)[index].run};
+    return out;
+}
+
+} // namespace supercircle::diagnosis

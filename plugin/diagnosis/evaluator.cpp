@@ -1,0 +1,90 @@
+#include "plugin/diagnosis/evaluator.h"
+
+#include <cstring>
+#include <map>
+
+namespace supercircle::diagnosis {
+
+namespace {
+
+void put(std::string& to, const void* raw, std::size_t n) {
+    to.append(static_cast<const char*>(raw), n);
+}
+
+/// The question as bytes: equal exactly if the simulations are.
+std::string keyOf(const Question& q) {
+    std::string key;
+    const std::uint64_t head[] = {q.run, static_cast<std::uint64_t>(q.fineness), q.point.nominal.size()};
+    put(key, head, sizeof head);
+    put(key, q.point.nominal.data(), q.point.nominal.size() * sizeof(double));
+    for (const Term& t : q.point.terms) {
+        const std::uint64_t at[] = {t.candidate, t.values.size()};
+        put(key, at, sizeof at);
+        put(key, t.values.data(), t.values.size() * sizeof(double));
+    }
+    return key;
+}
+
+} // namespace
+
+void Evaluator::checkStore(const Question& question) {
+    const auto known = store_.find(keyOf(question));
+    if (!known)
+        return;
+    const Response again = model_.simulate(question.run, question.point, question.fineness, interrupt_);
+    if (!stopped() && (again.force.size() != known->force.size() || again.force != known->force))
+        store_.forget();
+}
+
+std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
+    std::vector<std::string> keys;
+    std::map<std::string, std::size_t> first; // twins within a batch are simulated once
+    std::vector<std::size_t> open;
+    std::vector<Response> results(questions.size());
+    for (std::size_t i = 0; i < questions.size(); ++i) {
+        keys.push_back(keyOf(questions[i]));
+        asked_.insert(keys.back());
+        if (auto known = store_.find(keys[i]))
+            results[i] = std::move(*known);
+        else if (first.emplace(keys[i], i).second)
+            open.push_back(i);
+    }
+    const auto work = [&](std::size_t n) {
+        const std::size_t i = open[n];
+        if (stopped()) {
+            results[i].failure = "interrupted";
+            return;
+        }
+        results[i] = model_.simulate(questions[i].run, questions[i].point, questions[i].fineness, interrupt_);
+        if (stopped()) // it may have ended early
+            return;
+        store_.keep(keys[i], results[i]);
+        if (onRun) {
+            const std::lock_guard<std::mutex> lock(speaking_);
+            onRun();
+        }
+    };
+    if (loop_)
+        loop_(open.size(), work);
+    else
+        for (std::size_t n = 0; n < open.size(); ++n)
+            work(n);
+    for (std::size_t i = 0; i < questions.size(); ++i)
+        if (const auto at = first.find(keys[i]); at != first.end() && at->second != i)
+            results[i] = results[at->second];
+    return results;
+}
+
+std::vector<std::vector<Response>> Evaluator::everywhere(const std::vector<Point>& points, Fineness fineness) {
+    std::vector<Question> questions;
+    for (const Point& p : points)
+        for (std::size_t r = 0; r < runs_; ++r)
+            questions.push_back({r, p, fineness});
+    std::vector<Response> flat = ask(questions);
+    std::vector<std::vector<Response>> results(points.size());
+    for (std::size_t i = 0; i < flat.size(); ++i)
+        results[i / runs_].push_back(std::move(flat[i]));
+    return results;
+}
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,190 @@
+#include "plugin/diagnosis/fit.h"
+
+#include "plugin/diagnosis/box.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::diagnosis {
+
+Variables::Variables(const Model& model, const Point& like) : scalars_(model.nominal()), like_(like) {
+    nominal = static_cast<Eigen::Index>(scalars_.size());
+    for (const Term& t : like.terms)
+        for (const Scalar& s : model.candidates()[t.candidate].parameters)
+            scalars_.push_back(s);
+    lower.resize(static_cast<Eigen::Index>(scalars_.size()));
+    upper = lower;
+    for (Eigen::Index i = 0; i < size(); ++i) {
+        lower[i] = (scalar(i).lower - scalar(i).value) / scalar(i).step;
+        upper[i] = (scalar(i).upper - scalar(i).value) / scalar(i).step;
+    }
+}
+
+Eigen::VectorXd Variables::of(const Point& point) const {
+    Eigen::VectorXd x(size());
+    Eigen::Index i = 0;
+    const auto put = [&](double v) {
+        x[i] = (v - scalar(i).value) / scalar(i).step;
+        ++i;
+    };
+    std::for_each(point.nominal.begin(), point.nominal.end(), put);
+    for (const Term& t : point.terms)
+        std::for_each(t.values.begin(), t.values.end(), put);
+    return x.cwiseMax(lower).cwiseMin(upper);
+}
+
+Point Variables::at(const Eigen::VectorXd& x) const {
+    Point p = like_;
+    Eigen::Index i = 0;
+    const auto put = [&](double& v) {
+        const Scalar& s = scalar(i);
+        v = std::clamp(s.value + x[i] * s.step, s.lower, s.upper);
+        ++i;
+    };
+    std::for_each(p.nominal.begin(), p.nominal.end(), put);
+    for (Term& t : p.terms)
+        std::for_each(t.values.begin(), t.values.end(), put);
+    return p;
+}
+
+void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x,
+                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into) {
+    std::vector<Point> points;
+    std::vector<double> span;
+    for (const Eigen::Index c : only) {
+        Eigen::VectorXd up = x, down = x;
+        up[c] = std::min(x[c] + difference, v.upper[c]);
+        down[c] = std::max(x[c] - difference, v.lower[c]);
+        points.push_back(v.at(up));
+        points.push_back(v.at(down));
+        span.push_back(up[c] - down[c]);
+    }
+    const auto answers = evaluator.everywhere(points, Fineness::Coarse);
+    into.conservativeResize(misfit.rows(), v.size());
+    for (std::size_t i = 0; i < only.size(); ++i) {
+        const auto change = misfit.difference(answers[2 * i], answers[2 * i + 1]);
+        into.col(only[i]).setZero();
+        if (change && span[i] > 0.0)
+            into.col(only[i]) = *change / span[i];
+    }
+}
+
+namespace {
+
+std::vector<Eigen::Index> range(Eigen::Index from, Eigen::Index to) {
+    std::vector<Eigen::Index> all;
+    for (Eigen::Index i = from; i < to; ++i)
+        all.push_back(i);
+    return all;
+}
+
+/// One search from a start; a class because its steps share much.
+class Search {
+public:
+    Search(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings)
+        : evaluator_(evaluator), misfit_(misfit), settings_(settings), v_(evaluator.model(), start) {
+        now_.x = v_.of(start);
+    }
+
+    Fitted run(const Eigen::MatrixXd& nominalJacobian) {
+        if (!evaluate(now_)) {
+            now_.failure = now_.failure.empty() ? "the start cannot be simulated" : now_.failure;
+            return now_;
+        }
+        const bool given = nominalJacobian.cols() == v_.nominal && nominalJacobian.rows() == misfit_.rows();
+        now_.jacobian.setZero(misfit_.rows(), v_.size());
+        if (given)
+            now_.jacobian.leftCols(v_.nominal) = nominalJacobian;
+        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(given ? v_.nominal : 0, v_.size()),
+                      now_.jacobian);
+        while (now_.iterations < settings_.iterations && !now_.converged && !evaluator_.stopped())
+            iterate();
+        return now_;
+    }
+
+private:
+    bool evaluate(Fitted& f) {
+        f.point = v_.at(f.x);
+        f.responses = evaluator_.everywhere({f.point}, Fineness::Fine).front();
+        for (const Response& r : f.responses)
+            if (!r.failure.empty())
+                f.failure = r.failure;
+        const auto residual = misfit_.residual(f.responses);
+        if (!residual)
+            return false;
+        f.residual = *residual;
+        f.misfit = f.residual.squaredNorm();
+        return true;
+    }
+
+    void iterate() {
+        ++now_.iterations;
+        Eigen::MatrixXd G = now_.jacobian.transpose() * now_.jacobian;
+        const Eigen::VectorXd g = now_.jacobian.transpose() * now_.residual;
+        const double typical = std::max(1e-12, G.diagonal().mean());
+        G.diagonal() += damping_ * (G.diagonal().array() + 1e-3 * typical).matrix();
+        constexpr double kFar = 2.0; // steps in one go
+        const Eigen::VectorXd far = Eigen::VectorXd::Constant(v_.size(), kFar);
+        const Eigen::VectorXd step =
+            boxMinimum(G, g, (v_.lower - now_.x).cwiseMax(-far), (v_.upper - now_.x).cwiseMin(far));
+        const double foreseen = now_.misfit - (now_.residual - now_.jacobian * step).squaredNorm();
+        if (foreseen < settings_.enough) {
+            finishOrRefresh();
+            return;
+        }
+        Fitted trial;
+        trial.x = now_.x + step;
+        trial.iterations = now_.iterations;
+        const bool good = evaluate(trial) && trial.misfit < now_.misfit;
+        if (!good) {
+            damping_ *= 10.0;
+            if (damping_ > 1e4 || ++rejected_ % 2 == 0)
+                finishOrRefresh();
+            return;
+        }
+        rejected_ = 0;
+        fresh_ = false;
+        const double gain = now_.misfit - trial.misfit;
+        const bool hopeless = now_.iterations >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
+        trial.jacobian = std::move(now_.jacobian);
+        const Eigen::VectorXd change = now_.residual - trial.residual; // of the simulation
+        trial.jacobian += (change - trial.jacobian * step) * step.transpose() / step.squaredNorm();
+        damping_ = std::max(1e-6, gain > 0.5 * foreseen ? damping_ / 10.0 : damping_);
+        now_ = std::move(trial);
+        if (settings_.rival > 0.0 && hopeless)
+            now_.converged = true;
+        else if (gain < settings_.enough)
+            finishOrRefresh();
+    }
+
+    /// At a dead end of an old Jacobian a new one may know the way on.
+    void finishOrRefresh() {
+        const bool behind = settings_.rival > 0.0 && now_.misfit > 3.0 * settings_.rival;
+        if (fresh_ || behind || refreshes_ >= settings_.refreshes) {
+            now_.converged = true;
+            return;
+        }
+        ++refreshes_;
+        fresh_ = true;
+        damping_ = std::min(damping_, 1e-2);
+        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(0, v_.size()), now_.jacobian);
+    }
+
+    Evaluator& evaluator_;
+    const Misfit& misfit_;
+    const FitSettings& settings_;
+    Variables v_;
+    Fitted now_;
+    double damping_ = 1e-3;
+    int rejected_ = 0, refreshes_ = 0;
+    bool fresh_ = true;
+};
+
+} // namespace
+
+Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings,
+           const Eigen::MatrixXd& nominalJacobian) {
+    return Search(evaluator, misfit, start, settings).run(nominalJacobian);
+}
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,65 @@
+#pragma once
+// Nominal parameters and effects fitted inside their bounds, by Levenberg-Marquardt steps that never leave the box.
+//
+// Derivatives come from the coarse simulation, residuals from the fine one: what discretisation does to the curve
+// cancels in a difference. Between refreshes the Jacobian learns from accepted steps (Broyden's rank-one update), so a
+// fit costs little more than its fine simulations.
+//
+// Sources: J. J. More, "The Levenberg-Marquardt algorithm", LNM 630 (1978); C. G. Broyden, Math. Comp. 19 (1965) 577.
+
+#include "plugin/diagnosis/evaluator.h"
+#include "plugin/diagnosis/misfit.h"
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+/// The numbers a fit varies, as x = (inner value - origin) / step: nominal parameters first, then those of each term.
+class Variables {
+public:
+    Variables(const Model& model, const Point& like);
+    [[nodiscard]] Eigen::Index size() const { return lower.size(); }
+    [[nodiscard]] Eigen::VectorXd of(const Point& point) const;
+    [[nodiscard]] Point at(const Eigen::VectorXd& x) const;
+    [[nodiscard]] const Scalar& scalar(Eigen::Index i) const { return scalars_[static_cast<std::size_t>(i)]; }
+    Eigen::VectorXd lower, upper; ///< of x
+    Eigen::Index nominal = 0;     ///< how many of them are nominal
+
+private:
+    std::vector<Scalar> scalars_;
+    Point like_;
+};
+
+struct Fitted {
+    std::string failure; ///< empty unless the start cannot be simulated
+    Point point;
+    Eigen::VectorXd x;
+    Eigen::VectorXd residual; ///< whitened, of the fine simulation
+    Eigen::MatrixXd jacobian; ///< d(whitened simulation)/dx
+    std::vector<Response> responses;
+    double misfit = 0.0; ///< |residual|^2
+    int iterations = 0;
+    bool converged = false;
+};
+
+struct FitSettings {
+    int iterations = 14;
+    double enough = 0.3;     ///< a smaller gain of misfit ends it
+    double difference = 0.2; ///< of x, for derivatives
+    int refreshes = 2;
+    /// Misfit of a rival: a search that is above three times this after five iterations and creeps is given up.
+    double rival = 0.0;
+};
+
+/// d(whitened simulation)/dx by central differences (one-sided at bounds), coarse. Columns that cannot be simulated
+/// are zero. `only`: which columns; the others are left as in `into`.
+void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, const Eigen::VectorXd& x,
+                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into);
+
+/// @param nominalJacobian derivatives by the nominal parameters, taken before; empty: take them
+Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings = {},
+           const Eigen::MatrixXd& nominalJacobian = {});
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,164 @@
+#include "plugin/diagnosis/heldout.h"
+
+#include "plugin/diagnosis/box.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace supercircle::diagnosis {
+
+namespace {
+
+using Index = Eigen::Index;
+
+/// Rows of one fold, as 1 and 0.
+Eigen::VectorXd maskOf(const Grouping& g, int fold) {
+    Eigen::VectorXd m(static_cast<Index>(g.fold.size()));
+    for (Index k = 0; k < m.size(); ++k)
+        m[k] = g.fold[static_cast<std::size_t>(k)] == fold ? 1.0 : 0.0;
+    return m;
+}
+
+Eigen::MatrixXd priorOf(const Variables& v) {
+    Eigen::VectorXd p(v.size());
+    for (Index i = 0; i < v.size(); ++i) {
+        const double width = std::min(v.upper[i] - v.lower[i], i < v.nominal ? 1e9 : 20.0);
+        p[i] = 12.0 / (width * width); // of a uniform distribution
+    }
+    return p.asDiagonal();
+}
+
+/// (1 + A A')^(-1/2) e and log det(1 + A A') by the small eigenproblem of A'A.
+double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A.transpose() * A);
+    double logDet = 0.0;
+    Eigen::VectorXd out = e;
+    for (Index i = 0; i < A.cols(); ++i) {
+        const double s2 = std::max(0.0, eigen.eigenvalues()[i]);
+        logDet += std::log1p(s2);
+        if (s2 < 1e-12)
+            continue;
+        const Eigen::VectorXd u = A * eigen.eigenvectors().col(i) / std::sqrt(s2);
+        out += u * (u.dot(e) * (1.0 / std::sqrt(1.0 + s2) - 1.0));
+    }
+    e = out;
+    return logDet;
+}
+
+} // namespace
+
+Grouping groupingOf(const Misfit& misfit) {
+    Grouping g;
+    const bool byRun = misfit.runs() > 1;
+    for (std::size_t r = 0; r < misfit.runs(); ++r) {
+        const RecordedRun& run = misfit.data().runs[r];
+        const RowErrors& errors = misfit.errors(r);
+        const Index n = run.force.size();
+        // Cycles of a single run: a new one begins with each loading.
+        std::vector<int> cycle;
+        for (const Leg& leg : run.legs)
+            cycle.push_back((cycle.empty() ? 0 : cycle.back()) + (leg.phase == Phase::Loading ? 1 : 0));
+        std::map<std::pair<int, bool>, int> blocks;
+        for (Index k = 0; k < misfit.rowsOf(r); ++k) {
+            const bool force = k < n;
+            const double e = force ? errors.force[k] : errors.markers[k - n];
+            const int leg = force ? run.leg[static_cast<std::size_t>(k)]
+                                  : run.markerLeg[static_cast<std::size_t>((k - n) % run.markerTime.size())];
+            if (!std::isfinite(e)) {
+                g.fold.push_back(-1);
+                g.block.push_back(-1);
+                continue;
+            }
+            g.fold.push_back(byRun ? static_cast<int>(r) : std::max(0, cycle[static_cast<std::size_t>(leg)] - 1));
+            const auto at = blocks.emplace(std::pair(leg, force), g.blocks);
+            g.blocks += at.second ? 1 : 0;
+            g.block.push_back(at.first->second);
+        }
+    }
+    for (const int f : g.fold)
+        g.folds = std::max(g.folds, f + 1);
+    return g;
+}
+
+double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, const Grouping* grouping, int fold,
+                 double* squares, double* count) {
+    double sum = 0.0, rows = 0.0;
+    for (std::size_t r = 0; r < misfit.runs(); ++r) {
+        const RecordedRun& run = misfit.data().runs[r];
+        if (simulated[r].force.size() != run.force.size())
+            continue;
+        std::vector<double> d;
+        double mean = 0.0;
+        for (Index k = 0; k < run.force.size(); ++k)
+            if (std::isfinite(misfit.errors(r).force[k]) &&
+                (grouping == nullptr || grouping->fold[static_cast<std::size_t>(misfit.start(r) + k)] == fold)) {
+                d.push_back(run.force[k] - simulated[r].force[k]);
+                mean += d.back();
+            }
+        mean /= std::max<double>(1.0, static_cast<double>(d.size()));
+        // The zero is known to the noise of a mean; more than that is no matter of the zero.
+        const double known = 2.0 * misfit.noise().ofMean(std::max(0.1, misfit.data().zeroWindow), 0.02);
+        mean = std::clamp(mean, -known, known);
+        for (const double v : d)
+            sum += (v - mean) * (v - mean);
+        rows += static_cast<double>(d.size());
+    }
+    if (squares != nullptr)
+        *squares += sum;
+    if (count != nullptr)
+        *count += rows;
+    return rows > 0.0 ? std::sqrt(sum / rows) : 0.0;
+}
+
+HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
+    HeldOut out;
+    const Variables v(evaluator.model(), fitted.point);
+    out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
+    out.error = Eigen::VectorXd::Zero(misfit.rows());
+    const Eigen::MatrixXd& J = fitted.jacobian;
+    const Eigen::MatrixXd prior = priorOf(v);
+    double squares = 0.0, count = 0.0;
+    for (int f = 0; f < g.folds; ++f) {
+        const Eigen::VectorXd held = maskOf(g, f);
+        const Eigen::VectorXd train = Eigen::VectorXd::Ones(held.size()) - held;
+        const Eigen::MatrixXd G = J.transpose() * train.asDiagonal() * J;
+        Eigen::VectorXd x = fitted.x, r = fitted.residual;
+        std::vector<Response> responses = fitted.responses;
+        for (int correction = 0; correction < 2; ++correction) {
+            const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
+            const Eigen::MatrixXd damped = G + 1e-3 * prior; // what the rest does not see stays where it is
+            const Eigen::VectorXd step = boxMinimum(damped, J.transpose() * train.cwiseProduct(r),
+                                                    (v.lower - x).cwiseMax(-far), (v.upper - x).cwiseMin(far));
+            const Eigen::VectorXd to = x + step;
+            auto there = evaluator.everywhere({v.at(to)}, Fineness::Fine).front();
+            const auto residual = misfit.residual(there);
+            // A step that the training rows themselves reject is not taken.
+            if (!residual || train.cwiseProduct(*residual).squaredNorm() > train.cwiseProduct(r).squaredNorm() + 1.0)
+                break;
+            x = to;
+            r = *residual;
+            responses = std::move(there);
+        }
+        Eigen::VectorXd e = held.cwiseProduct(r);
+        const Eigen::LLT<Eigen::MatrixXd> precision(G + prior);
+        const Eigen::MatrixXd root =
+            precision.matrixL().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).transpose();
+        const double logDet = standardise(held.asDiagonal() * (J * root), e);
+        const double rows = held.sum();
+        for (Index k = 0; k < e.size(); ++k)
+            if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0 && held[k] > 0.0) {
+                out.energy[b] += e[k] * e[k];
+                out.volume[b] += logDet / rows;
+                out.rows[b] += 1.0;
+                out.error[k] = e[k];
+            }
+        forceRmse(misfit, responses, &g, f, &squares, &count);
+    }
+    out.forceRmse = count > 0.0 ? std::sqrt(squares / count) : 0.0;
+    return out;
+}
+
+} // namespace supercircle::diagnosis

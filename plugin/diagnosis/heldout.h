@@ -1,0 +1,43 @@
+#pragma once
+// How well a model foretells what it has not seen.
+//
+// Each group of rows in turn is left out, the model is fitted to the rest (the linearised minimum inside the box,
+// simulated, and one correction), and the group is foretold. Its log predictive density counts the parameters'
+// uncertainty: the covariance of the whitened error is 1 + J C J', C = (J_t' J_t + P)^-1 from the training rows and the
+// priors P (uniform intervals by their variance). Groups are runs; of a single run its cycles.
+//
+// Source: A. Vehtari, A. Gelman, J. Gabry, Stat. Comput. 27 (2017) 1413 (expected log predictive density); A. Vehtari,
+// J. Lampinen, Neural Comput. 14 (2002) 2439 (leaving groups out).
+
+#include "plugin/diagnosis/fit.h"
+
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+/// What belongs together: per row of the stack.
+struct Grouping {
+    std::vector<int> fold;  ///< left out together; -1: does not count
+    std::vector<int> block; ///< scored together (a leg of a run): unit of the bootstrap
+    int folds = 0, blocks = 0;
+};
+Grouping groupingOf(const Misfit& misfit);
+
+struct HeldOut {
+    std::string failure;
+    Eigen::VectorXd energy; ///< per block: |standardised error|^2
+    Eigen::VectorXd volume; ///< per block: log determinant's share
+    Eigen::VectorXd rows;   ///< per block
+    Eigen::VectorXd error;  ///< whitened, per row of the stack
+    double forceRmse = 0.0; ///< N
+    /// Log density per block, tempered by the dispersion.
+    [[nodiscard]] Eigen::VectorXd score(double dispersion) const { return -0.5 * (energy / dispersion + volume); }
+};
+
+HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& grouping, const Fitted& fitted);
+
+/// Root mean square of recorded minus simulated force over rows that count, the best force zero of each run taken out.
+double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, const Grouping* grouping = nullptr,
+                 int fold = -1, double* squares = nullptr, double* count = nullptr);
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,349 @@
+#include "plugin/diagnosis/localise.h"
+
+#include "plugin/diagnosis/random.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+namespace supercircle::diagnosis {
+
+namespace {
+
+using Rows = std::vector<Eigen::Index>; ///< of the stack, increasing
+
+struct Spot {
+    Window window;
+    Rows rows;
+    Eigen::VectorXd sign; ///< of each row, for opposite shifts; empty: all +1
+};
+
+/// Collects windows; those with fewer than four rows that count are none.
+class Family {
+public:
+    explicit Family(const Misfit& misfit) : misfit_(misfit) {
+        for (std::size_t r = 0; r < misfit.runs(); ++r) {
+            byTime(r);
+            for (const Phase phase : {Phase::Loading, Phase::Unloading, Phase::Hold})
+                byDisplacement({r}, phase);
+            markers(r);
+        }
+        std::vector<std::size_t> every(misfit.runs());
+        for (std::size_t r = 0; r < every.size(); ++r)
+            every[r] = r;
+        for (const Phase phase : {Phase::Loading, Phase::Unloading, Phase::Hold})
+            byDisplacement(every, phase);
+        loadAgainstUnload(every);
+    }
+    std::vector<Spot> all;
+
+private:
+    [[nodiscard]] bool counts(std::size_t run, Eigen::Index k) const {
+        return std::isfinite(misfit_.errors(run).force[k]);
+    }
+
+    void add(Spot c) {
+        if (c.rows.size() >= 4)
+            all.push_back(std::move(c));
+    }
+
+    void byTime(std::size_t r) {
+        const RecordedRun& run = misfit_.data().runs[r];
+        const Eigen::Index n = run.force.size();
+        for (int level = 0; level <= 5; ++level) {
+            const int pieces = 1 << level;
+            for (int half = 0; half < (level == 0 ? 1 : 2 * pieces - 1); ++half) {
+                const Eigen::Index a = n * half / (2 * pieces), b = std::min(n, n * (half + 2) / (2 * pieces));
+                Spot c;
+                c.window = {run.name, "all", "time", "force", run.time[a], run.time[b - 1], 0.0, 0.0, -1.0};
+                span(run, a, b, c.window);
+                for (Eigen::Index k = a; k < b; ++k)
+                    if (counts(r, k))
+                        c.rows.push_back(misfit_.start(r) + k);
+                add(std::move(c));
+            }
+        }
+    }
+
+    static void span(const RecordedRun& run, Eigen::Index a, Eigen::Index b, Window& w) {
+        const auto d = run.displacement.segment(a, b - a);
+        w.displacementFrom = d.minCoeff();
+        w.displacementTo = d.maxCoeff();
+        const Phase first = run.phase(a);
+        bool one = true;
+        for (Eigen::Index k = a; k < b; ++k)
+            one = one && run.phase(k) == first;
+        w.phase = one ? name(first) : "all";
+    }
+
+    void byDisplacement(const std::vector<std::size_t>& runs, Phase phase) {
+        double most = 0.0;
+        for (const std::size_t r : runs)
+            most = std::max(most, misfit_.data().runs[r].displacement.maxCoeff());
+        for (int level = 0; level <= 3 && most > 0.0; ++level)
+            for (int piece = 0; piece < (1 << level); ++piece) {
+                const double from = most * piece / (1 << level), to = most * (piece + 1) / (1 << level);
+                Spot c;
+                c.window = {runs.size() > 1 ? "all" : misfit_.data().runs[runs.front()].name,
+                            name(phase),
+                            "displacement",
+                            "force",
+                            0.0,
+                            0.0,
+                            from,
+                            to,
+                            -1.0};
+                for (const std::size_t r : runs)
+                    collect(r, phase, from, to, c);
+                add(std::move(c));
+            }
+    }
+
+    void collect(std::size_t r, Phase phase, double from, double to, Spot& c) const {
+        const RecordedRun& run = misfit_.data().runs[r];
+        for (Eigen::Index k = 0; k < run.force.size(); ++k) {
+            const double d = run.displacement[k];
+            if (run.phase(k) != phase || d < from || d > to || !counts(r, k))
+                continue;
+            c.window.timeFrom = c.rows.empty() ? run.time[k] : std::min(c.window.timeFrom, run.time[k]);
+            c.window.timeTo = c.rows.empty() ? run.time[k] : std::max(c.window.timeTo, run.time[k]);
+            c.rows.push_back(misfit_.start(r) + k);
+        }
+    }
+
+    void loadAgainstUnload(const std::vector<std::size_t>& runs) {
+        double most = 0.0;
+        for (const std::size_t r : runs)
+            most = std::max(most, misfit_.data().runs[r].displacement.maxCoeff());
+        for (int level = 0; level <= 2 && most > 0.0; ++level)
+            for (int piece = 0; piece < (1 << level); ++piece) {
+                const double from = most * piece / (1 << level), to = most * (piece + 1) / (1 << level);
+                Spot load, unload;
+                load.window = {"all", "loading against unloading", "contrast", "force", 0.0, 0.0, from, to, -1.0};
+                for (const std::size_t r : runs) {
+                    collect(r, Phase::Loading, from, to, load);
+                    collect(r, Phase::Unloading, from, to, unload);
+                }
+                if (load.rows.size() < 4 || unload.rows.size() < 4)
+                    continue;
+                const auto n = static_cast<Eigen::Index>(load.rows.size());
+                load.rows.insert(load.rows.end(), unload.rows.begin(), unload.rows.end());
+                load.sign = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(load.rows.size()));
+                load.sign.tail(load.sign.size() - n).setConstant(-1.0);
+                add(std::move(load));
+            }
+    }
+
+    void markers(std::size_t r) {
+        const RecordedRun& run = misfit_.data().runs[r];
+        const Eigen::Index n = run.markerTime.size();
+        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
+            for (int level = 0; level <= 2; ++level)
+                for (int piece = 0; piece < (1 << level); ++piece) {
+                    const Eigen::Index a = n * piece / (1 << level), b = n * (piece + 1) / (1 << level);
+                    if (b - a < 4)
+                        continue;
+                    Spot w;
+                    const auto m = static_cast<std::size_t>(c / 2);
+                    w.window.run = run.name;
+                    w.window.phase = "all";
+                    w.window.axis = "time";
+                    w.window.channel = misfit_.data().markerNames[m] + (c % 2 == 0 ? "_x" : "_y");
+                    w.window.arcFraction = misfit_.data().arcFraction[m];
+                    w.window.timeFrom = run.markerTime[a];
+                    w.window.timeTo = run.markerTime[b - 1];
+                    w.window.displacementTo = run.displacement.maxCoeff();
+                    for (Eigen::Index k = a; k < b; ++k)
+                        if (std::isfinite(misfit_.errors(r).markers[c * n + k]))
+                            w.rows.push_back(misfit_.start(r) + run.force.size() + c * n + k);
+                    add(std::move(w));
+                }
+    }
+
+    const Misfit& misfit_;
+};
+
+/// Whitened unit shift of the window's raw readings.
+Eigen::VectorXd shiftOf(const Misfit& misfit, const Spot& c) {
+    Eigen::VectorXd raw = Eigen::VectorXd::Zero(misfit.rows());
+    for (std::size_t i = 0; i < c.rows.size(); ++i)
+        raw[c.rows[i]] = c.sign.size() > 0 ? c.sign[static_cast<Eigen::Index>(i)] : 1.0;
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(misfit.rows());
+    for (std::size_t r = 0; r < misfit.runs(); ++r) {
+        const Eigen::Index n = misfit.data().runs[r].force.size();
+        const auto part = raw.segment(misfit.start(r), misfit.rowsOf(r));
+        if (part.squaredNorm() > 0.0)
+            out.segment(misfit.start(r), misfit.rowsOf(r)) = misfit.whiten(r, part.head(n), part.tail(part.size() - n));
+    }
+    return out;
+}
+
+/// Statistics of residuals, a column each: shifts first, then energies.
+Eigen::MatrixXd statistics(const std::vector<Spot>& family, const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& u) {
+    const Eigen::Index n = shifts.cols();
+    Eigen::MatrixXd t(2 * n, u.cols());
+    t.topRows(n).noalias() = shifts.transpose() * u;
+    const Eigen::ArrayXXd squares = u.array().square().transpose(); // rows of one window lie apart, draws together
+    for (Eigen::Index i = 0; i < n; ++i) {
+        Eigen::ArrayXd e = Eigen::ArrayXd::Zero(u.cols());
+        for (const Eigen::Index k : family[static_cast<std::size_t>(i)].rows)
+            e += squares.col(k);
+        t.row(n + i) = e.unaryExpr([](double x) { return std::cbrt(x); }).matrix().transpose();
+    }
+    return t;
+}
+
+/// Whether two windows are of one kind, so that they can be compared.
+bool sameKind(const Window& a, const Window& b) {
+    return a.run == b.run && a.channel == b.channel && a.axis == b.axis && (a.axis == "time" || a.phase == b.phase);
+}
+
+bool touches(const Window& a, const Window& b) {
+    constexpr double kNear = 1e-9;
+    if (a.axis == "time")
+        return a.timeFrom <= b.timeTo + kNear && b.timeFrom <= a.timeTo + kNear;
+    return a.displacementFrom <= b.displacementTo + kNear && b.displacementFrom <= a.displacementTo + kNear;
+}
+
+/// Whether a is a proper part of b.
+bool inside(const Window& a, const Window& b) {
+    const bool byTime = a.axis == "time";
+    const double a0 = byTime ? a.timeFrom : a.displacementFrom, a1 = byTime ? a.timeTo : a.displacementTo;
+    const double b0 = byTime ? b.timeFrom : b.displacementFrom, b1 = byTime ? b.timeTo : b.displacementTo;
+    return a0 >= b0 && a1 <= b1 && a1 - a0 < 0.99 * (b1 - b0);
+}
+
+void join(Window& into, const Window& more) {
+    into.timeFrom = std::min(into.timeFrom, more.timeFrom);
+    into.timeTo = std::max(into.timeTo, more.timeTo);
+    into.displacementFrom = std::min(into.displacementFrom, more.displacementFrom);
+    into.displacementTo = std::max(into.displacementTo, more.displacementTo);
+    into.phase = into.phase == more.phase ? into.phase : "all";
+    if (std::abs(more.z) > std::abs(into.z)) {
+        into.z = more.z;
+        into.shift = more.shift;
+    }
+    into.p = std::min(into.p, more.p);
+}
+
+/// A large window may be significant because of a part of it: it goes where a part has four fifths of its statistic or
+/// more (a misfit that fills it would leave a half only 0.7). What is left and touches is one place. Windows over all
+/// runs only say what those of single runs are too weak to say.
+std::vector<Window> merged(std::vector<Window> all) {
+    const auto overRuns = std::stable_partition(all.begin(), all.end(), [](const Window& w) { return w.run != "all"; });
+    if (overRuns != all.begin())
+        all.erase(overRuns, all.end());
+    std::vector<Window> kept;
+    for (const Window& w : all) {
+        if (std::any_of(all.begin(), all.end(), [&](const Window& v) {
+                return sameKind(v, w) && inside(v, w) && std::abs(v.z) >= 0.8 * std::abs(w.z);
+            }))
+            continue;
+        Window joined = w;
+        for (auto k = kept.begin(); k != kept.end();)
+            if (sameKind(*k, joined) && touches(*k, joined)) {
+                join(joined, *k);
+                k = kept.erase(k);
+            } else {
+                ++k;
+            }
+        kept.push_back(joined);
+    }
+    std::stable_sort(kept.begin(), kept.end(),
+                     [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
+    constexpr std::size_t kMost = 40;
+    kept.resize(std::min(kept.size(), kMost));
+    return kept;
+}
+
+} // namespace
+
+Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
+    if (columns.cols() == 0)
+        return columns;
+    Eigen::MatrixXd scaled = columns;
+    for (Eigen::Index c = 0; c < scaled.cols(); ++c)
+        if (const double n = scaled.col(c).norm(); n > 0.0)
+            scaled.col(c) /= n;
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+    qr.setThreshold(1e-8);
+    const Eigen::MatrixXd thin = Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+    return qr.householderQ() * thin;
+}
+
+Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
+                      std::uint64_t seed, int draws) {
+    const Eigen::MatrixXd Q = basisOf(free);
+    const auto project = [&](Eigen::VectorXd v) {
+        if (Q.cols() > 0)
+            v -= Q * (Q.transpose() * v);
+        return v;
+    };
+    const Family family(misfit);
+    const auto n = static_cast<Eigen::Index>(family.all.size());
+    Eigen::MatrixXd shifts(misfit.rows(), n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        shifts.col(i) = project(shiftOf(misfit, family.all[static_cast<std::size_t>(i)]));
+        const double size = shifts.col(i).norm();
+        shifts.col(i) *= size > 1e-9 ? 1.0 / size : 0.0;
+    }
+    Eigen::VectorXd counted = Eigen::VectorXd::Zero(misfit.rows()); // rows that are missing stay 0 in the null too
+    for (std::size_t r = 0; r < misfit.runs(); ++r) {
+        const RowErrors& e = misfit.errors(r);
+        for (Eigen::Index k = 0; k < misfit.rowsOf(r); ++k)
+            counted[misfit.start(r) + k] =
+                std::isfinite(k < e.force.size() ? e.force[k] : e.markers[k - e.force.size()]) ? 1.0 : 0.0;
+    }
+    Random random(seed);
+    Eigen::MatrixXd null(2 * n, draws);
+    constexpr int kBlock = 64; // draws at a time: one product of matrices instead of many of vectors
+    for (int first = 0; first < draws; first += kBlock) {
+        const int count = std::min(kBlock, draws - first);
+        Eigen::MatrixXd v(misfit.rows(), count);
+        for (int b = 0; b < count; ++b)
+            for (Eigen::Index k = 0; k < v.rows(); ++k)
+                v(k, b) = counted[k] * random.normal();
+        if (Q.cols() > 0)
+            v -= Q * (Q.transpose() * v);
+        null.middleCols(first, count) = statistics(family.all, shifts, v);
+    }
+    const Eigen::VectorXd mean = null.rowwise().mean();
+    const Eigen::VectorXd deviation =
+        ((null.colwise() - mean).rowwise().squaredNorm() / std::max(1, draws - 1)).cwiseSqrt().cwiseMax(1e-12);
+    const auto standard = [&](Eigen::VectorXd t) {
+        t.tail(n) = (t.tail(n) - mean.tail(n)).cwiseQuotient(deviation.tail(n));
+        t.head(n) = t.head(n).cwiseQuotient(deviation.head(n).cwiseMax(1e-3));
+        return t;
+    };
+    std::vector<double> largest;
+    for (int b = 0; b < draws; ++b) {
+        const Eigen::VectorXd t = standard(null.col(b));
+        largest.push_back(std::max(t.head(n).cwiseAbs().maxCoeff(), t.tail(n).maxCoeff()));
+    }
+    std::sort(largest.begin(), largest.end());
+    const auto pOf = [&](double t) {
+        const auto above = largest.end() - std::lower_bound(largest.begin(), largest.end(), t);
+        return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(draws));
+    };
+    Localisation out;
+    out.family = static_cast<std::size_t>(2 * n);
+    out.critical = largest[static_cast<std::size_t>(std::ceil(0.95 * (draws + 1))) - 1];
+    const Eigen::VectorXd t = standard(statistics(family.all, shifts, project(residual)));
+    std::vector<Window> found;
+    for (Eigen::Index i = 0; i < n; ++i) {
+        Window w = family.all[static_cast<std::size_t>(i)].window;
+        w.shift = std::abs(t[i]) >= t[n + i];
+        w.z = w.shift ? t[i] : t[n + i];
+        w.p = pOf(w.shift ? std::abs(w.z) : w.z);
+        out.p = std::min(out.p, w.p);
+        if (w.p <= 0.05)
+            found.push_back(w);
+    }
+    out.significant = merged(std::move(found));
+    return out;
+}
+
+} // namespace supercircle::diagnosis

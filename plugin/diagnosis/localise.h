@@ -1,0 +1,53 @@
+#pragma once
+// Where a misfit sits, with a family-wise error: the residual in noise units, freed from what the fit could have
+// absorbed, is compared with every window of a family, and the largest statistic with its own distribution under pure
+// noise.
+//
+// u = (1 - Q Q') r with Q an orthonormal basis of the free columns of the Jacobian. For a window w with whitened
+// indicator s_w (a constant shift of the raw reading there, which a residual that was merely summed would see less of
+// behind an AR(1) whitening): Z_w = s_w' u / sd, and the energy E_w = (sum of u^2 in w), made normal by its cube root
+// (E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684) and standardised by the null's own mean and
+// deviation. Null: B draws of white noise, projected alike; no simulation. p-values by single-step max-T
+// (P. H. Westfall, S. S. Young, "Resampling-Based Multiple Testing" (1993), 2.3).
+//
+// Windows: dyadic in time in each run (half overlapping), dyadic in displacement per phase of the protocol in each run
+// and over all runs (there unload against load too: a mean shift of opposite sign), whole runs, and each coordinate of
+// each marker over time.
+
+#include "plugin/diagnosis/misfit.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+struct Window {
+    std::string run;                                     ///< name, or "all"
+    std::string phase;                                   ///< loading, unloading, hold, all
+    std::string axis;                                    ///< time, displacement, contrast (loading against unloading)
+    std::string channel;                                 ///< "force" or the marker's name with _x, _y
+    double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: earliest and latest)
+    double displacementFrom = 0.0, displacementTo = 0.0; ///< m
+    double arcFraction = -1.0;                           ///< of a marker, -1: none
+    double z = 0.0;                                      ///< standardised statistic, the larger of shift and energy
+    bool shift = true;                                   ///< which of the two
+    double p = 1.0;                                      ///< family-wise
+};
+
+struct Localisation {
+    double p = 1.0;        ///< of the largest statistic
+    double critical = 0.0; ///< of |statistic| at 5 %, family-wise
+    /// Largest first; parts of larger ones left out, what touches joined.
+    std::vector<Window> significant;
+    std::size_t family = 0; ///< statistics that were looked at
+};
+
+/// @param free columns of the Jacobian that are not held by a bound
+Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
+                      std::uint64_t seed, int draws = 999);
+
+/// Orthonormal basis of the columns' span; columns below 1e-8 of the largest are nothing.
+Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns);
+
+} // namespace supercircle::diagnosis

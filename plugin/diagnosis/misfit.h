@@ -1,0 +1,84 @@
+#pragma once
+// Residuals in noise units: the readings of all runs, stacked, with what is known about their errors divided out.
+//
+// Beside the sensors' noise there are
+// - the simulation's own error: a third of the difference between the coarse and the fine simulation (a halved element
+//   quarters the error), the force's slope times the few micrometres to which contact places agree, and a share of the
+//   peak (the limits measured for this simulator);
+// - snaps: there a curve's rows mean nothing, they are missing (Mask). Where the machine itself turns round, only the
+//   rows beside the turning point are;
+// - the force zero: the mean of the first stretch was subtracted from noise, which shifts the whole run. It is a normal
+//   variable with a known prior, integrated out by shrinking its direction:
+//   (1 + n n')^(-1/2) = 1 - n n' (1 - 1/sqrt(1 + |n|^2)) / |n|^2.
+
+#include "plugin/diagnosis/data.h"
+#include "plugin/diagnosis/model.h"
+#include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/whitening.h"
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+struct MisfitSettings {
+    double contactPlace = 3e-6;  ///< to which contact places agree, m
+    double shareOfPeak = 1e-3;   ///< accuracy of a fine simulation, share of the peak force
+    double markerPlace = 1.5e-5; ///< of a simulated marker, m
+    double snapBefore = 0.1;     ///< s left out ahead of a snap
+    double snapAfter = 0.3;      ///< and behind it
+    double snapShare = 0.15;     ///< of the force range within two rows
+};
+
+/// Rows that do not count, and the simulation's error in the others.
+struct RowErrors {
+    Eigen::VectorXd force;   ///< standard deviation, N; infinite: missing
+    Eigen::VectorXd markers; ///< m, noise included; infinite: missing
+    double memory = 1.0;     ///< of the force error, s
+};
+RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& coarse,
+                    double peakForce, const MisfitSettings& settings);
+
+class Misfit {
+public:
+    /// @param fine, coarse simulations near the recordings, per run
+    Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine, const std::vector<Response>& coarse,
+           const MisfitSettings& settings = {});
+
+    /// Recorded minus simulated of all runs, whitened; empty if a simulation failed or did not reach the end.
+    [[nodiscard]] std::optional<Eigen::VectorXd> residual(const std::vector<Response>& simulated) const;
+    /// Whitened a - b.
+    [[nodiscard]] std::optional<Eigen::VectorXd> difference(const std::vector<Response>& a,
+                                                            const std::vector<Response>& b) const;
+    /// Of any raw pair of vectors of one run.
+    [[nodiscard]] Eigen::VectorXd whiten(std::size_t run, const Eigen::VectorXd& force,
+                                         const Eigen::VectorXd& markers) const;
+
+    [[nodiscard]] const Data& data() const { return data_; }
+    [[nodiscard]] const Noise& noise() const { return noise_; }
+    [[nodiscard]] std::size_t runs() const { return data_.runs.size(); }
+    [[nodiscard]] Eigen::Index rows() const { return start_.back(); }
+    [[nodiscard]] Eigen::Index start(std::size_t run) const { return start_[run]; } ///< of a run in the stack
+    [[nodiscard]] Eigen::Index rowsOf(std::size_t run) const { return start_[run + 1] - start_[run]; }
+    /// Rows that count.
+    [[nodiscard]] Eigen::Index present() const;
+    [[nodiscard]] Eigen::Index presentIn(std::size_t run) const;
+    [[nodiscard]] const RowErrors& errors(std::size_t run) const { return parts_[run].errors; }
+    /// Row of the stack to channel and time: markers come behind the force.
+    [[nodiscard]] bool isForce(std::size_t run, Eigen::Index row) const { return row < data_.runs[run].force.size(); }
+
+private:
+    struct Part {
+        RowErrors errors;
+        Whitening force;
+        Eigen::VectorXd zero; ///< whitened unit shift times its prior deviation
+    };
+    const Data& data_;
+    Noise noise_;
+    std::vector<Part> parts_;
+    std::vector<Eigen::Index> start_;
+};
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,101 @@
+#pragma once
+// What diagnosis knows of a simulator: named scalars in, readings at the recording's own times out. Nothing here knows
+// rods or contacts, so the statistics are tested on toy models whose truth is known.
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+/// How an inner number of a fit and the physical value belong together. A stiffness that is infinite where the effect
+/// is absent is fitted as its reciprocal, a time constant as its logarithm.
+enum class Scale : std::uint8_t { Linear, Reciprocal, ReciprocalSquare, Logarithm };
+double outer(Scale scale, double inner);
+double inner(Scale scale, double outer);
+
+/// A scalar that may be varied. All numbers are inner ones.
+struct Scalar {
+    std::string name;
+    std::string unit; ///< of the outer value
+    std::string about;
+    double value = 0.0; ///< stated; of an effect's amplitude: absent
+    double lower = -std::numeric_limits<double>::infinity();
+    double upper = std::numeric_limits<double>::infinity();
+    double step = 0.0; ///< a change that shows: half-width of the stated interval, or a share of a typical value
+    Scale scale = Scale::Linear;
+    bool amplitude = false; ///< the effect is absent where all its amplitudes are 0
+};
+
+/// An effect that may be missing, in one of its forms (a law, a specimen). Several candidates may share a label.
+struct Candidate {
+    std::string label;
+    std::string slot; ///< material, load, contact, apparatus, sensor
+    std::string form; ///< what distinguishes candidates of one label, may be empty
+    std::string law;
+    std::vector<Scalar> parameters;
+    /// Inner values at which it shows in experiments of this kind; starts of searches. The first is a size that
+    /// matters.
+    std::vector<std::vector<double>> probes;
+};
+
+/// An effect with values.
+struct Term {
+    std::size_t candidate = 0;
+    std::vector<double> values; ///< inner
+};
+
+/// Everything that is set in a simulation.
+struct Point {
+    std::vector<double> nominal;
+    std::vector<Term> terms;
+};
+
+enum class Fineness : std::uint8_t { Coarse, Fine };
+
+/// Readings of a simulated run.
+struct Response {
+    std::string failure;
+    Eigen::VectorXd force;   ///< N, at the recording's times
+    Eigen::VectorXd markers; ///< m: x of marker 0 over time, its y, x of marker 1, ...
+};
+
+/// A run that was not made but could be.
+struct Design {
+    std::string what;    ///< in words
+    std::size_t run = 0; ///< which recorded run it varies
+};
+
+/// Readings of such a run, with their times.
+struct DesignResponse {
+    std::string failure;
+    Eigen::VectorXd time, force;
+};
+
+class Model {
+public:
+    Model() = default;
+    Model(const Model&) = delete;
+    Model& operator=(const Model&) = delete;
+    virtual ~Model() = default;
+    [[nodiscard]] virtual const std::vector<Scalar>& nominal() const = 0;
+    [[nodiscard]] virtual const std::vector<Candidate>& candidates() const = 0;
+    /// Deterministic; called from several threads at a time.
+    [[nodiscard]] virtual Response simulate(std::size_t run, const Point& point, Fineness fineness,
+                                            const std::atomic<bool>* interrupt) const = 0;
+    /// Runs that might tell rivals apart; none by default.
+    [[nodiscard]] virtual std::vector<Design> designs() const { return {}; }
+    [[nodiscard]] virtual DesignResponse simulateDesign(std::size_t, const Point&, const std::atomic<bool>*) const {
+        return {"this model has no designs", {}, {}};
+    }
+    /// What, beside the values, the readings depend on: part of the key under which they are kept.
+    [[nodiscard]] virtual std::string identity() const = 0;
+};
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,192 @@
+#include "plugin/diagnosis/noise.h"
+
+#include "plugin/diagnosis/whitening.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace supercircle::diagnosis {
+
+namespace {
+
+/// A stretch of rest and what is taken out of it.
+struct Quiet {
+    Eigen::VectorXd time, force;
+    Eigen::MatrixXd trends;
+};
+
+std::vector<Quiet> quietStretches(const Data& data) {
+    std::vector<Quiet> found;
+    for (const RecordedRun& run : data.runs)
+        for (std::size_t l = 0; l < run.legs.size(); ++l) {
+            if (run.legs[l].phase != Phase::Hold)
+                continue;
+            std::vector<double> t, f;
+            const bool first = l == 0;
+            // A rest that follows a motion begins with whatever rings on.
+            const double from = run.legs[l].from + (first ? 0.0 : 0.1);
+            for (Eigen::Index k = 0; k < run.time.size(); ++k)
+                if (run.time[k] >= from && run.time[k] <= run.legs[l].to - 1e-9 && std::isfinite(run.force[k])) {
+                    t.push_back(run.time[k]);
+                    f.push_back(run.force[k]);
+                }
+            if (t.size() < 12)
+                continue;
+            Quiet q;
+            const auto n = static_cast<Eigen::Index>(t.size());
+            q.time = Eigen::Map<Eigen::VectorXd>(t.data(), n);
+            q.force = Eigen::Map<Eigen::VectorXd>(f.data(), n);
+            q.trends.resize(n, first ? 1 : 3);
+            q.trends.col(0).setOnes();
+            if (!first) {
+                q.trends.col(1) = (q.time.array() - t.front()) / (t.back() - t.front());
+                q.trends.col(2) = (1.0 + (q.time.array() - run.legs[l].from) / 0.3).log();
+            }
+            found.push_back(std::move(q));
+        }
+    return found;
+}
+
+double restrictedLogLikelihood(const Quiet& q, double white, double coloured, double memory) {
+    const Whitening w(q.time, white, coloured, memory);
+    const Eigen::VectorXd u = w.apply(q.force);
+    Eigen::MatrixXd x(q.trends.rows(), q.trends.cols());
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        x.col(c) = w.apply(q.trends.col(c));
+    const Eigen::LLT<Eigen::MatrixXd> gram(x.transpose() * x);
+    const Eigen::VectorXd xu = x.transpose() * u;
+    const double rest = u.squaredNorm() - xu.dot(gram.solve(xu));
+    const double logGram = 2.0 * gram.matrixLLT().diagonal().array().log().sum();
+    return -0.5 * (rest + w.logDeterminant() + logGram);
+}
+
+double median(std::vector<double> v) {
+    if (v.empty())
+        return 0.0;
+    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+    std::nth_element(v.begin(), middle, v.end());
+    return *middle;
+}
+
+/// Robust standard deviation of second differences, and their number.
+struct Roughness {
+    double scale = 0.0;
+    double count = 0.0;
+    double dt = 0.0; ///< s
+};
+
+std::vector<double> secondDifferences(const Eigen::VectorXd& v, Eigen::Index from, Eigen::Index n) {
+    std::vector<double> d;
+    for (Eigen::Index k = from; k + 2 < from + n; ++k)
+        if (const double x = std::abs(v[k + 2] - 2.0 * v[k + 1] + v[k]); std::isfinite(x))
+            d.push_back(x);
+    return d;
+}
+
+constexpr double kMadToSigma = 1.482602218505602; // of a normal distribution
+
+std::vector<Roughness> roughnessOf(const Data& data) {
+    std::vector<Roughness> all;
+    for (const RecordedRun& run : data.runs) {
+        const std::vector<double> d = secondDifferences(run.force, 0, run.force.size());
+        if (d.size() > 20)
+            all.push_back({kMadToSigma * median(d), static_cast<double>(d.size()),
+                           (run.time[run.time.size() - 1] - run.time[0]) / static_cast<double>(run.time.size() - 1)});
+    }
+    return all;
+}
+
+double roughnessLogLikelihood(const Roughness& r, double white, double coloured, double memory) {
+    const double phi = std::exp(-r.dt / memory);
+    const double expected = std::sqrt(6.0 * white * white + coloured * coloured * (6.0 - 8.0 * phi + 2.0 * phi * phi));
+    // The logarithm of a scale by the median from n correlated values has a deviation of about 1.5 / sqrt(n); the
+    // curve's own bends add a few per cent.
+    const double deviation = std::hypot(1.5 / std::sqrt(r.count), 0.03);
+    const double z = std::log(r.scale / expected) / deviation;
+    return -0.5 * z * z;
+}
+
+double markerNoiseOf(const Data& data) {
+    std::vector<double> d;
+    for (const RecordedRun& run : data.runs)
+        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
+            for (std::size_t l = 0; l < run.legs.size(); ++l) { // only while the head rests: shapes bend elsewhere
+                if (run.legs[l].phase != Phase::Hold)
+                    continue;
+                Eigen::Index from = 0, n = 0;
+                for (Eigen::Index k = 0; k < run.markerTime.size(); ++k)
+                    if (run.markerLeg[static_cast<std::size_t>(k)] == static_cast<int>(l)) {
+                        from = n == 0 ? k : from;
+                        ++n;
+                    }
+                const auto more = secondDifferences(run.markers, c * run.markerTime.size() + from, n);
+                d.insert(d.end(), more.begin(), more.end());
+            }
+    const double measured = kMadToSigma * median(d) / std::sqrt(6.0);
+    if (d.size() < 30)
+        return data.statedMarkerNoise > 0.0 ? data.statedMarkerNoise : measured;
+    return measured > 0.0 ? measured : data.statedMarkerNoise;
+}
+
+} // namespace
+
+double Noise::total() const {
+    return std::hypot(white, coloured);
+}
+
+double Noise::ofMean(double span, double dt) const {
+    if (span <= 0.0)
+        return 0.0;
+    const double x = span / memory;
+    const double slow = 2.0 / x * (1.0 - (1.0 - std::exp(-x)) / x); // variance of the mean of an AR(1), continuous
+    return std::sqrt(white * white * dt / span + coloured * coloured * slow);
+}
+
+Noise estimateNoise(const Data& data) {
+    const std::vector<Quiet> quiet = quietStretches(data);
+    const std::vector<Roughness> rough = roughnessOf(data);
+    double anchor = data.statedForceNoise;
+    if (anchor <= 0.0 && !rough.empty())
+        anchor = rough.front().scale / std::sqrt(6.0);
+    Noise best;
+    best.marker = markerNoiseOf(data);
+    if (anchor <= 0.0)
+        return best;
+    double most = -std::numeric_limits<double>::infinity();
+    for (const double memory : {0.15, 0.25, 0.4})
+        for (int i = -30; i <= 30; ++i)
+            for (int j = -12; j <= 12; ++j) {
+                const double white = 0.9 * anchor * std::exp(0.03 * i);
+                const double coloured = 0.55 * white * std::exp(0.08 * j);
+                double l = 0.0;
+                for (const Quiet& q : quiet)
+                    l += restrictedLogLikelihood(q, white, coloured, memory);
+                for (const Roughness& r : rough)
+                    l += roughnessLogLikelihood(r, white, coloured, memory);
+                const double stated = data.statedForceNoise > 0.0
+                                          ? std::log(std::hypot(white, coloured) / data.statedForceNoise) / 0.2
+                                          : 0.0;
+                const double ratio = 0.08 * j / 0.5;
+                const double remembers = std::log(memory / 0.25) / 0.3;
+                l -= 0.5 * (stated * stated + ratio * ratio + remembers * remembers);
+                if (l > most) {
+                    most = l;
+                    best.white = white;
+                    best.coloured = coloured;
+                    best.memory = memory;
+                }
+            }
+    for (const Quiet& q : quiet)
+        best.quietSeconds += q.time[q.time.size() - 1] - q.time[0];
+    char words[200];
+    std::snprintf(words, sizeof words,
+                  "%.1f s of rest in %zu stretches and neighbouring rows of all runs, with the stated size as a prior; "
+                  "no repeats were recorded",
+                  best.quietSeconds, quiet.size());
+    best.source = words;
+    return best;
+}
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,33 @@
+#pragma once
+// How noisy the sensors are, learnt where no physics acts: while the head stands still, and from what neighbouring
+// rows do against each other. Never from the misfit, or every missing effect would be called noise.
+//
+// White part s and coloured part c (AR(1), memory tau) maximise the restricted likelihood of the resting stretches
+// (mean, slope and logarithm of time taken out: a rest may relax) times that of the robust scale of second differences
+// over all rows, whose expectation is 6 s^2 + c^2 (6 - 8 phi + 2 phi^2), with two priors: the stated total is right
+// within about 30 % (a normal of 20 % in its logarithm), and c/s lies within a factor of about 1.6 around 0.55.
+//
+// Source: restricted likelihood: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320; scale by the median of absolute
+// values: P. J. Huber, E. M. Ronchetti, "Robust Statistics", 2nd ed. (2009), 5.1.
+
+#include "plugin/diagnosis/data.h"
+
+#include <string>
+
+namespace supercircle::diagnosis {
+
+struct Noise {
+    double white = 0.0;    ///< N
+    double coloured = 0.0; ///< N
+    double memory = 0.25;  ///< s
+    double marker = 0.0;   ///< m, per coordinate
+    std::string source;    ///< in words
+    double quietSeconds = 0.0;
+    [[nodiscard]] double total() const;
+    /// Standard deviation of the mean over `span` seconds with rows `dt` apart, N.
+    [[nodiscard]] double ofMean(double span, double dt) const;
+};
+
+Noise estimateNoise(const Data& data);
+
+} // namespace supercircle::diagnosis

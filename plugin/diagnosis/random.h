@@ -1,0 +1,34 @@
+#pragma once
+// Normal and exponential numbers that are the same on every machine (the standard fixes engines, not distributions).
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+namespace supercircle::diagnosis {
+
+class Random {
+public:
+    explicit Random(std::uint64_t seed) : engine_(seed) {}
+    /// In (0, 1).
+    double uniform() { return (static_cast<double>(engine_() >> 11U) + 0.5) * 0x1p-53; }
+    /// Standard normal (G. E. P. Box, M. E. Muller, 1958).
+    double normal() {
+        if (spare_) {
+            spare_ = false;
+            return kept_;
+        }
+        const double r = std::sqrt(-2.0 * std::log(uniform())), a = 6.283185307179586 * uniform();
+        kept_ = r * std::sin(a);
+        spare_ = true;
+        return r * std::cos(a);
+    }
+    double exponential() { return -std::log(uniform()); }
+
+private:
+    std::mt19937_64 engine_;
+    bool spare_ = false;
+    double kept_ = 0.0;
+};
+
+} // namespace supercircle::diagnosis

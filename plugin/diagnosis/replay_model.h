@@ -1,0 +1,37 @@
+#pragma once
+// The replay of an experiment as the model that diagnosis works with.
+
+#include "plugin/diagnosis/menu.h"
+#include "plugin/diagnosis/model.h"
+#include "plugin/experiment/experiment.h"
+#include "plugin/replay/parameters.h"
+
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+class ReplayModel final : public Model {
+public:
+    /// `experiment` must outlive the model.
+    explicit ReplayModel(const experiment::Experiment& experiment, const std::vector<std::string>& without = {});
+
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return menu_.candidates; }
+    [[nodiscard]] Response simulate(std::size_t run, const Point& point, Fineness fineness,
+                                    const std::atomic<bool>* interrupt) const override;
+    [[nodiscard]] std::vector<Design> designs() const override;
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t index, const Point& point,
+                                                const std::atomic<bool>* interrupt) const override;
+    [[nodiscard]] std::string identity() const override;
+
+private:
+    /// Empty, or why the point is none.
+    std::string parametersAt(const Point& point, replay::Parameters& parameters) const;
+
+    const experiment::Experiment& experiment_;
+    std::vector<Scalar> nominal_;
+    Menu menu_;
+};
+
+} // namespace supercircle::diagnosis

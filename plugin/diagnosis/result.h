@@ -1,0 +1,95 @@
+#pragma once
+// What a diagnosis found, as plain data. The JSON file and the page are written from it.
+
+#include "plugin/diagnosis/localise.h"
+#include "plugin/diagnosis/noise.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+struct Interval {
+    double low = 0.0, high = 0.0;
+};
+
+struct FittedParameter {
+    std::string name, unit;
+    double value = 0.0;
+    Interval ci90;
+};
+
+/// An effect that was fitted to all runs.
+struct FoundEffect {
+    std::string label, slot, form, law;
+    double probability = 0.0;
+    std::vector<std::string> group; ///< labels that these runs cannot tell from it, itself first
+    std::vector<FittedParameter> parameters;
+    double gain = 0.0, gainError = 0.0;           ///< held-out log score over "nothing"
+    double trainingRmse = 0.0, heldOutRmse = 0.0; ///< N
+    double misfitPerRow = 0.0;                    ///< chi^2 / rows, training
+};
+
+/// What the screen saw of a label.
+struct SeenEffect {
+    std::string label;
+    double gain = 0.0;     ///< misfit that its best probe explains
+    double absorbed = 0.0; ///< share of its signature that the nominal parameters can imitate
+    double visible = 0.0;  ///< smallest size seen with 80 % power, in units of a size that matters
+    double reading = 0.0;  ///< |signature| of a size that matters, noise units
+};
+
+struct NominalResult {
+    std::string name, unit;
+    double stated = 0.0, uncertainty = 0.0, fitted = 0.0;
+    double tension = 0.0; ///< (fitted - stated) / half-width
+};
+
+struct NextExperiment {
+    std::string what;
+    std::vector<std::string> separates;
+    double power = 0.0;
+};
+
+/// Curves for pictures.
+struct RunCurves {
+    std::string name;
+    std::vector<double> time, displacement, recorded; ///< s, m, N
+    std::vector<double> baseline, improved;           ///< N; improved empty: none
+    std::vector<double> residual, residualImproved;   ///< whitened; 0 where missing
+    std::vector<bool> counts;
+};
+
+struct Homogeneity {
+    double q = 0.0, p = 1.0; ///< chi^2 of the parameters of single runs around the common fit
+    double degrees = 0.0;
+};
+
+struct Diagnosis {
+    std::string failure;  ///< the experiment cannot be simulated: why
+    bool stopped = false; ///< interrupted; what was simulated is kept
+    std::string verdict, statement;
+    Noise noise;
+    Localisation mismatch, left;      ///< of the nominal fit; of the best effect's
+    std::vector<FoundEffect> effects; ///< most probable first
+    std::vector<SeenEffect> seen;     ///< whole catalogue
+    double nothing = 0.0, unknown = 0.0;
+    double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
+    bool improved = false; ///< whether the last two mean something
+    double improvement = 0.0;
+    Interval improvementCi{};
+    double baselinePerRow = 0.0; ///< chi^2 / rows
+    std::vector<NominalResult> nominal;
+    Homogeneity homogeneity;
+    std::optional<NextExperiment> next;
+    std::vector<std::string> similarityLabels;
+    std::vector<std::vector<double>> similarity; ///< cosines of the fitted effects' signatures
+    std::vector<RunCurves> runs;
+    std::vector<std::string> notes;
+    std::uint64_t seed = 1;
+    double elapsed = 0.0; ///< s
+    std::size_t forwardRuns = 0;
+};
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,52 @@
+#pragma once
+// From held-out scores to probabilities, groups and a verdict.
+//
+// Probability: pseudo-BMA with the Bayesian bootstrap over blocks. Weights w ~ Dirichlet(1, ..., 1) over the blocks
+// give scores S_m = B sum_b w_b l_mb; P_m is the mean over draws of prior_m exp S_m / sum. Prior masses: 0.3 that
+// nothing is missing, 0.1 for something that is not in the catalogue, the rest in equal parts.
+//
+// "None of these" scores as a model would that leaves pure noise (of a size known to some 5 %), minus what a flexible
+// law of eight numbers costs, (8/2) log n, or 15 % of what there is to explain if that is more: a named law that
+// explains more than 85 % of the misfit is believed, because no two simulators agree better.
+//
+// Scores are tempered by the dispersion of the best model, c = max(1, chi^2 per row): what even the best model leaves
+// makes all of them less sure (quasi-likelihood).
+//
+// Sources: Y. Yao, A. Vehtari, D. Simpson, A. Gelman, Bayesian Anal. 13 (2018) 917 (pseudo-BMA+); D. B. Rubin, Ann.
+// Stat. 9 (1981) 130 (Bayesian bootstrap); K. P. Burnham, D. R. Anderson, "Model Selection", 2nd ed. (2002), 2.5
+// (dispersion).
+
+#include "plugin/diagnosis/heldout.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+struct Weighed {
+    /// 2.3 % quantile of the gain over the bootstrap's draws: two standard errors below it where gains are normal.
+    /// Where a few blocks hold most of the gain, a standard error would count their size against it.
+    std::vector<double> gainLow;
+    double nothing = 0.0, unknown = 0.0;
+    std::vector<double> effects;         ///< probabilities, as the input
+    std::vector<double> gain, gainError; ///< of the score over "nothing", and its standard error over blocks
+    double dispersion = 1.0;
+    double improvement = 0.0, improvementLow = 0.0, improvementHigh = 0.0; ///< of the best: fall of the error, 90 %
+    std::size_t best = 0; ///< the highest score; meaningless without effects
+};
+
+/// @param catalogue number of labels there are, also those that were not fitted
+Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, std::size_t catalogue, std::uint64_t seed);
+
+/// Whether two models cannot be told apart: their predictions lie within three noise units, or their scores within two
+/// standard errors of the paired difference.
+bool alike(const HeldOut& a, const HeldOut& b, double distance, double dispersion);
+
+/// Mean and standard error of the sum of paired differences a - b over blocks.
+struct Paired {
+    double difference = 0.0, error = 0.0;
+};
+Paired paired(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+
+} // namespace supercircle::diagnosis

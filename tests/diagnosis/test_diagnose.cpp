@@ -1,0 +1,150 @@
+#include "toy.h"
+
+#include "plugin/diagnosis/homogeneity.h"
+#include "plugin/diagnosis/weigh.h"
+#include "supercircle/step/parallel.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+using namespace supercircle::diagnosis;
+
+namespace {
+
+Diagnosis run(const Data& data, const Model& model, std::uint64_t seed = 1, int threads = 1,
+              const std::string& file = {}) {
+    Store store;
+    if (!file.empty())
+        REQUIRE(store.open(file, model.identity()).empty());
+    Evaluator evaluator(model, data.runs.size(), supercircle::step::threadLoop(threads), store);
+    return diagnose(data, evaluator, toy::exact(seed));
+}
+
+} // namespace
+
+TEST_CASE("where nothing is missing nothing is named", "[diagnosis]") {
+    const Data data = toy::recordings(11);
+    const toy::Spring spring(data);
+    const Diagnosis d = run(data, spring);
+    CHECK(d.verdict == "nothing_missing");
+    CHECK(d.nothing > 0.5);
+    CHECK(d.baselinePerRow == Approx(1.0).margin(0.15)); // 900 rows: 5 % of luck, and the noise's own uncertainty
+}
+
+TEST_CASE("a dashpot is named, with its constant", "[diagnosis]") {
+    const Data data = toy::recordings(12, "dashpot", 10.0);
+    const toy::Spring spring(data);
+    const Diagnosis d = run(data, spring);
+    for (const FoundEffect& e : d.effects)
+        UNSCOPED_INFO(e.label << " " << e.probability << " gain " << e.gain << " +- " << e.gainError << ", group of "
+                              << e.group.size());
+    INFO(d.verdict << ": nothing " << d.nothing << ", unknown " << d.unknown << ", p " << d.mismatch.p);
+    REQUIRE(d.verdict == "named");
+    const FoundEffect& e = d.effects.front();
+    CHECK(e.label == "dashpot");
+    CHECK(e.parameters.front().value == Approx(10.0).epsilon(0.15));
+    CHECK(d.improvedHeldOut < 1.15 * std::hypot(toy::kWhite, toy::kColoured));
+    CHECK(d.mismatch.p <= 0.05);
+    CHECK(d.left.p > 0.01);
+}
+
+TEST_CASE("an effect that is not in the catalogue is not given another's name", "[diagnosis]") {
+    const Data data = toy::recordings(13, "dashpot", 60.0);
+    const toy::Spring without(data, false);
+    const Diagnosis d = run(data, without);
+    CHECK(d.verdict == "unexplained");
+    CHECK(d.mismatch.p <= 0.05);
+}
+
+TEST_CASE("parameters that differ from run to run are seen", "[diagnosis]") {
+    const Data data = toy::recordings(14, "dashpot", 20.0);
+    const toy::Spring spring(data);
+    CHECK(run(data, spring).homogeneity.p < 1e-3);
+    const Data same = toy::recordings(15);
+    const toy::Spring other(same);
+    CHECK(run(same, other).homogeneity.p > 1e-3);
+}
+
+TEST_CASE("a diagnosis has the same digits for any number of threads and after a resumption", "[diagnosis]") {
+    const Data data = toy::recordings(16, "drift", 4e-3);
+    const toy::Spring spring(data);
+    const std::string file = std::string(SC_BINARY_DIR) + "/toy_runs.cache";
+    std::filesystem::remove(file);
+    const Diagnosis one = run(data, spring, 5, 1, file), three = run(data, spring, 5, 3);
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2 - 3); // killed in the middle of a write
+    const Diagnosis again = run(data, spring, 5, 2, file);
+    for (const Diagnosis* other : {&three, &again}) {
+        CHECK(one.verdict == other->verdict);
+        CHECK(one.statement == other->statement);
+        CHECK(one.mismatch.p == other->mismatch.p);
+        CHECK(one.forwardRuns == other->forwardRuns);
+        REQUIRE(one.effects.size() == other->effects.size());
+        for (std::size_t i = 0; i < one.effects.size(); ++i) {
+            CHECK(one.effects[i].probability == other->effects[i].probability);
+            CHECK(one.effects[i].parameters.front().value == other->effects[i].parameters.front().value);
+        }
+    }
+}
+
+TEST_CASE("kept runs come back bit for bit, torn ones do not", "[diagnosis]") {
+    const std::string file = std::string(SC_BINARY_DIR) + "/store.cache";
+    std::filesystem::remove(file);
+    Response r;
+    r.force = Eigen::VectorXd::LinSpaced(7, 0.0, 1.0 / 3.0);
+    r.markers.resize(0);
+    {
+        Store store;
+        REQUIRE(store.open(file, "a").empty());
+        store.keep("one", r);
+        store.keep("two", r);
+    }
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) - 5);
+    {
+        Store store;
+        REQUIRE(store.open(file, "a").empty());
+        REQUIRE(store.find("one").has_value());
+        CHECK(store.find("one")->force == r.force);
+        CHECK_FALSE(store.find("two").has_value());
+        store.keep("two", r);
+    }
+    Store store;
+    REQUIRE(store.open(file, "a").empty());
+    CHECK(store.fromFile() == 2);
+    Store other;
+    REQUIRE(other.open(file, "another experiment").empty());
+    CHECK(other.fromFile() == 0);
+}
+
+TEST_CASE("runs kept by another program are not believed", "[diagnosis]") {
+    const Data data = toy::recordings(17);
+    const toy::Spring spring(data);
+    Store store;
+    Evaluator evaluator(spring, data.runs.size(), {}, store);
+    const Question question{0, {{100.0, 0.1}, {}}, Fineness::Coarse};
+    evaluator.ask({question});
+    evaluator.checkStore(question);
+    const Data longer = toy::recordings(17, {}, 0.0, 40.0);
+    const toy::Spring other(longer);
+    Evaluator later(other, data.runs.size(), {}, store);
+    CHECK(evaluator.ask({question}).front().force.size() == data.runs[0].force.size());
+    later.checkStore(question);
+    CHECK(later.ask({question}).front().force.size() == longer.runs[0].force.size());
+}
+
+TEST_CASE("intervals of 90 % cover the truth nine times of ten", "[diagnosis][slow]") {
+    int covered = 0;
+    constexpr int kTrials = 150;
+    for (int i = 0; i < kTrials; ++i) {
+        const Data data = toy::recordings(static_cast<std::uint64_t>(500 + i), "dashpot", 10.0);
+        const toy::Spring spring(data);
+        for (const FoundEffect& e : run(data, spring).effects)
+            if (e.label == "dashpot") {
+                const Interval& ci = e.parameters.front().ci90;
+                covered += ci.low <= 10.0 && 10.0 <= ci.high ? 1 : 0;
+            }
+    }
+    // 135 +- 3.7; the estimated noise adds as much again.
+    CHECK(covered >= 120);
+    CHECK(covered <= 148);
+}

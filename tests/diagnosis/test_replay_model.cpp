@@ -1,0 +1,101 @@
+#include "plugin/diagnosis/designs.h"
+#include "plugin/diagnosis/replay_model.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+using namespace supercircle;
+using namespace supercircle::diagnosis;
+
+namespace {
+
+experiment::Experiment strip() {
+    experiment::Experiment e;
+    e.protocol = experiment::Protocol::ShellOnRigidCylinder;
+    experiment::Specimen s;
+    s.id = "A";
+    s.length = 0.09;
+    s.naturalCurvature = {50.0, 0.25};
+    s.thickness = {5e-4, 1e-5};
+    s.bendingModulus = {2e-4, 1.2e-5};
+    s.linearMass = {5.7e-3, 1e-4};
+    e.specimens = {s};
+    e.friction = {0.3, 0.05};
+    e.initialGapHalfWidth = 5e-5;
+    experiment::Run run;
+    run.file = "run_1.csv";
+    run.driveTime = {0.0, 1.0, 11.0, 21.0};
+    run.driveDisplacement = {0.0, 0.0, 0.02, 0.0};
+    run.samplingRate = 20.0;
+    e.runs = {run};
+    return e;
+}
+
+} // namespace
+
+TEST_CASE("inner and outer numbers of a fit belong together", "[diagnosis]") {
+    for (const Scale scale : {Scale::Linear, Scale::Reciprocal, Scale::ReciprocalSquare, Scale::Logarithm})
+        for (const double v : {0.02, 1.0, 350.0})
+            CHECK(outer(scale, inner(scale, v)) == Approx(v).epsilon(1e-14));
+    CHECK(std::isinf(outer(Scale::Reciprocal, 0.0)));
+    CHECK(std::isinf(outer(Scale::ReciprocalSquare, 0.0)));
+}
+
+TEST_CASE("every effect of the catalogue is a candidate, absent where its amplitudes are", "[diagnosis]") {
+    const experiment::Experiment e = strip();
+    const Menu menu = menuFor(e);
+    std::set<std::string> labels;
+    REQUIRE(menu.candidates.size() == menu.recipes.size());
+    for (std::size_t i = 0; i < menu.candidates.size(); ++i) {
+        const Candidate& c = menu.candidates[i];
+        labels.insert(c.label);
+        INFO(c.label << " " << c.form);
+        effects::Setting setting = menu.recipes[i].base;
+        for (std::size_t k = 0; k < c.parameters.size(); ++k)
+            setting.values[menu.recipes[i].parameterAt[k]] = outer(c.parameters[k].scale, c.parameters[k].value);
+        CHECK(effects::isOff(setting));
+        CHECK_FALSE(c.probes.empty());
+        for (const std::vector<double>& probe : c.probes) {
+            REQUIRE(probe.size() == c.parameters.size());
+            for (std::size_t k = 0; k < probe.size(); ++k) {
+                CHECK(probe[k] >= c.parameters[k].lower);
+                CHECK(probe[k] <= c.parameters[k].upper);
+                setting.values[menu.recipes[i].parameterAt[k]] = outer(c.parameters[k].scale, probe[k]);
+            }
+            CHECK_FALSE(effects::isOff(setting));
+            CHECK(effects::validate({setting}).empty());
+        }
+    }
+    for (const effects::Effect& effect : effects::catalog())
+        CHECK(labels.count(effect.name) == 1);
+    CHECK(menuFor(e, {"plasticity"}).candidates.size() < menu.candidates.size());
+}
+
+TEST_CASE("nominal parameters are the stated intervals and an ordinary give", "[diagnosis]") {
+    const experiment::Experiment e = strip();
+    const ReplayModel model(e);
+    std::set<std::string> names;
+    for (const Scalar& s : model.nominal()) {
+        names.insert(s.name);
+        CHECK(s.lower < s.upper);
+        CHECK(s.step == Approx(0.5 * (s.upper - s.lower)));
+    }
+    CHECK(names == std::set<std::string>{"bending_modulus", "natural_curvature", "thickness", "linear_mass", "friction",
+                                         "gap_shift", "series_compliance"});
+}
+
+TEST_CASE("designs are runs that start at rest and never go back in time", "[diagnosis]") {
+    const experiment::Experiment e = strip();
+    const auto designs = designsFor(e);
+    REQUIRE(designs.size() >= 4);
+    for (std::size_t i = 0; i < designs.size(); ++i) {
+        const experiment::Experiment one = designed(e, i);
+        REQUIRE(one.runs.size() == 1);
+        const experiment::Run& run = one.runs.front();
+        INFO(designs[i].what);
+        CHECK(run.driveDisplacement.front() == 0.0);
+        for (std::size_t k = 1; k < run.driveTime.size(); ++k)
+            CHECK(run.driveTime[k] > run.driveTime[k - 1]);
+    }
+}

@@ -1,0 +1,145 @@
+#include "toy.h"
+
+#include "plugin/diagnosis/box.h"
+#include "plugin/diagnosis/localise.h"
+#include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/whitening.h"
+
+#include <Eigen/Cholesky>
+#include <catch2/catch.hpp>
+
+using namespace supercircle::diagnosis;
+
+namespace {
+
+Eigen::MatrixXd covariance(const Eigen::VectorXd& t, double white, double coloured, double memory,
+                           const Eigen::VectorXd& model, double modelMemory) {
+    Eigen::MatrixXd C(t.size(), t.size());
+    for (Eigen::Index i = 0; i < t.size(); ++i)
+        for (Eigen::Index j = 0; j < t.size(); ++j) {
+            const double apart = std::abs(t[i] - t[j]);
+            C(i, j) = coloured * coloured * std::exp(-apart / memory) +
+                      model[i] * model[j] * std::exp(-apart / modelMemory) + (i == j ? white * white : 0.0);
+        }
+    return C;
+}
+
+/// Residuals of a toy whose nominal fit is exact: pure noise.
+Localisation ofNoise(std::uint64_t seed, double shift, int draws) {
+    Data data = toy::recordings(seed);
+    const toy::Spring spring(data);
+    const Point truth{{103.0, 0.08}, {}};
+    std::vector<Response> simulated;
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        simulated.push_back(spring.simulate(r, truth, Fineness::Fine, nullptr));
+    RecordedRun& first = data.runs.front();
+    for (Eigen::Index k = 0; k < first.force.size(); ++k)
+        if (first.time[k] > 6.0 && first.time[k] < 9.0)
+            first.force[k] += shift;
+    Noise noise;
+    noise.white = toy::kWhite;
+    noise.coloured = toy::kColoured;
+    noise.memory = toy::kMemory;
+    MisfitSettings exact;
+    exact.contactPlace = exact.shareOfPeak = 0.0;
+    const Misfit misfit(data, noise, simulated, simulated, exact);
+    return localise(misfit, *misfit.residual(simulated), Eigen::MatrixXd(misfit.rows(), 0), seed + 1000, draws);
+}
+
+} // namespace
+
+TEST_CASE("whitening is the Cholesky factor's inverse in O(n)", "[diagnosis]") {
+    const Eigen::Index n = 40;
+    Eigen::VectorXd t(n), model(n), r(n);
+    Random random(3);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        t[k] = 0.02 * static_cast<double>(k) + (k > 20 ? 0.7 : 0.0);
+        model[k] = 0.5 + 0.3 * std::sin(0.4 * static_cast<double>(k));
+        r[k] = random.normal();
+    }
+    const Whitening w(t, 0.8, 0.6, 0.25, model, 0.4);
+    const Eigen::LLT<Eigen::MatrixXd> llt(covariance(t, 0.8, 0.6, 0.25, model, 0.4));
+    const Eigen::VectorXd expected = llt.matrixL().solve(r);
+    CHECK((w.apply(r) - expected).norm() < 1e-10 * expected.norm()); // round-off of 40 steps
+    CHECK(w.logDeterminant() == Approx(2.0 * llt.matrixLLT().diagonal().array().log().sum()).epsilon(1e-10));
+}
+
+TEST_CASE("rows that are missing say nothing", "[diagnosis]") {
+    Eigen::VectorXd t(6), model = Eigen::VectorXd::Constant(6, 0.3), r(6);
+    t << 0.0, 0.1, 0.2, 0.3, 0.4, 0.5;
+    r << 1.0, -0.4, 77.0, 0.2, 0.9, -1.0;
+    model[2] = std::numeric_limits<double>::infinity();
+    const Whitening w(t, 0.5, 0.4, 0.25, model, 0.2);
+    Eigen::VectorXd other = r;
+    other[2] = -5.0;
+    CHECK(w.apply(r) == w.apply(other));
+    CHECK(w.apply(r)[2] == 0.0);
+    CHECK(w.present() == 5);
+}
+
+TEST_CASE("the box minimum fulfils the conditions of Karush, Kuhn and Tucker", "[diagnosis]") {
+    Random random(5);
+    for (int trial = 0; trial < 50; ++trial) {
+        Eigen::MatrixXd A(12, 5);
+        Eigen::VectorXd b(12);
+        for (double& x : A.reshaped())
+            x = random.normal();
+        for (double& x : b)
+            x = 3.0 * random.normal();
+        const Eigen::MatrixXd G = A.transpose() * A;
+        const Eigen::VectorXd g = A.transpose() * b, lo = Eigen::VectorXd::Constant(5, -0.3),
+                              hi = Eigen::VectorXd::Constant(5, 0.5);
+        const Eigen::VectorXd x = boxMinimum(G, g, lo, hi), slope = G * x - g;
+        for (Eigen::Index i = 0; i < 5; ++i) {
+            CHECK(x[i] >= lo[i]);
+            CHECK(x[i] <= hi[i]);
+            if (x[i] > lo[i])
+                CHECK(slope[i] < 1e-6);
+            if (x[i] < hi[i])
+                CHECK(slope[i] > -1e-6);
+        }
+    }
+}
+
+TEST_CASE("noise is told from rests and neighbours, whatever else the force does", "[diagnosis]") {
+    // 3 x 4 s of rest hold about 24 memories of the coloured part: its deviation is known to some 20 %, the white
+    // part's to 3 %; the priors pull towards 0.0100 N, the truth is 0.0103 N.
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        const Noise noise = estimateNoise(toy::recordings(seed, "cubic", 4e5));
+        CHECK(noise.white == Approx(toy::kWhite).epsilon(0.1));
+        CHECK(noise.coloured == Approx(toy::kColoured).epsilon(0.5));
+        CHECK(noise.total() == Approx(std::hypot(toy::kWhite, toy::kColoured)).epsilon(0.12));
+    }
+}
+
+TEST_CASE("pure noise raises an alarm in one case of twenty", "[diagnosis]") {
+    int alarms = 0;
+    constexpr int kTrials = 60;
+    for (int i = 0; i < kTrials; ++i)
+        alarms += ofNoise(static_cast<std::uint64_t>(100 + i), 0.0, 199).p <= 0.05 ? 1 : 0;
+    // Binomial with 5 %: 3 +- 1.7; ten or more in 0.1 % of all luck.
+    CHECK(alarms <= 9);
+}
+
+TEST_CASE("pure noise raises an alarm in one case of twenty, many trials", "[diagnosis][slow]") {
+    int alarms = 0;
+    constexpr int kTrials = 1500;
+    for (int i = 0; i < kTrials; ++i)
+        alarms += ofNoise(static_cast<std::uint64_t>(9000 + i), 0.0, 199).p <= 0.05 ? 1 : 0;
+    // 75 +- 8.4: three standard deviations either way
+    CHECK(alarms >= 50);
+    CHECK(alarms <= 100);
+}
+
+TEST_CASE("a shift is found where it is", "[diagnosis]") {
+    // Three seconds hold 75 rows and 12 memories: a shift of 1.5 noise units stands out by some 5 deviations.
+    const Localisation l = ofNoise(7, 0.015, 199);
+    REQUIRE(l.p <= 0.05);
+    REQUIRE_FALSE(l.significant.empty());
+    const Window& w = l.significant.front();
+    const double overlap = std::min(w.timeTo, 9.0) - std::max(w.timeFrom, 6.0);
+    CHECK((w.run == "slow" || w.run == "all"));
+    const double together = std::max(w.timeTo, 9.0) - std::min(w.timeFrom, 6.0);
+    INFO(w.timeFrom << " to " << w.timeTo << ", " << w.axis);
+    CHECK(overlap > 0.4 * together); // windows are dyadic
+}

@@ -7,8 +7,10 @@ namespace supercircle::effects {
 
 namespace {
 
-constexpr double kSpacing = 2.5e-4; ///< m, of the quadrature points, and at most ...
-constexpr int kMostPerElement = 16; ///< ... this many
+constexpr double kSpacing = 2.5e-4;  ///< m, of the quadrature points, and at most ...
+constexpr int kMostPerElement = 128; ///< ... this many
+/// Points per range: a tip that meets a surface at a steep angle has only about a range of its length within reach.
+constexpr double kPerRange = 3.0;
 
 } // namespace
 
@@ -28,7 +30,8 @@ Attraction makeAttraction(const rod::RodModel& rod, const AdhesionModel& model) 
     }
     for (int e = 0; e < rod.elements(); ++e) {
         const double l = rod.elementLength(e);
-        const int n = std::clamp(static_cast<int>(std::ceil(l / kSpacing)), 2, kMostPerElement);
+        const int n = std::clamp(static_cast<int>(std::ceil(l / std::min(kSpacing, model.range / kPerRange))), 2,
+                                 kMostPerElement);
         for (int i = 0; i < n; ++i) { // midpoints: no point is counted twice at joints
             a.place.push_back(rod::locate(rod, e, rod.nodeS(e) + (i + 0.5) * l / n));
             a.weight.push_back(l / n);

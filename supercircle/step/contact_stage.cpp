@@ -103,8 +103,9 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     if (out.b < 0)
         out.Hb.resize(2, 0); // only now: a contact that keeps its bodies keeps its storage
     // No step makes overlaps deeper than stage.overlap: deeper ones were put there, and to close them at once would be
-    // an explosion.
-    out.w.x() += gapAtStart < -stage.overlap ? std::max(gapAtStart / dt, -stage.recovery) : gapAtStart / dt;
+    // an explosion. Surfaces that give overlap under load as they should, and their springs bound the force.
+    const bool forced = gapAtStart < -stage.overlap && giveOf(world, c).x() <= 0.0;
+    out.w.x() += forced ? std::max(gapAtStart / dt, -stage.recovery) : gapAtStart / dt;
     out.id = c.id;
 }
 

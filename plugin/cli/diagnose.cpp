@@ -1,3 +1,4 @@
+#include "plugin/cli/diagnose_figures.h"
 #include "plugin/cli/diagnose_page.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
@@ -106,9 +107,14 @@ int diagnose(const DiagnoseArguments& a) {
         std::fprintf(stderr, "%s\n", d.failure.c_str());
         return kCannotGoOn;
     }
-    if (const std::string why = record::writeAtomically(
-            folder.path(), {{"diagnosis.json", diagnosisJson(d)}, {"report.html", diagnosisPage(d, *experiment)}});
-        !why.empty()) {
+    auto pictures = diagnosisPictures(d);
+    std::vector<record::NamedText> files = std::move(pictures.value);
+    files.emplace_back("diagnosis.json", diagnosisJson(d));
+    files.emplace_back("report.html", diagnosisPage(d, *experiment));
+    std::string why = record::writeAtomically(folder.path(), files);
+    if (why.empty())
+        why = pictures.error; // the result is written even if it could not be drawn
+    if (!why.empty()) {
         std::fprintf(stderr, "%s\n", why.c_str());
         return kCannotWrite;
     }

@@ -1,5 +1,6 @@
 #include "plugin/cli/diagnose_figures.h"
 
+#include "plugin/report/cairo_canvas.h"
 #include "plugin/report/colour_map.h"
 #include "plugin/report/plot.h"
 #include "plugin/report/svg_canvas.h"
@@ -17,6 +18,7 @@ namespace {
 using diagnosis::Diagnosis;
 using diagnosis::RunCurves;
 using report::Anchor;
+using report::Canvas;
 using report::Colour;
 using report::Plot;
 using report::PlotStyle;
@@ -65,7 +67,7 @@ std::vector<double> smoothed(const std::vector<double>& u, const std::vector<boo
     return out;
 }
 
-void legend(SvgCanvas& canvas, double x, double y, bool improved) {
+void legend(Canvas& canvas, double x, double y, bool improved) {
     const auto entry = [&](const char* word, const Colour& colour, double width) {
         canvas.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {colour, width});
         canvas.text({x + 30.0, y}, word, {theme::labelSize, theme::muted});
@@ -79,7 +81,7 @@ void legend(SvgCanvas& canvas, double x, double y, bool improved) {
     canvas.text({x + 30.0, y}, "misfit beyond noise", {theme::labelSize, theme::muted});
 }
 
-void markWindows(SvgCanvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run) {
+void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run) {
     for (const diagnosis::Window& w : d.mismatch.significant)
         if (w.run == run && w.channel == "force") {
             const double left = plot.at(w.timeFrom, 0.0).x, right = plot.at(w.timeTo, 0.0).x;
@@ -87,11 +89,14 @@ void markWindows(SvgCanvas& canvas, const Plot& plot, const Diagnosis& d, const 
         }
 }
 
-} // namespace
+constexpr double kRunWidth = 1180.0, kRunHeight = 560.0, kBarsWidth = 720.0;
 
-std::string runFigure(const Diagnosis& d, std::size_t r) {
+double barsHeight(const Diagnosis& d) {
+    return 26.0 * static_cast<double>(d.effects.size() + 2) + 20.0;
+}
+
+void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     const RunCurves& c = d.runs[r];
-    SvgCanvas canvas(1180.0, 560.0, "run" + std::to_string(r + 1), "forces and residuals of " + c.name);
     const bool improved = !c.improved.empty();
     legend(canvas, 80.0, 24.0, improved);
     std::vector<const std::vector<double>*> forces = {&c.recorded};
@@ -130,17 +135,14 @@ std::string runFigure(const Diagnosis& d, std::size_t r) {
     residual(40.0, c.residual, theme::loading, "misfit (noise units)");
     if (improved)
         residual(320.0, c.residualImproved, theme::unloading, "with the effect");
-    return canvas.finish();
 }
 
-std::string probabilityFigure(const Diagnosis& d) {
+void drawProbabilities(Canvas& canvas, const Diagnosis& d) {
     std::vector<std::pair<std::string, double>> bars;
     for (const diagnosis::FoundEffect& e : d.effects)
         bars.emplace_back(plain(e.label), e.probability);
     bars.emplace_back("nothing is missing", d.nothing);
     bars.emplace_back("none of these", d.unknown);
-    const double height = 26.0 * static_cast<double>(bars.size()) + 20.0;
-    SvgCanvas canvas(720.0, height, "probability", "probability of each explanation");
     for (std::size_t i = 0; i < bars.size(); ++i) {
         const double y = 10.0 + 26.0 * static_cast<double>(i);
         canvas.text({220.0, y + 15.0}, bars[i].first, {theme::labelSize, theme::ink, Anchor::End});
@@ -149,7 +151,43 @@ std::string probabilityFigure(const Diagnosis& d) {
                          {.fill = i < d.effects.size() ? theme::unloading : theme::driven});
         canvas.text({640.0, y + 15.0}, number(100.0 * bars[i].second, "%.1f") + " %", {theme::labelSize, theme::muted});
     }
+}
+
+} // namespace
+
+std::string runFigure(const Diagnosis& d, std::size_t r) {
+    SvgCanvas canvas(kRunWidth, kRunHeight, "run" + std::to_string(r + 1), "forces and residuals of " + d.runs[r].name);
+    drawRun(canvas, d, r);
     return canvas.finish();
+}
+
+std::string probabilityFigure(const Diagnosis& d) {
+    SvgCanvas canvas(kBarsWidth, barsHeight(d), "probability", "probability of each explanation");
+    drawProbabilities(canvas, d);
+    return canvas.finish();
+}
+
+record::Result<std::vector<record::NamedText>> diagnosisPictures(const Diagnosis& d) {
+    using Files = std::vector<record::NamedText>;
+    constexpr double kScale = 1.5;
+    Files files;
+    const auto keep = [&](const std::string& name, report::CairoCanvas& canvas) {
+        auto picture = canvas.png();
+        if (picture)
+            files.emplace_back(name, std::move(picture.value));
+        return picture ? std::string{} : name + ": " + picture.error;
+    };
+    for (std::size_t r = 0; r < d.runs.size(); ++r) {
+        report::CairoCanvas canvas(kRunWidth, kRunHeight, kScale);
+        drawRun(canvas, d, r);
+        if (std::string why = keep("run_" + std::to_string(r + 1) + "_diagnosis.png", canvas); !why.empty())
+            return record::Result<Files>::fail(std::move(why));
+    }
+    report::CairoCanvas canvas(kBarsWidth, barsHeight(d), kScale);
+    drawProbabilities(canvas, d);
+    if (std::string why = keep("probabilities.png", canvas); !why.empty())
+        return record::Result<Files>::fail(std::move(why));
+    return {std::move(files), {}};
 }
 
 std::string screenFigure(const Diagnosis& d) {

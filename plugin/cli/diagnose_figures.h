@@ -1,10 +1,13 @@
 #pragma once
-// The figures of the verb `diagnose`, as SVG.
+// The figures of the verb `diagnose`, as SVG for its page and the main ones as PNG.
 
 #include "plugin/diagnosis/result.h"
 #include "plugin/experiment/experiment.h"
+#include "plugin/record/files.h"
+#include "plugin/record/result.h"
 
 #include <string>
+#include <vector>
 
 namespace supercircle::cli {
 
@@ -12,6 +15,8 @@ namespace supercircle::cli {
 std::string runFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run);
 /// A bar per probability: effects, "nothing", "none of these".
 std::string probabilityFigure(const diagnosis::Diagnosis& diagnosis);
+/// The two above as PNG: run_1_diagnosis.png, ..., probabilities.png.
+record::Result<std::vector<record::NamedText>> diagnosisPictures(const diagnosis::Diagnosis& diagnosis);
 /// What the screen explains of the misfit, and the smallest size these runs show.
 std::string screenFigure(const diagnosis::Diagnosis& diagnosis);
 /// Cosines between the fitted effects' signatures; empty with fewer than two.

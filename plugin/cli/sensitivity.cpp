@@ -214,7 +214,7 @@ std::optional<sensitivity::Model> prepare(const SensitivityArguments& a, Sensiti
             for (const replay::ParameterInfo& info : replay::parameterList(study.experiment))
                 if (info.name.find('.') == std::string::npos)
                     columns.push_back(info.name);
-        const std::vector<std::string> effects = sensitivity::effectNames();
+        const std::vector<std::string> effects = sensitivity::effectNames(study.experiment);
         columns.insert(columns.end(), effects.begin(), effects.end());
     }
     sensitivity::Model model = sensitivity::replayModel(study.experiment, parameters, study.resolution, columns, error);

@@ -140,7 +140,8 @@ CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
     verb->add_option("--tolerance", a.tolerance, "mm, how closely straight legs follow the displacement")
         ->check(positive)
         ->type_name("MM");
-    verb->add_option("--scene", a.scene, "angles: scene of the mechanism that moves by itself")->type_name("SCENE.json");
+    verb->add_option("--scene", a.scene, "angles: scene of the mechanism that moves by itself")
+        ->type_name("SCENE.json");
     verb->add_flag("--from-first-turn", a.fromFirstTurn, "angles: from the first turning point on, the hand is gone");
     verb->add_option("--average", a.average, "angles: rows are means of so many")->check(positive)->type_name("N");
     const std::map<std::string, int> signs{{"positive", 1}, {"negative", -1}};

@@ -152,8 +152,8 @@ std::string figures(const ReplayedRun& run, const experiment::Channel& channel) 
     row("peak, simulated", number(k * c.peakSimulated) + unit + "");
     row("rms error", number(k * c.rmse) + unit + " (" + percent(c.rmse, c.peakRecorded) + " of the peak)");
     row("the same about its mean", number(k * c.rmseZeroed) + unit + " (mean " + number(k * c.zero) + unit + ")");
-    row("largest error",
-        number(k * c.maxError) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " + number(c.maxErrorAt) + " s");
+    row("largest error", number(k * c.maxError) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
+                             number(c.maxErrorAt) + " s");
     row("left out around jumps", number(100.0 * c.leftOut, "%.1f") + " % of the samples");
     if (!run.simulated.markers.x.empty())
         row("markers, rms and largest distance",
@@ -204,7 +204,8 @@ record::Result<std::vector<record::NamedText>> replayPages(const Replay& replay)
         drawRun(svg, replay.experiment, replay.experiment.runs[k], run);
         html += "<div class=\"grid\"><section><h2>" + report::escaped(run.name) + "</h2>" +
                 (run.simulated.failure.empty() ? "" : "<p>" + report::escaped(run.simulated.failure) + "</p>") +
-                "<div class=\"scroll wide\">" + svg.finish() + "</div>" + figures(run, experiment::channel(replay.experiment)) + "</section></div>";
+                "<div class=\"scroll wide\">" + svg.finish() + "</div>" +
+                figures(run, experiment::channel(replay.experiment)) + "</section></div>";
     }
     html += "<div class=\"grid\"><section><h2>Parameters</h2>" + parameterTable(replay) + "<p>" +
             std::to_string(replay.resolution.elements) +

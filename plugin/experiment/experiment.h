@@ -99,8 +99,8 @@ enum class Quantity : std::uint8_t { Angle, X, Y };
 
 /// A mechanism that moves by itself, and which pose of which body is recorded.
 struct FreeScene {
-    std::string file; ///< of the scene, as named in the description
-    std::string text; ///< its content; empty if the description was loaded alone
+    std::string file;                       ///< of the scene, as named in the description
+    std::string text;                       ///< its content; empty if the description was loaded alone
     std::vector<SceneParameter> parameters; ///< the same in all runs
     std::string body;
     Quantity quantity = Quantity::Angle;
@@ -137,11 +137,11 @@ struct Run {
     std::vector<double> driveDisplacement; ///< m, positive downwards; linear between the break points
     double samplingRate = 0.0;             ///< Hz
     std::string specimenState;
-    std::string markersFile;          ///< empty: not tracked
-    double markersSamplingRate = 0.0; ///< Hz
+    std::string markersFile;                ///< empty: not tracked
+    double markersSamplingRate = 0.0;       ///< Hz
     std::vector<SceneParameter> parameters; ///< of the free scene, of this run alone: how it was let go
-    Readings readings;                ///< empty if the description was loaded without its runs
-    MarkerTracks markers;             ///< empty: not tracked
+    Readings readings;                      ///< empty if the description was loaded without its runs
+    MarkerTracks markers;                   ///< empty: not tracked
 };
 
 struct Sensors {

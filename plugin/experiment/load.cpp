@@ -16,9 +16,9 @@ namespace {
 using scene::notNegative;
 using scene::positive;
 
-constexpr std::array kProtocolNames = {"shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor",
-                                       "arch_between_plates",     "ring_between_plates", "tethered_strip",
-                                       "free_scene"};
+constexpr std::array kProtocolNames = {
+    "shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor", "arch_between_plates", "ring_between_plates",
+    "tethered_strip",          "free_scene"};
 const std::vector<std::string> kCarriers = {"ground", "machine_head"};
 constexpr Limits kShare{0.0, 1.0, false};
 

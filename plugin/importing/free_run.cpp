@@ -167,8 +167,9 @@ void addParameters(const scene::Scene& s, const Imported& all, Json& json, std::
             run["release_spin"] = {{"value", rounded(b.spin)}, {"unc", rounded(b.spinHalfWidth)}};
         remarks.push_back(all.runs[k].file + " is let go at " + shown(kDegrees * b.angle) + " +- " +
                           shown(kDegrees * b.angleHalfWidth) + " deg" +
-                          (spin ? ", " + shown(kDegrees * b.spin) + " +- " + shown(kDegrees * b.spinHalfWidth) + " deg/s"
-                                : std::string()));
+                          (spin
+                               ? ", " + shown(kDegrees * b.spin) + " +- " + shown(kDegrees * b.spinHalfWidth) + " deg/s"
+                               : std::string()));
     }
 }
 

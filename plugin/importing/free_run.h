@@ -12,7 +12,7 @@ namespace supercircle::importing {
 
 /// How a free run begins, from its first rows: a parabola through the first `span` seconds.
 struct Beginning {
-    double angle = 0.0, spin = 0.0;               ///< rad, rad/s
+    double angle = 0.0, spin = 0.0;                 ///< rad, rad/s
     double angleHalfWidth = 0.0, spinHalfWidth = 0; ///< three standard deviations and half a step of the encoder
 };
 Beginning beginningOf(const Track& track);

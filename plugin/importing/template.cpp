@@ -475,7 +475,8 @@ record::Result<Description> describe(const Imported& all, const TemplateOptions&
                                            " is about forces, expected free_scene");
         for (const ImportedRun& r : all.runs)
             if (!angles && r.track.find(Quantity::Force) == nullptr)
-                return Result::fail(r.file + " has an angle and no force, others have forces; expected one kind of run");
+                return Result::fail(r.file +
+                                    " has an angle and no force, others have forces; expected one kind of run");
     }
     try {
         if (angles)

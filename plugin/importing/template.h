@@ -17,10 +17,10 @@ struct TemplateOptions {
 };
 
 struct Description {
-    std::string json;                  ///< experiment.json
-    std::vector<std::string> todo;     ///< JSON pointers of what is null, with what is expected there
-    std::vector<std::string> remarks;  ///< what was worked out: moduli, heights
-    std::vector<std::string> supposed; ///< JSON pointers and values nobody stated: gravity, uncertainties
+    std::string json;                     ///< experiment.json
+    std::vector<std::string> todo;        ///< JSON pointers of what is null, with what is expected there
+    std::vector<std::string> remarks;     ///< what was worked out: moduli, heights
+    std::vector<std::string> supposed;    ///< JSON pointers and values nobody stated: gravity, uncertainties
     std::vector<record::NamedText> files; ///< to lie beside it: the scene
 };
 

@@ -1,5 +1,6 @@
 #include "plugin/replay/free_scene.h"
 
+#include "plugin/replay/free_scales.h"
 #include "plugin/replay/linkage.h"
 #include "plugin/scene/loader.h"
 #include "supercircle/effects/sensor.h"
@@ -44,7 +45,8 @@ std::optional<scene::Scene> sceneOf(const Experiment& e, std::size_t run, const 
 /// All that is recorded, step by step.
 class Recorder {
 public:
-    Recorder(const Experiment& e, const Linkage& linkage) : e_(e), linkage_(linkage), tracks_(1 + 2 * e.markers.size()), body_(linkage.find(e.scene->body)) {
+    Recorder(const Experiment& e, const Linkage& linkage)
+        : e_(e), linkage_(linkage), tracks_(1 + 2 * e.markers.size()), body_(linkage.find(e.scene->body)) {
         for (const experiment::Marker& m : e.markers)
             carriers_.push_back(linkage.find(m.body));
     }
@@ -53,8 +55,13 @@ public:
         time.push_back(linkage_.time());
         const Linkage::Pose p = linkage_.pose(body_);
         const Quantity q = e_.scene->quantity;
-        put(0, q == Quantity::Angle ? p.angle : q == Quantity::X ? p.origin.x() : p.origin.y(),
-            q == Quantity::Angle ? p.spin : q == Quantity::X ? p.velocity.x() : p.velocity.y());
+        put(0,
+            q == Quantity::Angle ? p.angle
+            : q == Quantity::X   ? p.origin.x()
+                                 : p.origin.y(),
+            q == Quantity::Angle ? p.spin
+            : q == Quantity::X   ? p.velocity.x()
+                                 : p.velocity.y());
         for (std::size_t m = 0; m < e_.markers.size(); ++m) {
             const Linkage::Pose b = linkage_.pose(carriers_[m]);
             const double c = std::cos(b.angle), s = std::sin(b.angle);
@@ -126,6 +133,20 @@ void readOut(const Experiment& e, const Run& run, const Parameters& p, const eff
 }
 
 } // namespace
+
+FreeScales freeScales(const Experiment& e) {
+    FreeScales out;
+    std::string why;
+    const auto scene = e.scene && !e.runs.empty() ? sceneOf(e, 0, nominal(e), why) : std::nullopt;
+    const Linkage linkage(scene ? scene->rigid : step::RigidWorldDefinition{}, {});
+    if (!scene || !linkage.failure().empty())
+        return out;
+    out.length = linkage.reach();
+    const double g = std::max(1e-3, scene->rigid.gravity.norm());
+    out.torque = 0.5 * linkage.mass() * g * out.length;
+    out.spin = std::sqrt(g / out.length);
+    return out;
+}
 
 Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters& p, const Resolution& resolution,
                        const Options& options) {

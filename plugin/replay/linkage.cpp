@@ -62,8 +62,8 @@ Linkage::Linkage(const step::RigidWorldDefinition& world, const effects::BodiesM
         state_.segment<3>(3 * moving_ + at) << d.linearVelocity + across(d.angularVelocity, r), d.angularVelocity;
     }
     if (jointGap() > 1e-3)
-        failure_ = "the bodies do not meet in their joints: the largest gap is " + std::to_string(1e3 * jointGap()) +
-                   " mm";
+        failure_ =
+            "the bodies do not meet in their joints: the largest gap is " + std::to_string(1e3 * jointGap()) + " mm";
     if (!failure_.empty())
         return;
     close();
@@ -147,7 +147,8 @@ void Linkage::addJoint(const step::JointDefinition& d) {
     const bool soft = d.kind == step::JointKind::Weld && d.frequency > 0.0;
     if ((d.kind != step::JointKind::Revolute && d.kind != step::JointKind::Weld) || soft || d.enableLimit ||
         (d.enableMotor && d.maxMotorForce > 0.0)) {
-        failure_ = "joint \"" + d.name + "\": free scenes know revolute joints and stiff welds, without limits or motors";
+        failure_ =
+            "joint \"" + d.name + "\": free scenes know revolute joints and stiff welds, without limits or motors";
         return;
     }
     Joint j;
@@ -220,7 +221,8 @@ void Linkage::airOn(const Body& b, const VectorXd& y, VectorXd& force, double& p
         if (v0 <= 0.0 && v1 <= 0.0)
             continue;
         const double from = v0 < 0.0 ? v0 / (v0 - v1) : 0.0, to = v1 < 0.0 ? v0 / (v0 - v1) : 1.0;
-        constexpr double kAt[] = {-0.7745966692414834, 0.0, 0.7745966692414834}, kWeight[] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
+        constexpr double kAt[] = {-0.7745966692414834, 0.0, 0.7745966692414834},
+                         kWeight[] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
         for (int g = 0; g < 3; ++g) {
             const double s = 0.5 * (from + to) + 0.5 * (to - from) * kAt[g];
             const double speed = v0 + s * (v1 - v0);
@@ -423,6 +425,29 @@ double Linkage::energy() const {
                    b.mass * b.gravityScale * gravity_.dot(placeOf(b, state_));
         }
     return sum;
+}
+
+double Linkage::mass() const {
+    double sum = 0.0;
+    for (const Body& b : bodies_)
+        sum += b.moving >= 0 ? b.mass : 0.0;
+    return sum;
+}
+
+double Linkage::reach() const {
+    double most = 0.0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const Body& b = bodies_[i];
+        for (std::size_t k = 0; b.moving >= 0 && k < b.edges.size(); ++k) {
+            double nearest = b.edges[k].from.norm() + b.centre.norm(); // of a body without joints: from its origin
+            for (const Joint& j : joints_)
+                if (j.a == static_cast<int>(i) || j.b == static_cast<int>(i))
+                    nearest =
+                        std::min(nearest, (b.edges[k].from - (j.a == static_cast<int>(i) ? j.onA : j.onB)).norm());
+            most = std::max(most, nearest);
+        }
+    }
+    return most > 0.0 ? most : 0.1;
 }
 
 double Linkage::jointGap() const {

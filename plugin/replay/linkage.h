@@ -45,6 +45,8 @@ public:
     [[nodiscard]] double lostInBearings() const { return state_[lossAt()]; }
     [[nodiscard]] double lostInAir() const { return state_[lossAt() + 1]; }
     [[nodiscard]] double jointGap() const; ///< largest, m
+    [[nodiscard]] double mass() const;     ///< of all moving bodies, kg
+    [[nodiscard]] double reach() const;    ///< farthest corner of a moving body from its nearest joint, m
     [[nodiscard]] std::uint64_t steps() const { return steps_; }
 
 private:

@@ -36,8 +36,8 @@ struct Parameters {
     /// Give of everything in series with the specimen, m/N: the head goes this much less far per newton of force. The
     /// rods are inextensible, so the stretch L / EA of a strip pressed lengthwise stands here too (the nominal value).
     double seriesCompliance = 0.0;
-    std::vector<SceneValue> scene; ///< free scenes: as described, those of all runs first
-    double readingZero = 0.0;      ///< free scenes: the reading where the scene says 0, rad or m
+    std::vector<SceneValue> scene;         ///< free scenes: as described, those of all runs first
+    double readingZero = 0.0;              ///< free scenes: the reading where the scene says 0, rad or m
     std::vector<effects::Setting> effects; ///< extra physics; specimens go by their ids
 };
 

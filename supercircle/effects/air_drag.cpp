@@ -15,9 +15,9 @@ Effect airDrag() {
                     "(linear), and never comes to a stop";
     e.literature = "Batchelor, An Introduction to Fluid Dynamics, 1967, sec. 5.11; Nelson and Olsson, Am. J. Phys. 54, "
                    "112 (1986)";
-    e.parameters = {amplitude("linear_N_s_m2", "N s/m^2", 0.0, 0.0, 1e6, 1e-3, "force per length over speed"),
-                    amplitude("quadratic_N_s2_m3", "N s^2/m^3", 0.0, 0.0, 1e6, 1e-2,
-                              "force per length over speed squared")};
+    e.parameters = {
+        amplitude("linear_N_s_m2", "N s/m^2", 0.0, 0.0, 1e6, 1e-3, "force per length over speed"),
+        amplitude("quadratic_N_s2_m3", "N s^2/m^3", 0.0, 0.0, 1e6, 1e-2, "force per length over speed squared")};
     e.apply = [](const Values& v, Model& m) {
         m.bodies.airLinear = v[0];
         m.bodies.airQuadratic = v[1];

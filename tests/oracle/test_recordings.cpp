@@ -84,10 +84,16 @@ TEST_CASE("two shells of the second simulator too", "[oracle][slow]") {
 }
 
 TEST_CASE("its own error is far below the noise it adds", "[oracle]") {
-    for (const char* name : {"case_101", "case_106"}) {
+    const Agreement a = compare("case_106", true);
+    CHECK(a.median < 5e-4); // a tenth of the smallest noise
+    CHECK(a.most < 1e-3);
+}
+
+TEST_CASE("its own error is far below the noise it adds, other protocols", "[oracle][slow]") {
+    for (const char* name : {"case_101", "case_104"}) {
         const Agreement a = compare(name, true);
         INFO(name << ": median " << a.median << ", 90 % below " << a.most);
-        CHECK(a.median < 5e-4); // a tenth of the smallest noise
+        CHECK(a.median < 5e-4);
         CHECK(a.most < 1e-3);
     }
 }

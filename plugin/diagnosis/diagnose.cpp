@@ -215,8 +215,8 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
             starts.push_back(p);
     // Free runs are cheap, and what a base that lost its beat says of forms is worth little: each gets its chance.
     for (const Screened* p : probes)
-        if (data_.free && std::none_of(starts.begin(), starts.end(),
-                                       [&](const Screened* s) { return s->candidate == p->candidate; }))
+        if (data_.free &&
+            std::none_of(starts.begin(), starts.end(), [&](const Screened* s) { return s->candidate == p->candidate; }))
             starts.push_back(p);
     if (probes.size() > 1 && starts.size() < 2 && probes[1]->gain > 0.3 * probes.front()->gain)
         starts.push_back(probes[1]);

@@ -6,7 +6,7 @@
 namespace supercircle::replay {
 
 struct FreeScales {
-    double length = 0.1; ///< farthest point of a moving body from the nearest of its joints, m
+    double length = 0.1;  ///< farthest point of a moving body from the nearest of its joints, m
     double torque = 1e-2; ///< weight of all moving bodies times half of that length, N m
     double spin = 10.0;   ///< sqrt(g / length), rad/s
 };

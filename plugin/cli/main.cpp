@@ -126,7 +126,8 @@ CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
         ->type_name("FILE.csv ...");
     verb->add_option("--out", a.out, "folder for experiment.json and the runs")->required()->type_name("DIR");
     verb->add_option("--protocol", a.protocol,
-                     "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates or free_scene")
+                     "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates,\n"
+                     "ring_between_plates, tethered_strip or free_scene")
         ->type_name("NAME");
     verb->add_option("--specimen", a.specimen, "JSON with the specimen, or with any part of an experiment")
         ->type_name("FILE.json");

@@ -18,6 +18,14 @@ const Json kNull = nullptr;
 Json clampOf(const std::string& protocol, bool lower) {
     if (protocol == "arch_between_plates")
         return {{"where", "none"}, {"initial_placement", "stands on the floor, apex at x=0, apex tangent horizontal"}};
+    if (protocol == "ring_between_plates")
+        return {{"where", "none"}, {"initial_placement", "a ring on the floor"}};
+    if (protocol == "tethered_strip")
+        return {{"where", "middle"},
+                {"clamped_length_m", 0.0},
+                {"carried_by", "ground"},
+                {"initial_point_m", {0.0, 0.0}},
+                {"initial_tangent_angle_rad", 0.0}};
     const bool strip = protocol == "strip_on_rigid_floor";
     return {{"where", strip ? "first_end" : "middle"},
             {"clamped_length_m", 0.0},
@@ -52,9 +60,9 @@ Json obstaclesOf(const std::string& protocol) {
     Json all = Json::array();
     if (protocol == "shell_on_rigid_cylinder")
         all.push_back({{"type", "cylinder"}, {"center_m", {0.0, 0.0}}, {"radius_m", kNull}, {"carried_by", "ground"}});
-    else if (protocol != "two_shells")
+    else if (protocol != "two_shells" && protocol != "tethered_strip")
         all.push_back(plane(1.0, 0.0, "ground"));
-    if (protocol == "arch_between_plates")
+    if (protocol == "arch_between_plates" || protocol == "ring_between_plates")
         all.push_back(plane(-1.0, kNull, "machine_head"));
     return all;
 }
@@ -124,6 +132,9 @@ Json frameOf(const Imported& all, const std::string& protocol) {
           {"displacement_noise_std_mm_approx", 1e3 * displacementNoise},
           {"marker_noise_std_mm_approx", 0.0}}},
         {"markers", markers}};
+    for (int end = 0; end < 2 && protocol == "tethered_strip"; ++end)
+        json["strings"].push_back(
+            {{"arc_fraction", end}, {"to_point_m", {0.0, kNull}}, {"carried_by", "machine_head"}});
     return json;
 }
 
@@ -331,7 +342,8 @@ const char* expectedAt(const std::string& key) {
     static const std::vector<std::pair<const char*, const char*>> kWords = {
         {"scene", "the scene file with the bodies and joints, beside this file; --scene FILE gives it"},
         {"body", "name of the body whose angle was recorded"},
-        {"protocol", "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor or arch_between_plates"},
+        {"protocol", "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates, ring_between_plates, "
+                     "tethered_strip or free_scene"},
         {"arc_length_m", "length along the strip, m"},
         {"natural_curvature_1_m", "1 / radius of the unloaded specimen, 1/m; 0: straight"},
         {"thickness_m", "m"},
@@ -438,7 +450,8 @@ record::Result<Description> fillInFree(const Imported& all, const TemplateOption
 
 const std::vector<std::string>& protocols() {
     static const std::vector<std::string> kAll = {"shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor",
-                                                  "arch_between_plates", "free_scene"};
+                                                  "arch_between_plates", "ring_between_plates", "tethered_strip",
+                                                  "free_scene"};
     return kAll;
 }
 

@@ -33,7 +33,8 @@ std::vector<double> columnOf(const Eigen::MatrixXd& m, Eigen::Index c, double fa
     return scaled({m.col(c).data(), m.col(c).data() + m.rows()}, factor);
 }
 
-/// d force / d parameter over time, N (of poses degrees or mm) per unit of the parameter; a second column says where it means something.
+/// d force / d parameter over time, N (of poses degrees or mm) per unit of the parameter; a second column says where it
+/// means something.
 record::Series forceTable(const SensitivityStudy& study, const RunSensitivity& run) {
     record::Series s;
     const experiment::Channel& channel = experiment::channel(study.experiment);

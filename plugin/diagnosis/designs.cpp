@@ -70,14 +70,15 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
     std::vector<Plan> plans;
     if (!h.back) // what is lost shows on the way back first of all
         plans.push_back({"the same way and back again (an unloading leg)", through({d, 0.0}, h.fastest, 0.0)});
-    const std::vector<Plan> usual = {{"a run ten times faster, at " + speed(10.0 * h.fastest), through({d, 0.0}, 10.0 * h.fastest, 0.0)},
-            {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest, 0.0)},
-            {"a hold of 100 s at the largest displacement", through({d, 0.0}, h.fastest, 100.0)},
-            {"five small cycles between 60 % and 50 % of the largest displacement",
-             through({0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
-                     h.slowest, 0.0)},
-            {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest, 0.0)},
-            {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest, 0.0)}};
+    const std::vector<Plan> usual = {
+        {"a run ten times faster, at " + speed(10.0 * h.fastest), through({d, 0.0}, 10.0 * h.fastest, 0.0)},
+        {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest, 0.0)},
+        {"a hold of 100 s at the largest displacement", through({d, 0.0}, h.fastest, 100.0)},
+        {"five small cycles between 60 % and 50 % of the largest displacement",
+         through({0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
+                 h.slowest, 0.0)},
+        {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest, 0.0)},
+        {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest, 0.0)}};
     plans.insert(plans.end(), usual.begin(), usual.end());
     return plans;
 }

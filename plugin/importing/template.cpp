@@ -342,8 +342,9 @@ const char* expectedAt(const std::string& key) {
     static const std::vector<std::pair<const char*, const char*>> kWords = {
         {"scene", "the scene file with the bodies and joints, beside this file; --scene FILE gives it"},
         {"body", "name of the body whose angle was recorded"},
-        {"protocol", "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates, ring_between_plates, "
-                     "tethered_strip or free_scene"},
+        {"protocol",
+         "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates, ring_between_plates, "
+         "tethered_strip or free_scene"},
         {"arc_length_m", "length along the strip, m"},
         {"natural_curvature_1_m", "1 / radius of the unloaded specimen, 1/m; 0: straight"},
         {"thickness_m", "m"},
@@ -449,9 +450,9 @@ record::Result<Description> fillInFree(const Imported& all, const TemplateOption
 } // namespace
 
 const std::vector<std::string>& protocols() {
-    static const std::vector<std::string> kAll = {"shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor",
-                                                  "arch_between_plates", "ring_between_plates", "tethered_strip",
-                                                  "free_scene"};
+    static const std::vector<std::string> kAll = {
+        "shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor", "arch_between_plates", "ring_between_plates",
+        "tethered_strip",          "free_scene"};
     return kAll;
 }
 

@@ -8,6 +8,7 @@
 #include "plugin/diagnosis/replay_model.h"
 #include "plugin/experiment/load.h"
 #include "plugin/replay/simulate.h"
+#include "plugin/scene/document.h"
 #include "tests/support/folder.h"
 
 #include <cmath>
@@ -69,7 +70,7 @@ std::size_t candidate(const Model& model, const std::string& label, const std::s
 struct Study {
     Study(const experiment::Experiment& e, std::vector<std::pair<const char*, const char*>> effects)
         : model(e), data(dataOf(e)), evaluator(model, e.runs.size(), {}, store) {
-        Point start;
+        diagnosis::Point start;
         for (const Scalar& s : model.nominal())
             start.nominal.push_back(s.value);
         for (const auto& [label, form] : effects) {

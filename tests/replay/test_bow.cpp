@@ -54,15 +54,17 @@ TEST_CASE("a strung bow pulls along its string only", "[replay][bow]") {
     const rod::Vec2 tip = kin.point(rod::locate(model, kLength));
     CHECK(tip.y() == Approx(-0.05).epsilon(1e-9));
     CHECK(tip.x() == Approx(b.half).epsilon(1e-9));
-    // Half of the bow is a cantilever pressed lengthwise by T: Euler's column of effective length 2 l at its first mode,
-    // bent so far that its end is d aside. Elastica: d = 2 k l / K(k), T = B (K(k) / l)^2, end at x = l (2 E(k)/K(k) - 1).
+    // Half of the bow is a cantilever pressed lengthwise by T: Euler's column of effective length 2 l at its first
+    // mode, bent so far that its end is d aside. Elastica: d = 2 k l / K(k), T = B (K(k) / l)^2, end at x = l (2
+    // E(k)/K(k) - 1).
     const double l = 0.5 * kLength;
     double low = 0.0, high = 0.9;
     for (int i = 0; i < 100; ++i) {
         const double k = 0.5 * (low + high);
         (2.0 * k * l / std::comp_ellint_1(k) < 0.05 ? low : high) = k;
     }
-    CHECK(b.half == Approx(l * (2.0 * std::comp_ellint_2(low) / std::comp_ellint_1(low) - 1.0)).epsilon(1e-3)); // 30 arcs
+    CHECK(b.half ==
+          Approx(l * (2.0 * std::comp_ellint_2(low) / std::comp_ellint_1(low) - 1.0)).epsilon(1e-3)); // 30 arcs
 }
 
 TEST_CASE("drawing a bow costs what it stores", "[replay][bow]") {
@@ -73,8 +75,8 @@ TEST_CASE("drawing a bow costs what it stores", "[replay][bow]") {
     CHECK(std::abs(f.front()) < 0.02); // N: the string is straight
     for (std::size_t k = 2; k < f.size(); ++k)
         CHECK(f[k] > f[k - 1]); // and gets steadily heavier
-    // The same from statics alone: the tips held where the strings lead them. Force F = 2 T cos, by virtual work from the
-    // energy of the strip at three neighbouring draws.
+    // The same from statics alone: the tips held where the strings lead them. Force F = 2 T cos, by virtual work from
+    // the energy of the strip at three neighbouring draws.
     rod::RodDefinition d;
     d.length = kLength;
     d.thickness = 7.5e-4;
@@ -84,28 +86,34 @@ TEST_CASE("drawing a bow costs what it stores", "[replay][bow]") {
     const rod::RodModel model(d);
     const replay::Braced b =
         replay::brace(model, rod::Vec2::Zero(), 0.5 * kLength, rod::Vec2::Zero(), 0.0, rod::Vec2(0.0, -0.05));
-    // Tip force along the string: find the tip on the circle of the string's length around the nock where the reaction
-    // has no part along the circle.
-    const double nock = -0.05 - 0.08;
+    // The tip goes on a circle of the string's length around the nock, to where the reaction has no part along it;
+    // followed from the braced bow in steps of 2 mm.
     Eigen::VectorXd q = b.q;
-    const auto across = [&](double angle, double& pull) { // of the string from the horizontal
-        const rod::Vec2 tip(b.half * std::cos(angle), nock + b.half * std::sin(angle));
+    double nock = -0.05, angle = 0.0, pull = 0.0; // angle of the string from the horizontal
+    const auto across = [&](double at) {
+        const rod::Vec2 along(std::cos(at), std::sin(at)), side(-along.y(), along.x());
+        const rod::Vec2 tip = rod::Vec2(0.0, nock) + b.half * along;
         rod::EquilibriumProblem p;
         p.holds = {rod::clamp(0.5 * kLength, rod::Vec2::Zero(), 0.0), rod::pin(0.0, {-tip.x(), tip.y()}),
                    rod::pin(kLength, tip)};
         const rod::Equilibrium r = rod::solveEquilibrium(model, p, q);
         REQUIRE(r.converged());
-        const rod::Vec2 along(std::cos(angle), std::sin(angle)), side(-along.y(), along.x());
+        q = r.q;
         pull = -r.reactions[2].force.dot(along);
         return r.reactions[2].force.dot(side);
     };
-    double low = 0.05, high = 0.9, pull = 0.0;
-    const double atLow = across(low, pull);
-    for (int i = 0; i < 50; ++i) {
-        const double middle = 0.5 * (low + high);
-        (across(middle, pull) * atLow > 0.0 ? low : high) = middle;
+    for (int step = 0; step < 40; ++step) {
+        nock -= 0.002;
+        double a0 = angle, f0 = across(a0), a1 = angle + 0.01;
+        for (int i = 0; i < 30 && std::abs(a1 - a0) > 1e-12; ++i) {
+            const double f1 = across(a1), next = f1 != f0 ? a1 - f1 * (a1 - a0) / (f1 - f0) : a1;
+            a0 = a1;
+            f0 = f1;
+            a1 = next;
+        }
+        angle = a1;
     }
-    const double expected = 2.0 * pull * std::sin(low);
+    const double expected = 2.0 * pull * std::sin(angle);
     std::size_t row = 0;
     while (s.readings.displacement[row] < 0.08 - 1e-9)
         ++row;

@@ -48,8 +48,8 @@ std::string encoderText(double release) {
 
 std::string imported(const Folder& folder, const std::string& more = "") {
     const std::string swing = folder.write("swing.txt", encoderText(-1.0));
-    const auto end = start("import " + swing + " --columns 'angle[deg]' --from-first-turn --average 5 --scene " + kScene +
-                           more + " --out " + folder.path + "/exp");
+    const auto end = start("import " + swing + " --columns 'angle[deg]' --from-first-turn --average 5 --scene " +
+                           kScene + more + " --out " + folder.path + "/exp");
     INFO(end.text);
     REQUIRE(end.code == 0);
     CHECK_THAT(end.text, Contains("rows up to the first turning point") && Contains("ready: supercircle replay"));
@@ -81,8 +81,8 @@ TEST_CASE("a swing that an encoder saw is imported, checked and replayed", "[rep
     std::string header;
     std::getline(csv, header);
     CHECK(header == "time_s,angle_recorded_deg,angle_simulated_deg,residual_deg");
-    CHECK(start("replay " + experiment + " --effect bearing_friction:torque_N_m=1e-4 --out " + folder.path + "/dry").code ==
-          0);
+    CHECK(start("replay " + experiment + " --effect bearing_friction:torque_N_m=1e-4 --out " + folder.path + "/dry")
+              .code == 0);
     CHECK(readJson(folder.path + "/dry/replay.json")["effects"]["bearing_friction"]["torque_N_m"] == 1e-4);
 }
 
@@ -102,7 +102,8 @@ TEST_CASE("effects and scenes that do not belong to each other are refused", "[r
     folder.write("exp/wrong.json", wrong.dump());
     CHECK_THAT(start("check " + folder.path + "/exp/wrong.json").text, Contains("did you mean \"length\"?"));
     wrong["scene_parameters"].erase("lenght");
-    wrong["observed"]["quantity"] = "x";
+    wrong["observed"] = {{"body", "rod"}, {"quantity", "x"}};
+    wrong.erase("sensors");
     folder.write("exp/wrong.json", wrong.dump());
     CHECK_THAT(start("check " + folder.path + "/exp/wrong.json").text, Contains("there is no column x_mm"));
 }

@@ -211,6 +211,43 @@ Secret drawSecret(Draw& draw, const Plan& plan) {
 
 } // namespace
 
+Accuracy accuracyOf(const Plan& plan) {
+    Accuracy out;
+    Draw draw(plan.seed);
+    Secret s = drawSecret(draw, plan);
+    if (!s.plan.families.empty())
+        if (out.failure = hide(draw, s); !out.failure.empty())
+            return out;
+    const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
+    Resolution fine;
+    fine.edges *= 2;
+    fine.travel *= 0.5;
+    fine.longest *= 0.5;
+    fine.contact.stiffness *= 2.0;
+    fine.contact.tangential *= 2.0;
+    const Clean a = simulate(s.description, truth, {}), b = simulate(s.description, truth, fine);
+    if (out.failure = a.failure + b.failure; !out.failure.empty())
+        return out;
+    std::vector<double> apart;
+    double squares = 0.0, places = 0.0, seen = 0.0;
+    for (std::size_t r = 0; r < a.force.size(); ++r) {
+        for (std::size_t i = 0; i < a.force[r].size(); ++i) {
+            apart.push_back(std::abs(a.force[r][i] - b.force[r][i]) / s.nuisance.total());
+            squares += apart.back() * apart.back();
+        }
+        for (std::size_t m = 0; m < a.markers[r].size(); ++m)
+            for (std::size_t i = 0; i < a.markers[r][m].size(); ++i) {
+                places += (a.markers[r][m][i] - b.markers[r][m][i]).squaredNorm();
+                seen += 2.0;
+            }
+    }
+    std::sort(apart.begin(), apart.end());
+    out.rms = std::sqrt(squares / static_cast<double>(apart.size()));
+    out.most = apart[apart.size() * 99 / 100];
+    out.markers = seen > 0.0 ? std::sqrt(places / seen) / s.nuisance.marker : 0.0;
+    return out;
+}
+
 Concealed conceal(const Plan& plan) {
     Concealed out;
     Draw draw(plan.seed);

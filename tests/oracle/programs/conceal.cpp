@@ -25,6 +25,20 @@ void write(const fs::path& file, const std::string& text) {
     fs::rename(part, file);
 }
 
+int check(const std::string& part, std::uint64_t seed, const std::string& name) {
+    for (const Plan& p : plans(part, seed))
+        if (p.name == name) {
+            const Accuracy a = accuracyOf(p);
+            if (!a.failure.empty())
+                break;
+            std::printf("%s: own error %.3f noise units (rms), 99 %% of the rows below %.3f, markers %.3f\n",
+                        name.c_str(), a.rms, a.most, a.markers);
+            return 0;
+        }
+    std::fprintf(stderr, "%s: no such case, or it fails\n", name.c_str());
+    return 3;
+}
+
 int work(const std::string& part, std::uint64_t seed, const fs::path& folder, int jobs, int job, const char* only) {
     int failed = 0;
     fs::create_directories(folder / "answers");
@@ -57,6 +71,7 @@ int main(int argc, char** argv) {
     std::uint64_t seed = 0;
     int jobs = 1, job = 0;
     const char* only = nullptr;
+    const char* accuracy = nullptr;
     for (int i = 1; i + 1 < argc; i += 2) {
         const std::string key = argv[i];
         if (key == "--part")
@@ -65,6 +80,8 @@ int main(int argc, char** argv) {
             out = argv[i + 1];
         else if (key == "--seed")
             seed = std::strtoull(argv[i + 1], nullptr, 10);
+        else if (key == "--accuracy")
+            accuracy = argv[i + 1];
         else if (key == "--only")
             only = argv[i + 1];
         else if (key == "--shard")
@@ -72,13 +89,16 @@ int main(int argc, char** argv) {
         else
             out.clear();
     }
-    if (out.empty() || (part != "tuning" && part != "blind") || jobs < 1) {
-        std::fprintf(stderr, "conceal --part tuning|blind --out DIR [--seed N] [--only CASE] [--shard I/N]\n");
+    if ((out.empty() && accuracy == nullptr) || (part != "tuning" && part != "blind") || jobs < 1) {
+        std::fprintf(
+            stderr, "conceal --part tuning|blind --out DIR [--seed N] [--only CASE] [--shard I/N] [--accuracy CASE]\n");
         return 2;
     }
     if (seed == 0)
         seed = part == "tuning" ? 1 : 2026;
     try {
+        if (accuracy != nullptr)
+            return check(part, seed, accuracy);
         return work(part, seed, out, jobs, job, only) == 0 ? 0 : 3;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());

@@ -150,8 +150,7 @@ void Work::locate() {
     Eigen::MatrixXd signatures(misfit_->rows(), static_cast<Index>(seen.size()));
     for (std::size_t i = 0; i < seen.size(); ++i)
         signatures.col(static_cast<Index>(i)) = *seen[i];
-    out_.mismatch =
-        localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws, signatures);
+    out_.mismatch = localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws, signatures);
     summarise();
     baseHeld_ = leaveOut(evaluator_, *misfit_, grouping_, base_);
     out_.homogeneity = homogeneityOf(*misfit_, base_);

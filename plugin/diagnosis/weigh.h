@@ -11,8 +11,8 @@
 //
 // Nothing takes mass from "nothing" without evidence that holds for the whole search: an effect counts no better than
 // "nothing" unless its gain on unseen rows is beyond two standard errors, and all hypotheses together gain at most the
-// Bayes factor that the family-wise p-value allows, 1 / (-e p ln p) for p < 1/e, else 1 (T. Sellke, M. J. Bayarri, J. O.
-// Berger, Am. Stat. 55 (2001) 62). Without the first rule a control's best rival, fitted to two simulators' common
+// Bayes factor that the family-wise p-value allows, 1 / (-e p ln p) for p < 1/e, else 1 (T. Sellke, M. J. Bayarri, J.
+// O. Berger, Am. Stat. 55 (2001) 62). Without the first rule a control's best rival, fitted to two simulators' common
 // differences, reached .85 beside a verdict of nothing missing.
 //
 // A best model that is itself rejected on unseen rows (more than 2.5 noise variances, and more than a fifth of what
@@ -47,9 +47,9 @@ struct Weighed {
 };
 
 struct Weighing {
-    std::size_t catalogue = 1;  ///< number of labels there are, also those that were not fitted
-    double p = 0.0;             ///< family-wise, of the nominal fit
-    std::vector<double> prior;  ///< of each effect; empty: shares of 0.6
+    std::size_t catalogue = 1; ///< number of labels there are, also those that were not fitted
+    double p = 0.0;            ///< family-wise, of the nominal fit
+    std::vector<double> prior; ///< of each effect; empty: shares of 0.6
     /// Of each effect: those it must beat by two standard errors to count at all (the parts of a pair, the best named
     /// effect for a learned law).
     std::vector<std::vector<std::size_t>> parts;

@@ -99,6 +99,27 @@ CLI::App* describeRun(CLI::App& app, supercircle::cli::RunArguments& a) {
     return run;
 }
 
+CLI::App* describeSweep(CLI::App& app, supercircle::cli::SweepArguments& a) {
+    a.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 1024);
+    CLI::App* verb = app.add_subcommand("sweep", "play a scene for sets of parameter values and seeds; statistics");
+    verb->add_option("sweep", a.file, "sweep file (JSON)")->required()->type_name("SWEEP.json");
+    verb->add_option("--out", a.out, "folder for the results")->required()->type_name("DIR");
+    verb->add_option("--seeds", a.seeds, "seeds in place of the file's, such as 1:20 or 1:5,8")->type_name("LIST");
+    verb->add_option("--jobs", a.jobs, "runs at a time, 1 to 1024, each a process of its own")
+        ->check(CLI::Range(1, 1024).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    verb->add_flag("--resume", a.resume, "go on where an earlier sweep into DIR was stopped, or extend it");
+    verb->add_option("--shard", a.shard, "I/N: only part I of N, into a folder of its own")->type_name("I/N");
+    verb->add_option("--merge", a.merge, "folders of shards, taken together in DIR; nothing is played")
+        ->type_name("DIR ...");
+    verb->add_flag("--quiet", a.quiet, "print nothing but errors and failed runs");
+    verb->footer("A sweep that was stopped, however, goes on with --resume and ends with the same bytes. Exit codes:\n"
+                 "0 done; 2 bad input; 3 runs failed (failed.csv lists them); 4 output could not be written;\n"
+                 "130 interrupted.");
+    return verb;
+}
+
 CLI::App* describeReplay(CLI::App& app, supercircle::cli::ReplayArguments& a) {
     CLI::App* replay = app.add_subcommand("replay", "simulate a recorded experiment and show what differs");
     replay->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
@@ -255,6 +276,9 @@ int dispatch(int argc, char** argv) {
     RunArguments runArguments;
     CLI::App* run = describeRun(app, runArguments);
 
+    SweepArguments sweepArguments;
+    CLI::App* sweep = describeSweep(app, sweepArguments);
+
     ReplayArguments replayArguments;
     CLI::App* replay = describeReplay(app, replayArguments);
 
@@ -303,6 +327,8 @@ int dispatch(int argc, char** argv) {
     }
     if (run->parsed())
         return supercircle::cli::run(runArguments);
+    if (sweep->parsed())
+        return supercircle::cli::sweep(sweepArguments);
     if (replay->parsed())
         return supercircle::cli::replay(replayArguments);
     if (import->parsed())

@@ -77,6 +77,18 @@ struct ValidateArguments {
     int jobs = 1;
 };
 
+struct SweepArguments {
+    std::string file;
+    std::string out;
+    std::string seeds;              ///< in place of the file's, such as "1:20"; empty: the file's
+    std::string shard;              ///< "I/N"; empty: all
+    std::string engine = "local";   ///< or "slurm"
+    std::vector<std::string> merge; ///< folders of shards to take over
+    int jobs = 1;
+    bool resume = false;
+    bool quiet = false;
+};
+
 struct ViewArguments {
     std::string scene;
     std::vector<std::string> parameters; ///< NAME=VALUE
@@ -100,6 +112,8 @@ int import(const ImportArguments& arguments);
 int sensitivity(const SensitivityArguments& arguments);
 /// Finds out what physics a simulation of a recorded experiment leaves out.
 int diagnose(const DiagnoseArguments& arguments);
+/// Plays a scene for sets of parameter values and seeds.
+int sweep(const SweepArguments& arguments);
 /// Compares the laboratory with every solved reference and writes one page about it.
 int validate(const ValidateArguments& arguments);
 /// Shows a scene in a window, or headless as a picture.

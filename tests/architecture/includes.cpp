@@ -77,6 +77,11 @@ const std::vector<Rule>& rules() {
           "supercircle/effects/effect.h", "supercircle/parallel/"},
          {"Eigen/", "boost/math/"},
          {}},
+        {"plugin/sweep/",
+         {"plugin/include/", "plugin/sweep/", "plugin/scene/", "plugin/record/"},
+         {},
+         {"nlohmann/", "sqlite3.h", "boost/math/"},
+         true},
         // The verb `view` starts the testbed, which lives on the games' frame.
         {"plugin/cli/",
          {"plugin/", "bridge/", "supercircle/", "examples/testbed/testbed.h"},

@@ -67,7 +67,7 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
             const bool experiment = kind.find("experiment") != std::string::npos;
             std::fprintf(stderr, "%s:1:1: /schema: this is %s, not a scene; %s\n", file.c_str(), kind.c_str(),
                          experiment ? "`supercircle replay` simulates one whose \"schema\" says rod-recordings/1"
-                                    : "this version has no sweeps");
+                                    : "`supercircle sweep` plays one whose \"schema\" says supercircle-sweep/1");
             return std::nullopt;
         }
         loaded = scene::loadText(*text, file, overrides, problems);

@@ -293,9 +293,9 @@ int dispatch(int argc, char** argv) {
 
     std::string file;
     std::vector<std::string> parameters;
-    CLI::App* check =
-        app.add_subcommand("check", "validate a scene or an experiment without running it, and list its parameters");
-    check->add_option("file", file, "scene or experiment file (JSON)")->required()->type_name("FILE.json");
+    CLI::App* check = app.add_subcommand(
+        "check", "validate a scene, sweep or experiment without running it, and list its parameters");
+    check->add_option("file", file, "scene, sweep or experiment file (JSON)")->required()->type_name("FILE.json");
     addParameters(*check, parameters);
 
     ValidateArguments validateArguments;

@@ -231,7 +231,11 @@ std::string play(const SweepArguments& a, Work& work, Lock& lock) {
         last = run.parameters + ", seed " + std::to_string(run.seed);
         return work.store.keep(run);
     };
+    std::size_t shown = 0;
     plan.turn = [&] {
+        if (done == shown && ::isatty(STDERR_FILENO) == 0) // plain lines: only where there is news
+            return;
+        shown = done;
         const std::string bad =
             work.died + work.failed > 0 ? ", " + std::to_string(work.died + work.failed) + " not good" : "";
         line.show(static_cast<double>(done) / static_cast<double>(missing.size()),

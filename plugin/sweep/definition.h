@@ -14,12 +14,6 @@ namespace supercircle::sweep {
 /// Name and value of a scene's parameter, SI.
 using Setting = std::pair<std::string, double>;
 
-/// How the report lays results out.
-struct Look {
-    std::string x;     ///< parameter along the abscissa
-    std::string group; ///< parameter that tells curves apart; empty: one curve
-};
-
 struct Definition {
     std::string file; ///< as opened
     std::string name;
@@ -29,7 +23,7 @@ struct Definition {
     std::vector<Setting> fixed;            ///< parameters that have one value throughout
     std::vector<std::vector<double>> sets; ///< one value per name; the first name varies slowest
     std::vector<std::int64_t> seeds;       ///< each set is played once per seed
-    Look look;
+    std::string x;                         ///< parameter along the abscissa of pictures; empty: nothing varies
 
     /// All parameters of a set: the fixed ones, then the varied ones.
     [[nodiscard]] std::vector<Setting> settings(std::size_t set) const;

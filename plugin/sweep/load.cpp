@@ -167,25 +167,17 @@ std::vector<std::int64_t> readSeeds(Context& context, ObjectReader& top) {
     return seeds;
 }
 
-void readLook(Context& context, ObjectReader& top, Definition& sweep) {
+void readReport(Context& context, ObjectReader& top, Definition& sweep) {
     if (!sweep.names.empty())
-        sweep.look.x = sweep.names.front();
-    if (sweep.names.size() > 1)
-        sweep.look.group = sweep.names[1];
+        sweep.x = sweep.names.front();
     const Node* node = top.find("report");
     if (node == nullptr)
         return;
     ObjectReader object(context, *node, "/report");
-    const auto parameter = [&](const char* key, std::string& name) {
-        name = object.string(key, name);
-        if (object.find(key) != nullptr && std::find(sweep.names.begin(), sweep.names.end(), name) == sweep.names.end())
-            context.error(*object.find(key), object.pointerTo(key), "no parameter \"" + name + "\" varies",
-                          "one of \"grid\" or \"cases\"", scene::nearestName(name, sweep.names));
-    };
-    parameter("x", sweep.look.x);
-    parameter("group", sweep.look.group);
-    if (sweep.look.group == sweep.look.x)
-        sweep.look.group.clear();
+    sweep.x = object.string("x", sweep.x);
+    if (object.find("x") != nullptr && std::find(sweep.names.begin(), sweep.names.end(), sweep.x) == sweep.names.end())
+        context.error(*object.find("x"), "/report/x", "no parameter \"" + sweep.x + "\" varies",
+                      "one of \"grid\" or \"cases\"", scene::nearestName(sweep.x, sweep.names));
     object.finish();
 }
 
@@ -213,7 +205,7 @@ void readTop(Context& context, Definition& sweep) {
             context.error(*top.find("fixed")->find(s.first), "/fixed/" + scene::pointerToken(s.first),
                           "this parameter varies, it cannot be fixed");
     sweep.seeds = readSeeds(context, top);
-    readLook(context, top, sweep);
+    readReport(context, top, sweep);
     top.finish();
     if (sweep.sets.size() * sweep.seeds.size() > maxRuns)
         context.error(context.document.root, "", "too many runs", "at most " + std::to_string(maxRuns));

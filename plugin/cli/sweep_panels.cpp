@@ -95,6 +95,25 @@ void drawHistogram(Canvas& canvas, const Rect& cell, const std::vector<double>& 
     canvas.text({area.right(), area.y + 4.0}, "n " + std::to_string(s.n) + p, {10.5, theme::muted, Anchor::End});
 }
 
+/// Displacements in mm, forces in N. Single steps after a snap ring far beyond what the specimen carries: one point in
+/// a thousand may lie outside.
+std::pair<Range, Range> rangesOf(const std::vector<sweep::RunResult>& runs) {
+    double distance = 0.0, turn = 0.0;
+    std::vector<double> forces;
+    for (const sweep::RunResult& run : runs)
+        for (const sweep::Leg& leg : run.curve) {
+            for (const double d : leg.displacement)
+                distance = std::max(distance, 1e3 * d);
+            forces.insert(forces.end(), leg.force.begin(), leg.force.end());
+            turn = std::max(turn, leg.force.empty() ? 0.0 : leg.force.back());
+        }
+    if (forces.empty())
+        return {};
+    std::sort(forces.begin(), forces.end());
+    const std::size_t outside = forces.size() / 1000;
+    return {{0.0, distance}, {std::min(0.0, forces[outside]), std::max(turn, forces[forces.size() - 1 - outside])}};
+}
+
 void drawLegs(Canvas& canvas, const Plot& plot, const sweep::RunResult& run, bool bold) {
     const std::size_t cycles = std::max<std::size_t>(1, run.curve.size() / 2);
     for (std::size_t i = 0; i < run.curve.size(); ++i) {
@@ -155,13 +174,7 @@ SweepFigure forceFigure(const sweep::Definition& sweep, const std::vector<std::v
         for (std::size_t row = 0; row < panels.groups.size(); ++row)
             for (std::size_t i = 0; i < panels.groups[row].sets.size(); ++i) {
                 const std::vector<sweep::RunResult>& runs = curves[panels.groups[row].sets[i]];
-                Range distance{0.0, 0.0}, force{0.0, 0.0};
-                for (const sweep::RunResult& run : runs)
-                    for (const sweep::Leg& leg : run.curve)
-                        for (std::size_t k = 0; k < leg.force.size(); ++k) {
-                            distance.hi = std::max(distance.hi, 1e3 * leg.displacement[k]);
-                            force = {std::min(force.lo, leg.force[k]), std::max(force.hi, leg.force[k])};
-                        }
+                const auto [distance, force] = rangesOf(runs);
                 const Rect cell = panels.cell(row, i);
                 canvas.text({cell.x + 0.5 * cell.width + 30.0, cell.y + 14.0}, titleOf(panels.groups[row], i, x),
                             {theme::labelSize, theme::ink, Anchor::Middle});

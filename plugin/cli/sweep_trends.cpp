@@ -101,6 +101,14 @@ void drawLegend(Canvas& canvas, const std::vector<Curve>& curves, double x, doub
     }
 }
 
+/// The limit holds for thirty shells in the paper's box.
+bool asManyAsInThePaper(const sweep::Definition& sweep) {
+    for (const sweep::Setting& s : sweep.settings(0))
+        if (s.first == "shells" || s.first == "width")
+            return false;
+    return true;
+}
+
 std::vector<Curve> trendsOf(const sweep::Definition& sweep, const sweep::Table& table, const std::string& quantity,
                             const std::string& only) {
     std::vector<Curve> curves;
@@ -160,7 +168,8 @@ SweepFigure trendFigure(const sweep::Definition& sweep, const sweep::Table& tabl
     figure.width = 620.0;
     figure.height = 430.0;
     figure.draw = [curves = trendsOf(sweep, table, quantity, only), x = parameterLabel(sweep.x),
-                   y = quantityLabel(quantity), height = quantity == "H0_over_R"](Canvas& canvas) {
+                   y = quantityLabel(quantity),
+                   height = quantity == "H0_over_R" && asManyAsInThePaper(sweep)](Canvas& canvas) {
         PlotStyle style;
         style.x = {x, 1.0};
         style.y = {y, 1.0};
@@ -224,11 +233,15 @@ SweepFigure cyclesFigure(const sweep::Definition& sweep, const sweep::Table& tab
         "Mean over the runs of a set with its standard error (thick) and the spread of single runs (thin).";
     figure.width = 1180.0;
     figure.height = 800.0;
-    figure.draw = [panels](Canvas& canvas) {
+    std::size_t most = 0;
+    for (const Curve& c : panels.front().curves)
+        most = std::max(most, c.marks.size());
+    figure.draw = [panels, most](Canvas& canvas) {
         drawLegend(canvas, panels.front().curves, 80.0, 24.0);
         for (std::size_t p = 0; p < panels.size(); ++p) {
             PlotStyle style;
             style.x = {"cycle", 1.0};
+            style.xTicks = static_cast<int>(std::clamp<std::size_t>(most, 2, 10)); // whole numbers
             style.y = {panels[p].label, 1.0};
             const Rect area{80.0 + 590.0 * static_cast<double>(p % 2), 44.0 + 380.0 * static_cast<double>(p / 2), 490.0,
                             310.0};

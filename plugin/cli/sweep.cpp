@@ -2,6 +2,7 @@
 #include "plugin/cli/progress.h"
 #include "plugin/cli/sweep_page.h"
 #include "plugin/cli/sweep_play.h"
+#include "plugin/cli/sweep_work.h"
 #include "plugin/cli/verbs.h"
 
 #include "plugin/record/files.h"
@@ -25,23 +26,22 @@ namespace supercircle::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using Work = SweepWork;
 using sweep::Definition;
 using sweep::Finished;
 using sweep::Store;
 using sweep::StoredRun;
 using sweep::Task;
 
-constexpr const char* kFormat = "supercircle-sweep-store/1";
-constexpr const char* kStoreName = "results.sqlite";
-
-int badInput(const std::string& message) {
+int complain(int code, const std::string& message) {
     std::fprintf(stderr, "%s\n", message.c_str());
-    return kBadInput;
+    return code;
 }
-
+int badInput(const std::string& message) {
+    return complain(kBadInput, message);
+}
 int cannotWrite(const std::string& message) {
-    std::fprintf(stderr, "%s\n", message.c_str());
-    return kCannotWrite;
+    return complain(kCannotWrite, message);
 }
 
 std::string hostName() {
@@ -59,16 +59,6 @@ std::string buildName() {
     std::snprintf(text, sizeof text, "%s %016llx", SC_VERSION, static_cast<unsigned long long>(h));
     return text;
 }
-
-/// A sweep at work: what to play, and where results go.
-struct Work {
-    Definition sweep;
-    std::string sceneText;
-    Store store;
-    sweep::Shard shard;
-    std::size_t playedBefore = 0;
-    std::size_t died = 0, failed = 0;
-};
 
 /// At most one program at a time works in a folder; the lock goes with the process, however it ends.
 class Lock {
@@ -113,6 +103,8 @@ int prepare(const SweepArguments& a, Work& work) {
         work.sweep.seeds = sweep::parseSeeds(a.seeds);
     if (work.sweep.seeds.empty())
         return badInput("--seeds " + a.seeds + ": expected seeds such as 1:20 or 1:5,8");
+    if (a.engine == "slurm" && (!a.shard.empty() || !a.merge.empty()))
+        return badInput("--engine slurm makes and merges shards itself; --shard and --merge are for doing it by hand");
     if (!a.shard.empty()) {
         const auto shard = sweep::parseShard(a.shard);
         if (!shard)
@@ -136,7 +128,7 @@ int prepare(const SweepArguments& a, Work& work) {
 int checkIdentity(const SweepArguments& a, Work& work) {
     const std::string shard = std::to_string(work.shard.part) + "/" + std::to_string(work.shard.parts);
     const std::vector<std::pair<std::string, std::string>> wanted = {
-        {"format", kFormat}, {"scene", work.sceneText}, {"shard", shard}};
+        {"format", kSweepFormat}, {"scene", work.sceneText}, {"shard", shard}};
     const auto known = work.store.finished();
     if (!known)
         return cannotWrite(known.error);
@@ -162,7 +154,7 @@ int checkIdentity(const SweepArguments& a, Work& work) {
 
 int mergeAll(const SweepArguments& a, Work& work) {
     for (const std::string& folder : a.merge) {
-        const std::string path = folder + "/" + kStoreName;
+        const std::string path = folder + "/" + kSweepStore;
         std::error_code error;
         if (!fs::is_regular_file(path, error))
             return badInput(path + ": there is no such file; --merge takes folders of shards");
@@ -170,7 +162,7 @@ int mergeAll(const SweepArguments& a, Work& work) {
         if (const std::string why = shard.open(path); !why.empty())
             return badInput(why);
         const auto format = shard.meta("format"), scene = shard.meta("scene");
-        if (!format || !scene || format.value != kFormat || scene.value != work.sceneText)
+        if (!format || !scene || format.value != kSweepFormat || scene.value != work.sceneText)
             return badInput(folder + ": holds runs of another scene or of another version");
         if (const std::string why = work.store.takeOver(shard); !why.empty())
             return cannotWrite(why);
@@ -246,8 +238,8 @@ std::string play(const SweepArguments& a, Work& work, Lock& lock) {
     return sweep::playAll(missing, plan);
 }
 
-void say(const SweepArguments& a, const Work& work, const sweep::Table& table) {
-    std::size_t missing = 0;
+void say(const SweepArguments& a, Work& work, const sweep::Table& table) {
+    std::size_t& missing = work.missing;
     for (const Task& task : sweep::tasks(work.sweep, {}))
         missing += std::none_of(table.rows.begin(), table.rows.end(),
                                 [&](const sweep::Row& r) { return r.set == task.set && r.seed == task.seed; })
@@ -257,7 +249,7 @@ void say(const SweepArguments& a, const Work& work, const sweep::Table& table) {
         std::printf("%zu runs of %zu sets of parameters%s\n", table.rows.size(), work.sweep.sets.size(),
                     missing > 0 ? (", " + std::to_string(missing) + " still to be played").c_str() : "");
         std::printf("results: %s/results.csv, statistics.csv, timings.csv, failed.csv, %s\n", a.out.c_str(),
-                    kStoreName);
+                    kSweepStore);
         std::printf("pictures: %s/report.html\n", a.out.c_str());
     }
     for (const sweep::Row& row : table.rows)
@@ -287,7 +279,11 @@ int finish(const SweepArguments& a, Work& work) {
     const bool arrived = printed();
     const bool good = std::all_of(table.value.rows.begin(), table.value.rows.end(),
                                   [](const sweep::Row& r) { return r.status == "done"; });
-    return !arrived ? kCannotWrite : good ? kDone : kCannotGoOn;
+    const bool ended = a.engine != "slurm" || interrupted || work.missing == 0;
+    if (!ended)
+        std::fprintf(stderr, "%zu runs did not arrive; what the tasks said is in %s/slurm, --resume plays them\n",
+                     work.missing, a.out.c_str());
+    return !arrived ? kCannotWrite : good && ended ? kDone : kCannotGoOn;
 }
 
 } // namespace
@@ -302,15 +298,19 @@ int sweep(const SweepArguments& a) {
     Lock lock;
     if (const std::string error = lock.take(a.out); !error.empty())
         return cannotWrite(error);
-    if (const std::string error = work.store.open(a.out + "/" + kStoreName); !error.empty())
+    if (const std::string error = work.store.open(a.out + "/" + kSweepStore); !error.empty())
         return cannotWrite(error);
     if (const int code = checkIdentity(a, work); code != kDone)
         return code;
     if (const int code = mergeAll(a, work); code != kDone)
         return code;
-    if (a.merge.empty())
+    if (a.merge.empty() && a.engine == "slurm") {
+        if (const std::string error = playOnCluster(a, work); !error.empty())
+            return complain(kCannotGoOn, error);
+    } else if (a.merge.empty()) {
         if (const std::string error = play(a, work, lock); !error.empty())
             return cannotWrite(error);
+    }
     const int code = finish(a, work);
     if (interrupted && code != kCannotWrite) {
         std::fprintf(stderr, "interrupted; what is done is in %s, --resume goes on\n", a.out.c_str());

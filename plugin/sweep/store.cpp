@@ -140,13 +140,14 @@ std::string Store::forEach(const std::function<void(const StoredRun&)>& each) {
     return s.good() ? "" : impl_->error();
 }
 
-std::string Store::takeOver(Store& other) {
+std::string Store::takeOver(Store& other, const std::set<RunName>& only) {
     const auto here = finished();
     if (!here)
         return here.error;
     std::string error;
     const std::string read = other.forEach([&](const StoredRun& run) {
-        if (error.empty() && here.value.count({run.parameters, run.seed}) == 0)
+        const RunName name{run.parameters, run.seed};
+        if (error.empty() && here.value.count(name) == 0 && (only.empty() || only.count(name) > 0))
             error = keep(run);
     });
     return error.empty() ? read : error;

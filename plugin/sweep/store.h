@@ -48,8 +48,8 @@ public:
     [[nodiscard]] record::Result<std::set<RunName>> finished();
     /// Calls `each` for every run, ordered by parameters and seed.
     [[nodiscard]] std::string forEach(const std::function<void(const StoredRun&)>& each);
-    /// Takes over all runs of another store that are not here, or died here.
-    [[nodiscard]] std::string takeOver(Store& other);
+    /// Takes over the runs of another store that are not here, or died here; only those named, unless `only` is empty.
+    [[nodiscard]] std::string takeOver(Store& other, const std::set<RunName>& only = {});
 
 private:
     struct Impl;

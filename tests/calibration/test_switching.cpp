@@ -15,7 +15,8 @@ double cylinder(double phiBar) {
     const double phi = phiBar * std::acos(-1.0), c = std::cos(phi), s = std::sin(phi);
     const double cxx = phi / 2.0 - 1.5 * s * c + phi * c * c;
     const double cxy = 0.5 - 1.5 * c * c + c - phi * s * c;
-    return std::tan(std::acos(-1.0) - phi + std::atan(cxy / cxx));
+    const double angle = std::acos(-1.0) - phi + std::atan(cxy / cxx);
+    return angle < 0.5 * std::acos(-1.0) ? std::tan(angle) : HUGE_VAL; // beyond: smooth whatever the friction
 }
 
 std::optional<Snap> exact(double phiBar, double mu) {

@@ -8,7 +8,6 @@
 #include "bridge/lab_world.h"
 #include "plugin/calibration/curve.h"
 #include "plugin/calibration/switching.h"
-#include "plugin/experiment/load.h"
 #include "plugin/lab/runner.h"
 #include "plugin/record/files.h"
 #include "plugin/scene/document.h"
@@ -17,7 +16,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace supercircle::cli {
@@ -167,11 +165,7 @@ int fromSwitch(const CalibrateArguments& a) {
 int fromCurve(const CalibrateArguments& a) {
     if (!a.smooth.empty() || !a.abrupt.empty() || !a.parameters.empty())
         return complain(kBadInput, a.file + ": this is an experiment; --smooth, --abrupt and --param go with a scene");
-    std::vector<scene::Problem> problems;
-    const auto loaded = experiment::load(a.file, problems);
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error || !a.quiet)
-            std::fprintf(stderr, "%s\n", p.toString().c_str());
+    const auto loaded = loadExperiment(a.file, a.quiet);
     if (!loaded)
         return kBadInput;
     ProgressLine line(a.quiet);
@@ -204,18 +198,10 @@ int fromCurve(const CalibrateArguments& a) {
     return code != kDone ? code : printed() ? kDone : kCannotWrite;
 }
 
-bool isExperiment(const std::string& file) {
-    std::vector<scene::Problem> ignored;
-    const auto text = scene::readFile(file, ignored);
-    const auto document = text ? scene::parseDocument(*text, file, ignored) : std::nullopt;
-    const scene::Node* schema = document ? document->root.find("schema") : nullptr;
-    return schema != nullptr && schema->text.rfind("rod-recordings/", 0) == 0;
-}
-
 } // namespace
 
 int calibrate(const CalibrateArguments& a) {
-    return isExperiment(a.file) ? fromCurve(a) : fromSwitch(a);
+    return schemaOf(a.file).rfind("rod-recordings/", 0) == 0 ? fromCurve(a) : fromSwitch(a);
 }
 
 } // namespace supercircle::cli

@@ -29,15 +29,6 @@ std::string range(const scene::Parameter& p) {
     return text;
 }
 
-/// What a file calls itself: the text of its "schema", empty if there is none.
-std::string schemaOf(const std::string& file) {
-    std::vector<scene::Problem> ignored; // whoever loads it finds them again
-    const auto text = scene::readFile(file, ignored);
-    const auto document = text ? scene::parseDocument(*text, file, ignored) : std::nullopt;
-    const scene::Node* schema = document ? document->root.find("schema") : nullptr;
-    return schema != nullptr ? schema->text : "";
-}
-
 int checkSweep(const std::string& file, const std::vector<std::string>& parameters) {
     if (!parameters.empty()) {
         std::fprintf(stderr, "--param: a sweep sets its parameters itself, with \"grid\", \"cases\" and \"fixed\"\n");

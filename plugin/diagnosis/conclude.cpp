@@ -1,18 +1,12 @@
 #include "plugin/diagnosis/conclude.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 namespace supercircle::diagnosis {
 
 namespace {
-
-std::string words(const std::string& label) {
-    std::string out = label;
-    for (char& c : out)
-        c = c == '_' ? ' ' : c;
-    return out;
-}
 
 std::string number(double v) {
     char text[32];
@@ -23,7 +17,7 @@ std::string number(double v) {
 std::string joined(const std::vector<std::string>& labels, std::size_t from = 0) {
     std::string out;
     for (std::size_t i = from; i < labels.size(); ++i)
-        out += (i == from ? "" : i + 1 == labels.size() ? " and " : ", ") + words(labels[i]);
+        out += (i == from ? "" : i + 1 == labels.size() ? " and " : ", ") + plainWords(labels[i]);
     return out;
 }
 
@@ -38,7 +32,7 @@ std::string blindSpots(const Diagnosis& d) {
 
 std::string named(const Diagnosis& d) {
     const FoundEffect& e = d.effects.front();
-    std::string text = "The runs are explained by " + words(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
+    std::string text = "The runs are explained by " + plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
     for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i) {
         const FittedParameter& p = e.parameters[i];
         text += (i == 0 ? ": " : ", ") + p.name + " = " + number(p.value) + (p.unit == "1" ? "" : " " + p.unit);
@@ -51,6 +45,11 @@ std::string named(const Diagnosis& d) {
 }
 
 } // namespace
+
+std::string plainWords(std::string label) {
+    std::replace(label.begin(), label.end(), '_', ' ');
+    return label;
+}
 
 std::string verdictOf(const Evidence& e) {
     const bool gains = e.any && e.gainLow > 0.0 && e.gain > 3.0;
@@ -79,7 +78,7 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "unexplained")
         return "Something is missing (p = " + number(e.p) + "), and no effect of the catalogue accounts for it" +
                (d.effects.empty() ? std::string(".")
-                                  : "; the nearest is " + words(d.effects.front().label) + ", which leaves " +
+                                  : "; the nearest is " + plainWords(d.effects.front().label) + ", which leaves " +
                                         number(d.improvedHeldOut) + " N on unseen runs with a noise of " +
                                         number(d.noise.total()) + " N.");
     std::string text = "Something is missing (p = " + number(e.p) + "), but these runs do not decide between ";

@@ -236,9 +236,12 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
     if (shells_.world().counters.quarantined > 0) { // a game goes on without the shell, an experiment cannot
         end_ = End::Failed;
         message_ =
-            "a shell became faster than sound in its own material, or its numbers were not finite, and was taken "
-            "out of the motion (at t = " +
-            std::to_string(shells_.time()) + " s); look for shells put into each other or driven too fast";
+            std::string(shells_.world().counters.crossings > 0
+                            ? "shells would cross even at the smallest step"
+                            : "a shell became faster than sound in its own material, or its numbers were not finite, "
+                              "and was taken out of the motion") +
+            " (at t = " + std::to_string(shells_.time()) +
+            " s); look for shells put into each other or driven too fast";
         return false;
     }
     return true;

@@ -4,6 +4,7 @@
 #include "plugin/sweep/store.h"
 #include "plugin/sweep/table.h"
 #include "plugin/sweep/workers.h"
+#include "tests/support/folder.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -17,24 +18,9 @@
 using namespace supercircle;
 using namespace supercircle::sweep;
 using Catch::Contains;
+using supercircle::test::Folder;
 
 namespace {
-
-class Folder {
-public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "sc-sweep-XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    std::string path;
-};
 
 Definition twoByThree() {
     Definition d;

@@ -120,7 +120,7 @@ void drawPlane(Canvas& canvas, const Surface& s, const std::string& quantity, do
     drawOrdinate(canvas, plot, s);
     canvas.pushClip(plot.area);
     for (const double shift : {-1.0, 1.0})
-        drawLevel(canvas, plot, s, wanted, shift, {theme::paper, 1.4, {4.0, 4.0}});
+        drawLevel(canvas, plot, s, wanted, shift, {theme::paper, 1.4});
     drawLevel(canvas, plot, s, wanted, 0.0, {theme::ink, 3.0});
     canvas.popClip();
     drawScale(canvas, {668.0, 30.0, 18.0, 400.0}, range, quantityLabel(quantity));
@@ -155,7 +155,7 @@ SweepFigure designChart(const Surface& surface, const std::string& quantity, dou
     figure.name = "design_" + quantity;
     figure.title = quantityLabel(quantity) + " = " + shortNumber(wanted);
     figure.caption = surface.y.size() > 1 ? "Colours: mean of the runs, interpolated between the dots, where the sweep "
-                                            "was played. Line: the wanted value; dashed: one standard error aside."
+                                            "was played. Line: the wanted value; thin: one standard error aside."
                                           : "Mean of the runs with its standard error; dashed: the wanted value.";
     figure.width = 780.0;
     figure.height = 490.0;

@@ -1,3 +1,4 @@
+#include "plugin/cli/diagnose_ensembles.h"
 #include "plugin/cli/diagnose_figures.h"
 #include "plugin/cli/diagnose_page.h"
 #include "plugin/cli/output.h"
@@ -84,6 +85,8 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
 } // namespace
 
 int diagnose(const DiagnoseArguments& a) {
+    if (const auto done = diagnoseEnsembleFile(a))
+        return *done;
     const auto experiment = loadExperiment(a);
     if (!experiment || !knownEffects(a.without))
         return kBadInput;

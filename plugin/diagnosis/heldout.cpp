@@ -119,7 +119,7 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
     out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
     out.error = Eigen::VectorXd::Zero(misfit.rows());
     const Eigen::MatrixXd& J = fitted.jacobian;
-    const Eigen::MatrixXd prior = priorOf(v);
+    const Eigen::MatrixXd prior = priorOf(v) + v.penalty;
     double squares = 0.0, count = 0.0;
     for (int f = 0; f < g.folds; ++f) {
         const Eigen::VectorXd held = maskOf(g, f);
@@ -129,8 +129,9 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
         std::vector<Response> responses = fitted.responses;
         for (int correction = 0; correction < 2; ++correction) {
             const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
-            const Eigen::MatrixXd damped = G + 1e-3 * prior; // what the rest does not see stays where it is
-            const Eigen::VectorXd step = boxMinimum(damped, J.transpose() * train.cwiseProduct(r),
+            // What the rest does not see stays where it is.
+            const Eigen::MatrixXd damped = G + 1e-3 * prior + v.penalty;
+            const Eigen::VectorXd step = boxMinimum(damped, J.transpose() * train.cwiseProduct(r) - v.penalty * x,
                                                     (v.lower - x).cwiseMax(-far), (v.upper - x).cwiseMin(far));
             const Eigen::VectorXd to = x + step;
             auto there = evaluator.everywhere({v.at(to)}, Fineness::Fine).front();

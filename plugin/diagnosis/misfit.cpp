@@ -2,6 +2,7 @@
 
 #include "plugin/replay/compare.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -38,6 +39,8 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const M
         const bool turns = std::any_of(run.legs.begin(), run.legs.end(), [&](const Leg& leg) {
             return jump.time > leg.from - 2.0 * dt && jump.time < leg.from + 0.1 + 2.0 * dt;
         });
+        if (!turns)
+            out.snaps.push_back(jump.time);
         const double before = turns ? 1.5 * dt : s.snapBefore, after = turns ? 1.5 * dt : s.snapAfter;
         for (Eigen::Index k = 0; k < run.time.size(); ++k)
             if (run.time[k] > jump.time - before && run.time[k] < jump.time + after)
@@ -49,13 +52,34 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const M
     }
 }
 
+/// Change of the force when the clock runs a row ahead, N; 0 where it means nothing.
+Eigen::VectorXd clockShift(const RecordedRun& run, const Response& fine, const Eigen::VectorXd& errors) {
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(run.force.size());
+    if (!fine.failure.empty() || fine.force.size() != run.force.size())
+        return d;
+    for (Eigen::Index k = 1; k + 1 < d.size(); ++k)
+        if (const double slope = 0.5 * (fine.force[k + 1] - fine.force[k - 1]);
+            std::isfinite(slope) && std::isfinite(errors[k]))
+            d[k] = slope;
+    return d;
+}
+
+/// S of (1 + N N')^(-1/2) = 1 - N S N'.
+Eigen::MatrixXd shrinking(const Eigen::MatrixXd& N) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(N.transpose() * N);
+    Eigen::VectorXd s = eigen.eigenvalues().cwiseMax(0.0);
+    for (double& v : s) // (1 - 1/sqrt(1 + v)) / v, 1/2 where v vanishes
+        v = v > 1e-9 ? (1.0 - 1.0 / std::sqrt(1.0 + v)) / v : 0.5;
+    return eigen.eigenvectors() * s.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 } // namespace
 
 RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& coarse,
                     double peakForce, const MisfitSettings& s) {
     RowErrors out;
     const Eigen::Index n = run.force.size();
-    out.force = Eigen::VectorXd::Constant(n, s.shareOfPeak * peakForce);
+    out.force = Eigen::VectorXd::Constant(n, std::hypot(s.shareOfPeak * peakForce, noise.runToRun));
     out.markers = Eigen::VectorXd::Constant(run.markers.size(), std::hypot(noise.marker, s.markerPlace));
     double shortest = kMissing;
     for (const Leg& leg : run.legs)
@@ -94,7 +118,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
 
 Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine,
                const std::vector<Response>& coarse, const MisfitSettings& settings)
-    : data_(data), noise_(noise), start_{0} {
+    : data_(data), noise_(noise), landing_(settings.landing), start_{0} {
     const double peak = data.peakForce();
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
@@ -103,9 +127,32 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.force =
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
         const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, spacing(run)) : noise.total();
-        part.zero = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
+        part.own.resize(run.force.size(), 2);
+        part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
+        part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
+        part.shrink = shrinking(part.own);
+        addLandings(run, part);
         parts_.push_back(std::move(part));
         start_.push_back(start_.back() + run.rows());
+    }
+}
+
+/// Marker rows behind each recorded snap, up to the next one.
+void Misfit::addLandings(const RecordedRun& run, Part& part) {
+    std::vector<double> snaps = part.errors.snaps;
+    std::sort(snaps.begin(), snaps.end());
+    constexpr double kSame = 1.0; // s: the recorded and the simulated snap are one event
+    const Eigen::Index seen = run.markerTime.size();
+    const auto rowAfter = [&](double t) {
+        return static_cast<Eigen::Index>(std::lower_bound(run.markerTime.begin(), run.markerTime.end(), t) -
+                                         run.markerTime.begin());
+    };
+    for (std::size_t i = 0; i < snaps.size(); ++i) {
+        if (i + 1 < snaps.size() && snaps[i + 1] < snaps[i] + kSame)
+            continue; // begins with the later of the two
+        const Eigen::Index from = rowAfter(snaps[i]), to = i + 1 < snaps.size() ? rowAfter(snaps[i + 1]) : seen;
+        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && to > from; ++c)
+            part.landed.emplace_back(c * seen + from, c * seen + to);
     }
 }
 
@@ -118,12 +165,24 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& force, cons
         if (!std::isfinite(part.errors.force[k]))
             present[k] = 0.0; // is not looked at
     Eigen::VectorXd u = part.force.apply(present);
-    if (const double n2 = part.zero.squaredNorm(); n2 > 0.0)
-        u -= part.zero * (part.zero.dot(u) * (1.0 - 1.0 / std::sqrt(1.0 + n2)) / n2);
+    u -= part.own * (part.shrink * (part.own.transpose() * u));
     out.head(run.force.size()) = u;
     for (Eigen::Index k = 0; k < run.markers.size() && k < markers.size(); ++k)
         if (std::isfinite(part.errors.markers[k]))
             out[run.force.size() + k] = markers[k] / part.errors.markers[k];
+    for (const auto& [from, to] : part.landed) {
+        double n2 = 0.0, along = 0.0;
+        for (Eigen::Index k = from; k < to; ++k)
+            if (std::isfinite(part.errors.markers[k])) {
+                const double n = landing_ / part.errors.markers[k];
+                n2 += n * n;
+                along += n * out[run.force.size() + k];
+            }
+        const double shrink = n2 > 0.0 ? along * (1.0 - 1.0 / std::sqrt(1.0 + n2)) / n2 : 0.0;
+        for (Eigen::Index k = from; k < to; ++k)
+            if (std::isfinite(part.errors.markers[k]))
+                out[run.force.size() + k] -= shrink * landing_ / part.errors.markers[k];
+    }
     return out;
 }
 

@@ -49,6 +49,8 @@ TEST_CASE("every effect of the catalogue is a candidate, absent where its amplit
     REQUIRE(menu.candidates.size() == menu.recipes.size());
     for (std::size_t i = 0; i < menu.candidates.size(); ++i) {
         const Candidate& c = menu.candidates[i];
+        if (c.learned) // no part of the catalogue
+            continue;
         labels.insert(c.label);
         INFO(c.label << " " << c.form);
         effects::Setting setting = menu.recipes[i].base;
@@ -97,5 +99,57 @@ TEST_CASE("designs are runs that start at rest and never go back in time", "[dia
         CHECK(run.driveDisplacement.front() == 0.0);
         for (std::size_t k = 1; k < run.driveTime.size(); ++k)
             CHECK(run.driveTime[k] > run.driveTime[k - 1]);
+    }
+}
+
+TEST_CASE("what acts on readings only is added to them as the sensor would", "[diagnosis]") {
+    experiment::Experiment e = strip();
+    e.sensors.forceZeroWindow = 0.5;
+    for (int k = 0; k < 420; ++k)
+        e.runs.front().readings.time.push_back(0.05 * k);
+    const ReplayModel model(e);
+    std::vector<double> stated;
+    for (const Scalar& s : model.nominal())
+        stated.push_back(s.value);
+    const Response plain = model.simulate(0, {stated, {}}, Fineness::Coarse, nullptr);
+    REQUIRE(plain.failure.empty());
+    for (std::size_t c = 0; c < model.candidates().size(); ++c) {
+        const Candidate& candidate = model.candidates()[c];
+        if (candidate.label != "sensor_drift" && candidate.label != "sensor_gain")
+            continue;
+        const Point with{stated, {{c, candidate.probes.front()}}};
+        CHECK(model.simulated(with).terms.empty());
+        Response quick = plain;
+        model.read(0, with, quick);
+        const Response full = model.simulate(0, with, Fineness::Coarse, nullptr);
+        // The sensor reads between the samples too; the drift bends by 1e-6 of the peak from one to the next.
+        CHECK((quick.force - full.force).cwiseAbs().maxCoeff() < 1e-4 * plain.force.cwiseAbs().maxCoeff());
+        CHECK((full.force - plain.force).cwiseAbs().maxCoeff() > 1e-2 * plain.force.cwiseAbs().maxCoeff());
+    }
+}
+
+TEST_CASE("a learned moment with coefficients of zero is linear, and bends the curve otherwise", "[diagnosis]") {
+    const experiment::Experiment e = strip();
+    const ReplayModel model(e);
+    std::vector<double> stated;
+    for (const Scalar& s : model.nominal())
+        stated.push_back(s.value);
+    for (std::size_t c = 0; c < model.candidates().size(); ++c) {
+        const Candidate& candidate = model.candidates()[c];
+        if (candidate.label != "learned_moment")
+            continue;
+        std::vector<double> zero(candidate.parameters.size(), 0.0), soft(candidate.parameters.size(), -0.2);
+        // A modulus lower by a fifth at every curvature is a bending modulus lower by a fifth.
+        Point softer{stated, {}};
+        REQUIRE(model.nominal().front().name == "bending_modulus");
+        softer.nominal.front() *= 0.8;
+        CHECK(model.candidates()[c].curve.evaluate(soft, {0.5}).front() == Approx(-0.2));
+        const Response a = model.simulate(0, {stated, {{c, soft}}}, Fineness::Coarse, nullptr);
+        const Response b = model.simulate(0, softer, Fineness::Coarse, nullptr);
+        const Response linear = model.simulate(0, {stated, {{c, zero}}}, Fineness::Coarse, nullptr);
+        const Response plain = model.simulate(0, {stated, {}}, Fineness::Coarse, nullptr);
+        REQUIRE(a.failure.empty());
+        CHECK((linear.force - plain.force).norm() <= 1e-6 * plain.force.norm());
+        CHECK((a.force - b.force).norm() <= 1e-2 * (b.force - plain.force).norm()); // the material's own step control
     }
 }

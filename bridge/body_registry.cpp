@@ -1,6 +1,7 @@
 #include "bridge/body_registry.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace supercircle::bridge {
@@ -28,36 +29,58 @@ bool BodyRegistry::looksTheSame(const Traits& before, const b2Body& body) {
     return found;
 }
 
+std::size_t BodyRegistry::place(const b2Body* body) const {
+    const auto found = std::lower_bound(byBody_.begin(), byBody_.end(), body, [](const auto& entry, const b2Body* b) {
+        return std::less<>()(entry.first, b);
+    });
+    return found == byBody_.end() || found->first != body ? known_.size() : found->second;
+}
+
+std::size_t BodyRegistry::place(step::BodyId id) const {
+    const auto found = std::lower_bound(byId_.begin(), byId_.end(), id,
+                                        [](const auto& entry, step::BodyId sought) { return entry.first < sought; });
+    return found == byId_.end() || found->first != id ? known_.size() : found->second;
+}
+
+void BodyRegistry::sortNames() {
+    byBody_.clear();
+    byId_.clear();
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+        byBody_.emplace_back(known_[i].body, i);
+        byId_.emplace_back(known_[i].id, i);
+    }
+    std::sort(byBody_.begin(), byBody_.end(),
+              [](const auto& a, const auto& b) { return std::less<>()(a.first, b.first); });
+    std::sort(byId_.begin(), byId_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
 void BodyRegistry::sync(b2World& world) {
-    std::vector<b2Body*> current;
+    current_.clear();
     for (b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext())
-        current.push_back(b);
-    std::reverse(current.begin(), current.end()); // Box2D's list starts with the youngest
+        current_.push_back(b);
+    std::reverse(current_.begin(), current_.end()); // Box2D's list starts with the youngest
 
     // Survivors keep their order and stand before all newcomers: they are a stretch at the front that is in the old
     // order. Where that stretch ends, a newcomer at a dead body's address may stand in the dead one's place; whoever
     // stands before a true survivor is one.
-    std::vector<std::size_t> survivors; // indices into known_
-    for (const b2Body* b : current) {
-        const auto found = byBody_.find(b);
-        if (found == byBody_.end() || (!survivors.empty() && found->second <= survivors.back()))
+    survivors_.clear(); // indices into known_
+    for (const b2Body* b : current_) {
+        const std::size_t found = place(b);
+        if (found == known_.size() || (!survivors_.empty() && found <= survivors_.back()))
             break;
-        survivors.push_back(found->second);
+        survivors_.push_back(found);
     }
-    while (!survivors.empty() && !looksTheSame(known_[survivors.back()].traits, *current[survivors.size() - 1]))
-        survivors.pop_back();
+    while (!survivors_.empty() && !looksTheSame(known_[survivors_.back()].traits, *current_[survivors_.size() - 1]))
+        survivors_.pop_back();
 
-    std::vector<Known> now;
-    now.reserve(current.size());
-    for (std::size_t i = 0; i < current.size(); ++i)
-        now.push_back({current[i], i < survivors.size() ? known_[survivors[i]].id : next_++, traitsOf(*current[i])});
-    known_ = std::move(now);
-    byBody_.clear();
-    byId_.clear();
-    for (std::size_t i = 0; i < known_.size(); ++i) {
-        byBody_[known_[i].body] = i;
-        byId_[known_[i].id] = i;
-    }
+    const bool all = survivors_.size() == current_.size() && current_.size() == known_.size();
+    now_.clear();
+    for (std::size_t i = 0; i < current_.size(); ++i)
+        now_.push_back(
+            {current_[i], i < survivors_.size() ? known_[survivors_[i]].id : next_++, traitsOf(*current_[i])});
+    std::swap(known_, now_);
+    if (!all)
+        sortNames();
 }
 
 void BodyRegistry::syncIfChanged(b2World& world) {
@@ -68,23 +91,22 @@ void BodyRegistry::syncIfChanged(b2World& world) {
 }
 
 b2Body* BodyRegistry::body(step::BodyId id) const {
-    const auto found = byId_.find(id);
-    return found == byId_.end() ? nullptr : known_[found->second].body;
+    const std::size_t found = place(id);
+    return found == known_.size() ? nullptr : known_[found].body;
 }
 
 step::BodyId BodyRegistry::id(const b2Body* body) const {
-    const auto found = byBody_.find(body);
-    return found == byBody_.end() ? 0 : known_[found->second].id;
+    const std::size_t found = place(body);
+    return found == known_.size() ? 0 : known_[found].id;
 }
 
 void BodyRegistry::forget(const b2Body* body) {
-    const auto found = byBody_.find(body);
-    if (found == byBody_.end())
+    const std::size_t found = place(body);
+    if (found == known_.size())
         return;
     // The place in the order stays (the body still lives for a moment); its name changes.
-    byId_.erase(known_[found->second].id);
-    known_[found->second].id = next_++;
-    byId_[known_[found->second].id] = found->second;
+    known_[found].id = next_++;
+    sortNames();
 }
 
 } // namespace supercircle::bridge

@@ -6,7 +6,7 @@
 #include <box2d/box2d.h>
 #include <cstddef>
 #include <cstdint>
-#include <map>
+#include <utility>
 #include <vector>
 
 namespace supercircle::bridge {
@@ -42,10 +42,18 @@ private:
     static Traits traitsOf(const b2Body& body);
     static bool looksTheSame(const Traits& before, const b2Body& body);
 
-    std::vector<Known> known_;                    ///< oldest first
-    std::map<const b2Body*, std::size_t> byBody_; ///< index into known_; looked up, never walked
-    std::map<step::BodyId, std::size_t> byId_;
+    [[nodiscard]] std::size_t place(const b2Body* body) const; ///< in known_, or its size
+    [[nodiscard]] std::size_t place(step::BodyId id) const;
+    void sortNames();
+
+    std::vector<Known> known_; ///< oldest first
+    // Sorted, looked up and never walked. A frame of a world in which nothing changed allocates nothing.
+    std::vector<std::pair<const b2Body*, std::size_t>> byBody_; ///< index into known_
+    std::vector<std::pair<step::BodyId, std::size_t>> byId_;
     step::BodyId next_ = 1;
+    std::vector<b2Body*> current_;       ///< storage of sync()
+    std::vector<std::size_t> survivors_; ///< likewise
+    std::vector<Known> now_;             ///< likewise
 };
 
 } // namespace supercircle::bridge

@@ -98,6 +98,8 @@ struct Box2dPort::Impl {
     double lastDt = 0.0; ///< of the host's last step as far as told, s
     std::uint64_t refused = 0;
     std::string lastRefusal;
+    Collector collector; ///< storage of query()
+    ConstraintWork walk; ///< storage of constraints() and impulses()
 
     void refuse(const std::string& why) {
         ++refused;
@@ -212,7 +214,8 @@ void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
         impl_->refuse("query: the box is not finite or too far away");
         return;
     }
-    Collector collector;
+    Collector& collector = impl_->collector;
+    collector.hits.clear();
     collector.broadPhase = &impl_->world->GetContactManager().m_broadPhase;
     collector.box = {toHost(box.lower, impl_->scale), toHost(box.upper, impl_->scale)};
     collector.broadPhase->Query(&collector, collector.box);
@@ -263,13 +266,14 @@ bool Box2dPort::state(BodyId body, BodyState& out) const {
 
 void Box2dPort::constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const {
     impl_->refresh(false);
-    appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt, out);
+    appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt, impl_->walk,
+                      out);
 }
 
 void Box2dPort::impulses(double dt, step::HostConstraints& io) const {
     impl_->refresh(true);
     impl_->lastDt = dt;
-    readImpulses(impl_->registry, impl_->scale, dt, io);
+    readImpulses(impl_->registry, impl_->scale, dt, impl_->walk, io);
 }
 
 void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) {

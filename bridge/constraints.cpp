@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace supercircle::bridge {
 
@@ -371,6 +370,15 @@ void readImpulse(b2Contact& contact, double scale, HostContact& c) {
     c.lost = !c.told; // a second look within the step, at its impacts with static bodies, replaced the manifold
 }
 
+/// False when it is in already.
+bool insertSorted(std::vector<BodyId>& ids, BodyId id) {
+    const auto at = std::lower_bound(ids.begin(), ids.end(), id);
+    if (at != ids.end() && *at == id)
+        return false;
+    ids.insert(at, id);
+    return true;
+}
+
 } // namespace
 
 bool pushes(const b2Contact& contact) {
@@ -378,45 +386,55 @@ bool pushes(const b2Contact& contact) {
 }
 
 void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& seeds, double unitsPerMetre, double dt,
-                       double lastDt, step::HostConstraints& out) {
+                       double lastDt, ConstraintWork& work, step::HostConstraints& out) {
     out.farthest = static_cast<double>(b2_maxTranslation) / unitsPerMetre;
     out.mostTurn = static_cast<double>(b2_maxRotation);
-    std::vector<BodyId> found = seeds;
-    std::set<BodyId> in(seeds.begin(), seeds.end());
+    std::vector<BodyId>& found = work.found; // in the order of the walk; `in` has them sorted
+    std::vector<BodyId>&in = work.in, &done = work.done;
+    found.clear();
+    in.clear();
+    done.clear();
+    for (const BodyId id : seeds) {
+        found.push_back(id);
+        insertSorted(in, id);
+    }
     const auto take = [&](const b2Body* body) {
-        if (const BodyId id = registry.id(body); id != 0 && in.insert(id).second)
+        if (const BodyId id = registry.id(body); id != 0 && insertSorted(in, id))
             found.push_back(id);
     };
+    const auto isDone = [&](const b2Body* body) {
+        return std::binary_search(done.begin(), done.end(), registry.id(body));
+    };
     // A constraint is taken by the first of its bodies.
-    std::set<BodyId> done;
     for (std::size_t i = 0; i < found.size(); ++i) {
         b2Body* body = registry.body(found[i]);
         if (body == nullptr || body->GetType() != b2_dynamicBody || !body->IsEnabled())
             continue;
         for (b2ContactEdge* e = body->GetContactList(); e != nullptr; e = e->next) {
-            if (!pushes(*e->contact) || done.contains(registry.id(e->other)))
+            if (!pushes(*e->contact) || isDone(e->other))
                 continue;
             if (appendContact(registry, *e->contact, unitsPerMetre, lastDt, out.contacts))
                 take(e->other);
         }
         for (b2JointEdge* e = body->GetJointList(); e != nullptr; e = e->next) {
-            if (!e->joint->IsEnabled() || done.contains(registry.id(e->other)))
+            if (!e->joint->IsEnabled() || isDone(e->other))
                 continue;
             appendJoint(registry, *e->joint, unitsPerMetre, dt, lastDt, out.rows);
             take(e->other);
         }
-        done.insert(found[i]);
+        insertSorted(done, found[i]);
     }
 }
 
-void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt, step::HostConstraints& io) {
+void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt, ConstraintWork& work,
+                  step::HostConstraints& io) {
     for (HostContact& c : io.contacts) {
         b2Body *a = registry.body(c.a), *b = registry.body(c.b);
         for (b2ContactEdge* e = a && b ? a->GetContactList() : nullptr; e != nullptr && !c.told; e = e->next)
             if (e->other == b)
                 readImpulse(*e->contact, unitsPerMetre, c);
     }
-    std::vector<HostRow> now;
+    std::vector<HostRow>& now = work.rows;
     for (std::size_t i = 0, next = 0; i < io.rows.size(); i = next) {
         while (next < io.rows.size() && io.rows[next].key == io.rows[i].key)
             ++next;

@@ -1,6 +1,7 @@
 #include "plugin/cli/diagnose_ensembles.h"
 #include "plugin/cli/diagnose_figures.h"
 #include "plugin/cli/diagnose_page.h"
+#include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/verbs.h"
@@ -24,12 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<experiment::Experiment> loadExperiment(const DiagnoseArguments& a) {
-    std::vector<scene::Problem> problems;
-    auto loaded = experiment::load(a.file, problems);
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error || !a.quiet)
-            std::fprintf(stderr, "%s\n", p.toString().c_str());
+std::optional<experiment::Experiment> loadLongEnough(const DiagnoseArguments& a) {
+    auto loaded = loadExperiment(a.file, a.quiet);
     if (!loaded)
         return std::nullopt;
     for (const experiment::Run& run : loaded->runs)
@@ -87,11 +84,10 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
 int diagnose(const DiagnoseArguments& a) {
     if (const auto done = diagnoseEnsembleFile(a))
         return *done;
-    const auto experiment = loadExperiment(a);
+    const auto experiment = loadLongEnough(a);
     if (!experiment || !knownEffects(a.without))
         return kBadInput;
-    const std::string name = fs::absolute(a.file).parent_path().filename().string();
-    Folder folder(a.out.empty() ? "out/" + (name.empty() ? "experiment" : name) + "_diagnosis" : a.out);
+    Folder folder(resultsFolder(a.file, a.out, "diagnosis"));
     if (const std::string error = folder.prepare(); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

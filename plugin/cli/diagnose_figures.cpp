@@ -35,11 +35,6 @@ std::string number(double v, const char* format = "%.3g") {
     return text;
 }
 
-std::string plain(std::string label) {
-    std::replace(label.begin(), label.end(), '_', ' ');
-    return label;
-}
-
 Range rangeOf(const std::vector<const std::vector<double>*>& columns) {
     Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     for (const std::vector<double>* c : columns)
@@ -140,7 +135,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
 void drawProbabilities(Canvas& canvas, const Diagnosis& d) {
     std::vector<std::pair<std::string, double>> bars;
     for (const diagnosis::FoundEffect& e : d.effects)
-        bars.emplace_back(plain(e.label), e.probability);
+        bars.emplace_back(diagnosis::plainWords(e.label), e.probability);
     bars.emplace_back("nothing is missing", d.nothing);
     bars.emplace_back("none of these", d.unknown);
     for (std::size_t i = 0; i < bars.size(); ++i) {
@@ -201,7 +196,8 @@ std::string screenFigure(const Diagnosis& d) {
     canvas.text({610.0, 14.0}, "smallest size these runs would show", {theme::tickSize, theme::muted});
     for (std::size_t i = 0; i < seen.size(); ++i) {
         const double y = 22.0 + 22.0 * static_cast<double>(i);
-        canvas.text({220.0, y + 13.0}, plain(seen[i].label), {theme::labelSize, theme::ink, Anchor::End});
+        canvas.text({220.0, y + 13.0}, diagnosis::plainWords(seen[i].label),
+                    {theme::labelSize, theme::ink, Anchor::End});
         canvas.rectangle({230.0, y + 2.0, 360.0 * std::sqrt(seen[i].gain / most), 14.0}, {.fill = theme::unloading});
         canvas.text({610.0, y + 13.0},
                     std::isfinite(seen[i].visible) ? number(100.0 * seen[i].visible) + " % of a size that matters" +
@@ -221,7 +217,8 @@ std::string similarityFigure(const Diagnosis& d) {
     SvgCanvas canvas(kLeft + side + 20.0, kTop + side + 10.0, "similarity", "likeness of the effects' signatures");
     for (std::size_t i = 0; i < n; ++i) {
         const double y = kTop + kCell * static_cast<double>(i);
-        canvas.text({kLeft - 8.0, y + 32.0}, plain(d.similarityLabels[i]), {theme::labelSize, theme::ink, Anchor::End});
+        canvas.text({kLeft - 8.0, y + 32.0}, diagnosis::plainWords(d.similarityLabels[i]),
+                    {theme::labelSize, theme::ink, Anchor::End});
         for (std::size_t j = 0; j < n; ++j) {
             const double x = kLeft + kCell * static_cast<double>(j), v = d.similarity[i][j];
             canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = report::signedColour(0.8 * v)});

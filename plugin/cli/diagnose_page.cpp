@@ -22,11 +22,6 @@ std::string number(double v, const char* format = "%.4g") {
     return text;
 }
 
-std::string plain(std::string label) {
-    std::replace(label.begin(), label.end(), '_', ' ');
-    return label;
-}
-
 std::string section(const std::string& title, const std::string& body) {
     return body.empty() ? "" : "<div class=\"grid\"><section><h2>" + title + "</h2>" + body + "</section></div>";
 }
@@ -56,7 +51,7 @@ std::string errorTable(const Diagnosis& d) {
     };
     row("without extra physics", d.baselineTraining, d.baselineHeldOut);
     if (d.improved)
-        row("with " + escaped(plain(d.effects.front().label)), d.improvedTraining, d.improvedHeldOut);
+        row("with " + escaped(diagnosis::plainWords(d.effects.front().label)), d.improvedTraining, d.improvedHeldOut);
     html += "</table><p>Sensor noise: " + number(floor) + " N, learnt from " + escaped(d.noise.source) + ".";
     if (d.improved)
         html += " In noise units the held-out error falls by " + number(100.0 * d.improvement, "%.0f") +
@@ -77,11 +72,11 @@ std::string effectTable(const Diagnosis& d) {
                       number(p.ci90.high) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
         std::string group;
         for (std::size_t i = 1; i < e.group.size(); ++i)
-            group += (i > 1 ? ", " : "") + escaped(plain(e.group[i]));
+            group += (i > 1 ? ", " : "") + escaped(diagnosis::plainWords(e.group[i]));
         std::string with;
         for (const std::string& label : e.with)
-            with += "<br>together with " + escaped(plain(label));
-        html += "<tr><td>" + escaped(plain(e.label)) + (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + with +
+            with += "<br>together with " + escaped(diagnosis::plainWords(label));
+        html += "<tr><td>" + escaped(diagnosis::plainWords(e.label)) + (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + with +
                 "</td><td>" + number(100.0 * e.probability, "%.1f") + " %</td><td>" + number(e.gain, "%.0f") + " ± " +
                 number(e.gainError, "%.0f") + "</td><td>" + escaped(e.law) + values + "</td><td>" + group +
                 "</td></tr>";
@@ -111,7 +106,7 @@ std::string nominalTable(const Diagnosis& d) {
     std::string html = "<table><tr><th>parameter</th><th>stated</th><th>fitted</th><th>place in its interval (-1 to "
                        "1)</th></tr>";
     for (const diagnosis::NominalResult& n : d.nominal)
-        html += "<tr><td>" + escaped(plain(n.name)) + "</td><td>" + number(n.stated) + " ± " +
+        html += "<tr><td>" + escaped(diagnosis::plainWords(n.name)) + "</td><td>" + number(n.stated) + " ± " +
                 number(n.uncertainty, "%.2g") + " " + (n.unit == "1" ? "" : escaped(n.unit)) + "</td><td>" +
                 number(n.fitted) + "</td><td>" + number(n.tension, "%.2f") + "</td></tr>";
     html += "</table><p>Do single runs ask for the same parameters? Q = " + number(d.homogeneity.q, "%.1f") + " with " +
@@ -124,7 +119,7 @@ std::string learnedText(const Diagnosis& d) {
     std::string html;
     for (std::size_t i = 0; i < d.learned.size(); ++i) {
         const diagnosis::LearnedLaw& l = d.learned[i];
-        html += "<p>" + escaped(plain(l.label)) + ": " + escaped(l.words) + ". Gain on unseen runs " +
+        html += "<p>" + escaped(diagnosis::plainWords(l.label)) + ": " + escaped(l.words) + ". Gain on unseen runs " +
                 number(l.gain, "%.0f") + " ± " + number(l.gainError, "%.0f") + ", error there " +
                 number(l.heldOutRmse) + " N, probability " + number(100.0 * l.probability, "%.1f") + " %.</p>" +
                 scroll(learnedFigure(d, i));
@@ -137,7 +132,7 @@ std::string nextText(const Diagnosis& d) {
         return {};
     std::string both;
     for (const std::string& label : d.next->separates)
-        both += (both.empty() ? "" : " from ") + escaped(plain(label));
+        both += (both.empty() ? "" : " from ") + escaped(diagnosis::plainWords(label));
     return "<p>" + escaped(d.next->what) + ". It tells " + both + " with a power of at most " +
            number(100.0 * d.next->power, "%.0f") + " %.</p>";
 }

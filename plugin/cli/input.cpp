@@ -1,11 +1,13 @@
 #include "plugin/cli/input.h"
 
 #include "bridge/lab_world.h"
+#include "plugin/experiment/load.h"
 #include "plugin/scene/document.h"
 
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 namespace supercircle::cli {
 
@@ -86,6 +88,22 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
         return std::nullopt;
     }
     return Input{std::move(*loaded), std::move(host)};
+}
+
+std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet) {
+    std::vector<scene::Problem> problems;
+    auto loaded = experiment::load(file, problems);
+    for (const scene::Problem& p : problems)
+        if (p.severity == scene::Problem::Severity::Error || !quiet)
+            std::fprintf(stderr, "%s\n", p.toString().c_str());
+    return loaded;
+}
+
+std::string resultsFolder(const std::string& file, const std::string& out, const std::string& verb) {
+    if (!out.empty())
+        return out;
+    const std::string name = std::filesystem::absolute(file).parent_path().filename().string();
+    return "out/" + (name.empty() ? "experiment" : name) + "_" + verb;
 }
 
 } // namespace supercircle::cli

@@ -1,6 +1,7 @@
 #pragma once
-// Reading a scene for a verb: overrides from NAME=VALUE, problems printed where a user looks.
+// Reading a scene or an experiment for a verb: overrides from NAME=VALUE, problems printed where a user looks.
 
+#include "plugin/experiment/experiment.h"
 #include "plugin/scene/loader.h"
 #include "supercircle/step/port.h"
 
@@ -22,5 +23,11 @@ bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene
 
 /// Loads, checks and builds the rigid world; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
 std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet = false);
+
+/// Loads an experiment; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
+std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet);
+
+/// Folder for an experiment's results: `out`, or if that is empty out/<name of the experiment's folder>_<verb>.
+std::string resultsFolder(const std::string& file, const std::string& out, const std::string& verb);
 
 } // namespace supercircle::cli

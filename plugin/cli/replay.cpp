@@ -212,19 +212,14 @@ void print(const Replay& replay, const std::string& folder) {
 } // namespace
 
 int replay(const ReplayArguments& a) {
-    std::vector<scene::Problem> problems;
-    auto loaded = experiment::load(a.file, problems);
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error || !a.quiet)
-            std::fprintf(stderr, "%s\n", p.toString().c_str());
+    auto loaded = loadExperiment(a.file, a.quiet);
     Replay replay;
     if (!loaded)
         return kBadInput;
     replay.experiment = std::move(*loaded);
     if (!prepare(a, replay))
         return kBadInput;
-    const std::string name = fs::absolute(a.file).parent_path().filename().string();
-    Folder folder(a.out.empty() ? "out/" + (name.empty() ? "experiment" : name) + "_replay" : a.out);
+    Folder folder(resultsFolder(a.file, a.out, "replay"));
     if (const std::string error = folder.prepare(); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

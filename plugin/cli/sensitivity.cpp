@@ -187,11 +187,7 @@ void print(const SensitivityStudy& study, const std::string& folder) {
 
 /// The experiment with its overrides as a model; empty after a message.
 std::optional<sensitivity::Model> prepare(const SensitivityArguments& a, SensitivityStudy& study) {
-    std::vector<scene::Problem> problems;
-    auto loaded = experiment::load(a.file, problems);
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error || !a.quiet)
-            std::fprintf(stderr, "%s\n", p.toString().c_str());
+    auto loaded = loadExperiment(a.file, a.quiet);
     if (!loaded)
         return std::nullopt;
     study.experiment = std::move(*loaded);
@@ -236,8 +232,7 @@ int sensitivity(const SensitivityArguments& a) {
     const auto model = prepare(a, study);
     if (!model)
         return kBadInput;
-    const std::string name = fs::absolute(a.file).parent_path().filename().string();
-    Folder folder(a.out.empty() ? "out/" + (name.empty() ? "experiment" : name) + "_sensitivity" : a.out);
+    Folder folder(resultsFolder(a.file, a.out, "sensitivity"));
     if (const std::string error = folder.prepare(); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/conclude.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -8,13 +9,6 @@ namespace supercircle::diagnosis {
 namespace {
 
 constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something
-
-std::string words(const std::string& label) {
-    std::string out = label;
-    for (char& c : out)
-        c = c == '_' ? ' ' : c;
-    return out;
-}
 
 std::string number(double v) {
     char text[32];
@@ -25,7 +19,7 @@ std::string number(double v) {
 std::string joined(const std::vector<std::string>& labels, std::size_t from = 0) {
     std::string out;
     for (std::size_t i = from; i < labels.size(); ++i)
-        out += (i == from ? "" : i + 1 == labels.size() ? " and " : ", ") + words(labels[i]);
+        out += (i == from ? "" : i + 1 == labels.size() ? " and " : ", ") + plainWords(labels[i]);
     return out;
 }
 
@@ -43,12 +37,12 @@ std::string learnt(const Diagnosis& d) {
     if (d.learned.empty() || d.learned.front().probability < 0.05)
         return {};
     const LearnedLaw& law = d.learned.front();
-    return " Learned from the runs (" + words(law.label) + "): " + law.words + ".";
+    return " Learned from the runs (" + plainWords(law.label) + "): " + law.words + ".";
 }
 
 std::string named(const Diagnosis& d) {
     const FoundEffect& e = d.effects.front();
-    std::string text = "The runs are explained by " + words(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
+    std::string text = "The runs are explained by " + plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
     if (!e.with.empty())
         text += " together with " + joined(e.with);
     for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i) {
@@ -63,6 +57,11 @@ std::string named(const Diagnosis& d) {
 }
 
 } // namespace
+
+std::string plainWords(std::string label) {
+    std::replace(label.begin(), label.end(), '_', ' ');
+    return label;
+}
 
 std::string verdictOf(const Evidence& e) {
     // Weights hold everything: the family-wise p-value, gains on unseen runs, and what the best model leaves.
@@ -85,7 +84,7 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
                " statistics): nothing is missing that these runs could show." + blindSpots(d);
     if (d.verdict == "not_enough_information" && e.nothing < kSuggestive)
         return "There is a hint that something is missing (p = " + number(e.p) + "), " +
-               (d.effects.empty() ? std::string() : "most likely " + words(d.effects.front().label) + ", ") +
+               (d.effects.empty() ? std::string() : "most likely " + plainWords(d.effects.front().label) + ", ") +
                "too weak to decide: nothing is missing with a probability of " + number(e.nothing) + "." +
                (d.next ? " Next: " + d.next->what + "." : "");
     if (d.verdict == "not_enough_information")
@@ -96,7 +95,7 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "unexplained")
         return "Something is missing (p = " + number(e.p) + "), and no effect of the catalogue accounts for it" +
                (d.effects.empty() ? std::string(".")
-                                  : "; the nearest is " + words(d.effects.front().label) + ", which leaves " +
+                                  : "; the nearest is " + plainWords(d.effects.front().label) + ", which leaves " +
                                         number(d.improvedHeldOut) + " N on unseen runs with a noise of " +
                                         number(d.noise.total()) + " N.") +
                learnt(d);

@@ -106,4 +106,7 @@ struct Diagnosis {
     std::size_t forwardRuns = 0;
 };
 
+/// A label as words: "planar drag".
+std::string plainWords(std::string label);
+
 } // namespace supercircle::diagnosis

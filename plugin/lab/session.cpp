@@ -14,7 +14,9 @@ namespace {
 
 using rod::Vec2;
 
-constexpr double kFreeFrame = 4e-3; ///< s, longest step where no machine moves
+constexpr double kPaperRadius = 0.0192; ///< m; the absolute settings are for shells of this size and grow with it:
+                                        ///< a shell twice as large of the same material is twice as slow
+constexpr double kFreeFrame = 4e-3;     ///< s, longest step where no machine moves
 
 double wallClock() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -31,7 +33,11 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
       wallStart_(wallClock()), cpuStart_(cpuClock()) {
     step::Settings& s = shells_.stepper().settings();
-    s.dtMin = scene.numerics.dt_min;
+    size_ = scene.report.R / kPaperRadius;
+    s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * size_;
+    if (scene.numerics.dt_max > 0.0)
+        s.dtMin = std::min(s.dtMin, scene.numerics.dt_max);
+    s.contact.absoluteImpulse *= size_ * size_ * size_;
     fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
     double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
@@ -39,7 +45,8 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
         thickness = std::min(thickness, d.thickness);
     pace(0.0);
     if (std::isfinite(thickness) && thickness > 0.0)
-        s.localError = scene.numerics.position_tolerance / thickness;
+        s.localError =
+            (scene.numerics.position_tolerance > 0.0 ? scene.numerics.position_tolerance : 5e-6 * size_) / thickness;
     s.threads = options.threads;
     shells_.stepper().loop = options.loop;
     s.witness = options.witness;
@@ -74,7 +81,7 @@ void Session::pace(double speed, double branch) {
     s.dtMax = scene_.numerics.dt_max;
     const double travel = std::min(scene_.report.R, 0.8 * branch) / 500.0;
     if (s.dtMax <= 0.0)
-        s.dtMax = speed == 0.0 ? kFreeFrame : std::clamp(travel / std::abs(speed), 1e-3, 1.0);
+        s.dtMax = size_ * (speed == 0.0 ? kFreeFrame : std::clamp(travel / (size_ * std::abs(speed)), 1e-3, 1.0));
     frame_ = s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
 }
 
@@ -236,9 +243,12 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
     if (shells_.world().counters.quarantined > 0) { // a game goes on without the shell, an experiment cannot
         end_ = End::Failed;
         message_ =
-            "a shell became faster than sound in its own material, or its numbers were not finite, and was taken "
-            "out of the motion (at t = " +
-            std::to_string(shells_.time()) + " s); look for shells put into each other or driven too fast";
+            std::string(shells_.world().counters.crossings > 0
+                            ? "shells would cross even at the smallest step"
+                            : "a shell became faster than sound in its own material, or its numbers were not finite, "
+                              "and was taken out of the motion") +
+            " (at t = " + std::to_string(shells_.time()) +
+            " s); look for shells put into each other or driven too fast";
         return false;
     }
     return true;

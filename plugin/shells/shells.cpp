@@ -194,7 +194,7 @@ Outcome Shells::post_step() {
     return impl_->change([&] {
         impl_->recorder.record(Call::PostStep);
         if (impl_->port)
-            step::Stepper::learnFromHost(impl_->world, *impl_->port, impl_->advanced);
+            impl_->stepper.learnFromHost(impl_->world, *impl_->port, impl_->advanced);
         impl_->advanced = 0.0; // learnt once
         return done();
     });

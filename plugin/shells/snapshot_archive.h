@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <bit>
+#include <boost/container/small_vector.hpp>
 #include <concepts>
 #include <cstdint>
 #include <optional>
@@ -181,6 +182,19 @@ void io(Ar& ar, const std::vector<T>& x) {
 template <class Ar, class T>
 requires std::default_initializable<T>
 void io(Ar& ar, std::vector<T>& x) {
+    x.assign(ar.count(), T{});
+    for (T& e : x)
+        ar(e);
+}
+
+template <class Ar, class T, std::size_t N>
+void io(Ar& ar, const boost::container::small_vector<T, N>& x) {
+    ar.word(x.size(), 8);
+    for (const T& e : x)
+        ar(e);
+}
+template <class Ar, class T, std::size_t N>
+void io(Ar& ar, boost::container::small_vector<T, N>& x) {
     x.assign(ar.count(), T{});
     for (T& e : x)
         ar(e);

@@ -58,7 +58,7 @@ struct RodState {
 struct OutlineState {
     OutlineShape shape;
     OutlineShape frozen;
-    std::vector<Vec2> points; ///< of the snapshot
+    OutlinePoints points; ///< of the snapshot
     Box box;
     Filter filter;
     std::uint32_t key = 0;

@@ -4,6 +4,7 @@
 
 #include "supercircle/rod/arc.h"
 
+#include <boost/container/small_vector.hpp>
 #include <cstdint>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct Curve {
     bool resting = false;
 };
 
+/// Few enough as a rule (a Box2D polygon has at most eight) to be copied every frame without asking for memory.
+using OutlinePoints = boost::container::small_vector<Vec2, 8>;
+
 enum class OutlineKind : std::uint8_t {
     Segment,  ///< two-sided wall piece: rods may lie on either side
     OneSided, ///< chain edge: solid on the right of points[0] -> points[1]
@@ -39,7 +43,7 @@ enum class OutlineKind : std::uint8_t {
 /// One rigid outline in world coordinates (SI), attached to some body.
 struct Outline {
     OutlineKind kind = OutlineKind::Segment;
-    std::vector<Vec2> points;
+    OutlinePoints points;
     double radius = 0.0; ///< of the disc (Circle), or skin of the others, m; contact is at this distance
     bool joinedStart =
         false; ///< one-sided chain edges: a neighbouring edge continues at points[0], its corner is not a free end

@@ -181,7 +181,7 @@ bool closestOnPolygon(const OutlineShape& shape, const Vec2& p, OutlineHit& hit)
 
 void prepare(const Outline& outline, OutlineShape& shape) {
     check(outline);
-    const std::vector<Vec2>& points = outline.points;
+    const OutlinePoints& points = outline.points;
     shape.kind = outline.kind;
     shape.faces.clear();
     shape.corners.clear();

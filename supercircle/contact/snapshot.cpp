@@ -176,7 +176,7 @@ void collectChecks(const RodSnapshot& rod, const OutlineShape& outline, double r
                 checks.corners.push_back(makeCheck(c, j));
 }
 
-Box boxOf(const OutlineShape& outline, const std::vector<Vec2>& points) {
+Box boxOf(const OutlineShape& outline, const OutlinePoints& points) {
     Box box;
     for (const Vec2& p : points)
         box.include(p, outline.radius);

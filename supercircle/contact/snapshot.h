@@ -57,6 +57,6 @@ void collectSelfChecks(const RodSnapshot& rod, double reach, RodPairChecks& chec
 void collectChecks(const RodSnapshot& rod, const OutlineShape& outline, double reach, OutlinePairChecks& checks);
 
 /// Box of an outline, radius included.
-Box boxOf(const OutlineShape& outline, const std::vector<Vec2>& points);
+Box boxOf(const OutlineShape& outline, const OutlinePoints& points);
 
 } // namespace supercircle::contact

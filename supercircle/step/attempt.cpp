@@ -232,8 +232,12 @@ void Attempt::witness(const World& world) {
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, curvesBefore[i]); });
     contact::findCrossingsSwept(curvesBefore, stage.curves, outlinesBefore, stage.outlines, crossings, stage.loop);
-    std::erase_if(crossings,
-                  [&](const contact::Crossing& c) { return excluded(world, stage, c.rodA, c.rodB, c.outline); });
+    const auto out = [&](std::int32_t rod) {
+        return rod >= 0 && world.rods[static_cast<std::size_t>(rod)].quarantined;
+    };
+    std::erase_if(crossings, [&](const contact::Crossing& c) {
+        return out(c.rodA) || out(c.rodB) || excluded(world, stage, c.rodA, c.rodB, c.outline);
+    });
 }
 
 /// Whether links, grabs or effects ask for another linearisation.

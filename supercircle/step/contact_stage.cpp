@@ -206,7 +206,7 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
         if (w.C.rows() == 0)
             b.A = w.A;
         else
-            b.A = w.Z.transpose() * w.A * w.Z;
+            b.A = w.held.reduced; // Z^T A Z
         b.vFree = w.vFree;
     });
 }
@@ -368,9 +368,9 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
         else if (w.C.rows() == 0)
             w.v = x.head(own);
         else if (x.size() == own)
-            w.v = w.vp + w.Z * x;
+            (w.v = w.vp).noalias() += w.Z * x;
         else
-            w.v = w.vp + w.Z * x.head(own);
+            (w.v = w.vp).noalias() += w.Z * x.head(own);
     }
     readHostBlocks(world, stage);
 }

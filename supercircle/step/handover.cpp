@@ -21,50 +21,57 @@ double farthestPoint(const World& world, const Body& b) {
 
 /// Depth of overlap with the shells per outline, m.
 void depths(const std::vector<contact::Curve>& curves, const std::vector<contact::Outline>& outlines, double margin,
-            std::vector<double>& depth) {
-    std::vector<contact::Candidate> near;
-    contact::Detector().detect(curves, outlines, {margin}, near);
+            HandoverWork& work, std::vector<double>& depth) {
+    work.detector.detect(curves, outlines, {margin}, work.near);
     depth.assign(outlines.size(), 0.0);
-    for (const contact::Candidate& c : near)
+    for (const contact::Candidate& c : work.near)
         if (c.outline >= 0) {
             double& d = depth[static_cast<std::size_t>(c.outline)];
             d = std::max(d, -c.gap);
         }
 }
 
-/// Bodies among `suspects` (indices into World::bodies) whose original stands deeper in a shell than its copy, or
-/// beyond it.
-std::vector<int> intruders(const World& world, const std::vector<int>& suspects, double h) {
-    std::vector<contact::Curve> curves(world.rods.size());
+/// Bodies among the suspects (indices into World::bodies) whose original stands deeper in a shell than its copy, or
+/// beyond it: HandoverWork::intruding.
+void findIntruders(const World& world, double h, HandoverWork& work) {
+    std::vector<contact::Curve>& curves = work.curves;
+    curves.resize(world.rods.size());
     for (std::size_t i = 0; i < curves.size(); ++i)
         toCurve(world.rods[i], world.rods[i].kin, curves[i]);
-    std::vector<contact::Outline> copies, originals;
-    std::vector<int> owner;
-    for (const int i : suspects) {
+    std::vector<contact::Outline>&copies = work.copies, &originals = work.originals;
+    std::vector<int>& owner = work.owner;
+    std::size_t count = 0;
+    owner.clear();
+    for (const int i : work.suspects) {
         const Body& b = world.bodies[static_cast<std::size_t>(i)];
         for (const BodyOutline& o : world.outlines) {
             if (o.body != b.id)
                 continue;
-            copies.push_back(placed(o, b.state.centre, b.state.angle));
-            originals.push_back(placed(o, b.handover.seen.centre, b.handover.seen.angle));
-            copies.back().key = originals.back().key = static_cast<std::uint32_t>(owner.size());
+            if (count == copies.size()) {
+                copies.emplace_back();
+                originals.emplace_back();
+            }
+            place(o, b.state.centre, b.state.angle, copies[count]);
+            place(o, b.handover.seen.centre, b.handover.seen.angle, originals[count]);
+            copies[count].key = originals[count].key = static_cast<std::uint32_t>(count);
             owner.push_back(i);
+            ++count;
         }
     }
-    std::vector<double> ofCopy, ofOriginal;
-    depths(curves, copies, kLeave * h, ofCopy);
-    depths(curves, originals, kLeave * h, ofOriginal);
-    std::vector<contact::Crossing> crossings;
-    contact::findCrossingsSwept(curves, curves, copies, originals, crossings);
-    std::vector<int> found;
+    copies.resize(count);
+    originals.resize(count);
+    depths(curves, copies, kLeave * h, work, work.depthOfCopy);
+    depths(curves, originals, kLeave * h, work, work.depthOfOriginal);
+    work.crossings.clear();
+    contact::findCrossingsSwept(curves, curves, copies, originals, work.crossings);
+    work.intruding.clear();
     for (std::size_t k = 0; k < owner.size(); ++k) {
-        const bool crosses = std::any_of(crossings.begin(), crossings.end(), [&](const contact::Crossing& c) {
+        const bool crosses = std::any_of(work.crossings.begin(), work.crossings.end(), [&](const contact::Crossing& c) {
             return c.rodB < 0 && c.outline == static_cast<int>(k);
         });
-        if (crosses || ofOriginal[k] > ofCopy[k] + kLeave * h)
-            found.push_back(owner[k]);
+        if (crosses || work.depthOfOriginal[k] > work.depthOfCopy[k] + kLeave * h)
+            work.intruding.push_back(owner[k]);
     }
-    return found;
 }
 
 /// Its constraints were in our problem all the frame long, so that our impulses can be compared with the host's.
@@ -74,8 +81,9 @@ bool solvedThroughout(const Body& b, double advanced) {
 
 } // namespace
 
-std::vector<BodyMotion> unsolvedByHost(const World& world, const Port& port, double advanced) {
-    std::vector<BodyMotion> out(world.bodies.size());
+void unsolvedByHost(const World& world, const Port& port, double advanced, HandoverWork& work) {
+    std::vector<BodyMotion>& out = work.unsolved;
+    out.assign(world.bodies.size(), {});
     const auto add = [&](BodyId id, const Vec2& impulse, double turn) {
         const int i = bodyIndex(world, id);
         if (i < 0)
@@ -87,7 +95,8 @@ std::vector<BodyMotion> unsolvedByHost(const World& world, const Port& port, dou
         if (b.state.inertia > 0.0)
             out[static_cast<std::size_t>(i)].spin += turn / b.state.inertia;
     };
-    std::vector<BodyId> lost;
+    std::vector<BodyId>& lost = work.lost;
+    lost.clear();
     for (const HostContact& c : world.constraints.contacts) {
         if (c.lost)
             lost.insert(lost.end(), {c.a, c.b});
@@ -115,12 +124,13 @@ std::vector<BodyMotion> unsolvedByHost(const World& world, const Port& port, dou
         if (capped || std::find(lost.begin(), lost.end(), b.id) != lost.end()) // all of it counts as error
             out[i] = {now.velocity - b.handover.handed, now.spin - b.handover.handedSpin};
     }
-    return out;
 }
 
-void settlePlaces(World& world, Port& port, const std::vector<BodyMotion>& unsolved, double advanced) {
+void settlePlaces(World& world, Port& port, double advanced, HandoverWork& work) {
     const double h = thinnest(world);
-    std::vector<int> suspects;
+    const std::vector<BodyMotion>& unsolved = work.unsolved;
+    std::vector<int>& suspects = work.suspects;
+    suspects.clear();
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
         if (!b.handover.known)
@@ -139,7 +149,8 @@ void settlePlaces(World& world, Port& port, const std::vector<BodyMotion>& unsol
     }
     if (suspects.empty())
         return;
-    const std::vector<int> intruding = intruders(world, suspects, h);
+    findIntruders(world, h, work);
+    const std::vector<int>& intruding = work.intruding;
     for (const int i : suspects) {
         Body& b = world.bodies[static_cast<std::size_t>(i)];
         if (std::find(intruding.begin(), intruding.end(), i) != intruding.end()) {

@@ -40,12 +40,25 @@
 
 namespace supercircle::step {
 
+/// Storage of the two below, kept from frame to frame.
+struct HandoverWork {
+    std::vector<BodyMotion> unsolved; ///< per World::bodies
+    std::vector<BodyId> lost;
+    std::vector<int> suspects, intruding, owner;
+    std::vector<contact::Curve> curves;
+    std::vector<contact::Outline> copies, originals;
+    std::vector<double> depthOfCopy, depthOfOriginal;
+    contact::Detector detector;
+    std::vector<contact::Candidate> near;
+    std::vector<contact::Crossing> crossings;
+};
+
 /// Part of each body's velocity after the host's step that is no more than the host's solver stopping early: the
-/// difference between its impulses and ours on the same constraints (m/s, rad/s; per World::bodies).
-std::vector<BodyMotion> unsolvedByHost(const World& world, const Port& port, double advanced);
+/// difference between its impulses and ours on the same constraints (m/s, rad/s): HandoverWork::unsolved.
+void unsolvedByHost(const World& world, const Port& port, double advanced, HandoverWork& work);
 
 /// After the host's step: decides for every dynamic body near shells whether its copy or its original is where it
 /// should be. What is left between them (less than a fiftieth of a thickness as a rule) is the drift of the next frame.
-void settlePlaces(World& world, Port& port, const std::vector<BodyMotion>& unsolved, double advanced);
+void settlePlaces(World& world, Port& port, double advanced, HandoverWork& work);
 
 } // namespace supercircle::step

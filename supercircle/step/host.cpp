@@ -160,11 +160,12 @@ void Stepper::pushToHost(World& world, Port& port, double advanced) {
     }
 }
 
-void Stepper::learnFromHost(World& world, Port& port, double advanced) {
+void Stepper::learnFromHost(World& world, Port& port, double advanced) const {
     if (!(advanced > 0.0))
         return;
     port.impulses(advanced, world.constraints);
-    const std::vector<BodyMotion> unsolved = unsolvedByHost(world, port, advanced);
+    unsolvedByHost(world, port, advanced, work_->handover);
+    const std::vector<BodyMotion>& unsolved = work_->handover.unsolved;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
         Handover& h = b.handover;
@@ -190,7 +191,7 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) {
         }
         (void)port.state(b.id, h.seen); // it answered above
     }
-    settlePlaces(world, port, unsolved, advanced);
+    settlePlaces(world, port, advanced, work_->handover);
     world.constraints.clear(); // names the host's addresses: nothing to keep between frames
 }
 

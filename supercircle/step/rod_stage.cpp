@@ -23,10 +23,14 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     w.c.resize(rows);
     if (rows == 0)
         return;
-    Eigen::Matrix<double, 2, Eigen::Dynamic> pair(2, rod.model.dofs());
-    Eigen::RowVectorXd turn(rod.model.dofs());
+    Eigen::Matrix<double, 2, Eigen::Dynamic>&pair = w.held.pair, &other = w.held.otherPair;
+    Eigen::RowVectorXd &turn = w.held.turn, &otherTurn = w.held.otherTurn;
+    pair.resize(2, rod.model.dofs());
+    other.resize(2, rod.model.dofs());
+    turn.resize(rod.model.dofs());
+    otherTurn.resize(rod.model.dofs());
     Eigen::Index row = 0;
-    const auto put = [&](const Eigen::RowVectorXd& line, double missing) {
+    const auto put = [&](const auto& line, double missing) {
         w.C.row(row) = line;
         w.c[row++] = missing / dt;
     };
@@ -46,13 +50,11 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
         const double L = rod.model.definition().length;
         const rod::Place first = rod::locate(rod.model, 0, 0.0);
         const rod::Place last = rod::locate(rod.model, rod.model.elements() - 1, L);
-        Eigen::Matrix<double, 2, Eigen::Dynamic> other(2, rod.model.dofs());
         w.kin.pointRows(rod.model, last, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
         w.kin.pointRows(rod.model, first, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), other);
         const Vec2 missing = rod.kin.point(first) - rod.kin.point(last);
         put(pair.row(0) - other.row(0), missing.x());
         put(pair.row(1) - other.row(1), missing.y());
-        Eigen::RowVectorXd otherTurn(rod.model.dofs());
         w.kin.angleRow(rod.model, last, turn);
         w.kin.angleRow(rod.model, first, otherTurn);
         const double total = rod.kin.angle(last) - rod.kin.angle(first);
@@ -157,19 +159,39 @@ void predictRod(const Rod& rod, RodWork& w) {
     const Eigen::Index n = rod.model.dofs(), m = w.C.rows();
     if (m == 0) {
         w.llt.compute(w.A);
-        w.vFree = w.llt.solve(w.rhs);
+        w.vFree = w.rhs;
+        w.llt.solveInPlace(w.vFree);
         return;
     }
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(w.C.transpose());
-    const Eigen::Index rank = qr.rank(); // redundant holds (two clamps on a straight stiff piece) are dropped
-    const Eigen::MatrixXd Q = qr.householderQ();
-    w.Z = Q.rightCols(n - rank);
-    const Eigen::MatrixXd R = qr.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
-    const Eigen::VectorXd pc = (qr.colsPermutation().transpose() * w.c).head(rank);
-    w.vp = Q.leftCols(rank) * R.transpose().triangularView<Eigen::Lower>().solve(pc);
-    const Eigen::MatrixXd reduced = w.Z.transpose() * w.A * w.Z;
-    w.llt.compute(reduced);
-    w.vFree = w.llt.solve(w.Z.transpose() * (w.rhs - w.A * w.vp));
+    HoldWork& h = w.held;
+    h.Ct = w.C.transpose();
+    h.qr.compute(h.Ct);
+    const Eigen::Index rank = h.qr.rank(); // redundant holds (two clamps on a straight stiff piece) are dropped
+    h.Q.resize(n, n);
+    h.qr.householderQ().evalTo(h.Q, h.scratch);
+    w.Z = h.Q.rightCols(n - rank);
+    h.permuted.noalias() = h.qr.colsPermutation().transpose() * w.c;
+    auto pc = h.permuted.head(rank);
+    h.qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().transpose().solveInPlace(pc);
+    w.vp.noalias() = h.Q.leftCols(rank) * pc;
+    h.AZ.noalias() = w.A * w.Z;
+    h.reduced.noalias() = w.Z.transpose() * h.AZ;
+    w.llt.compute(h.reduced);
+    h.rhs = w.rhs;
+    h.rhs.noalias() -= w.A * w.vp;
+    w.vFree.noalias() = w.Z.transpose() * h.rhs;
+    w.llt.solveInPlace(w.vFree);
+}
+
+/// Impulses of the holds: the least-squares solution of C^T x = force by predictRod()'s factorisation.
+const Eigen::VectorXd& holdImpulses(const Eigen::VectorXd& force, HoldWork& h) {
+    const Eigen::Index rank = h.qr.rank();
+    h.permuted.setZero(h.Ct.cols());
+    auto head = h.permuted.head(rank);
+    head.noalias() = h.Q.leftCols(rank).transpose() * force;
+    h.qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solveInPlace(head);
+    h.impulse.noalias() = h.qr.colsPermutation() * h.permuted;
+    return h.impulse;
 }
 
 void advanceRod(const Rod& rod, double dt, RodWork& w) {
@@ -208,9 +230,12 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         books.rollingWork -= dt * w.v.dot(w.product);
     }
     if (w.C.rows() > 0) {
-        const Eigen::VectorXd force = w.A * w.v - w.rhs - w.push; // = C^T (impulses of the holds)
-        const Eigen::VectorXd impulse = w.C.transpose().colPivHouseholderQr().solve(force);
-        books.holdWork = impulse.dot(w.C * w.v);
+        HoldWork& held = w.held;
+        held.rhs = -w.rhs - w.push;
+        held.rhs.noalias() += w.A * w.v; // = C^T (impulses of the holds)
+        const Eigen::VectorXd& impulse = holdImpulses(held.rhs, held);
+        held.rate.noalias() = w.C * w.v;
+        books.holdWork = impulse.dot(held.rate);
         Eigen::Index row = 0;
         for (Hold& h : rod.holds) {
             h.reaction = Vec2(impulse[row], impulse[row + 1]) / dt;

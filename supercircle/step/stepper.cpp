@@ -149,6 +149,16 @@ FrameOutcome Stepper::advance(World& world, double frame, Port* port,
             cuts = 0;
             continue;
         }
+        if (!attempt.rejectedBeforeEnd && !attempt.crossings.empty() && settings_.fixedDt <= 0.0) {
+            // Something stands in the shell already (a body was put there): no step is short enough. A game goes on
+            // without the shell until it is put elsewhere.
+            world.counters.crossings += attempt.crossings.size();
+            for (const contact::Crossing& c : attempt.crossings)
+                if (Rod& r = world.rods[static_cast<std::size_t>(c.rodA)]; !r.quarantined)
+                    quarantine(world, r);
+            cuts = 0;
+            continue;
+        }
         const bool finite = std::all_of(attempt.rods.begin(), attempt.rods.end(),
                                         [](const RodWork& w) { return w.v.allFinite() && w.q1.allFinite(); });
         if (!finite || attempt.rejectedBeforeEnd || !attempt.crossings.empty()) {

@@ -70,7 +70,7 @@ public:
     static void pushToHost(World& world, Port& port, double advanced);
     /// After the host's own step: gives the bodies the velocities they have at the end of the frame and learns what the
     /// host's constraints did to them (handover.h).
-    static void learnFromHost(World& world, Port& port, double advanced);
+    void learnFromHost(World& world, Port& port, double advanced) const;
 
     [[nodiscard]] const StageTimes& times() const { return times_; }
     /// Tells whoever measures which stage runs: at the start of every stage, and Stage::Count at its end. Must not

@@ -2,6 +2,7 @@
 // What a stepper keeps between frames beside its settings (private to step/): work spaces, no state.
 
 #include "supercircle/step/attempt.h"
+#include "supercircle/step/handover.h"
 
 namespace supercircle::step {
 
@@ -16,6 +17,7 @@ struct Stepper::Work {
     Attempt attempt;
     double lastDt = 0.0;
     PullWork pull;
+    HandoverWork handover;
 };
 
 } // namespace supercircle::step

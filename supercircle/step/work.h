@@ -4,6 +4,7 @@
 #include "supercircle/step/world.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 namespace supercircle::step {
 
@@ -62,6 +63,15 @@ struct AttractionWork {
     Vec2 armB = Vec2::Zero();             ///< foot minus body centre, m
 };
 
+/// Storage of the factorisations of a held rod's rows: m x n rows C, of rank k.
+struct HoldWork {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr; ///< of C^T
+    Eigen::MatrixXd Ct, Q, AZ, reduced;             ///< n x m, n x n, n x (n - k), (n - k)^2
+    Eigen::VectorXd permuted, rhs, impulse, rate, scratch;
+    Eigen::Matrix<double, 2, Eigen::Dynamic> pair, otherPair;
+    Eigen::RowVectorXd turn, otherTurn;
+};
+
 /// One rod inside an attempt.
 struct RodWork {
     rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
@@ -73,6 +83,7 @@ struct RodWork {
     Eigen::VectorXd rhs;   ///< p + dt F(q) + rolling + axial
     Eigen::VectorXd gravityForce;
     Eigen::MatrixXd C;            ///< hold rows, m x n (empty: free)
+    HoldWork held;                ///< storage of predictRod() and acceptRod()
     Eigen::VectorXd c;            ///< C v = c
     Eigen::MatrixXd Z;            ///< basis of C Z = 0, n x (n - m)
     Eigen::VectorXd vp;           ///< particular solution of C v = c

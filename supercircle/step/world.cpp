@@ -231,7 +231,8 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) 
     std::vector<Vec2> u = rod.u;
     std::transform(u.begin(), u.end(), u.begin(), turned);
     refreshRod(rod);
-    rod.u = u; // carried momentum is more than J v knows
+    rod.u = u;               // carried momentum is more than J v knows
+    rod.quarantined = false; // its last good shape, at rest, in another place: it may try again
     book(world, rod, 1.0);
     forgetContacts(world, rod.key);
 }

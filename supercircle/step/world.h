@@ -32,7 +32,7 @@ struct Rod {
     std::uint32_t key = 0;      ///< stable identity
     std::uint16_t category = 1; ///< collision filter, as in Box2D
     std::uint16_t mask = 0xffff;
-    bool quarantined = false; ///< had bad numbers: neither moves nor collides any more
+    bool quarantined = false; ///< had bad numbers or a body inside it: neither moves nor collides until it is moved
     double speed = 0.0;       ///< largest speed of its points in the last step, m/s
 
     rod::Kinematics kin;   ///< at q
@@ -132,8 +132,9 @@ struct Counters {
     std::uint64_t sweeps = 0;
     std::uint64_t pivots = 0;
     std::uint64_t unconverged = 0; ///< accepted steps whose contact residual stayed above tolerance
-    std::uint64_t crossings = 0;   ///< found by the witness in a step that could not be cut further (it ends the run)
-    std::uint64_t quarantined = 0; ///< rods taken out because of bad numbers
+    std::uint64_t crossings =
+        0; ///< found by the witness in a step that could not be cut further (its shells are taken out)
+    std::uint64_t quarantined = 0; ///< rods taken out because of bad numbers or crossings
     double etaMax = 0.0;           ///< largest contact residual of an accepted step
     std::uint64_t contactsMax = 0; ///< most candidates in one problem
     std::uint64_t loadedMax = 0;   ///< most contacts that carried force at once

@@ -100,6 +100,10 @@ TEST_CASE("the include checker catches every kind of offence", "[architecture]")
         INFO(file << " with " << line);
         CHECK(offends(file, line));
     };
+    // the judge of the diagnosis shares nothing with it
+    mustOffend("tests/oracle/model/rod.cpp", "#include \"supercircle/rod/arc.h\"");
+    mustOffend("tests/oracle/prove.cpp", "#include \"plugin/diagnosis/result.h\"");
+    mustOffend("tests/oracle/model/contact.h", "#include \"bridge/units.h\"");
     // the core knows Eigen and the standard library
     mustOffend("supercircle/rod/arc.h", "#include <box2d/b2_math.h>");
     mustOffend("supercircle/rod/arc.h", "#include <nlohmann/json.hpp>");

@@ -98,7 +98,7 @@ public:
         REQUIRE(out.failure.empty());
         world.Step(static_cast<float>(dt), 8, 3);
         port->stepped(dt);
-        step::Stepper::learnFromHost(shells, *port, dt);
+        stepper.learnFromHost(shells, *port, dt);
     }
 
     /// Distance of the shells from the body's outline where Box2D has it now, m (negative: overlap); large if none.

@@ -205,7 +205,7 @@ TEST_CASE("a body that is destroyed between the shells' frame and Box2D's is no 
     CHECK(s.p.stepper.advance(s.p.shells, kDt, s.p.port.get(), {}).failure.empty());
     s.p.world.DestroyBody(s.crate);
     s.p.world.Step(static_cast<float>(kDt), 8, 3);
-    step::Stepper::learnFromHost(s.p.shells, *s.p.port, kDt);
+    s.p.stepper.learnFromHost(s.p.shells, *s.p.port, kDt);
     s.requireFree();
 }
 

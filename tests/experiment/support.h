@@ -2,6 +2,7 @@
 // A small experiment to be spoilt, and folders that go away.
 
 #include "plugin/experiment/load.h"
+#include "tests/support/folder.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -13,6 +14,7 @@
 namespace experimenttest {
 
 using namespace supercircle;
+using test::Folder;
 
 inline std::string baseline(int number) {
     return std::string(SC_TEST_DATA) + "/recordings/baseline/case_" + std::to_string(number) + "/experiment.json";
@@ -43,27 +45,5 @@ inline std::string problemsOf(const std::string& text) {
         all += p.toString() + "\n";
     return all;
 }
-
-class Folder {
-public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "experiment.XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path_ = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    std::string write(const std::string& name, const std::string& text) const {
-        std::ofstream(path_ + "/" + name, std::ios::binary) << text;
-        return path_ + "/" + name;
-    }
-
-private:
-    std::string path_;
-};
 
 } // namespace experimenttest

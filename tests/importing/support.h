@@ -2,6 +2,7 @@
 // Exports made up in tests: one known run of a machine, written in many ways.
 
 #include "plugin/importing/import.h"
+#include "tests/support/folder.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -17,26 +18,7 @@ namespace importingtest {
 
 using namespace supercircle;
 using importing::Quantity;
-
-class Folder {
-public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "importing.XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
-        std::ofstream(path + "/" + name, std::ios::binary) << text;
-        return path + "/" + name;
-    }
-    std::string path;
-};
+using test::Folder;
 
 inline std::string contentOf(const std::string& path) {
     std::ifstream in(path, std::ios::binary);

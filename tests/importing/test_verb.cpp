@@ -4,30 +4,16 @@
 
 #include <nlohmann/json.hpp>
 
-#include <sys/wait.h>
-
 using namespace importingtest;
 using Catch::Contains;
 
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Ending {
-    int code = -1;
-    std::string text; ///< standard output and error
-};
+using test::Ending;
 
 Ending start(const std::string& arguments) {
-    Ending end;
-    FILE* pipe = ::popen((std::string(SC_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    char block[4096];
-    for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, pipe)) > 0;)
-        end.text.append(block, n);
-    const int status = ::pclose(pipe);
-    end.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return end;
+    return test::start(std::string(SC_PROGRAM) + " " + arguments);
 }
 
 } // namespace

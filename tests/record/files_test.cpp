@@ -11,32 +11,13 @@
 #include "plugin/record/files.h"
 #include "plugin/record/writer.h"
 #include "tests/record/example.h"
+#include "tests/support/folder.h"
 
 using namespace supercircle;
 using namespace supercircle::record;
 namespace fs = std::filesystem;
 
-namespace {
-
-/// A directory of its own that goes away.
-struct Folder {
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "sc-record-XXXXXX").string();
-        path = ::mkdtemp(name.data());
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
-    }
-    [[nodiscard]] std::size_t entries() const {
-        return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-    }
-    std::string path;
-};
-
-} // namespace
+using supercircle::test::Folder;
 
 TEST_CASE("files are written whole, replaced, and readable by others") {
     const Folder folder;

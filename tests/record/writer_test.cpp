@@ -9,6 +9,7 @@
 #include "plugin/record/reader.h"
 #include "plugin/record/writer.h"
 #include "tests/record/example.h"
+#include "tests/support/folder.h"
 
 using namespace supercircle;
 using namespace supercircle::record;
@@ -90,8 +91,8 @@ TEST_CASE("damaged trajectories are refused with their place") {
 }
 
 TEST_CASE("a directory of files is read back as one recording") {
-    std::string folder = (std::filesystem::temp_directory_path() / "sc-writer-XXXXXX").string();
-    REQUIRE(::mkdtemp(folder.data()) != nullptr);
+    const test::Folder own;
+    const std::string& folder = own.path;
     const Recording recording = test::smallRecording();
     REQUIRE(writeFiles(recording, folder).empty());
     const auto back = readFiles(folder);
@@ -101,5 +102,4 @@ TEST_CASE("a directory of files is read back as one recording") {
         CHECK(readText(folder + "/" + name).value == readText(folder + "/again/" + name).value);
     std::filesystem::remove(folder + "/trajectory.json");
     CHECK_THAT(readFiles(folder).error, Catch::Contains("trajectory.json"));
-    std::filesystem::remove_all(folder);
 }

@@ -1,15 +1,12 @@
 // `supercircle replay` and `supercircle check` as a user starts them.
 
 #include "tests/replay/support.h"
+#include "tests/support/folder.h"
 
 #include <nlohmann/json.hpp>
 
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sys/wait.h>
-#include <unistd.h>
 
 using namespace replaytest;
 using Catch::Contains;
@@ -18,36 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Ending {
-    int code = -1;
-    std::string text; ///< standard output and error
-};
+using test::Ending;
+using test::Folder;
 
 Ending start(const std::string& arguments) {
-    Ending end;
-    FILE* pipe = ::popen((std::string(SC_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    char block[4096];
-    for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, pipe)) > 0;)
-        end.text.append(block, n);
-    const int status = ::pclose(pipe);
-    end.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return end;
+    return test::start(std::string(SC_PROGRAM) + " " + arguments);
 }
-
-class Folder {
-public:
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "replay.XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
-    }
-    std::string path;
-};
 
 } // namespace
 

@@ -18,6 +18,7 @@
 #include "plugin/report/page.h"
 #include "plugin/report/report.h"
 #include "tests/report/synthetic.h"
+#include "tests/support/folder.h"
 
 // Fontconfig keeps its configuration until the process ends; the leak checker of sanitizer builds is told so.
 extern "C" const char* __lsan_default_suppressions();
@@ -31,20 +32,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "sc-report-XXXXXX").string();
-        path = ::mkdtemp(name.data());
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
-    }
-    [[nodiscard]] bool has(const std::string& name) const { return fs::exists(path + "/" + name); }
-    std::string path;
-};
+using supercircle::test::Folder;
 
 struct Picture {
     int width = 0, height = 0;

@@ -2,14 +2,13 @@
 
 #include "plugin/experiment/load.h"
 #include "plugin/sensitivity/sensitivity.h"
+#include "tests/support/folder.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <sys/wait.h>
-#include <unistd.h>
 
 using namespace supercircle;
 using Catch::Contains;
@@ -115,12 +114,10 @@ TEST_CASE("jumps are placed between samples by the trace", "[sensitivity]") {
 }
 
 TEST_CASE("the verb writes tables and pictures", "[sensitivity]") {
-    std::string folder = (std::filesystem::temp_directory_path() / "sensitivity.XXXXXX").string();
-    REQUIRE(::mkdtemp(folder.data()) != nullptr);
+    const test::Folder own;
+    const std::string& folder = own.path;
     const auto start = [](const std::string& arguments) {
-        const int status =
-            std::system((std::string(SC_PROGRAM) + " sensitivity " + arguments + " > /dev/null 2>&1").c_str());
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+        return test::start(std::string(SC_PROGRAM) + " sensitivity " + arguments).code;
     };
     CHECK(start(path(106) + " --column friction --column thickness --jobs 2 --out " + folder + "/a") == 0);
     for (const char* name : {"sensitivity.json", "landmarks.csv", "run_1_sensitivity.csv",
@@ -129,7 +126,6 @@ TEST_CASE("the verb writes tables and pictures", "[sensitivity]") {
     CHECK(start(path(106) + " --column frction --out " + folder + "/b") == 2);
     CHECK(start(path(106) + " --param friction=-1 --out " + folder + "/b") == 2);
     CHECK_FALSE(std::filesystem::exists(folder + "/b"));
-    std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("amplitudes of effects are columns, also those that are off at infinity", "[sensitivity]") {

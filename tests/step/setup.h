@@ -60,7 +60,7 @@ inline void frame(step::Stepper& s, step::World& w, FakeHost& host, double dt,
     const step::FrameOutcome out = s.advance(w, dt, &host, observer);
     REQUIRE(out.failure.empty());
     host.step(out.advanced);
-    step::Stepper::learnFromHost(w, host, out.advanced);
+    s.learnFromHost(w, host, out.advanced);
 }
 
 inline Vec2 centre(const step::Rod& r) {

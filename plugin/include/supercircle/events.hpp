@@ -69,8 +69,10 @@ struct SnapEndEvent {
 };
 
 /// A shell was taken out of the motion: its numbers were not finite, or even the smallest step would have moved it
-/// faster than sound in its material or curled an element up beyond all bounds (shells put deep into each other do). It
-/// stays where it was last good, neither moves nor collides any more, and can still be asked, teleported and destroyed.
+/// faster than sound in its material, curled an element up beyond all bounds or led its centre line through something
+/// (shells put deep into each other do, and bodies made inside a shell). It
+/// stays where it was last good, neither moves nor collides any more, and can still be asked and destroyed; teleport
+/// brings it back.
 struct QuarantineEvent {
     double time = 0.0; ///< end of the frame in which it happened, s
     ShellHandle shell{};

@@ -60,7 +60,7 @@ struct ShellMeasures {
     double stored_energy = 0.0;      ///< elastic, J
     double max_surface_strain = 0.0; ///< largest h |kappa - kappa0| / 2, 1
     Box box{};                       ///< exact, thickness included, m
-    bool quarantined = false;        ///< taken out of the motion because of bad numbers
+    bool quarantined = false;        ///< taken out of the motion: bad numbers, or a body inside it
 };
 
 /// Which shells a query sees: those whose category has a bit in common with it.

@@ -142,7 +142,9 @@ public:
     [[nodiscard]] bool valid(ForceHandle handle) const;
 
     /// Puts the middle of the shell at a place (m) with its tangent at an angle (rad), its shape and its velocity in
-    /// its own frame kept; whether it is free of others there is not checked. Refused while it is held or joined.
+    /// its own frame kept; whether it is free of others there is not checked. Refused while it is held or joined. A
+    /// shell that was taken out of the motion (FrameEvents::quarantined) comes back with it, at rest in its last good
+    /// shape.
     Outcome teleport(ShellHandle shell, Point position, double angle);
     /// Gives it the velocity of a rigid body: of its middle (m/s), and spin (rad/s).
     Outcome set_velocity(ShellHandle shell, Point velocity, double spin = 0.0);

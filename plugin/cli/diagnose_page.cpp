@@ -76,8 +76,9 @@ std::string effectTable(const Diagnosis& d) {
         std::string with;
         for (const std::string& label : e.with)
             with += "<br>together with " + escaped(diagnosis::plainWords(label));
-        html += "<tr><td>" + escaped(diagnosis::plainWords(e.label)) + (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + with +
-                "</td><td>" + number(100.0 * e.probability, "%.1f") + " %</td><td>" + number(e.gain, "%.0f") + " ± " +
+        html += "<tr><td>" + escaped(diagnosis::plainWords(e.label)) +
+                (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + with + "</td><td>" +
+                number(100.0 * e.probability, "%.1f") + " %</td><td>" + number(e.gain, "%.0f") + " ± " +
                 number(e.gainError, "%.0f") + "</td><td>" + escaped(e.law) + values + "</td><td>" + group +
                 "</td></tr>";
     }

@@ -7,10 +7,10 @@
 #include "plugin/diagnosis/learn.h"
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/pairs.h"
+#include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/screen.h"
 #include "plugin/diagnosis/weigh.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -77,11 +77,9 @@ private:
     void enter(const Weighed& w);
     void weighAll(Weighed& w) const;
     void groups(const Weighed& w, Evidence& evidence);
-    [[nodiscard]] FoundEffect found(const Entry& entry, const Weighed& w) const;
     void conclusions(const Weighed& w, Evidence& evidence);
     void suggest();
-    void curves();
-    void nominalResults();
+    void present();
     Eigen::MatrixXd freeColumns(const Fitted& f) const;
 
     const Data& data_;
@@ -314,49 +312,6 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
     tried_.push_back(std::move(best));
 }
 
-FoundEffect Work::found(const Entry& entry, const Weighed& w) const {
-    const Tried& t = tried_[entry.model];
-    const Candidate& c = candidates()[t.candidates[entry.term]];
-    FoundEffect e;
-    e.label = c.label;
-    e.slot = c.slot;
-    e.form = c.form;
-    e.law = c.law;
-    e.probability = std::min(1.0, entry.probability);
-    e.gain = w.gain[entry.model];
-    e.gainError = w.gainError[entry.model];
-    e.trainingRmse = forceRmse(*misfit_, t.fit.responses);
-    e.heldOutRmse = t.held.forceRmse;
-    e.misfitPerRow = t.fit.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
-    const Variables v(evaluator_.model(), t.fit.point);
-    Eigen::MatrixXd precision = t.fit.jacobian.transpose() * t.fit.jacobian / std::max(1.0, e.misfitPerRow);
-    for (Index k = 0; k < v.size(); ++k) {
-        const double width = std::min(v.upper[k] - v.lower[k], 1e3);
-        precision(k, k) += 12.0 / (width * width);
-    }
-    const Eigen::MatrixXd covariance = precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
-    constexpr double k90 = 1.6448536269514722; // of a normal distribution
-    Index first = v.nominal;
-    for (std::size_t term = 0; term < t.candidates.size(); ++term) {
-        const auto n = static_cast<Index>(candidates()[t.candidates[term]].parameters.size());
-        if (term != entry.term)
-            e.with.push_back(candidates()[t.candidates[term]].label);
-        for (Index k = first; k < first + n && term == entry.term; ++k) {
-            const Scalar& s = v.scalar(k);
-            const double half = k90 * std::sqrt(std::max(0.0, covariance(k, k)));
-            const auto at = [&](double x) {
-                return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
-            };
-            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(t.fit.x[k] - half), at(t.fit.x[k] + half)}};
-            if (p.ci90.low > p.ci90.high)
-                std::swap(p.ci90.low, p.ci90.high);
-            e.parameters.push_back(p);
-        }
-        first += n;
-    }
-    return e;
-}
-
 /// Which effects cannot be told apart, and how probable the first one's group is. Effects that act together are no
 /// rivals.
 void Work::groups(const Weighed& w, Evidence& evidence) {
@@ -453,8 +408,13 @@ void Work::conclude() {
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;
-    for (const Entry& entry : entries_)
-        out_.effects.push_back(found(entry, w));
+    for (const Entry& entry : entries_) {
+        FoundEffect f = presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term);
+        f.probability = std::min(1.0, entry.probability);
+        f.gain = w.gain[entry.model];
+        f.gainError = w.gainError[entry.model];
+        out_.effects.push_back(std::move(f));
+    }
     Evidence e;
     e.p = out_.mismatch.p;
     e.nothing = out_.nothing;
@@ -463,8 +423,7 @@ void Work::conclude() {
     groups(w, e);
     conclusions(w, e);
     out_.verdict = verdictOf(e);
-    nominalResults();
-    curves();
+    present();
     suggest();
     out_.statement = statementOf(out_, e);
 }
@@ -510,50 +469,15 @@ void Work::suggest() {
                                hint ? std::vector<std::string>{"nothing"} : out_.effects.front().group);
 }
 
-void Work::nominalResults() {
-    const Variables v(evaluator_.model(), base_.point);
-    for (Index i = 0; i < v.nominal; ++i) {
-        const Scalar& s = v.scalar(i);
-        out_.nominal.push_back(
-            {s.name, s.unit, s.value, s.step, base_.point.nominal[static_cast<std::size_t>(i)], base_.x[i]});
+void Work::present() {
+    out_.nominal = presentNominal(evaluator_.model(), base_);
+    std::vector<const Fitted*> shown;
+    for (const Entry& entry : entries_) {
+        out_.similarityLabels.push_back(entry.label);
+        shown.push_back(&tried_[entry.model].fit);
     }
-    out_.similarityLabels.clear();
-    Eigen::MatrixXd signatures(misfit_->rows(), static_cast<Index>(entries_.size()));
-    for (std::size_t i = 0; i < entries_.size(); ++i) {
-        out_.similarityLabels.push_back(out_.effects[i].label);
-        const auto s = misfit_->difference(tried_[entries_[i].model].fit.responses, base_.responses);
-        signatures.col(static_cast<Index>(i)) = s ? *s : Eigen::VectorXd::Zero(misfit_->rows());
-    }
-    for (Index i = 0; i < signatures.cols(); ++i) {
-        out_.similarity.emplace_back();
-        for (Index j = 0; j < signatures.cols(); ++j) {
-            const double n = signatures.col(i).norm() * signatures.col(j).norm();
-            out_.similarity.back().push_back(n > 0.0 ? signatures.col(i).dot(signatures.col(j)) / n : 0.0);
-        }
-    }
-}
-
-void Work::curves() {
-    const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
-    for (std::size_t r = 0; r < data_.runs.size(); ++r) {
-        const RecordedRun& run = data_.runs[r];
-        const Index n = run.force.size();
-        RunCurves c;
-        c.name = run.name;
-        c.time = list(run.time);
-        c.displacement = list(run.displacement);
-        c.recorded = list(run.force);
-        c.baseline = list(base_.responses[r].force);
-        c.residual = list(base_.residual.segment(misfit_->start(r), n));
-        if (any_) {
-            const Fitted& best = tried_[best_].fit;
-            c.improved = list(best.responses[r].force);
-            c.residualImproved = list(best.residual.segment(misfit_->start(r), n));
-        }
-        for (Index k = 0; k < n; ++k)
-            c.counts.push_back(std::isfinite(misfit_->errors(r).force[k]));
-        out_.runs.push_back(std::move(c));
-    }
+    out_.similarity = presentSimilarity(*misfit_, base_, shown);
+    out_.runs = presentCurves(*misfit_, base_, any_ ? &tried_[best_].fit : nullptr);
 }
 
 } // namespace

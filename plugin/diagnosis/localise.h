@@ -10,10 +10,10 @@
 // deviation. Null: B draws of white noise, projected alike; no simulation. p-values by single-step max-T
 // (P. H. Westfall, S. S. Young, "Resampling-Based Multiple Testing" (1993), 2.3).
 //
-// Windows: dyadic in time in each run and in each leg of its protocol (half overlapping), dyadic in displacement per
-// phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, and each coordinate of
-// each marker over time. The signatures of the catalogue's effects belong to the same family: one critical value says
-// whether anything is missing, wherever it was looked for.
+// Windows: dyadic in time in each run and each leg of its protocol (half overlapping), dyadic in displacement per
+// phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, and each coordinate
+// of each marker over time. The signatures of the catalogue's effects belong to the same family: one critical value
+// says whether anything is missing, wherever it was looked for.
 //
 // Report: of the windows of one run and channel the one with the largest statistic, then the largest of those that do
 // not overlap it, and so on (likelihood ratio selection: X. J. Jeng, T. T. Cai, H. Li, J. Am. Stat. Assoc. 105 (2010)
@@ -42,7 +42,7 @@ struct Window {
 };
 
 struct Localisation {
-    double p = 1.0;        ///< of the largest statistic
+    double p = 1.0; ///< of the largest statistic
     /// The same, carried on by Bonferroni's bound where it lies beyond all draws.
     double tail = 1.0;
     double critical = 0.0; ///< of |statistic| at 5 %, family-wise

@@ -1,12 +1,8 @@
 #pragma once
-// Laws that are learned where no effect of the catalogue holds: penalised cubic B-splines of a state, in the slots of
-// the simulator. Never of time alone, except for what the sensor adds to its readings.
+// Laws that are learned where no effect of the catalogue holds: penalised cubic B-splines of a state, added to the
+// readings. Of time alone only where the sensor adds something.
 //
 // | what is learned | state | where it acts |
-// | bending stiffness dM/d kappa | curvature change | material |
-// | friction coefficient | speed of sliding (logarithm) | contact |
-// | friction coefficient | way slid | contact |
-// | attraction of surfaces | gap | contact |
 // | force of the machine, both ways the same | displacement | readings |
 // | force of the machine against its motion | displacement | readings |
 // | zero of the load cell | time | readings |
@@ -15,6 +11,7 @@
 // (2017) 1071 (smoothing by generalised Fellner-Schall steps).
 
 #include "plugin/diagnosis/menu.h"
+#include "supercircle/effects/spline.h"
 
 namespace supercircle::diagnosis {
 

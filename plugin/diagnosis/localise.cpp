@@ -235,9 +235,8 @@ std::vector<Window> selected(std::vector<Window> all) {
     constexpr std::size_t kMost = 60;
     std::vector<Window> kept;
     for (const Window& w : all)
-        if (kept.size() < kMost && std::none_of(kept.begin(), kept.end(), [&](const Window& k) {
-                return sameKind(k, w) && overlaps(k, w);
-            }))
+        if (kept.size() < kMost &&
+            std::none_of(kept.begin(), kept.end(), [&](const Window& k) { return sameKind(k, w) && overlaps(k, w); }))
             kept.push_back(w);
     std::stable_sort(kept.begin(), kept.end(),
                      [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });

@@ -229,10 +229,9 @@ void apparatus(Writer& w, const Sizes& s) {
 
 } // namespace
 
-Menu menuFor(const Experiment& e, const std::vector<std::string>& without, double largestBend) {
+Menu menuFor(const Experiment& e, const std::vector<std::string>& without) {
     Menu menu;
-    Sizes s = sizesOf(e);
-    s.bend = largestBend;
+    const Sizes s = sizesOf(e);
     std::vector<std::string> shells = {"all"};
     if (e.specimens.size() > 1) {
         shells.clear();

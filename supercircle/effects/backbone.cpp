@@ -44,13 +44,6 @@ BackbonePoint evaluate(const Backbone& b, double u) {
             return out;
         }
         break;
-    case Backbone::Law::Learned:
-        if (std::isfinite(b.knee)) {
-            const double a = std::abs(x);
-            const SplinePoint s = evaluateSpline(b.learned, a);
-            return {u + std::copysign(b.knee * s.area, u), 1.0 + s.value, 0.5 * u * u + b.knee * b.knee * s.moment};
-        }
-        break;
     case Backbone::Law::Linear:
         break;
     }

@@ -22,6 +22,23 @@ double wallClock() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// Length of the smallest shell over that of the paper's: its natural radius, or for a flat one that of three quarters
+/// of a circle of its length.
+double sizeOf(const scene::Scene& scene) {
+    double smallest = std::numeric_limits<double>::infinity();
+    const auto take = [&](const ShellDef& d) {
+        const double length = d.length > 0.0 ? d.length : 2.0 * M_PI * d.phi_bar * d.radius;
+        const double radius = d.radius <= length ? d.radius : length / (1.5 * M_PI);
+        if (radius > 0.0)
+            smallest = std::min(smallest, radius);
+    };
+    for (const ShellDef& d : scene.shells)
+        take(d);
+    if (scene.drop)
+        take(scene.drop->shell);
+    return std::isfinite(smallest) ? smallest / kPaperRadius : 1.0;
+}
+
 } // namespace
 
 /// Processor time of the whole process, s.
@@ -33,7 +50,7 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
       wallStart_(wallClock()), cpuStart_(cpuClock()) {
     step::Settings& s = shells_.stepper().settings();
-    size_ = scene.report.R / kPaperRadius;
+    size_ = sizeOf(scene);
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * size_;
     if (scene.numerics.dt_max > 0.0)
         s.dtMin = std::min(s.dtMin, scene.numerics.dt_max);

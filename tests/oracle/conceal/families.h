@@ -1,0 +1,30 @@
+#pragma once
+// The effects that are concealed, by family: in which experiments they can show, and how large "one" is.
+
+#include "tests/oracle/conceal/draw.h"
+#include "tests/oracle/model/effects.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace supercircle::oracle {
+
+enum class Protocol { Cylinder, Shells, Strip, Arch };
+
+struct Family {
+    std::string name, label; ///< label as in docs/effects.md; families may share one
+    std::vector<Protocol> protocols;
+    bool markers = false;    ///< shows in shapes: markers are always tracked
+    double largest = 5.0;    ///< amplitude, in units of one
+    bool known = true;       ///< in the catalogue of the diagnosis
+    bool weightless = false; ///< the description declares no gravity
+    /// Details are drawn once; the result makes the effect at any amplitude.
+    std::function<std::function<Hidden(double amplitude)>(Draw&, Protocol)> draw;
+};
+
+const std::vector<Family>& families();
+/// Throws std::invalid_argument for a name that is not known.
+const Family& family(const std::string& name);
+
+} // namespace supercircle::oracle

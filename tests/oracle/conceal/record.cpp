@@ -1,0 +1,283 @@
+#include "tests/oracle/conceal/record.h"
+
+#include "tests/oracle/conceal/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace supercircle::oracle {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Everything drawn for a case, before it is recorded.
+struct Secret {
+    Plan plan;
+    Protocol protocol = Protocol::Arch;
+    Description description;
+    Offsets offsets;
+    Nuisance nuisance;
+    std::vector<Hidden> hidden;
+    double visible = 0.0; ///< norm of what is left of the effects in the readings, noise units
+    std::vector<Window> windows;
+};
+
+Effects effectsOf(const std::vector<Hidden>& hidden) {
+    Effects e;
+    for (const Hidden& h : hidden)
+        apply(e, h);
+    return e;
+}
+
+using Make = std::function<Hidden(double)>;
+
+/// Amplitude at which an effect is about as visible as wanted: in logarithms, between the nearest ones tried.
+double amplitudeFor(const Absorber& absorber, const Family& f, const Make& make, double wanted) {
+    constexpr double kLeast = 0.02;
+    double amplitude = 1.0, low = 0.0, lowSeen = 0.0, high = 0.0, highSeen = 0.0;
+    for (int i = 0; i < 5; ++i) {
+        const auto left = absorber.left(effectsOf({make(amplitude)}));
+        const double seen = left ? std::max(left->norm(), 1e-3) : 1e6; // failed: far too much
+        if (std::abs(std::log(seen / wanted)) < 0.25)
+            break;
+        (seen < wanted ? low : high) = amplitude;
+        (seen < wanted ? lowSeen : highSeen) = seen;
+        double next = std::clamp(wanted / seen, 0.1, 10.0) * amplitude;
+        if (low > 0.0 && high > 0.0)
+            next = low * std::pow(high / low,
+                                  std::clamp(std::log(wanted / lowSeen) / std::log(highSeen / lowSeen), 0.1, 0.9));
+        next = std::clamp(next, kLeast, f.largest);
+        if (next == amplitude)
+            break;
+        amplitude = next;
+    }
+    return amplitude;
+}
+
+/// Amplitudes at which the effects are about as visible as wanted; one after the other.
+std::string hide(Draw& draw, Secret& s) {
+    const Absorber absorber(s.description, s.offsets, s.nuisance);
+    if (!absorber.failure().empty())
+        return absorber.failure();
+    for (const std::string& name : s.plan.families) {
+        const Family& f = family(name);
+        const Make make = f.draw(draw, s.protocol);
+        const double wanted = s.plan.strength == "weak" ? draw.logarithmic(15.0, 30.0) : draw.logarithmic(80.0, 250.0);
+        s.hidden.push_back(make(amplitudeFor(absorber, f, make, wanted)));
+    }
+    if (s.hidden.empty())
+        return {};
+    const auto left = absorber.left(effectsOf(s.hidden));
+    if (!left)
+        return "with the effects the simulation fails";
+    s.visible = left->norm();
+    s.windows = absorber.windows(*left);
+    return {};
+}
+
+std::string text(const char* format, double a) {
+    char buffer[48];
+    std::snprintf(buffer, sizeof buffer, format, a);
+    return buffer;
+}
+
+/// Readings with their noise, quantised, zeroed over the first half second.
+std::vector<double> worsen(Draw& draw, const Nuisance& n, const std::vector<double>& times, std::vector<double> force) {
+    double coloured = n.coloured * draw.normal();
+    const double offset = 20.0 * n.total() * draw.uniform(-1.0, 1.0); // of the bridge, before its zero is taken
+    for (std::size_t i = 0; i < force.size(); ++i) {
+        if (i > 0) {
+            const double keep = std::exp(-(times[i] - times[i - 1]) / n.memory);
+            coloured = keep * coloured + n.coloured * std::sqrt(1.0 - keep * keep) * draw.normal();
+        }
+        force[i] += offset + coloured + n.white * (n.heavy ? draw.heavy() : draw.normal());
+        if (n.step > 0.0)
+            force[i] = n.step * std::round(force[i] / n.step);
+    }
+    double zero = 0.0, rows = 0.0;
+    for (std::size_t i = 0; i < times.size() && times[i] < 0.5 - 1e-9; ++i) {
+        zero += force[i];
+        rows += 1.0;
+    }
+    for (double& f : force)
+        f -= zero / rows;
+    return force;
+}
+
+std::string forceFile(Draw& draw, const Description& d, const RunPlan& run, const std::vector<double>& force) {
+    std::string out = "time_s,displacement_mm,force_N\n";
+    const std::vector<double> times = run.times(run.sampling);
+    for (std::size_t i = 0; i < times.size(); ++i)
+        out += text("%.4f,", times[i]) +
+               text("%.4f,", 1e3 * (run.drive.at(times[i]) + d.displacementNoise * draw.normal())) +
+               text("%.6f\n", force[i]);
+    return out;
+}
+
+std::string markerFile(Draw& draw, const Description& d, const Nuisance& n, const RunPlan& run,
+                       const std::vector<std::vector<Vec2>>& paths) {
+    std::string out = "time_s";
+    for (std::size_t m = 0; m < d.markers.size(); ++m)
+        out += ",m" + std::to_string(m) + "_x_mm,m" + std::to_string(m) + "_y_mm";
+    out += "\n";
+    const std::vector<double> times = run.times(run.markersSampling);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        out += text("%.4f", times[i]);
+        for (const std::vector<Vec2>& path : paths)
+            for (int axis = 0; axis < 2; ++axis)
+                out += text(",%.4f", 1e3 * (path[i][axis] + n.marker * draw.normal()));
+        out += "\n";
+    }
+    return out;
+}
+
+double rms(const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+Json parametersOf(const Setup& s, double gap) {
+    const Specimen& a = s.specimens.front();
+    return {{"bending_modulus_N_m2", a.modulus}, {"natural_curvature_1_m", a.curvature}, {"friction", s.friction},
+            {"thickness_m", a.thickness},        {"linear_mass_kg_m", a.linearMass},     {"initial_gap_shift_m", gap}};
+}
+
+Json answerOf(const Secret& s, const Setup& truth, const Json& runs) {
+    const char* protocols[] = {"P1", "P2", "P3", "P4"};
+    Json labels = Json::array(), effects = Json::array(), windows = Json::array(), without = Json::array();
+    for (std::size_t i = 0; i < s.hidden.size(); ++i) {
+        labels.push_back(s.hidden[i].label);
+        effects.push_back(
+            {{"family", s.plan.families[i]}, {"label", s.hidden[i].label}, {"parameters", s.hidden[i].parameters}});
+        if (s.plan.kind == "removed")
+            without.push_back(s.hidden[i].label);
+    }
+    if (labels.empty())
+        labels.push_back("none");
+    for (const Window& w : s.windows)
+        windows.push_back({{"run", w.run}, {"t_start_s", w.from}, {"t_end_s", w.to}});
+    return {{"case", s.plan.name},
+            {"part", s.plan.part},
+            {"kind", s.plan.kind},
+            {"strength", s.plan.strength},
+            {"protocol", protocols[static_cast<int>(s.protocol)]},
+            {"labels", labels},
+            {"effects", effects},
+            {"diagnose_without", without},
+            {"visible_noise_units", s.visible},
+            {"windows", windows},
+            {"true_parameters", parametersOf(truth, truth.headShift)},
+            {"nominal_parameters", parametersOf(s.description.nominal, 0.0)},
+            {"noise",
+             {{"white_N", s.nuisance.white},
+              {"correlated_N", s.nuisance.coloured},
+              {"memory_s", s.nuisance.memory},
+              {"quantum_N", s.nuisance.step},
+              {"heavy_tails", s.nuisance.heavy},
+              {"marker_m", s.nuisance.marker}}},
+            {"runs", runs}};
+}
+
+Secret drawSecret(Draw& draw, const Plan& plan) {
+    Secret s;
+    s.plan = plan;
+    bool markers = false, weightless = draw.chance(0.15);
+    const bool snaps = plan.strength == "snaps";
+    std::vector<Protocol> possible = {Protocol::Cylinder, Protocol::Strip,    Protocol::Arch,
+                                      Protocol::Arch,     Protocol::Cylinder, Protocol::Shells};
+    if (snaps)
+        possible = {draw.chance(0.5) ? Protocol::Cylinder : Protocol::Strip};
+    for (const std::string& name : plan.families) {
+        const Family& f = family(name);
+        std::vector<Protocol> common;
+        for (const Protocol p : f.protocols)
+            if (std::count(possible.begin(), possible.end(), p) > 0)
+                common.push_back(p);
+        possible = common;
+        markers = markers || f.markers;
+        weightless = weightless || f.weightless;
+    }
+    s.protocol = possible[static_cast<std::size_t>(draw.whole(static_cast<int>(possible.size())))];
+    s.description = drawDescription(draw, s.protocol, weightless, markers, snaps);
+    s.offsets = drawOffsets(draw);
+    s.nuisance = drawNuisance(draw, s.description);
+    return s;
+}
+
+} // namespace
+
+Accuracy accuracyOf(const Plan& plan) {
+    Accuracy out;
+    Draw draw(plan.seed);
+    Secret s = drawSecret(draw, plan);
+    if (!s.plan.families.empty())
+        if (out.failure = hide(draw, s); !out.failure.empty())
+            return out;
+    const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
+    Resolution fine;
+    fine.edges *= 2;
+    fine.travel *= 0.5;
+    fine.longest *= 0.5;
+    fine.contact.stiffness *= 2.0;
+    fine.contact.tangential *= 2.0;
+    const Clean a = simulate(s.description, truth, {}), b = simulate(s.description, truth, fine);
+    if (out.failure = a.failure + b.failure; !out.failure.empty())
+        return out;
+    std::vector<double> apart;
+    double squares = 0.0, places = 0.0, seen = 0.0;
+    for (std::size_t r = 0; r < a.force.size(); ++r) {
+        for (std::size_t i = 0; i < a.force[r].size(); ++i) {
+            apart.push_back(std::abs(a.force[r][i] - b.force[r][i]) / s.nuisance.total());
+            squares += apart.back() * apart.back();
+        }
+        for (std::size_t m = 0; m < a.markers[r].size(); ++m)
+            for (std::size_t i = 0; i < a.markers[r][m].size(); ++i) {
+                places += (a.markers[r][m][i] - b.markers[r][m][i]).squaredNorm();
+                seen += 2.0;
+            }
+    }
+    std::sort(apart.begin(), apart.end());
+    out.rms = std::sqrt(squares / static_cast<double>(apart.size()));
+    out.most = apart[apart.size() * 99 / 100];
+    out.markers = seen > 0.0 ? std::sqrt(places / seen) / s.nuisance.marker : 0.0;
+    return out;
+}
+
+Concealed conceal(const Plan& plan) {
+    Concealed out;
+    Draw draw(plan.seed);
+    Secret s = drawSecret(draw, plan);
+    if (!s.plan.families.empty())
+        if (out.failure = hide(draw, s); !out.failure.empty())
+            return out;
+    const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
+    const Clean clean = simulate(s.description, truth, {});
+    const Clean plain = simulate(s.description, trueSetup(s.description, s.offsets, {}), {});
+    if (!clean.failure.empty() || !plain.failure.empty()) {
+        out.failure = clean.failure + plain.failure;
+        return out;
+    }
+    out.files.emplace_back("experiment.json", writeDescription(s.description));
+    Json runs = Json::array();
+    for (std::size_t r = 0; r < s.description.runs.size(); ++r) {
+        const RunPlan& run = s.description.runs[r];
+        const std::vector<double> read = worsen(draw, s.nuisance, run.times(run.sampling), clean.force[r]);
+        out.files.emplace_back(run.file, forceFile(draw, s.description, run, read));
+        if (!s.description.markers.empty())
+            out.files.emplace_back(run.markersFile, markerFile(draw, s.description, s.nuisance, run, clean.markers[r]));
+        runs.push_back({{"run", run.file},
+                        {"rows", read.size()},
+                        {"rms_noise_N", rms(read, clean.force[r])},
+                        {"rms_effect_N", rms(clean.force[r], plain.force[r])},
+                        {"peak_N", *std::max_element(clean.force[r].begin(), clean.force[r].end())}});
+    }
+    out.answer = answerOf(s, truth, runs).dump(1) + "\n";
+    return out;
+}
+
+} // namespace supercircle::oracle

@@ -1,0 +1,139 @@
+#include "tests/oracle/conceal/truth.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::oracle {
+
+namespace {
+
+constexpr double kSettle = 2.0; ///< s
+
+std::vector<Vec2> alongTime(const Trace& trace, const std::vector<Vec2>& path, const std::vector<double>& times) {
+    std::vector<Vec2> out;
+    for (const double t : times) {
+        const auto after = std::upper_bound(trace.time.begin(), trace.time.end(), t);
+        const auto i = static_cast<std::size_t>(
+            std::clamp<long>(after - trace.time.begin(), 1, static_cast<long>(trace.time.size()) - 1));
+        const double share = std::clamp((t - trace.time[i - 1]) / (trace.time[i] - trace.time[i - 1]), 0.0, 1.0);
+        out.push_back((1.0 - share) * path[i - 1] + share * path[i]);
+    }
+    return out;
+}
+
+} // namespace
+
+Resolution coarse() {
+    Resolution r;
+    r.edges = 60;
+    r.travel = 8e-5;
+    return r;
+}
+
+Clean simulate(const Description& d, const Setup& truth, const Resolution& resolution) {
+    Clean out;
+    for (const RunPlan& run : d.runs) {
+        const std::vector<double> times = run.times(run.sampling);
+        Simulation sim(truth, resolution);
+        if (!sim.settle(kSettle)) {
+            out.failure = "does not come to rest";
+            return out;
+        }
+        const Trace trace = sim.play(run.drive, times, d.markers);
+        if (!trace.failure.empty()) {
+            out.failure = trace.failure;
+            return out;
+        }
+        std::vector<double> force = readings(trace, truth.effects, times);
+        double zero = 0.0, rows = 0.0;
+        for (std::size_t i = 0; i < times.size() && times[i] < 0.5 - 1e-9; ++i) {
+            zero += force[i];
+            rows += 1.0;
+        }
+        for (double& f : force)
+            f -= zero / rows;
+        out.force.push_back(std::move(force));
+        out.markers.emplace_back();
+        for (const std::vector<Vec2>& path : trace.markers)
+            out.markers.back().push_back(alongTime(trace, path, run.times(run.markersSampling)));
+        out.largestChange = std::max(out.largestChange, trace.largestChange);
+    }
+    return out;
+}
+
+Absorber::Absorber(const Description& d, const Offsets& offsets, const Nuisance& noise)
+    : d_(d), offsets_(offsets), noise_(noise) {
+    const Clean base = simulate(d, trueSetup(d, offsets, {}), coarse());
+    failure_ = base.failure;
+    if (!failure_.empty())
+        return;
+    base_ = stack(base);
+    double Offsets::*members[] = {&Offsets::modulus,   &Offsets::curvature, &Offsets::friction,
+                                  &Offsets::thickness, &Offsets::mass,      &Offsets::gap};
+    columns_.resize(base_.size(), std::size(members));
+    for (std::size_t k = 0; k < std::size(members); ++k) {
+        Offsets o = offsets;
+        const double step = o.*members[k] > 0.0 ? -0.3 : 0.3;
+        o.*members[k] += step;
+        const Clean moved = simulate(d, trueSetup(d, o, {}), coarse());
+        if (!moved.failure.empty()) {
+            failure_ = moved.failure;
+            return;
+        }
+        columns_.col(static_cast<Eigen::Index>(k)) = (stack(moved) - base_) / step;
+    }
+}
+
+Eigen::VectorXd Absorber::stack(const Clean& c) const {
+    std::vector<double> rows;
+    for (std::size_t r = 0; r < c.force.size(); ++r) {
+        for (const double f : c.force[r])
+            rows.push_back(f / noise_.total());
+        for (const std::vector<Vec2>& path : c.markers[r])
+            for (const Vec2& p : path) {
+                rows.push_back(p.x() / noise_.marker);
+                rows.push_back(p.y() / noise_.marker);
+            }
+    }
+    return Eigen::Map<Eigen::VectorXd>(rows.data(), static_cast<Eigen::Index>(rows.size()));
+}
+
+std::optional<Eigen::VectorXd> Absorber::left(const Effects& effects) const {
+    const Clean with = simulate(d_, trueSetup(d_, offsets_, effects), coarse());
+    if (!with.failure.empty())
+        return std::nullopt;
+    Eigen::VectorXd g = (stack(with) - base_).cwiseMax(-300.0).cwiseMin(300.0); // a shifted jump is not everything
+    // Uniform intervals as normal priors of the same variance (half-width 1).
+    Eigen::MatrixXd normal = columns_.transpose() * columns_;
+    normal.diagonal().array() += 3.0;
+    return g - columns_ * normal.ldlt().solve(columns_.transpose() * g);
+}
+
+std::vector<Window> Absorber::windows(const Eigen::VectorXd& left) const {
+    std::vector<Window> all;
+    Eigen::Index at = 0;
+    for (const RunPlan& run : d_.runs) {
+        const std::vector<double> times = run.times(run.sampling);
+        const auto n = static_cast<long>(times.size());
+        // A level of one noise unit over a quarter of a second is what an eye would mark.
+        const long reach = std::max(1L, std::lround(0.125 * run.sampling));
+        for (long i = 0; i < n; ++i) {
+            double sum = 0.0;
+            const long a = std::max(0L, i - reach), b = std::min(n - 1, i + reach);
+            for (long k = a; k <= b; ++k)
+                sum += left[at + k];
+            if (std::abs(sum) < 0.7 * static_cast<double>(b - a + 1))
+                continue;
+            const double from = times[static_cast<std::size_t>(a)], to = times[static_cast<std::size_t>(b)];
+            if (!all.empty() && all.back().run == run.file && from <= all.back().to + 0.3)
+                all.back().to = to;
+            else
+                all.push_back({run.file, from, to});
+        }
+        at += n + 2 * static_cast<long>(d_.markers.size() * run.times(run.markersSampling).size());
+    }
+    return all;
+}
+
+} // namespace supercircle::oracle

@@ -1,0 +1,50 @@
+#pragma once
+// What of a hidden effect is left for anybody to find: its signature in the readings after the nominal parameters have
+// done what they can inside their intervals.
+
+#include "tests/oracle/conceal/cases.h"
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supercircle::oracle {
+
+/// Clean readings of all runs.
+struct Clean {
+    std::string failure;
+    std::vector<std::vector<double>> force;              ///< N, zero taken out as the sensor does
+    std::vector<std::vector<std::vector<Vec2>>> markers; ///< per run, marker, time
+    double largestChange = 0.0;                          ///< of curvature, 1/m
+};
+Clean simulate(const Description& d, const Setup& truth, const Resolution& resolution);
+Resolution coarse();
+
+struct Window {
+    std::string run;
+    double from = 0.0, to = 0.0; ///< s
+};
+
+/// Derivatives by the nominal parameters around a truth without effect.
+class Absorber {
+public:
+    Absorber(const Description& d, const Offsets& offsets, const Nuisance& noise);
+    [[nodiscard]] const std::string& failure() const { return failure_; }
+    /// What is left of an effect, in noise units, all runs behind each other (force, then markers).
+    [[nodiscard]] std::optional<Eigen::VectorXd> left(const Effects& effects) const;
+    /// Where the force of a signature stands out of the noise.
+    [[nodiscard]] std::vector<Window> windows(const Eigen::VectorXd& left) const;
+
+private:
+    [[nodiscard]] Eigen::VectorXd stack(const Clean& c) const;
+
+    const Description& d_;
+    Offsets offsets_;
+    Nuisance noise_;
+    std::string failure_;
+    Eigen::VectorXd base_;
+    Eigen::MatrixXd columns_;
+};
+
+} // namespace supercircle::oracle

@@ -1,0 +1,185 @@
+// prove: conceals cases (those that are not there yet), lets `supercircle diagnose` loose on each (those it has not
+// diagnosed yet), and scores what it said. Can be stopped at any time; the same command goes on.
+//
+//   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--limit N] [--jobs N] [--score]
+//         [--name NAME] [-- flags for diagnose ...]
+//
+// --score: score what there is, diagnose nothing. --name: folder of the diagnoses (default "diagnoses"), so that the
+// same cases can be diagnosed with other flags.
+
+#include "tests/oracle/conceal/record.h"
+#include "tests/oracle/prove/scores.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace supercircle::oracle;
+
+struct Options {
+    std::string program, out, part = "blind", name = "diagnoses", jobs = "2";
+    std::size_t limit = 1000000;
+    std::uint64_t seed = 0;
+    bool scoreOnly = false;
+    std::vector<std::string> flags;
+};
+
+void write(const fs::path& file, const std::string& text) {
+    const fs::path part = file.string() + ".part";
+    std::ofstream out(part, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out)
+        throw std::runtime_error(file.string() + ": cannot be written");
+    fs::rename(part, file);
+}
+
+/// Makes a case unless it is there; the answer is written last.
+bool provide(const Plan& plan, const fs::path& folder) {
+    const fs::path answer = folder / "answers" / (plan.name + ".json");
+    if (fs::exists(answer))
+        return true;
+    const Concealed c = conceal(plan);
+    if (!c.failure.empty()) {
+        std::fprintf(stderr, "%s cannot be recorded: %s\n", plan.name.c_str(), c.failure.c_str());
+        return false;
+    }
+    fs::create_directories(folder / plan.name);
+    fs::create_directories(folder / "answers");
+    for (const auto& [name, text] : c.files)
+        write(folder / plan.name / name, text);
+    write(answer, c.answer);
+    return true;
+}
+
+int run(const std::vector<std::string>& words) {
+    std::vector<char*> arguments;
+    for (const std::string& w : words)
+        arguments.push_back(const_cast<char*>(w.c_str()));
+    arguments.push_back(nullptr);
+    std::fflush(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+        execv(arguments.front(), arguments.data());
+        _exit(127);
+    }
+    int status = 0;
+    if (child < 0 || waitpid(child, &status, 0) < 0)
+        return 127;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 130;
+}
+
+bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& to) {
+    if (fs::exists(to / "diagnosis.json"))
+        return true;
+    std::vector<std::string> words = {o.program, "diagnose",  (cases / plan.name / "experiment.json").string(),
+                                      "--out",   to.string(), "--jobs",
+                                      o.jobs,    "--quiet"};
+    std::ifstream in(cases / "answers" / (plan.name + ".json"));
+    for (const auto& label : nlohmann::json::parse(in).at("diagnose_without")) {
+        words.emplace_back("--without");
+        words.push_back(label);
+    }
+    words.insert(words.end(), o.flags.begin(), o.flags.end());
+    const int code = run(words);
+    if (code == 130)
+        throw std::runtime_error("interrupted; the same command goes on");
+    if (code != 0)
+        std::fprintf(stderr, "%s: diagnose ended with %d\n", plan.name.c_str(), code);
+    return code == 0;
+}
+
+int work(const Options& o) {
+    const std::uint64_t seed = o.seed != 0 ? o.seed : o.part == "tuning" ? 1 : 2026;
+    const fs::path cases = fs::path(o.out) / o.part / "cases", folder = fs::path(o.out) / o.part / o.name;
+    std::vector<Plan> all = plans(o.part, seed);
+    if (all.size() > o.limit)
+        all.resize(o.limit);
+    std::vector<Judged> judged;
+    const std::string title = "Proof of the diagnosis, part \"" + o.part + "\", seed " + std::to_string(seed) +
+                              (o.name == "diagnoses" ? "" : ", " + o.name);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const fs::path to = folder / all[i].name;
+        const bool there = fs::exists(to / "diagnosis.json");
+        if (!there && (o.scoreOnly || !provide(all[i], cases) || !diagnose(o, all[i], cases, to)))
+            continue;
+        judged.push_back(
+            judge((cases / "answers" / (all[i].name + ".json")).string(), (to / "diagnosis.json").string()));
+        if (!there) {
+            const Judged& j = judged.back();
+            std::printf("%s (%zu of %zu): %s\n", j.name.c_str(), i + 1, all.size(), j.statement.c_str());
+            std::fflush(stdout);
+        }
+        if (!there || i + 1 == all.size()) { // whoever looks meanwhile sees what there is
+            write(folder / "scores.json", asJson(judged, title));
+            write(folder / "scores.txt", asText(judged, title));
+            write(folder / "report.html", asPage(judged, title, ""));
+        }
+    }
+    if (o.scoreOnly && !judged.empty()) {
+        write(folder / "scores.json", asJson(judged, title));
+        write(folder / "scores.txt", asText(judged, title));
+        write(folder / "report.html", asPage(judged, title, ""));
+    }
+    std::printf("%s\npage: %s\n", asText(judged, title).c_str(), (folder / "report.html").c_str());
+    return judged.empty() ? 3 : 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    Options o;
+    bool good = true;
+    for (int i = 1; i < argc; ++i) {
+        const std::string key = argv[i];
+        if (key == "--") {
+            o.flags.assign(argv + i + 1, argv + argc);
+            break;
+        }
+        if (key == "--score") {
+            o.scoreOnly = true;
+            continue;
+        }
+        if (i + 1 >= argc) {
+            good = false;
+            break;
+        }
+        const std::string value = argv[++i];
+        if (key == "--program")
+            o.program = value;
+        else if (key == "--out")
+            o.out = value;
+        else if (key == "--part")
+            o.part = value;
+        else if (key == "--name")
+            o.name = value;
+        else if (key == "--jobs")
+            o.jobs = value;
+        else if (key == "--limit")
+            o.limit = std::strtoull(value.c_str(), nullptr, 10);
+        else if (key == "--seed")
+            o.seed = std::strtoull(value.c_str(), nullptr, 10);
+        else
+            good = false;
+    }
+    if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || (o.part != "tuning" && o.part != "blind")) {
+        std::fprintf(stderr,
+                     "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--limit N] [--jobs N] [--seed N]"
+                     " [--score] [--name NAME] [-- flags for diagnose ...]\n");
+        return 2;
+    }
+    try {
+        return work(o);
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "%s\n", e.what());
+        return 3;
+    }
+}

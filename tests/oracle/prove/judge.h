@@ -1,0 +1,33 @@
+#pragma once
+// What a diagnosis said of a case against what was hidden in it.
+
+#include <string>
+#include <vector>
+
+namespace supercircle::oracle {
+
+struct Judged {
+    std::string name, kind, strength, protocol;
+    std::vector<std::string> truth;        ///< labels
+    std::string verdict, statement, first; ///< first label, may be empty
+    std::vector<std::string> group;        ///< of the first effect
+    bool detected = false;                 ///< said that something is missing
+    bool right = false;      ///< first-named group holds a true label (nothing: said so; unknown: said so)
+    bool firstRight = false; ///< the first label itself is a true one
+    double brier = 0.0;
+    double overlap = -1.0;          ///< of marked and true windows, intersection over union; -1: not defined
+    double amplitudeError = -1.0;   ///< relative; -1: not defined
+    int covered = 0, intervals = 0; ///< parameters whose 90 % interval holds the truth
+    double placeError = -1.0;       ///< of an arc fraction
+    double overNoise = -1.0;        ///< held-out error over the noise that was added
+    double overKnowing = -1.0;      ///< over that of the model which has the true effect
+    double visible = 0.0;           ///< noise units of the hidden effect that are left to see
+    double seconds = 0.0;
+    double pNothing = 0.0, pUnknown = 0.0, pFirst = 0.0, pTruth = 0.0;
+    std::string next; ///< experiment it proposes
+};
+
+/// Throws std::runtime_error if a file cannot be read or is not what it should be.
+Judged judge(const std::string& answerFile, const std::string& diagnosisFile);
+
+} // namespace supercircle::oracle

@@ -1,0 +1,124 @@
+#include "tests/oracle/conceal/record.h"
+#include "tests/oracle/prove/scores.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <unistd.h>
+
+using namespace supercircle::oracle;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+    fs::path path = fs::temp_directory_path() / ("oracle_scores_" + std::to_string(::getpid()));
+    Folder() { fs::create_directories(path); }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    ~Folder() { fs::remove_all(path); }
+    std::string put(const std::string& name, const std::string& text) const {
+        std::ofstream(path / name) << text;
+        return (path / name).string();
+    }
+};
+
+const char* const kAnswer = R"({"case": "blind_01", "kind": "single", "strength": "strong", "protocol": "P4",
+ "labels": ["wear"], "effects": [{"family": "wear", "label": "wear", "parameters": {"change": 0.4, "distance_m": 0.02}}],
+ "visible_noise_units": 100, "windows": [{"run": "run_1.csv", "t_start_s": 2, "t_end_s": 6}],
+ "runs": [{"run": "run_1.csv", "rows": 100, "rms_noise_N": 0.001}]})";
+
+const char* const kDiagnosis = R"({"verdict": "named", "statement": "wear", "elapsed_s": 30,
+ "probability_nothing": 0.0, "probability_unknown": 0.1,
+ "effects": [{"label": "wear", "probability": 0.7, "group": ["wear", "softening_over_time"], "heldout_rmse_N": 0.0011,
+              "parameters": {"change": {"value": 0.36, "ci90": [0.3, 0.41]}, "distance_m": {"value": 0.03, "ci90": [0.025, 0.04]}}},
+             {"label": "softening_over_time", "probability": 0.2, "group": ["softening_over_time"], "heldout_rmse_N": 0.002, "parameters": {}}],
+ "mismatch": [{"run": "run_1.csv", "channel": "force", "t_start_s": 4, "t_end_s": 8},
+              {"run": "run_1.csv", "channel": "m0_x", "t_start_s": 0, "t_end_s": 20}],
+ "fit": {"baseline": {"heldout_rmse_N": 0.005}, "improved": {"heldout_rmse_N": 0.0011}}, "next_experiment": null})";
+
+} // namespace
+
+TEST_CASE("a case is judged by its answer", "[oracle]") {
+    const Folder f;
+    const Judged j = judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", kDiagnosis));
+    CHECK(j.detected);
+    CHECK(j.right);
+    CHECK(j.firstRight);
+    CHECK(j.overlap == Approx(2.0 / 6.0)); // seconds 4 - 6 of 2 - 8; windows of markers do not count
+    CHECK(j.amplitudeError == Approx(0.1));
+    CHECK(j.covered == 1);
+    CHECK(j.intervals == 2);
+    CHECK(j.overNoise == Approx(1.1));
+    CHECK(j.pTruth == Approx(0.9)); // the group counts as one
+    CHECK(j.brier == Approx(0.5 * (0.1 * 0.1 + 0.1 * 0.1)));
+}
+
+TEST_CASE("what is hidden in no catalogue is right when called unexplained", "[oracle]") {
+    const Folder f;
+    std::string answer = kAnswer, diagnosis = kDiagnosis;
+    answer.replace(answer.find("single"), 6, "removed");
+    CHECK_FALSE(judge(f.put("a.json", answer), f.put("d.json", diagnosis)).right);
+    diagnosis.replace(diagnosis.find("named"), 5, "unexplained");
+    const Judged j = judge(f.put("a.json", answer), f.put("d.json", diagnosis));
+    CHECK(j.right);
+    CHECK(j.pTruth == Approx(0.1));
+    answer.replace(answer.find("removed"), 7, "nothing");
+    CHECK_FALSE(judge(f.put("a.json", answer), f.put("d.json", diagnosis)).right); // a false alarm
+    CHECK_THROWS(judge(f.put("a.json", "{"), f.put("d.json", diagnosis)));
+}
+
+TEST_CASE("intervals of shares and medians", "[oracle]") {
+    Share none;
+    for (int i = 0; i < 20; ++i)
+        none.count(false);
+    const double z2 = 1.6448536 * 1.6448536;
+    CHECK(none.low() == Approx(0.0).margin(1e-12));
+    CHECK(none.high() == Approx(z2 / (20.0 + z2)).epsilon(1e-6)); // Wilson's at no hits
+    CHECK(median({3.0, 1.0, 2.0}).value == Approx(2.0));
+    CHECK(median({}).of == 0);
+}
+
+TEST_CASE("the blind set has what a proof needs", "[oracle]") {
+    std::size_t nothing = 0, removed = 0, pairs = 0;
+    std::set<std::string> labels, names;
+    std::set<std::uint64_t> seeds;
+    const std::vector<Plan> all = plans("blind", 2026);
+    for (const Plan& p : all) {
+        nothing += p.kind == "nothing" ? 1 : 0;
+        removed += p.kind == "removed" ? 1 : 0;
+        pairs += p.kind == "pair" ? 1 : 0;
+        names.insert(p.name);
+        seeds.insert(p.seed);
+        if (p.kind == "single")
+            labels.insert(family(p.families.front()).label);
+    }
+    CHECK(all.size() >= 60);
+    CHECK(nothing >= 15);
+    CHECK(removed >= 6);
+    CHECK(pairs >= 5);
+    CHECK(labels.size() == 20); // the whole catalogue
+    CHECK(names.size() == all.size());
+    CHECK(seeds.size() == all.size());
+    for (const Plan& p : plans("tuning", 1))
+        CHECK(seeds.count(p.seed) == 0); // nothing that was tuned on is reported on
+}
+
+TEST_CASE("true numbers lie inside the intervals that are stated", "[oracle]") {
+    for (int i = 0; i < 40; ++i) {
+        Draw draw(static_cast<std::uint64_t>(i) + 5);
+        const Protocol protocols[] = {Protocol::Cylinder, Protocol::Shells, Protocol::Strip, Protocol::Arch};
+        const Description d = drawDescription(draw, protocols[i % 4], false, true, false);
+        const Setup s = trueSetup(d, drawOffsets(draw), {});
+        const Specimen &is = s.specimens.front(), &said = d.nominal.specimens.front();
+        CHECK(std::abs(is.modulus / said.modulus - 1.0) <= d.modulusShare);
+        CHECK(std::abs(is.curvature / said.curvature - 1.0) <= d.curvatureShare);
+        CHECK(std::abs(is.thickness - said.thickness) <= d.thicknessWidth);
+        CHECK(std::abs(s.friction - d.nominal.friction) <= d.frictionWidth);
+        CHECK(std::abs(s.headShift) <= d.gapWidth);
+        const Nuisance n = drawNuisance(draw, d);
+        CHECK(n.total() / d.noise > 0.7);
+        CHECK(n.total() / d.noise < 1.3);
+    }
+}

@@ -68,7 +68,8 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         s.step = info.stated.halfWidth;
         all.push_back(s);
     }
-    all.push_back(ordinaryGive(e));
+    if (!e.scene)
+        all.push_back(ordinaryGive(e));
     return all;
 }
 
@@ -187,7 +188,8 @@ replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t ru
                                  const replay::Resolution& resolution, const std::atomic<bool>* interrupt) {
     double way = 0.0, time = 0.0; // of the drive, m, s
     for (std::size_t i = 1; i < e.runs[run].driveTime.size(); ++i) {
-        way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
+        if (i < e.runs[run].driveDisplacement.size()) // free scenes have none
+            way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
         time = e.runs[run].driveTime[i] - e.runs[run].driveTime.front();
     }
     const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / resolution.dtMax);
@@ -231,7 +233,8 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
     const replay::Simulated s = simulateWithin(experiment_, run, p, resolution, interrupt);
     out.failure = s.failure;
     const experiment::Run& recorded = experiment_.runs[run];
-    out.force = vectorOf(filled(s.readings.force, recorded.readings.time.size()));
+    out.force =
+        experiment::channel(experiment_).perUnit * vectorOf(filled(s.readings.force, recorded.readings.time.size()));
     const std::size_t seen = recorded.markers.time.size();
     const std::size_t markers = seen > 0 ? experiment_.markers.size() : 0;
     out.markers.resize(static_cast<Eigen::Index>(2 * markers * seen));
@@ -246,6 +249,8 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
 
 std::string ReplayModel::identity() const {
     std::string id = experiment_.file + "\n" + simulatorStamp() + "\n";
+    if (experiment_.scene)
+        id += experiment_.scene->text + "\n";
     const auto add = [&](double v) {
         record::appendNumber(id, v);
         id += ' ';

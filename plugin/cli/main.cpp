@@ -206,7 +206,8 @@ CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
         ->type_name("FILE.csv ...");
     verb->add_option("--out", a.out, "folder for experiment.json and the runs")->required()->type_name("DIR");
     verb->add_option("--protocol", a.protocol,
-                     "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor or arch_between_plates")
+                     "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates,\n"
+                     "ring_between_plates, tethered_strip or free_scene")
         ->type_name("NAME");
     verb->add_option("--specimen", a.specimen, "JSON with the specimen, or with any part of an experiment")
         ->type_name("FILE.json");
@@ -220,6 +221,10 @@ CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
     verb->add_option("--tolerance", a.tolerance, "mm, how closely straight legs follow the displacement")
         ->check(positive)
         ->type_name("MM");
+    verb->add_option("--scene", a.scene, "angles: scene of the mechanism that moves by itself")
+        ->type_name("SCENE.json");
+    verb->add_flag("--from-first-turn", a.fromFirstTurn, "angles: from the first turning point on, the hand is gone");
+    verb->add_option("--average", a.average, "angles: rows are means of so many")->check(positive)->type_name("N");
     const std::map<std::string, int> signs{{"positive", 1}, {"negative", -1}};
     verb->add_option("--displacement", a.displacementSign, "sign of the column as the head nears the specimen")
         ->transform(CLI::Transformer(signs).description(""))
@@ -277,7 +282,8 @@ CLI::App* describeDiagnose(CLI::App& app, supercircle::cli::DiagnoseArguments& a
         ->check(wholeFromZero)
         ->type_name("N")
         ->capture_default_str();
-    verb->add_option("--without", a.without, "EFFECT: leave it out of the catalogue (repeatable)")
+    verb->add_option("--without", a.without, "EFFECT[,EFFECT]: leave them out of the catalogue (repeatable)")
+        ->delimiter(',')
         ->type_name("EFFECT")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

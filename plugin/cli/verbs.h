@@ -45,6 +45,9 @@ struct ImportArguments {
     double tolerance = 0.0;         ///< mm, 0: from the data
     int displacementSign = 0;       ///< of the column towards the specimen, 0: from the data
     int forceSign = 0;              ///< of the column while the specimen resists, 0: from the data
+    std::string scene;              ///< of a mechanism that moves by itself; empty: none
+    bool fromFirstTurn = false;     ///< angles: from the first turning point on
+    int average = 1;                ///< angles: means of so many rows
     bool quiet = false;
 };
 

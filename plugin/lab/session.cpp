@@ -14,10 +14,29 @@ namespace {
 
 using rod::Vec2;
 
-constexpr double kFreeFrame = 4e-3; ///< s, longest step where no machine moves
+constexpr double kPaperRadius = 0.0192; ///< m; the absolute settings are for shells of this size and grow with it:
+                                        ///< a shell twice as large of the same material is twice as slow
+constexpr double kFreeFrame = 4e-3;     ///< s, longest step where no machine moves
 
 double wallClock() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Length of the smallest shell over that of the paper's: its natural radius, or for a flat one that of three quarters
+/// of a circle of its length.
+double sizeOf(const scene::Scene& scene) {
+    double smallest = std::numeric_limits<double>::infinity();
+    const auto take = [&](const ShellDef& d) {
+        const double length = d.length > 0.0 ? d.length : 2.0 * M_PI * d.phi_bar * d.radius;
+        const double radius = d.radius <= length ? d.radius : length / (1.5 * M_PI);
+        if (radius > 0.0)
+            smallest = std::min(smallest, radius);
+    };
+    for (const ShellDef& d : scene.shells)
+        take(d);
+    if (scene.drop)
+        take(scene.drop->shell);
+    return std::isfinite(smallest) ? smallest / kPaperRadius : 1.0;
 }
 
 } // namespace
@@ -31,7 +50,11 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
       wallStart_(wallClock()), cpuStart_(cpuClock()) {
     step::Settings& s = shells_.stepper().settings();
-    s.dtMin = scene.numerics.dt_min;
+    size_ = sizeOf(scene);
+    s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * size_;
+    if (scene.numerics.dt_max > 0.0)
+        s.dtMin = std::min(s.dtMin, scene.numerics.dt_max);
+    s.contact.absoluteImpulse *= size_ * size_ * size_;
     fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
     double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
@@ -39,7 +62,8 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
         thickness = std::min(thickness, d.thickness);
     pace(0.0);
     if (std::isfinite(thickness) && thickness > 0.0)
-        s.localError = scene.numerics.position_tolerance / thickness;
+        s.localError =
+            (scene.numerics.position_tolerance > 0.0 ? scene.numerics.position_tolerance : 5e-6 * size_) / thickness;
     s.threads = options.threads;
     shells_.stepper().loop = options.loop;
     s.witness = options.witness;
@@ -74,7 +98,7 @@ void Session::pace(double speed, double branch) {
     s.dtMax = scene_.numerics.dt_max;
     const double travel = std::min(scene_.report.R, 0.8 * branch) / 500.0;
     if (s.dtMax <= 0.0)
-        s.dtMax = speed == 0.0 ? kFreeFrame : std::clamp(travel / std::abs(speed), 1e-3, 1.0);
+        s.dtMax = size_ * (speed == 0.0 ? kFreeFrame : std::clamp(travel / (size_ * std::abs(speed)), 1e-3, 1.0));
     frame_ = s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
 }
 

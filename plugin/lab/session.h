@@ -68,9 +68,10 @@ private:
     double pileHeight_ = 0.0; ///< H0, m
     double nextFrameTime_ = 0.0;
     double nextSampleTime_ = 0.0;
-    double fixedDt_ = 0.0;                                  ///< s, wanted by options or scene
-    double frame_ = 4e-3;                                   ///< s, one call of pre_step
-    step::Ledger atStart_{};                                ///< books when the protocol began
+    double fixedDt_ = 0.0;   ///< s, wanted by options or scene
+    double size_ = 1.0;      ///< of the shells, over the size that the absolute settings are for
+    double frame_ = 4e-3;    ///< s, one call of pre_step
+    step::Ledger atStart_{}; ///< books when the protocol began
     std::vector<std::pair<std::size_t, std::size_t>> legs_; ///< rows of the series per move
     std::vector<int> legMove_;
     double creepStart_ = -1.0;

@@ -193,8 +193,6 @@ void readNumerics(Context& context, ObjectReader& top, Numerics& out) {
         return;
     ObjectReader reader(context, *node, "/numerics");
     out.dt_max = reader.number("dt_max", out.dt_max, positive);
-    if (out.dt_max > 0.0)
-        out.dt_min = std::min(out.dt_min, out.dt_max);
     out.dt_min = reader.number("dt_min", out.dt_min, positive);
     out.fixed_dt = reader.number("fixed_dt", out.fixed_dt, notNegative);
     out.tolerance = reader.number("tolerance", out.tolerance, positive);

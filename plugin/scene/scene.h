@@ -70,11 +70,11 @@ struct Protocol {
 
 /// Resolution of the numerics; the defaults are the laboratory's.
 struct Numerics {
-    double dt_max = 0.0;              ///< s; 0: by the machine's speed (R / 500 of travel), 4 ms where none moves
-    double dt_min = 1e-6;             ///< s
-    double fixed_dt = 0.0;            ///< s; > 0 switches adaptivity off
-    double tolerance = 1e-8;          ///< contact residual eta, 1
-    double position_tolerance = 5e-6; ///< m, local error aimed at per step
+    double dt_max = 0.0;             ///< s; 0: by the machine's speed (R / 500 of travel), 4 ms where none moves
+    double dt_min = 0.0;             ///< s; 0: 1 us for shells of radius 19.2 mm, in proportion
+    double fixed_dt = 0.0;           ///< s; > 0 switches adaptivity off
+    double tolerance = 1e-8;         ///< contact residual eta, 1
+    double position_tolerance = 0.0; ///< m, local error aimed at per step; 0: 5 um for a radius of 19.2 mm, likewise
 };
 
 /// Which numbers the summary reports beside the common ones.

@@ -2,10 +2,11 @@
 // Bytes of a state (private to shells/): one list of fields per struct (snapshot_fields.h) serves saving, loading and
 // hashing. Numbers are written in little-endian order and with all their bits, so files travel between machines.
 
+#include "supercircle/contact/outline_points.h"
+
 #include <Eigen/Core>
 #include <array>
 #include <bit>
-#include <boost/container/small_vector.hpp>
 #include <concepts>
 #include <cstdint>
 #include <optional>
@@ -187,16 +188,16 @@ void io(Ar& ar, std::vector<T>& x) {
         ar(e);
 }
 
-template <class Ar, class T, std::size_t N>
-void io(Ar& ar, const boost::container::small_vector<T, N>& x) {
+template <class Ar>
+void io(Ar& ar, const contact::OutlinePoints& x) {
     ar.word(x.size(), 8);
-    for (const T& e : x)
+    for (const Eigen::Vector2d& e : x)
         ar(e);
 }
-template <class Ar, class T, std::size_t N>
-void io(Ar& ar, boost::container::small_vector<T, N>& x) {
-    x.assign(ar.count(), T{});
-    for (T& e : x)
+template <class Ar>
+void io(Ar& ar, contact::OutlinePoints& x) {
+    x.assign(ar.count(), Eigen::Vector2d::Zero());
+    for (Eigen::Vector2d& e : x)
         ar(e);
 }
 

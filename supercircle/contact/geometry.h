@@ -2,9 +2,9 @@
 // What contact detection is told: curves thickened by half their thickness, and rigid outlines. Pure geometry: no
 // masses, no forces, no time stepping.
 
+#include "supercircle/contact/outline_points.h"
 #include "supercircle/rod/arc.h"
 
-#include <boost/container/small_vector.hpp>
 #include <cstdint>
 #include <vector>
 
@@ -29,9 +29,6 @@ struct Curve {
     /// Asleep: pairs of two resting curves, of one with itself and with outlines make no candidates and cost nothing.
     bool resting = false;
 };
-
-/// Few enough as a rule (a Box2D polygon has at most eight) to be copied every frame without asking for memory.
-using OutlinePoints = boost::container::small_vector<Vec2, 8>;
 
 enum class OutlineKind : std::uint8_t {
     Segment,  ///< two-sided wall piece: rods may lie on either side

@@ -197,7 +197,8 @@ CLI::App* describeDiagnose(CLI::App& app, supercircle::cli::DiagnoseArguments& a
         ->check(wholeFromZero)
         ->type_name("N")
         ->capture_default_str();
-    verb->add_option("--without", a.without, "EFFECT: leave it out of the catalogue (repeatable)")
+    verb->add_option("--without", a.without, "EFFECT[,EFFECT]: leave them out of the catalogue (repeatable)")
+        ->delimiter(',')
         ->type_name("EFFECT")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -8,6 +8,8 @@ namespace supercircle::diagnosis {
 
 namespace {
 
+constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something
+
 std::string number(double v) {
     char text[32];
     std::snprintf(text, sizeof text, "%.3g", v);
@@ -52,24 +54,29 @@ std::string plainWords(std::string label) {
 }
 
 std::string verdictOf(const Evidence& e) {
-    const bool gains = e.any && e.gainLow > 0.0 && e.gain > 3.0;
-    const bool sure = gains && e.bestGroup >= 0.9;
-    if (e.p > 0.05 && !(sure && e.bestGroup >= 0.95 && e.gain > 10.0))
-        return e.blind > 0.5 ? "not_enough_information" : "nothing_missing";
-    if (!sure && e.nothing >= 0.5 && e.perRow < 1.3)
-        return "nothing_missing";
-    // What the best effect leaves of the excess over noise.
-    const double left = e.perRow > 1.0 ? (e.bestPerRow - 1.0) / (e.perRow - 1.0) : 0.0;
-    if (e.unknown >= 0.5 || !e.any || (e.bestPerRow > 2.5 && left > 0.2))
+    // Weights hold everything: the family-wise p-value, gains on unseen runs, and what the best model leaves.
+    if (e.nothing >= 0.5)
+        return e.blind > 0.5 || e.nothing < kSuggestive ? "not_enough_information" : "nothing_missing";
+    if (e.unknown >= 0.5 || !e.any)
         return "unexplained";
-    return sure ? "named" : "ambiguous";
+    return e.bestGroup >= 0.9 && e.gainLow > 0.0 && e.gain > 3.0 ? "named" : "ambiguous";
 }
 
 std::string statementOf(const Diagnosis& d, const Evidence& e) {
+    if (d.verdict == "nothing_missing" && e.p <= 0.05)
+        return "Something stands out of the noise (p = " + number(e.p) + " for the largest of " +
+               std::to_string(d.mismatch.family) +
+               " statistics), but not enough to believe in extra physics: nothing is missing with a probability of " +
+               number(e.nothing) + "." + blindSpots(d);
     if (d.verdict == "nothing_missing")
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " + number(e.p) +
                " for the largest of " + std::to_string(d.mismatch.family) +
-               " window statistics): nothing is missing that these runs could show." + blindSpots(d);
+               " statistics): nothing is missing that these runs could show." + blindSpots(d);
+    if (d.verdict == "not_enough_information" && e.nothing < kSuggestive)
+        return "There is a hint that something is missing (p = " + number(e.p) + "), " +
+               (d.effects.empty() ? std::string() : "most likely " + plainWords(d.effects.front().label) + ", ") +
+               "too weak to decide: nothing is missing with a probability of " + number(e.nothing) + "." +
+               (d.next ? " Next: " + d.next->what + "." : "");
     if (d.verdict == "not_enough_information")
         return "The simulation agrees with the runs, but most effects of the catalogue could be there at a size that "
                "matters without being seen: these runs do not decide.";

@@ -8,8 +8,6 @@ namespace supercircle::diagnosis {
 
 struct Evidence {
     double p = 1.0;                   ///< of the largest window statistic of the nominal fit
-    double perRow = 1.0;              ///< chi^2 / rows of the nominal fit, held out
-    double bestPerRow = 1.0;          ///< of the best effect
     double bestGroup = 0.0;           ///< probability of the first effect's group
     double gain = 0.0, gainLow = 0.0; ///< of the first effect, and the low end of it (Weighed::gainLow)
     double nothing = 1.0, unknown = 0.0;

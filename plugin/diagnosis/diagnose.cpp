@@ -39,10 +39,10 @@ public:
         stage(0.0, "noise");
         out_.noise = estimateNoise(data_);
         if (nominal() && !evaluator_.stopped()) {
-            stage(0.2, "where");
-            locate();
-            stage(0.22, "screening the catalogue");
+            stage(0.2, "screening the catalogue");
             look();
+            stage(0.33, "where");
+            locate();
             tryEffects();
             if (!evaluator_.stopped() && out_.failure.empty())
                 conclude();
@@ -63,6 +63,7 @@ private:
     bool nominal();
     void locate();
     void look();
+    void summarise();
     void tryEffects();
     void tryLabel(const std::vector<const Screened*>& probes);
     void conclude();
@@ -142,13 +143,24 @@ Eigen::MatrixXd Work::freeColumns(const Fitted& f) const {
 
 void Work::locate() {
     grouping_ = groupingOf(*misfit_);
-    out_.mismatch = localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws);
+    std::vector<const Eigen::VectorXd*> seen;
+    for (const Screened& s : screened_)
+        if (s.simulated && s.size > 1e-6)
+            seen.push_back(&s.signature);
+    Eigen::MatrixXd signatures(misfit_->rows(), static_cast<Index>(seen.size()));
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        signatures.col(static_cast<Index>(i)) = *seen[i];
+    out_.mismatch = localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws, signatures);
+    summarise();
     baseHeld_ = leaveOut(evaluator_, *misfit_, grouping_, base_);
     out_.homogeneity = homogeneityOf(*misfit_, base_);
 }
 
 void Work::look() {
     screened_ = screen(evaluator_, *misfit_, base_);
+}
+
+void Work::summarise() {
     std::map<std::string, SeenEffect> byLabel;
     std::vector<std::string> order;
     for (const Screened& s : screened_) {
@@ -298,7 +310,11 @@ void Work::conclude() {
     std::vector<HeldOut> held;
     for (const Tried& t : tried_)
         held.push_back(t.held);
-    const Weighed w = weigh(baseHeld_, held, out_.seen.size(), settings_.seed + 1);
+    Weighing given;
+    given.catalogue = out_.seen.size();
+    given.p = out_.mismatch.tail;
+    given.seed = settings_.seed + 1;
+    const Weighed w = weigh(baseHeld_, held, given);
     out_.nothing = w.nothing;
     out_.unknown = w.unknown;
     for (std::size_t i = 0; i < tried_.size(); ++i)
@@ -310,7 +326,6 @@ void Work::conclude() {
         out_.effects.push_back(found(tried_[i], w, i));
     Evidence e;
     e.p = out_.mismatch.p;
-    e.perRow = baseHeld_.energy.sum() / std::max(1.0, baseHeld_.rows.sum());
     e.nothing = w.nothing;
     e.unknown = w.unknown;
     e.any = !tried_.empty();
@@ -322,7 +337,6 @@ void Work::conclude() {
         const Tried& best = tried_[order_.front()];
         e.gain = out_.effects.front().gain;
         e.gainLow = w.gainLow[order_.front()];
-        e.bestPerRow = best.held.energy.sum() / std::max(1.0, best.held.rows.sum());
         out_.improved = true;
         out_.improvedTraining = out_.effects.front().trainingRmse;
         out_.improvedHeldOut = out_.effects.front().heldOutRmse;
@@ -342,12 +356,16 @@ void Work::conclude() {
     curves();
     const bool open =
         out_.verdict != "nothing_missing" && (out_.verdict != "named" || out_.effects.front().group.size() > 1);
-    if (order_.size() > 1 && open) {
+    const bool hint = out_.verdict == "not_enough_information"; // the rival is that nothing is missing
+    if (open && order_.size() > (hint ? 0U : 1U)) {
         stage(0.96, "next experiment");
         std::vector<Rival> rivals;
+        if (hint)
+            rivals.push_back({"nothing", base_.point});
         for (std::size_t i = 0; i < order_.size() && i < 3; ++i)
             rivals.push_back({out_.effects[i].label, tried_[order_[i]].fit.point});
-        out_.next = nextExperiment(evaluator_.model(), rivals, out_.noise, out_.effects.front().group);
+        out_.next = nextExperiment(evaluator_.model(), rivals, out_.noise,
+                                   hint ? std::vector<std::string>{"nothing"} : out_.effects.front().group);
     }
     out_.statement = statementOf(out_, e);
 }

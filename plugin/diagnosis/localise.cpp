@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <tuple>
 
 namespace supercircle::diagnosis {
 
@@ -27,8 +25,6 @@ public:
     explicit Family(const Misfit& misfit) : misfit_(misfit) {
         for (std::size_t r = 0; r < misfit.runs(); ++r) {
             byTime(r);
-            for (const Phase phase : {Phase::Loading, Phase::Unloading, Phase::Hold})
-                byDisplacement({r}, phase);
             markers(r);
         }
         std::vector<std::size_t> every(misfit.runs());
@@ -52,11 +48,26 @@ private:
 
     void byTime(std::size_t r) {
         const RecordedRun& run = misfit_.data().runs[r];
-        const Eigen::Index n = run.force.size();
-        for (int level = 0; level <= 5; ++level) {
+        dyadic(r, 0, run.force.size(), 5);
+        for (Eigen::Index from = 0, to = 0; from < run.force.size(); from = to) {
+            const int leg = run.leg[static_cast<std::size_t>(from)];
+            while (to < run.force.size() && run.leg[static_cast<std::size_t>(to)] == leg)
+                ++to;
+            if (to - from < run.force.size()) // a turning point is where effects begin and end
+                dyadic(r, from, to, 4);
+        }
+    }
+
+    void dyadic(std::size_t r, Eigen::Index from, Eigen::Index to, int levels) {
+        const RecordedRun& run = misfit_.data().runs[r];
+        const Eigen::Index n = to - from;
+        for (int level = 0; level <= levels; ++level) {
             const int pieces = 1 << level;
             for (int half = 0; half < (level == 0 ? 1 : 2 * pieces - 1); ++half) {
-                const Eigen::Index a = n * half / (2 * pieces), b = std::min(n, n * (half + 2) / (2 * pieces));
+                const Eigen::Index a = from + n * half / (2 * pieces);
+                const Eigen::Index b = std::min(to, from + n * (half + 2) / (2 * pieces));
+                if (b - a < 4)
+                    continue;
                 Spot c;
                 c.window = {run.name, "all", "time", "force", run.time[a], run.time[b - 1], 0.0, 0.0, -1.0};
                 span(run, a, b, c.window);
@@ -181,17 +192,18 @@ Eigen::VectorXd shiftOf(const Misfit& misfit, const Spot& c) {
     return out;
 }
 
-/// Statistics of residuals, a column each: shifts first, then energies.
+/// Statistics of residuals, a column each: shifts and signatures first, then energies.
 Eigen::MatrixXd statistics(const std::vector<Spot>& family, const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& u) {
-    const Eigen::Index n = shifts.cols();
-    Eigen::MatrixXd t(2 * n, u.cols());
-    t.topRows(n).noalias() = shifts.transpose() * u;
+    const Eigen::Index m = shifts.cols();
+    const auto n = static_cast<Eigen::Index>(family.size());
+    Eigen::MatrixXd t(m + n, u.cols());
+    t.topRows(m).noalias() = shifts.transpose() * u;
     const Eigen::ArrayXXd squares = u.array().square().transpose(); // rows of one window lie apart, draws together
     for (Eigen::Index i = 0; i < n; ++i) {
         Eigen::ArrayXd e = Eigen::ArrayXd::Zero(u.cols());
         for (const Eigen::Index k : family[static_cast<std::size_t>(i)].rows)
             e += squares.col(k);
-        t.row(n + i) = e.unaryExpr([](double x) { return std::cbrt(x); }).matrix().transpose();
+        t.row(m + i) = e.unaryExpr([](double x) { return std::cbrt(x); }).matrix().transpose();
     }
     return t;
 }
@@ -201,61 +213,33 @@ bool sameKind(const Window& a, const Window& b) {
     return a.run == b.run && a.channel == b.channel && a.axis == b.axis && (a.axis == "time" || a.phase == b.phase);
 }
 
-bool touches(const Window& a, const Window& b) {
-    constexpr double kNear = 1e-9;
-    if (a.axis == "time")
-        return a.timeFrom <= b.timeTo + kNear && b.timeFrom <= a.timeTo + kNear;
-    return a.displacementFrom <= b.displacementTo + kNear && b.displacementFrom <= a.displacementTo + kNear;
-}
-
-/// Whether a is a proper part of b.
-bool inside(const Window& a, const Window& b) {
+bool overlaps(const Window& a, const Window& b) {
     const bool byTime = a.axis == "time";
     const double a0 = byTime ? a.timeFrom : a.displacementFrom, a1 = byTime ? a.timeTo : a.displacementTo;
     const double b0 = byTime ? b.timeFrom : b.displacementFrom, b1 = byTime ? b.timeTo : b.displacementTo;
-    return a0 >= b0 && a1 <= b1 && a1 - a0 < 0.99 * (b1 - b0);
+    const double shared = std::min(a1, b1) - std::max(a0, b0);
+    return shared > 1e-3 * std::min(a1 - a0, b1 - b0);
 }
 
-void join(Window& into, const Window& more) {
-    into.timeFrom = std::min(into.timeFrom, more.timeFrom);
-    into.timeTo = std::max(into.timeTo, more.timeTo);
-    into.displacementFrom = std::min(into.displacementFrom, more.displacementFrom);
-    into.displacementTo = std::max(into.displacementTo, more.displacementTo);
-    into.phase = into.phase == more.phase ? into.phase : "all";
-    if (std::abs(more.z) > std::abs(into.z)) {
-        into.z = more.z;
-        into.shift = more.shift;
-    }
-    into.p = std::min(into.p, more.p);
-}
-
-/// A large window may be significant because of a part of it: it goes where a part has four fifths of its statistic or
-/// more (a misfit that fills it would leave a half only 0.7). What is left and touches is one place. Windows over all
-/// runs only say what those of single runs are too weak to say.
-std::vector<Window> merged(std::vector<Window> all) {
+/// Windows that say more than any they overlap, the largest first. Windows over all runs only say what those of single
+/// runs are too weak to say.
+std::vector<Window> selected(std::vector<Window> all) {
     const auto overRuns = std::stable_partition(all.begin(), all.end(), [](const Window& w) { return w.run != "all"; });
     if (overRuns != all.begin())
         all.erase(overRuns, all.end());
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
+    // A large misfit that changes its sign fills whole runs; in which phases it sits is said by windows inside one.
+    std::stable_partition(all.begin(), all.end(),
+                          [](const Window& w) { return w.axis != "time" || w.phase != "all" || w.arcFraction >= 0.0; });
+    constexpr std::size_t kMost = 60;
     std::vector<Window> kept;
-    for (const Window& w : all) {
-        if (std::any_of(all.begin(), all.end(), [&](const Window& v) {
-                return sameKind(v, w) && inside(v, w) && std::abs(v.z) >= 0.8 * std::abs(w.z);
-            }))
-            continue;
-        Window joined = w;
-        for (auto k = kept.begin(); k != kept.end();)
-            if (sameKind(*k, joined) && touches(*k, joined)) {
-                join(joined, *k);
-                k = kept.erase(k);
-            } else {
-                ++k;
-            }
-        kept.push_back(joined);
-    }
+    for (const Window& w : all)
+        if (kept.size() < kMost &&
+            std::none_of(kept.begin(), kept.end(), [&](const Window& k) { return sameKind(k, w) && overlaps(k, w); }))
+            kept.push_back(w);
     std::stable_sort(kept.begin(), kept.end(),
                      [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
-    constexpr std::size_t kMost = 40;
-    kept.resize(std::min(kept.size(), kMost));
     return kept;
 }
 
@@ -275,7 +259,7 @@ Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
 }
 
 Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
-                      std::uint64_t seed, int draws) {
+                      std::uint64_t seed, int draws, const Eigen::MatrixXd& signatures) {
     const Eigen::MatrixXd Q = basisOf(free);
     const auto project = [&](Eigen::VectorXd v) {
         if (Q.cols() > 0)
@@ -284,12 +268,16 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     };
     const Family family(misfit);
     const auto n = static_cast<Eigen::Index>(family.all.size());
-    Eigen::MatrixXd shifts(misfit.rows(), n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-        shifts.col(i) = project(shiftOf(misfit, family.all[static_cast<std::size_t>(i)]));
+    Eigen::MatrixXd shifts(misfit.rows(), n + signatures.cols());
+    for (Eigen::Index i = 0; i < shifts.cols(); ++i) {
+        const Eigen::VectorXd raw =
+            i < n ? shiftOf(misfit, family.all[static_cast<std::size_t>(i)]) : Eigen::VectorXd(signatures.col(i - n));
+        shifts.col(i) = project(raw);
         const double size = shifts.col(i).norm();
-        shifts.col(i) *= size > 1e-9 ? 1.0 / size : 0.0;
+        // What the nominal parameters imitate to a per cent is round-off, not evidence.
+        shifts.col(i) *= size > 1e-9 && size > (i < n ? 0.0 : 0.01 * raw.norm()) ? 1.0 / size : 0.0;
     }
+    const Eigen::Index m = shifts.cols();
     Eigen::VectorXd counted = Eigen::VectorXd::Zero(misfit.rows()); // rows that are missing stay 0 in the null too
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RowErrors& e = misfit.errors(r);
@@ -298,7 +286,7 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
                 std::isfinite(k < e.force.size() ? e.force[k] : e.markers[k - e.force.size()]) ? 1.0 : 0.0;
     }
     Random random(seed);
-    Eigen::MatrixXd null(2 * n, draws);
+    Eigen::MatrixXd null(m + n, draws);
     constexpr int kBlock = 64; // draws at a time: one product of matrices instead of many of vectors
     for (int first = 0; first < draws; first += kBlock) {
         const int count = std::min(kBlock, draws - first);
@@ -315,13 +303,13 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         ((null.colwise() - mean).rowwise().squaredNorm() / std::max(1, draws - 1)).cwiseSqrt().cwiseMax(1e-12);
     const auto standard = [&](Eigen::VectorXd t) {
         t.tail(n) = (t.tail(n) - mean.tail(n)).cwiseQuotient(deviation.tail(n));
-        t.head(n) = t.head(n).cwiseQuotient(deviation.head(n).cwiseMax(1e-3));
+        t.head(m) = t.head(m).cwiseQuotient(deviation.head(m).cwiseMax(1e-3));
         return t;
     };
     std::vector<double> largest;
     for (int b = 0; b < draws; ++b) {
         const Eigen::VectorXd t = standard(null.col(b));
-        largest.push_back(std::max(t.head(n).cwiseAbs().maxCoeff(), t.tail(n).maxCoeff()));
+        largest.push_back(std::max(t.head(m).cwiseAbs().maxCoeff(), t.tail(n).maxCoeff()));
     }
     std::sort(largest.begin(), largest.end());
     const auto pOf = [&](double t) {
@@ -329,20 +317,27 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(draws));
     };
     Localisation out;
-    out.family = static_cast<std::size_t>(2 * n);
+    out.family = static_cast<std::size_t>(m + n);
     out.critical = largest[static_cast<std::size_t>(std::ceil(0.95 * (draws + 1))) - 1];
     const Eigen::VectorXd t = standard(statistics(family.all, shifts, project(residual)));
     std::vector<Window> found;
     for (Eigen::Index i = 0; i < n; ++i) {
         Window w = family.all[static_cast<std::size_t>(i)].window;
-        w.shift = std::abs(t[i]) >= t[n + i];
-        w.z = w.shift ? t[i] : t[n + i];
+        w.shift = std::abs(t[i]) >= t[m + i];
+        w.z = w.shift ? t[i] : t[m + i];
         w.p = pOf(w.shift ? std::abs(w.z) : w.z);
         out.p = std::min(out.p, w.p);
         if (w.p <= 0.05)
             found.push_back(w);
     }
-    out.significant = merged(std::move(found));
+    for (Eigen::Index i = n; i < m; ++i) {
+        out.signature.push_back(t[i]);
+        out.p = std::min(out.p, pOf(std::abs(t[i])));
+    }
+    const double most = std::max(t.head(m).cwiseAbs().maxCoeff(), t.tail(n).maxCoeff());
+    const double bound = static_cast<double>(out.family) * std::erfc(std::min(most, 35.0) / std::sqrt(2.0));
+    out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, bound) : out.p;
+    out.significant = selected(std::move(found));
     return out;
 }
 

@@ -10,9 +10,15 @@
 // deviation. Null: B draws of white noise, projected alike; no simulation. p-values by single-step max-T
 // (P. H. Westfall, S. S. Young, "Resampling-Based Multiple Testing" (1993), 2.3).
 //
-// Windows: dyadic in time in each run (half overlapping), dyadic in displacement per phase of the protocol in each run
-// and over all runs (there unload against load too: a mean shift of opposite sign), whole runs, and each coordinate of
-// each marker over time.
+// Windows: dyadic in time in each run and each leg of its protocol (half overlapping), dyadic in displacement per
+// phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, and each coordinate
+// of each marker over time. The signatures of the catalogue's effects belong to the same family: one critical value
+// says whether anything is missing, wherever it was looked for.
+//
+// Report: of the windows of one run and channel the one with the largest statistic, then the largest of those that do
+// not overlap it, and so on (likelihood ratio selection: X. J. Jeng, T. T. Cai, H. Li, J. Am. Stat. Assoc. 105 (2010)
+// 1156). Joining all significant windows instead gave one long stretch, because every window that contains a strong
+// part is significant. What is reported is part of the family, so its p-values keep their meaning.
 
 #include "plugin/diagnosis/misfit.h"
 
@@ -36,16 +42,20 @@ struct Window {
 };
 
 struct Localisation {
-    double p = 1.0;        ///< of the largest statistic
+    double p = 1.0; ///< of the largest statistic
+    /// The same, carried on by Bonferroni's bound where it lies beyond all draws.
+    double tail = 1.0;
     double critical = 0.0; ///< of |statistic| at 5 %, family-wise
-    /// Largest first; parts of larger ones left out, what touches joined.
+    /// Largest first, disjoint.
     std::vector<Window> significant;
-    std::size_t family = 0; ///< statistics that were looked at
+    std::size_t family = 0;        ///< statistics that were looked at
+    std::vector<double> signature; ///< standardised, of the given signatures
 };
 
 /// @param free columns of the Jacobian that are not held by a bound
+/// @param signatures whitened changes of all readings, a column each, that are looked for too; both signs count
 Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
-                      std::uint64_t seed, int draws = 999);
+                      std::uint64_t seed, int draws = 999, const Eigen::MatrixXd& signatures = {});
 
 /// Orthonormal basis of the columns' span; columns below 1e-8 of the largest are nothing.
 Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns);

@@ -38,6 +38,8 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const M
         const bool turns = std::any_of(run.legs.begin(), run.legs.end(), [&](const Leg& leg) {
             return jump.time > leg.from - 2.0 * dt && jump.time < leg.from + 0.1 + 2.0 * dt;
         });
+        if (!turns)
+            out.snaps.push_back(jump.time);
         const double before = turns ? 1.5 * dt : s.snapBefore, after = turns ? 1.5 * dt : s.snapAfter;
         for (Eigen::Index k = 0; k < run.time.size(); ++k)
             if (run.time[k] > jump.time - before && run.time[k] < jump.time + after)
@@ -94,7 +96,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
 
 Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine,
                const std::vector<Response>& coarse, const MisfitSettings& settings)
-    : data_(data), noise_(noise), start_{0} {
+    : data_(data), noise_(noise), landing_(settings.landing), start_{0} {
     const double peak = data.peakForce();
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
@@ -104,8 +106,28 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
         const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, spacing(run)) : noise.total();
         part.zero = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
+        addLandings(run, part);
         parts_.push_back(std::move(part));
         start_.push_back(start_.back() + run.rows());
+    }
+}
+
+/// Marker rows behind each recorded snap, up to the next one.
+void Misfit::addLandings(const RecordedRun& run, Part& part) {
+    std::vector<double> snaps = part.errors.snaps;
+    std::sort(snaps.begin(), snaps.end());
+    constexpr double kSame = 1.0; // s: the recorded and the simulated snap are one event
+    const Eigen::Index seen = run.markerTime.size();
+    const auto rowAfter = [&](double t) {
+        return static_cast<Eigen::Index>(std::lower_bound(run.markerTime.begin(), run.markerTime.end(), t) -
+                                         run.markerTime.begin());
+    };
+    for (std::size_t i = 0; i < snaps.size(); ++i) {
+        if (i + 1 < snaps.size() && snaps[i + 1] < snaps[i] + kSame)
+            continue; // begins with the later of the two
+        const Eigen::Index from = rowAfter(snaps[i]), to = i + 1 < snaps.size() ? rowAfter(snaps[i + 1]) : seen;
+        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && to > from; ++c)
+            part.landed.emplace_back(c * seen + from, c * seen + to);
     }
 }
 
@@ -124,6 +146,19 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& force, cons
     for (Eigen::Index k = 0; k < run.markers.size() && k < markers.size(); ++k)
         if (std::isfinite(part.errors.markers[k]))
             out[run.force.size() + k] = markers[k] / part.errors.markers[k];
+    for (const auto& [from, to] : part.landed) {
+        double n2 = 0.0, along = 0.0;
+        for (Eigen::Index k = from; k < to; ++k)
+            if (std::isfinite(part.errors.markers[k])) {
+                const double n = landing_ / part.errors.markers[k];
+                n2 += n * n;
+                along += n * out[run.force.size() + k];
+            }
+        const double shrink = n2 > 0.0 ? along * (1.0 - 1.0 / std::sqrt(1.0 + n2)) / n2 : 0.0;
+        for (Eigen::Index k = from; k < to; ++k)
+            if (std::isfinite(part.errors.markers[k]))
+                out[run.force.size() + k] -= shrink * landing_ / part.errors.markers[k];
+    }
     return out;
 }
 

@@ -9,7 +9,9 @@
 //   rows beside the turning point are;
 // - the force zero: the mean of the first stretch was subtracted from noise, which shifts the whole run. It is a normal
 //   variable with a known prior, integrated out by shrinking its direction:
-//   (1 + n n')^(-1/2) = 1 - n n' (1 - 1/sqrt(1 + |n|^2)) / |n|^2.
+//   (1 + n n')^(-1/2) = 1 - n n' (1 - 1/sqrt(1 + |n|^2)) / |n|^2;
+// - where a specimen comes to rest after a snap depends on how it flew: from one snap to the next each coordinate of
+//   each marker has a shift of its own, known to a tenth of a millimetre, integrated out in the same way.
 
 #include "plugin/diagnosis/data.h"
 #include "plugin/diagnosis/model.h"
@@ -19,6 +21,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -27,6 +30,7 @@ struct MisfitSettings {
     double contactPlace = 3e-6;  ///< to which contact places agree, m
     double shareOfPeak = 1e-3;   ///< accuracy of a fine simulation, share of the peak force
     double markerPlace = 1.5e-5; ///< of a simulated marker, m
+    double landing = 1e-4;       ///< to which the place after a snap is known, m
     double snapBefore = 0.1;     ///< s left out ahead of a snap
     double snapAfter = 0.3;      ///< and behind it
     double snapShare = 0.15;     ///< of the force range within two rows
@@ -34,9 +38,10 @@ struct MisfitSettings {
 
 /// Rows that do not count, and the simulation's error in the others.
 struct RowErrors {
-    Eigen::VectorXd force;   ///< standard deviation, N; infinite: missing
-    Eigen::VectorXd markers; ///< m, noise included; infinite: missing
-    double memory = 1.0;     ///< of the force error, s
+    Eigen::VectorXd force;     ///< standard deviation, N; infinite: missing
+    Eigen::VectorXd markers;   ///< m, noise included; infinite: missing
+    double memory = 1.0;       ///< of the force error, s
+    std::vector<double> snaps; ///< their times, s
 };
 RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& coarse,
                     double peakForce, const MisfitSettings& settings);
@@ -73,10 +78,14 @@ private:
     struct Part {
         RowErrors errors;
         Whitening force;
-        Eigen::VectorXd zero; ///< whitened unit shift times its prior deviation
+        Eigen::VectorXd zero;                                      ///< whitened unit shift times its prior deviation
+        std::vector<std::pair<Eigen::Index, Eigen::Index>> landed; ///< marker rows [from, to) that share a shift
     };
+    static void addLandings(const RecordedRun& run, Part& part);
+
     const Data& data_;
     Noise noise_;
+    double landing_;
     std::vector<Part> parts_;
     std::vector<Eigen::Index> start_;
 };

@@ -80,6 +80,7 @@ std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const F
             continue;
         explain(nominal, v, G, g, *signature, bothSigns(candidates[s.candidate]), s);
         s.values = stretched(candidates[s.candidate], s.values, s.stretch);
+        s.signature = *signature;
     }
     return all;
 }

@@ -24,6 +24,7 @@ struct Screened {
     double size = 0.0;          ///< |s| of the probe
     double own = 0.0;           ///< |(I - QQ') s|: what the nominal parameters cannot absorb
     bool simulated = false;
+    Eigen::VectorXd signature; ///< whitened change of all readings; empty: not simulated
     /// In units of the probe; infinite: never.
     [[nodiscard]] double visible(double critical) const {
         return own > 1e-9 ? (critical + 0.84) / own : std::numeric_limits<double>::infinity();

@@ -58,19 +58,54 @@ bool alike(const HeldOut& a, const HeldOut& b, double distance, double dispersio
     return std::abs(p.difference) < 2.0 * p.error && std::abs(p.difference) < 8.0;
 }
 
-Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, std::size_t catalogue, std::uint64_t seed) {
+double surprise(double p) {
+    constexpr double kE = 2.718281828459045;
+    return p > 0.0 && p < 1.0 / kE ? -std::log(-kE * p * std::log(p)) : p <= 0.0 ? 700.0 : 0.0;
+}
+
+namespace {
+
+/// Scores of all hypotheses (nothing, unknown, effects) in every draw of the bootstrap.
+Eigen::MatrixXd drawScores(const std::vector<Eigen::VectorXd>& scores, Random& random, int draws) {
+    const Eigen::Index blocks = scores.front().size();
+    Eigen::MatrixXd out(draws, static_cast<Eigen::Index>(scores.size()));
+    for (int d = 0; d < draws; ++d) {
+        Eigen::VectorXd w(blocks);
+        for (double& x : w)
+            x = random.exponential();
+        w *= static_cast<double>(blocks) / w.sum();
+        for (std::size_t m = 0; m < scores.size(); ++m)
+            out(d, static_cast<Eigen::Index>(m)) = w.dot(scores[m]);
+    }
+    return out;
+}
+
+/// 2.3 % quantile of the difference of two hypotheses.
+double lowEnd(const Eigen::MatrixXd& s, Eigen::Index of, Eigen::Index over) {
+    std::vector<double> gains;
+    for (Eigen::Index d = 0; d < s.rows(); ++d)
+        gains.push_back(s(d, of) - s(d, over));
+    std::sort(gains.begin(), gains.end());
+    return gains[static_cast<std::size_t>(0.023 * static_cast<double>(gains.size()))];
+}
+
+} // namespace
+
+Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given) {
     Weighed out;
     double least = dispersionOf(nothing);
     for (const HeldOut& h : effects)
         least = std::min(least, dispersionOf(h));
     out.dispersion = std::max(1.0, least);
-    const Eigen::Index blocks = nothing.energy.size();
     std::vector<Eigen::VectorXd> scores = {nothing.score(out.dispersion),
                                            unknownScore(nothing, out.dispersion, std::min(1.0, least))};
+    const double catalogue = static_cast<double>(std::max<std::size_t>(1, given.catalogue));
     std::vector<double> prior = {0.3, 0.1};
-    for (const HeldOut& h : effects) {
-        scores.push_back(h.score(out.dispersion));
-        prior.push_back(0.6 / static_cast<double>(std::max(catalogue, effects.size())));
+    std::size_t named = 0;
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+        scores.push_back(effects[i].score(out.dispersion));
+        prior.push_back(i < given.prior.size() ? given.prior[i] : 0.6 / catalogue);
+        named += i < given.parts.size() && !given.parts[i].empty() ? 0 : 1;
         const Paired p = paired(scores.back(), scores.front());
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);
@@ -78,32 +113,47 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, std::
     if (!out.gain.empty())
         out.best = static_cast<std::size_t>(std::max_element(out.gain.begin(), out.gain.end()) - out.gain.begin());
     // Effects that were not worth a fit do not foretell better than nothing does; their prior stays with it.
-    if (catalogue > effects.size())
-        prior[0] += 0.6 * static_cast<double>(catalogue - effects.size()) / static_cast<double>(catalogue);
-    std::vector<double> sum(scores.size(), 0.0);
-    std::vector<std::vector<double>> gains(effects.size());
-    Random random(seed);
+    prior[0] += 0.6 * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
+    Random random(given.seed);
     constexpr int kDraws = 2000;
-    for (int d = 0; d < kDraws; ++d) {
-        Eigen::VectorXd w(blocks);
-        for (double& x : w)
-            x = random.exponential();
-        w *= static_cast<double>(blocks) / w.sum();
-        std::vector<double> s;
-        for (std::size_t m = 0; m < scores.size(); ++m)
-            s.push_back(std::log(prior[m]) + w.dot(scores[m]));
-        for (std::size_t m = 0; m < effects.size(); ++m)
-            gains[m].push_back(w.dot(scores[m + 2] - scores.front()));
-        const double top = *std::max_element(s.begin(), s.end());
-        double total = 0.0;
-        for (double& x : s)
-            total += x = std::exp(x - top);
-        for (std::size_t m = 0; m < s.size(); ++m)
-            sum[m] += s[m] / total / kDraws;
+    Eigen::MatrixXd s = drawScores(scores, random, kDraws);
+    for (std::size_t m = 0; m < effects.size(); ++m)
+        out.gainLow.push_back(lowEnd(s, static_cast<Eigen::Index>(m) + 2, 0));
+    const Eigen::MatrixXd raw = s;
+    const auto excess = dispersionOf(nothing) - 1.0;
+    for (std::size_t m = 0; m < effects.size(); ++m) {
+        const auto at = static_cast<Eigen::Index>(m) + 2;
+        if (out.gainLow[m] <= 0.0)
+            s.col(at) = s.col(at).cwiseMin(raw.col(0));
+        for (const std::size_t part : m < given.parts.size() ? given.parts[m] : std::vector<std::size_t>{})
+            if (lowEnd(raw, at, static_cast<Eigen::Index>(part) + 2) <= 0.0)
+                prior[m + 2] = 0.0; // says no more than a part of it
     }
-    for (std::vector<double>& g : gains) {
-        std::sort(g.begin(), g.end());
-        out.gainLow.push_back(g[static_cast<std::size_t>(0.023 * kDraws)]);
+    if (!effects.empty()) {
+        const double left = dispersionOf(effects[out.best]) - 1.0;
+        out.rejected = left > 1.5 && left > 0.2 * excess;
+        if (out.rejected)
+            s.col(1) = s.col(1).cwiseMax(s.col(static_cast<Eigen::Index>(out.best) + 2));
+    }
+    const double most = surprise(given.p);
+    std::vector<double> sum(scores.size(), 0.0);
+    for (int d = 0; d < kDraws; ++d) {
+        Eigen::VectorXd mass(static_cast<Eigen::Index>(scores.size()));
+        const double top = s.row(d).maxCoeff();
+        double something = 0.0, share = 0.0;
+        for (Eigen::Index m = 0; m < mass.size(); ++m) {
+            mass[m] = prior[static_cast<std::size_t>(m)] * std::exp(s(d, m) - top);
+            something += m > 0 ? mass[m] : 0.0;
+            share += m > 0 ? prior[static_cast<std::size_t>(m)] : 0.0;
+        }
+        // The mean evidence for "something", in units of that for "nothing".
+        const double factor = std::log(std::max(something / share, 1e-300)) - (s(d, 0) - top);
+        if (factor > most) {
+            mass[0] = std::max(mass[0], prior[0] * something / share * std::exp(-most));
+        }
+        mass /= mass.sum();
+        for (std::size_t m = 0; m < sum.size(); ++m)
+            sum[m] += mass[static_cast<Eigen::Index>(m)] / kDraws;
     }
     out.nothing = sum[0];
     out.unknown = sum[1];

@@ -1,11 +1,13 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
+#include "plugin/cli/sweep_play.h"
 #include "plugin/cli/verbs.h"
 
 #include "plugin/experiment/load.h"
 #include "plugin/lab/runner.h"
 #include "plugin/replay/parameters.h"
 #include "plugin/scene/document.h"
+#include "plugin/sweep/definition.h"
 
 #include <cmath>
 #include <cstdio>
@@ -27,13 +29,31 @@ std::string range(const scene::Parameter& p) {
     return text;
 }
 
-/// Whether a file calls itself an experiment.
-bool isExperiment(const std::string& file) {
-    std::vector<scene::Problem> ignored; // whoever loads it finds them again
-    const auto text = scene::readFile(file, ignored);
-    const auto document = text ? scene::parseDocument(*text, file, ignored) : std::nullopt;
-    const scene::Node* schema = document ? document->root.find("schema") : nullptr;
-    return schema != nullptr && schema->text.rfind("rod-recordings/", 0) == 0;
+int checkSweep(const std::string& file, const std::vector<std::string>& parameters) {
+    if (!parameters.empty()) {
+        std::fprintf(stderr, "--param: a sweep sets its parameters itself, with \"grid\", \"cases\" and \"fixed\"\n");
+        return kBadInput;
+    }
+    std::vector<scene::Problem> problems;
+    const auto loaded = sweep::load(file, problems);
+    std::optional<std::string> text;
+    if (loaded)
+        text = scene::readFile(loaded->scene, problems);
+    for (const scene::Problem& p : problems)
+        std::fprintf(stderr, "%s\n", p.toString().c_str());
+    if (!text)
+        return kBadInput;
+    for (std::size_t set = 0; set < loaded->sets.size(); ++set)
+        if (!canStart(*text, loaded->scene, loaded->settings(set)))
+            return kBadInput;
+    std::printf("%s: a good sweep of %s (%zu sets of parameters, %zu seeds, %zu runs)\n", file.c_str(),
+                loaded->scene.c_str(), loaded->sets.size(), loaded->seeds.size(),
+                loaded->sets.size() * loaded->seeds.size());
+    for (std::size_t set = 0; set < loaded->sets.size() && set < 100; ++set)
+        std::printf("  %s\n", sweep::keyOf(loaded->settings(set)).c_str());
+    if (loaded->sets.size() > 100)
+        std::printf("  and %zu more\n", loaded->sets.size() - 100);
+    return printed() ? kDone : kCannotWrite;
 }
 
 int checkExperiment(const std::string& file, const std::vector<std::string>& parameters) {
@@ -68,8 +88,11 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
 } // namespace
 
 int check(const std::string& file, const std::vector<std::string>& parameters) {
-    if (isExperiment(file))
+    const std::string schema = schemaOf(file);
+    if (schema.rfind("rod-recordings/", 0) == 0)
         return checkExperiment(file, parameters);
+    if (schema.rfind("supercircle-sweep/", 0) == 0)
+        return checkSweep(file, parameters);
     const auto input = loadScene(file, parameters);
     if (!input)
         return kBadInput;

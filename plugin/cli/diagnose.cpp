@@ -55,8 +55,8 @@ void print(const diagnosis::Diagnosis& d, const std::string& folder) {
     std::printf("%s: %s\n", d.verdict.c_str(), d.statement.c_str());
     for (std::size_t i = 0; i < d.effects.size() && i < 5; ++i) {
         const diagnosis::FoundEffect& e = d.effects[i];
-        std::printf("  %-26s probability %.3f, gain on unseen runs %.1f +- %.1f, error there %.3g N\n", e.label.c_str(),
-                    e.probability, e.gain, e.gainError, e.heldOutRmse);
+        std::printf("  %-26s probability %.3f, gain on unseen runs %.1f +- %.1f, error there %.3g %s\n",
+                    e.label.c_str(), e.probability, e.gain, e.gainError, e.heldOutRmse, d.unit.c_str());
     }
     std::printf("  %-26s probability %.3f\n  %-26s probability %.3f\n", "nothing", d.nothing, "none of these",
                 d.unknown);

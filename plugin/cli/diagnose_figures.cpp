@@ -97,17 +97,19 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     std::vector<const std::vector<double>*> forces = {&c.recorded};
     const Range force = rangeOf(forces);
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
-    const report::Unit unit = report::readableUnit(peak, "N");
+    const bool driven = d.unit == "N";
+    const report::Unit unit = driven ? report::readableUnit(peak, "N") : report::Unit{1.0, d.unit};
     PlotStyle style;
-    style.x = {"displacement (mm)", 1e3};
-    style.y = {"force (" + unit.text + ")", unit.factor};
-    const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&c.displacement}), force);
+    style.x = {driven ? "displacement (mm)" : "time (s)", driven ? 1e3 : 1.0};
+    style.y = {d.channel + " (" + unit.text + ")", unit.factor};
+    const std::vector<double>& across = driven ? c.displacement : c.time;
+    const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&across}), force);
     left.drawFrame(canvas, style);
     canvas.pushClip(left.area);
-    left.drawLine(canvas, c.displacement, c.recorded, {theme::ink, 2.6});
-    left.drawLine(canvas, c.displacement, c.baseline, {theme::loading, 1.4});
+    left.drawLine(canvas, across, c.recorded, {theme::ink, 2.6});
+    left.drawLine(canvas, across, c.baseline, {theme::loading, 1.4});
     if (improved)
-        left.drawLine(canvas, c.displacement, c.improved, {theme::unloading, 1.4});
+        left.drawLine(canvas, across, c.improved, {theme::unloading, 1.4});
     canvas.popClip();
     const auto residual = [&](double y, const std::vector<double>& u, const Colour& colour, const std::string& words) {
         const std::vector<double> shown = smoothed(u, c.counts);

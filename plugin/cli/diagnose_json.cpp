@@ -16,7 +16,7 @@ Json finite(double v) {
     return std::isfinite(v) ? Json(v) : Json(nullptr);
 }
 
-Json windowsOf(const diagnosis::Localisation& l) {
+Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
     Json all = Json::array();
     for (const Window& w : l.significant)
         all.push_back({{"run", w.run},
@@ -25,7 +25,7 @@ Json windowsOf(const diagnosis::Localisation& l) {
                        {"displacement_from_mm", 1e3 * w.displacementFrom},
                        {"displacement_to_mm", 1e3 * w.displacementTo},
                        {"phase", w.phase},
-                       {"channel", w.channel},
+                       {"channel", w.channel == "force" ? channel : w.channel},
                        {"z", w.z},
                        {"p_value", w.p},
                        {"arc_fraction", w.arcFraction < 0.0 ? Json(nullptr) : Json(w.arcFraction)},
@@ -33,7 +33,7 @@ Json windowsOf(const diagnosis::Localisation& l) {
     return all;
 }
 
-Json effectOf(const FoundEffect& e) {
+Json effectOf(const FoundEffect& e, const std::string& unit) {
     Json parameters = Json::object();
     for (const diagnosis::FittedParameter& p : e.parameters)
         parameters[p.name] = {
@@ -46,8 +46,8 @@ Json effectOf(const FoundEffect& e) {
             {"parameters", parameters},
             {"heldout_gain", e.gain},
             {"heldout_gain_error", e.gainError},
-            {"training_rmse_N", e.trainingRmse},
-            {"heldout_rmse_N", e.heldOutRmse},
+            {"training_rmse" + unit, e.trainingRmse},
+            {"heldout_rmse" + unit, e.heldOutRmse},
             {"misfit_per_row", e.misfitPerRow}};
 }
 
@@ -64,9 +64,10 @@ Json screenOf(const Diagnosis& d) {
 } // namespace
 
 std::string diagnosisJson(const Diagnosis& d) {
+    const std::string unit = "_" + d.unit;
     Json effects = Json::array();
     for (const FoundEffect& e : d.effects)
-        effects.push_back(effectOf(e));
+        effects.push_back(effectOf(e, unit));
     Json nominal = Json::object();
     for (const diagnosis::NominalResult& n : d.nominal)
         nominal[n.name] = {{"stated", n.stated},
@@ -74,9 +75,9 @@ std::string diagnosisJson(const Diagnosis& d) {
                            {"fitted", n.fitted},
                            {"tension", n.tension},
                            {"unit", n.unit}};
-    const Json improved = d.improved
-                              ? Json{{"training_rmse_N", d.improvedTraining}, {"heldout_rmse_N", d.improvedHeldOut}}
-                              : Json(nullptr);
+    const Json improved =
+        d.improved ? Json{{"training_rmse" + unit, d.improvedTraining}, {"heldout_rmse" + unit, d.improvedHeldOut}}
+                   : Json(nullptr);
     Json next = nullptr;
     if (d.next)
         next = {{"what", d.next->what}, {"separates", d.next->separates}, {"expected_power", d.next->power}};
@@ -84,26 +85,26 @@ std::string diagnosisJson(const Diagnosis& d) {
         {"verdict", d.verdict},
         {"statement", d.statement},
         {"noise",
-         {{"force_std_N", d.noise.total()},
+         {{d.channel + "_std" + unit, d.noise.total()},
           {"correlation_time_s", d.noise.memory},
           {"source", d.noise.source},
-          {"white_std_N", d.noise.white},
-          {"correlated_std_N", d.noise.coloured},
+          {"white_std" + unit, d.noise.white},
+          {"correlated_std" + unit, d.noise.coloured},
           {"marker_std_mm", 1e3 * d.noise.marker}}},
-        {"mismatch", windowsOf(d.mismatch)},
+        {"mismatch", windowsOf(d.mismatch, d.channel)},
         {"mismatch_p_value", d.mismatch.p},
         {"effects", effects},
         {"probability_nothing", d.nothing},
         {"probability_unknown", d.unknown},
         {"fit",
-         {{"baseline", {{"training_rmse_N", d.baselineTraining}, {"heldout_rmse_N", d.baselineHeldOut}}},
+         {{"baseline", {{"training_rmse" + unit, d.baselineTraining}, {"heldout_rmse" + unit, d.baselineHeldOut}}},
           {"improved", improved},
-          {"noise_floor_rmse_N", d.noise.total()},
+          {"noise_floor_rmse" + unit, d.noise.total()},
           {"improvement_ci90", {d.improvementCi.low, d.improvementCi.high}},
           {"baseline_misfit_per_row", d.baselinePerRow}}},
         {"nominal", nominal},
         {"homogeneity", {{"q", d.homogeneity.q}, {"degrees", d.homogeneity.degrees}, {"p_value", d.homogeneity.p}}},
-        {"left_over", windowsOf(d.left)},
+        {"left_over", windowsOf(d.left, d.channel)},
         {"screen", screenOf(d)},
         {"next_experiment", next},
         {"notes", d.notes},

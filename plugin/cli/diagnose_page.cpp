@@ -46,13 +46,14 @@ std::string errorTable(const Diagnosis& d) {
     std::string html = "<table><tr><th></th><th>error on the runs fitted</th><th>on runs held out</th>"
                        "<th>held out, in units of the noise</th></tr>";
     const auto row = [&](const std::string& what, double training, double held) {
-        html += "<tr><td>" + what + "</td><td>" + number(training) + " N</td><td>" + number(held) + " N</td><td>" +
-                number(held / floor, "%.2f") + "</td></tr>";
+        html += "<tr><td>" + what + "</td><td>" + number(training) + " " + d.unit + "</td><td>" + number(held) + " " +
+                d.unit + "</td><td>" + number(held / floor, "%.2f") + "</td></tr>";
     };
     row("without extra physics", d.baselineTraining, d.baselineHeldOut);
     if (d.improved)
         row("with " + escaped(diagnosis::plainWords(d.effects.front().label)), d.improvedTraining, d.improvedHeldOut);
-    html += "</table><p>Sensor noise: " + number(floor) + " N, learnt from " + escaped(d.noise.source) + ".";
+    html +=
+        "</table><p>Sensor noise: " + number(floor) + " " + d.unit + ", learnt from " + escaped(d.noise.source) + ".";
     if (d.improved)
         html += " In noise units the held-out error falls by " + number(100.0 * d.improvement, "%.0f") +
                 " % (90 % interval " + number(100.0 * d.improvementCi.low, "%.0f") + " to " +

@@ -74,12 +74,14 @@ int import(const ImportArguments& a) {
     hints.driveTolerance = 1e-3 * a.tolerance;
     hints.displacementSign = a.displacementSign;
     hints.forceSign = a.forceSign;
+    hints.fromFirstTurn = a.fromFirstTurn;
+    hints.average = a.average;
     const auto imported = importing::readExports(a.files, hints);
     if (!imported) {
         std::fprintf(stderr, "%s\n", imported.error.c_str());
         return kBadInput;
     }
-    const auto description = importing::describe(imported.value, {a.protocol, a.specimen});
+    const auto description = importing::describe(imported.value, {a.protocol, a.scene, a.specimen});
     if (!description) {
         std::fprintf(stderr, "%s\n", description.error.c_str());
         return kBadInput;
@@ -94,6 +96,8 @@ int import(const ImportArguments& a) {
     std::string error = folder.prepare();
     if (error.empty()) {
         keepOld(folder.path(), files.value, description.value.json, account);
+        for (const record::NamedText& beside : description.value.files)
+            files.value.push_back(beside);
         files.value.emplace_back("experiment.json", description.value.json);
         files.value.emplace_back("import.json", importing::accountJson(imported.value, description.value));
         files.value.emplace_back("import.txt", account);

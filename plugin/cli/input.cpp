@@ -69,7 +69,7 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
             const bool experiment = kind.find("experiment") != std::string::npos;
             std::fprintf(stderr, "%s:1:1: /schema: this is %s, not a scene; %s\n", file.c_str(), kind.c_str(),
                          experiment ? "`supercircle replay` simulates one whose \"schema\" says rod-recordings/1"
-                                    : "this version has no sweeps");
+                                    : "`supercircle sweep` plays one whose \"schema\" says supercircle-sweep/1");
             return std::nullopt;
         }
         loaded = scene::loadText(*text, file, overrides, problems);
@@ -88,6 +88,14 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
         return std::nullopt;
     }
     return Input{std::move(*loaded), std::move(host)};
+}
+
+std::string schemaOf(const std::string& file) {
+    std::vector<scene::Problem> ignored; // whoever loads it finds them again
+    const auto text = scene::readFile(file, ignored);
+    const auto document = text ? scene::parseDocument(*text, file, ignored) : std::nullopt;
+    const scene::Node* schema = document ? document->root.find("schema") : nullptr;
+    return schema != nullptr ? schema->text : "";
 }
 
 std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet) {

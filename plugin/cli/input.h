@@ -24,6 +24,9 @@ bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene
 /// Loads, checks and builds the rigid world; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
 std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet = false);
 
+/// What a file calls itself: the text of its "schema", empty if there is none. Says nothing about problems.
+std::string schemaOf(const std::string& file);
+
 /// Loads an experiment; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
 std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet);
 

@@ -99,6 +99,86 @@ CLI::App* describeRun(CLI::App& app, supercircle::cli::RunArguments& a) {
     return run;
 }
 
+CLI::App* describeSweep(CLI::App& app, supercircle::cli::SweepArguments& a) {
+    a.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 1024);
+    CLI::App* verb = app.add_subcommand("sweep", "play a scene for sets of parameter values and seeds; statistics");
+    verb->add_option("sweep", a.file, "sweep file (JSON)")->required()->type_name("SWEEP.json");
+    verb->add_option("--out", a.out, "folder for the results")->required()->type_name("DIR");
+    verb->add_option("--seeds", a.seeds, "seeds in place of the file's, such as 1:20 or 1:5,8")->type_name("LIST");
+    verb->add_option("--jobs", a.jobs, "runs at a time, 1 to 1024, each a process of its own")
+        ->check(CLI::Range(1, 1024).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    verb->add_flag("--resume", a.resume, "go on where an earlier sweep into DIR was stopped, or extend it");
+    verb->add_option("--shard", a.shard, "I/N: only part I of N, into a folder of its own")->type_name("I/N");
+    verb->add_option("--engine", a.engine, "local: processes here; slurm: a job array, --jobs is its number of tasks")
+        ->check(CLI::IsMember({"local", "slurm"}).description(""))
+        ->type_name("local|slurm")
+        ->capture_default_str();
+    verb->add_option("--slurm-option", a.slurmOptions,
+                     "option for sbatch, such as --slurm-option=--time=60 (repeatable)")
+        ->type_name("OPTION")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    verb->add_option("--merge", a.merge, "folders of shards, taken together in DIR; nothing is played")
+        ->type_name("DIR ...");
+    verb->add_flag("--quiet", a.quiet, "print nothing but errors and failed runs");
+    verb->footer("A sweep that was stopped, however, goes on with --resume and ends with the same bytes. Exit codes:\n"
+                 "0 done; 2 bad input; 3 runs failed (failed.csv lists them); 4 output could not be written;\n"
+                 "130 interrupted.");
+    return verb;
+}
+
+CLI::App* describeCalibrate(CLI::App& app, supercircle::cli::CalibrateArguments& a) {
+    a.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64);
+    CLI::App* verb = app.add_subcommand(
+        "calibrate", "friction coefficient from an observed switch between smooth and abrupt snaps, or from curves");
+    verb->add_option("file", a.file,
+                     "scene with phi_bar and mu whose summary has a snap_type (two_shells, shell_on_cylinder), or a "
+                     "recorded experiment")
+        ->required()
+        ->type_name("FILE.json");
+    verb->add_option("--smooth", a.smooth, "opening angles / 2 pi that snapped smoothly, such as 0.75,0.8")
+        ->type_name("LIST");
+    verb->add_option("--abrupt", a.abrupt, "opening angles / 2 pi that stuck and unfolded abruptly")->type_name("LIST");
+    verb->add_option("--angle-uncertainty", a.angleUncertainty, "half-width of an opening angle / 2 pi")
+        ->check(positive)
+        ->type_name("VALUE");
+    verb->add_option("--tolerance", a.tolerance, "of the coefficient at which an angle switches")
+        ->check(positive)
+        ->type_name("VALUE")
+        ->capture_default_str();
+    addParameters(*verb, a.parameters);
+    verb->add_option("--out", a.out, "folder for calibration.json (default: nothing is written)")->type_name("DIR");
+    verb->add_option("--jobs", a.jobs, "simulations at a time (curves), 1 to 64; the digits do not depend on it")
+        ->check(CLI::Range(1, 64).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    verb->add_flag("--quiet", a.quiet, "print the result and errors only");
+    verb->footer("Exit codes: 0 done; 2 bad input; 3 a run could not go on; 4 output could not be written;\n"
+                 "130 interrupted.");
+    return verb;
+}
+
+CLI::App* describeDesign(CLI::App& app, supercircle::cli::DesignArguments& a) {
+    CLI::App* verb = app.add_subcommand("design", "pairs of parameters that give a wanted number, from a sweep");
+    verb->add_option("sweep", a.file, "sweep file (JSON)")->required()->type_name("SWEEP.json");
+    verb->add_option("--results", a.results, "folder the sweep was played into")->required()->type_name("DIR");
+    verb->add_option("--want", a.want, "NAME=VALUE: a number of the summary, such as delta_max_over_R=4 (repeatable)")
+        ->required()
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    verb->add_option("--shells", a.shells, "size of the stack whose spread is wanted (default: the sweep's)")
+        ->check(positive)
+        ->type_name("N");
+    verb->add_option("--out", a.out, "folder for the chart and the table (default: design in the results)")
+        ->type_name("DIR");
+    verb->add_flag("--quiet", a.quiet, "print nothing but errors");
+    verb->footer("Exit codes: 0 done; 2 bad input, or no pair gives what is wanted; 4 output could not be written.");
+    return verb;
+}
+
 CLI::App* describeReplay(CLI::App& app, supercircle::cli::ReplayArguments& a) {
     CLI::App* replay = app.add_subcommand("replay", "simulate a recorded experiment and show what differs");
     replay->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
@@ -126,7 +206,8 @@ CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
         ->type_name("FILE.csv ...");
     verb->add_option("--out", a.out, "folder for experiment.json and the runs")->required()->type_name("DIR");
     verb->add_option("--protocol", a.protocol,
-                     "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor or arch_between_plates")
+                     "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates,\n"
+                     "ring_between_plates, tethered_strip or free_scene")
         ->type_name("NAME");
     verb->add_option("--specimen", a.specimen, "JSON with the specimen, or with any part of an experiment")
         ->type_name("FILE.json");
@@ -140,6 +221,10 @@ CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
     verb->add_option("--tolerance", a.tolerance, "mm, how closely straight legs follow the displacement")
         ->check(positive)
         ->type_name("MM");
+    verb->add_option("--scene", a.scene, "angles: scene of the mechanism that moves by itself")
+        ->type_name("SCENE.json");
+    verb->add_flag("--from-first-turn", a.fromFirstTurn, "angles: from the first turning point on, the hand is gone");
+    verb->add_option("--average", a.average, "angles: rows are means of so many")->check(positive)->type_name("N");
     const std::map<std::string, int> signs{{"positive", 1}, {"negative", -1}};
     verb->add_option("--displacement", a.displacementSign, "sign of the column as the head nears the specimen")
         ->transform(CLI::Transformer(signs).description(""))
@@ -263,6 +348,15 @@ int dispatch(int argc, char** argv) {
     RunArguments runArguments;
     CLI::App* run = describeRun(app, runArguments);
 
+    SweepArguments sweepArguments;
+    CLI::App* sweep = describeSweep(app, sweepArguments);
+
+    CalibrateArguments calibrateArguments;
+    CLI::App* calibrate = describeCalibrate(app, calibrateArguments);
+
+    DesignArguments designArguments;
+    CLI::App* design = describeDesign(app, designArguments);
+
     ReplayArguments replayArguments;
     CLI::App* replay = describeReplay(app, replayArguments);
 
@@ -277,9 +371,9 @@ int dispatch(int argc, char** argv) {
 
     std::string file;
     std::vector<std::string> parameters;
-    CLI::App* check =
-        app.add_subcommand("check", "validate a scene or an experiment without running it, and list its parameters");
-    check->add_option("file", file, "scene or experiment file (JSON)")->required()->type_name("FILE.json");
+    CLI::App* check = app.add_subcommand(
+        "check", "validate a scene, sweep or experiment without running it, and list its parameters");
+    check->add_option("file", file, "scene, sweep or experiment file (JSON)")->required()->type_name("FILE.json");
     addParameters(*check, parameters);
 
     ValidateArguments validateArguments;
@@ -311,6 +405,12 @@ int dispatch(int argc, char** argv) {
     }
     if (run->parsed())
         return supercircle::cli::run(runArguments);
+    if (sweep->parsed())
+        return supercircle::cli::sweep(sweepArguments);
+    if (calibrate->parsed())
+        return supercircle::cli::calibrate(calibrateArguments);
+    if (design->parsed())
+        return supercircle::cli::design(designArguments);
     if (replay->parsed())
         return supercircle::cli::replay(replayArguments);
     if (import->parsed())

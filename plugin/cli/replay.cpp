@@ -82,9 +82,15 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
     std::vector<double> simulated = done.simulated.readings.force;
     simulated.resize(run.readings.time.size(), std::numeric_limits<double>::quiet_NaN());
     record::Series force;
-    force.names = {"time_s", "displacement_mm", "force_recorded_N", "force_simulated_N", "residual_N"};
-    force.columns = {run.readings.time, scaled(run.readings.displacement, 1e3), run.readings.force, simulated,
-                     done.comparison.residual};
+    const experiment::Channel& c = experiment::channel(e);
+    const std::string name = c.name, unit = std::string("_") + c.unit;
+    force.names = {"time_s", name + "_recorded" + unit, name + "_simulated" + unit, "residual" + unit};
+    force.columns = {run.readings.time, scaled(run.readings.force, c.perUnit), scaled(simulated, c.perUnit),
+                     scaled(done.comparison.residual, c.perUnit)};
+    if (!e.scene) {
+        force.names.insert(force.names.begin() + 1, "displacement_mm");
+        force.columns.insert(force.columns.begin() + 1, scaled(run.readings.displacement, 1e3));
+    }
     if (const std::string why = put(done.name + "_replay.csv", force); !why.empty())
         return why;
     if (done.simulated.markers.x.empty() || done.simulated.markers.time.empty())
@@ -103,6 +109,22 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
 Json landmark(const replay::Landmark& l) {
     return {
         {"time_s", l.time}, {"displacement_mm", 1e3 * l.displacement}, {"before_N", l.before}, {"after_N", l.after}};
+}
+
+/// Errors of a free scene's run, in the unit of its channel.
+Json freeSummaryOf(const ReplayedRun& run, const experiment::Channel& channel) {
+    const replay::Comparison& c = run.comparison;
+    const std::string unit = std::string("_") + channel.unit;
+    return {{"run", run.name},
+            {"failure", run.simulated.failure.empty() ? Json(nullptr) : Json(run.simulated.failure)},
+            {"peak_recorded" + unit, channel.perUnit * c.peakRecorded},
+            {"peak_simulated" + unit, channel.perUnit * c.peakSimulated},
+            {"rmse" + unit, channel.perUnit * c.rmseAll},
+            {"residual_mean" + unit, channel.perUnit * c.zero},
+            {"max_error" + unit, channel.perUnit * c.maxError},
+            {"max_error_at_s", c.maxErrorAt},
+            {"steps", run.simulated.steps},
+            {"cpu_s", run.simulated.cpuSeconds}};
 }
 
 Json summaryOf(const ReplayedRun& run) {
@@ -149,7 +171,8 @@ std::string summary(const Replay& replay) {
     for (const replay::ParameterInfo& info : replay::parameterList(replay.experiment))
         parameters[info.name] = replay::get(replay.parameters, replay.experiment, info.name).value_or(0.0);
     for (const ReplayedRun& run : replay.runs)
-        runs.push_back(summaryOf(run));
+        runs.push_back(replay.experiment.scene ? freeSummaryOf(run, experiment::channel(replay.experiment))
+                                               : summaryOf(run));
     const replay::Window w;
     const Json json = {{"experiment", replay.experiment.file},
                        {"protocol", experiment::name(replay.experiment.protocol)},
@@ -176,7 +199,7 @@ void simulateRuns(Replay& replay, bool quiet) {
         };
         ReplayedRun done{fs::path(run.file).stem().string(), {}, {}};
         done.simulated = replay::simulate(replay.experiment, k, replay.parameters, replay.resolution, options);
-        done.comparison = replay::compare(run, done.simulated);
+        done.comparison = replay::compare(run, done.simulated, {}, !replay.experiment.scene);
         replay.runs.push_back(std::move(done));
     }
     line.clear();
@@ -196,11 +219,13 @@ std::string writeAll(const Replay& replay, const std::string& folder) {
 }
 
 void print(const Replay& replay, const std::string& folder) {
+    const double k = experiment::channel(replay.experiment).perUnit;
+    const char* const unit = experiment::channel(replay.experiment).unit;
     for (const ReplayedRun& run : replay.runs) {
         const replay::Comparison& c = run.comparison;
-        std::printf("%s: peak %.4g N recorded, %.4g N simulated; rms error %.3g N (%.2f %%), largest %.3g N",
-                    run.name.c_str(), c.peakRecorded, c.peakSimulated, c.rmse,
-                    100.0 * c.rmse / std::max(c.peakRecorded, 1e-300), c.maxError);
+        std::printf("%s: peak %.4g %s recorded, %.4g %s simulated; rms error %.3g %s (%.2f %%), largest %.3g %s",
+                    run.name.c_str(), k * c.peakRecorded, unit, k * c.peakSimulated, unit, k * c.rmse, unit,
+                    100.0 * c.rmse / std::max(c.peakRecorded, 1e-300), k * c.maxError, unit);
         for (const auto& [i, j] : c.matches)
             std::printf("; jump at %.3f mm recorded, %.3f mm simulated", 1e3 * c.recorded[i].displacement,
                         1e3 * c.simulated[j].displacement);

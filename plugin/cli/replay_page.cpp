@@ -81,25 +81,34 @@ void drawLegend(Canvas& canvas, double x, double y) {
 }
 
 /// Forces over displacement on the left; over time on the right, the residual below.
-void drawRun(Canvas& canvas, const experiment::Run& run, const ReplayedRun& done) {
+void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::Run& run, const ReplayedRun& done) {
     const Columns c{run.readings, done.simulated.readings, done.comparison};
-    const report::Unit unit = report::readableUnit(c.comparison.peakRecorded, "N");
+    const experiment::Channel& channel = experiment::channel(e);
+    const bool free = e.scene.has_value();
+    const auto unitFor = [&](double size) {
+        return free ? report::Unit{channel.perUnit, channel.unit} : report::readableUnit(size, "N");
+    };
+    const report::Unit unit = unitFor(c.comparison.peakRecorded);
     const double worst = *std::max_element(c.comparison.residual.begin(), c.comparison.residual.end(),
                                            [](double a, double b) { return std::abs(a) < std::abs(b); });
     const report::Unit fine =
-        report::readableUnit(std::max(c.comparison.maxError, std::isfinite(worst) ? 0.1 * std::abs(worst) : 0.0), "N");
+        unitFor(std::max(c.comparison.maxError, std::isfinite(worst) ? 0.1 * std::abs(worst) : 0.0));
     const Range force = rangeOf({&c.recorded.force, &c.simulated.force});
     const Range time = report::padded({run.driveTime.front(), run.driveTime.back()}, 0.01);
     drawLegend(canvas, 80.0, 24.0);
 
-    const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&c.recorded.displacement, &c.simulated.displacement}), force);
+    const std::string label = std::string(channel.name) + " (" + unit.text + ")";
     PlotStyle style;
+    style.y = {label, unit.factor};
+    const double from = free ? 80.0 : 640.0; // without a machine there is nothing to draw over displacement
+    const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&c.recorded.displacement, &c.simulated.displacement}), force);
     style.x = {"displacement (mm)", 1e3};
-    style.y = {"force (" + unit.text + ")", unit.factor};
-    left.drawFrame(canvas, style);
-    drawForces(canvas, left, c.recorded.displacement, c.simulated.displacement, c);
+    if (!free) {
+        left.drawFrame(canvas, style);
+        drawForces(canvas, left, c.recorded.displacement, c.simulated.displacement, c);
+    }
 
-    const Plot upper({640.0, 40.0, 520.0, 270.0}, time, force);
+    const Plot upper({from, 40.0, 1160.0 - from, 270.0}, time, force);
     style.x = {"", 1.0};
     drawWindows(canvas, upper, c);
     upper.drawFrame(canvas, style);
@@ -109,7 +118,7 @@ void drawRun(Canvas& canvas, const experiment::Run& run, const ReplayedRun& done
     for (std::size_t i = 0; i < shown.size(); ++i)
         if (c.comparison.inWindow[i])
             shown[i] = std::numeric_limits<double>::quiet_NaN();
-    const Plot lower({640.0, 345.0, 520.0, 155.0}, time, rangeOf({&shown}));
+    const Plot lower({from, 345.0, 1160.0 - from, 155.0}, time, rangeOf({&shown}));
     style.x = {"time (s)", 1.0};
     style.y = {"residual (" + fine.text + ")", fine.factor};
     style.yTicks = 5;
@@ -131,18 +140,20 @@ std::string percent(double part, double whole) {
 }
 
 /// Rows of the table of one run.
-std::string figures(const ReplayedRun& run) {
+std::string figures(const ReplayedRun& run, const experiment::Channel& channel) {
+    const double k = channel.perUnit;
+    const std::string unit = std::string(" ") + channel.unit;
     const replay::Comparison& c = run.comparison;
     std::string html = "<table>";
     const auto row = [&](const std::string& what, const std::string& value) {
         html += "<tr><td>" + what + "</td><td>" + value + "</td></tr>";
     };
-    row("peak, recorded", number(c.peakRecorded) + " N");
-    row("peak, simulated", number(c.peakSimulated) + " N");
-    row("rms error", number(c.rmse) + " N (" + percent(c.rmse, c.peakRecorded) + " of the peak)");
-    row("the same about its mean", number(c.rmseZeroed) + " N (mean " + number(c.zero) + " N)");
-    row("largest error",
-        number(c.maxError) + " N (" + percent(c.maxError, c.peakRecorded) + ") at " + number(c.maxErrorAt) + " s");
+    row("peak, recorded", number(k * c.peakRecorded) + unit + "");
+    row("peak, simulated", number(k * c.peakSimulated) + unit + "");
+    row("rms error", number(k * c.rmse) + unit + " (" + percent(c.rmse, c.peakRecorded) + " of the peak)");
+    row("the same about its mean", number(k * c.rmseZeroed) + unit + " (mean " + number(k * c.zero) + unit + ")");
+    row("largest error", number(k * c.maxError) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
+                             number(c.maxErrorAt) + " s");
     row("left out around jumps", number(100.0 * c.leftOut, "%.1f") + " % of the samples");
     if (!run.simulated.markers.x.empty())
         row("markers, rms and largest distance",
@@ -183,17 +194,18 @@ record::Result<std::vector<record::NamedText>> replayPages(const Replay& replay)
         if (run.comparison.residual.empty())
             continue;
         report::CairoCanvas png(kWidth, kHeight, 1.5);
-        drawRun(png, replay.experiment.runs[k], run);
+        drawRun(png, replay.experiment, replay.experiment.runs[k], run);
         auto picture = png.png();
         if (!picture)
             return record::Result<Files>::fail(run.name + "_replay.png: " + picture.error);
         files.emplace_back(run.name + "_replay.png", std::move(picture.value));
         report::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1),
                               "recorded and simulated force of " + run.name);
-        drawRun(svg, replay.experiment.runs[k], run);
+        drawRun(svg, replay.experiment, replay.experiment.runs[k], run);
         html += "<div class=\"grid\"><section><h2>" + report::escaped(run.name) + "</h2>" +
                 (run.simulated.failure.empty() ? "" : "<p>" + report::escaped(run.simulated.failure) + "</p>") +
-                "<div class=\"scroll wide\">" + svg.finish() + "</div>" + figures(run) + "</section></div>";
+                "<div class=\"scroll wide\">" + svg.finish() + "</div>" +
+                figures(run, experiment::channel(replay.experiment)) + "</section></div>";
     }
     html += "<div class=\"grid\"><section><h2>Parameters</h2>" + parameterTable(replay) + "<p>" +
             std::to_string(replay.resolution.elements) +

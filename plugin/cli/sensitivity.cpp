@@ -23,26 +23,31 @@ using record::NamedText;
 using sensitivity::Quality;
 using sensitivity::RunSensitivity;
 
-std::vector<double> columnOf(const Eigen::MatrixXd& m, Eigen::Index c) {
-    return {m.col(c).data(), m.col(c).data() + m.rows()};
+std::vector<double> scaled(std::vector<double> values, double factor) {
+    for (double& v : values)
+        v *= factor;
+    return values;
 }
 
-/// d force / d parameter over time, N per unit of the parameter; a second column says where it means something.
+std::vector<double> columnOf(const Eigen::MatrixXd& m, Eigen::Index c, double factor) {
+    return scaled({m.col(c).data(), m.col(c).data() + m.rows()}, factor);
+}
+
+/// d force / d parameter over time, N (of poses degrees or mm) per unit of the parameter; a second column says where it
+/// means something.
 record::Series forceTable(const SensitivityStudy& study, const RunSensitivity& run) {
     record::Series s;
-    s.names = {"time_s", "displacement_mm", "force_N", "solver_noise_N"};
-    std::vector<double> mm = run.base.readings.displacement;
-    for (double& v : mm)
-        v *= 1e3;
-    s.columns = {run.base.readings.time,
-                 mm,
-                 run.base.readings.force,
-                 {run.forceNoise.data(), run.forceNoise.data() + run.forceNoise.size()}};
+    const experiment::Channel& channel = experiment::channel(study.experiment);
+    const double k = channel.perUnit;
+    s.names = {"time_s", "displacement_mm", channel.column, std::string("solver_noise_") + channel.unit};
+    s.columns = {run.base.readings.time, scaled(run.base.readings.displacement, 1e3),
+                 scaled(run.base.readings.force, k),
+                 scaled({run.forceNoise.data(), run.forceNoise.data() + run.forceNoise.size()}, k)};
     for (std::size_t c = 0; c < study.result.columns.size(); ++c) {
         const auto at = static_cast<Eigen::Index>(c);
         const std::string& name = study.result.columns[c].name;
-        s.names.insert(s.names.end(), {"dforce_d" + name, "usable_" + name});
-        s.columns.push_back(columnOf(run.force, at));
+        s.names.insert(s.names.end(), {"d" + std::string(channel.name) + "_d" + name, "usable_" + name});
+        s.columns.push_back(columnOf(run.force, at, k));
         s.columns.emplace_back();
         for (Eigen::Index i = 0; i < run.usable.rows(); ++i)
             s.columns.back().push_back(run.usable(i, at) ? 1.0 : 0.0);
@@ -110,6 +115,7 @@ Json qualityOf(const Quality& q) {
 
 std::string summary(const SensitivityStudy& study) {
     const sensitivity::Sensitivities& s = study.result;
+    const experiment::Channel& channel = experiment::channel(study.experiment);
     Json columns = Json::array(), runs = Json::array(), cosines = Json::array();
     for (const sensitivity::Column& c : s.columns)
         columns.push_back(
@@ -119,7 +125,8 @@ std::string summary(const SensitivityStudy& study) {
         for (std::size_t c = 0; c < s.columns.size(); ++c)
             quality[s.columns[c].name] = qualityOf(s.runs[r].quality[c]);
         runs.push_back({{"run", study.runName(r)},
-                        {"solver_noise_force_N", s.runs[r].forceNoiseRms},
+                        {std::string("solver_noise_") + channel.name + "_" + channel.unit,
+                         channel.perUnit * s.runs[r].forceNoiseRms},
                         {"solver_noise_markers_m", s.runs[r].markerNoiseRms},
                         {"columns", quality}});
     }
@@ -210,7 +217,7 @@ std::optional<sensitivity::Model> prepare(const SensitivityArguments& a, Sensiti
             for (const replay::ParameterInfo& info : replay::parameterList(study.experiment))
                 if (info.name.find('.') == std::string::npos)
                     columns.push_back(info.name);
-        const std::vector<std::string> effects = sensitivity::effectNames();
+        const std::vector<std::string> effects = sensitivity::effectNames(study.experiment);
         columns.insert(columns.end(), effects.begin(), effects.end());
     }
     sensitivity::Model model = sensitivity::replayModel(study.experiment, parameters, study.resolution, columns, error);

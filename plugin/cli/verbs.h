@@ -45,6 +45,9 @@ struct ImportArguments {
     double tolerance = 0.0;         ///< mm, 0: from the data
     int displacementSign = 0;       ///< of the column towards the specimen, 0: from the data
     int forceSign = 0;              ///< of the column while the specimen resists, 0: from the data
+    std::string scene;              ///< of a mechanism that moves by itself; empty: none
+    bool fromFirstTurn = false;     ///< angles: from the first turning point on
+    int average = 1;                ///< angles: means of so many rows
     bool quiet = false;
 };
 
@@ -78,6 +81,39 @@ struct ValidateArguments {
     int jobs = 1;
 };
 
+struct SweepArguments {
+    std::string file;
+    std::string out;
+    std::string seeds;                     ///< in place of the file's, such as "1:20"; empty: the file's
+    std::string shard;                     ///< "I/N"; empty: all
+    std::string engine = "local";          ///< or "slurm"
+    std::vector<std::string> merge;        ///< folders of shards to take over
+    std::vector<std::string> slurmOptions; ///< passed to sbatch
+    int jobs = 1;
+    bool resume = false;
+    bool quiet = false;
+};
+
+struct CalibrateArguments {
+    std::string file;                    ///< scene, or experiment
+    std::string smooth, abrupt;          ///< opening angles tried, by outcome: "0.75,0.8"
+    std::vector<std::string> parameters; ///< NAME=VALUE
+    double angleUncertainty = 0.0;       ///< half-width of an opening angle / 2 pi
+    double tolerance = 0.002;            ///< of the coefficient at a switch
+    std::string out;                     ///< folder; empty: nothing is written
+    int jobs = 1;
+    bool quiet = false;
+};
+
+struct DesignArguments {
+    std::string file;              ///< sweep
+    std::string results;           ///< folder it was played into
+    std::vector<std::string> want; ///< NAME=VALUE
+    double shells = 0.0;           ///< size of the stack the spread is wanted for; 0: that of the sweep
+    std::string out;               ///< folder; empty: RESULTS/design
+    bool quiet = false;
+};
+
 struct ViewArguments {
     std::string scene;
     std::vector<std::string> parameters; ///< NAME=VALUE
@@ -101,6 +137,12 @@ int import(const ImportArguments& arguments);
 int sensitivity(const SensitivityArguments& arguments);
 /// Finds out what physics a simulation of a recorded experiment leaves out.
 int diagnose(const DiagnoseArguments& arguments);
+/// Plays a scene for sets of parameter values and seeds.
+int sweep(const SweepArguments& arguments);
+/// The friction coefficient from an observed switch between smooth and abrupt snaps, or from measured force curves.
+int calibrate(const CalibrateArguments& arguments);
+/// Pairs of parameters that give a wanted number, from the results of a sweep.
+int design(const DesignArguments& arguments);
 /// Compares the laboratory with every solved reference and writes one page about it.
 int validate(const ValidateArguments& arguments);
 /// Shows a scene in a window, or headless as a picture.

@@ -72,7 +72,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/supercircle/ DESTINATION ${CMAKE_INSTALL
   FILES_MATCHING PATTERN "*.h")
 install(TARGETS supercircle)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/ DESTINATION ${SCENES_DIR} FILES_MATCHING PATTERN "*.json")
-install(FILES ${PROJECT_SOURCE_DIR}/plugin/scene/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle)
+install(FILES ${PROJECT_SOURCE_DIR}/plugin/scene/scene.schema.json
+  ${PROJECT_SOURCE_DIR}/plugin/sweep/sweep.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/data/reference/
   DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle/reference FILES_MATCHING PATTERN "*.csv" PATTERN "README.md")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})

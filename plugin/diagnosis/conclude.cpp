@@ -40,7 +40,8 @@ std::string named(const Diagnosis& d) {
         text += (i == 0 ? ": " : ", ") + p.name + " = " + number(p.value) + (p.unit == "1" ? "" : " " + p.unit);
     }
     text += "; on runs it had not seen the error falls from " + number(d.baselineHeldOut) + " to " +
-            number(d.improvedHeldOut) + " N (sensor noise " + number(d.noise.total()) + " N).";
+            number(d.improvedHeldOut) + " " + d.unit + " (sensor noise " + number(d.noise.total()) + " " + d.unit +
+            ").";
     if (e.group.size() > 1)
         text += " These runs cannot tell it from " + joined(e.group, 1) + ".";
     return text;
@@ -86,8 +87,8 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
         return "Something is missing (p = " + number(e.p) + "), and no effect of the catalogue accounts for it" +
                (d.effects.empty() ? std::string(".")
                                   : "; the nearest is " + plainWords(d.effects.front().label) + ", which leaves " +
-                                        number(d.improvedHeldOut) + " N on unseen runs with a noise of " +
-                                        number(d.noise.total()) + " N.");
+                                        number(d.improvedHeldOut) + " " + d.unit + " on unseen runs with a noise of " +
+                                        number(d.noise.total()) + " " + d.unit + ".");
     std::string text = "Something is missing (p = " + number(e.p) + "), but these runs do not decide between ";
     std::vector<std::string> rivals;
     for (std::size_t i = 0; i < d.effects.size() && i < 3; ++i)

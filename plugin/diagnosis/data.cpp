@@ -13,6 +13,33 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
+/// A free run is cut at its turning points: half swings are what it repeats.
+std::vector<Leg> swingsOf(const experiment::Run& run) {
+    const std::vector<double>&t = run.readings.time, &v = run.readings.force;
+    const auto [least, most] = std::minmax_element(v.begin(), v.end()); // NaN: compares false, is passed over
+    const double back = v.empty() ? 0.0 : 0.02 * (*most - *least);
+    std::vector<Leg> legs;
+    double from = run.driveTime.front();
+    std::size_t turn = 0;
+    int way = 0; // of the present half swing; 0: not known yet
+    for (std::size_t i = 1; i < v.size(); ++i) {
+        if (!std::isfinite(v[i]))
+            continue;
+        const double moved = v[i] - v[turn];
+        if (way == 0 || moved * way > 0.0) {
+            turn = way == 0 && std::abs(moved) < back ? turn : i;
+            way = way == 0 && std::abs(moved) >= back ? (moved > 0.0 ? 1 : -1) : way;
+        } else if (std::abs(moved) > back) {
+            legs.push_back({Phase::Free, from, t[turn], 0.0});
+            from = t[turn];
+            turn = i;
+            way = -way;
+        }
+    }
+    legs.push_back({Phase::Free, from, run.driveTime.back(), 0.0});
+    return legs;
+}
+
 std::vector<Leg> legsOf(const experiment::Run& run) {
     std::vector<Leg> legs;
     for (std::size_t i = 1; i < run.driveTime.size(); ++i) {
@@ -41,12 +68,12 @@ double commanded(const experiment::Run& run, double t) {
     return (1.0 - share) * run.driveDisplacement[i - 1] + share * run.driveDisplacement[i];
 }
 
-RecordedRun runOf(const experiment::Run& from, std::size_t markers) {
+RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, double perUnit) {
     RecordedRun run;
     run.name = std::filesystem::path(from.file).filename().string();
-    run.legs = legsOf(from);
+    run.legs = free ? swingsOf(from) : legsOf(from);
     run.time = vectorOf(from.readings.time);
-    run.force = vectorOf(from.readings.force);
+    run.force = perUnit * vectorOf(from.readings.force);
     run.displacement.resize(run.time.size());
     for (Eigen::Index k = 0; k < run.time.size(); ++k) {
         run.displacement[k] = commanded(from, run.time[k]);
@@ -68,7 +95,10 @@ RecordedRun runOf(const experiment::Run& from, std::size_t markers) {
 } // namespace
 
 const char* name(Phase phase) {
-    return phase == Phase::Loading ? "loading" : phase == Phase::Unloading ? "unloading" : "hold";
+    return phase == Phase::Loading     ? "loading"
+           : phase == Phase::Unloading ? "unloading"
+           : phase == Phase::Hold      ? "hold"
+                                       : "free";
 }
 
 double Data::peakForce() const {
@@ -81,7 +111,11 @@ double Data::peakForce() const {
 
 Data dataOf(const experiment::Experiment& e) {
     Data data;
-    data.statedForceNoise = e.sensors.forceNoise;
+    const experiment::Channel& channel = experiment::channel(e);
+    data.channel = channel.name;
+    data.unit = channel.unit;
+    data.free = e.scene.has_value();
+    data.statedForceNoise = channel.perUnit * e.sensors.forceNoise;
     data.statedMarkerNoise = e.sensors.markerNoise;
     data.displacementNoise = e.sensors.displacementNoise;
     data.zeroWindow = e.sensors.forceZeroWindow;
@@ -90,7 +124,7 @@ Data dataOf(const experiment::Experiment& e) {
         data.markerNames.push_back(m.name);
     }
     for (const experiment::Run& run : e.runs)
-        data.runs.push_back(runOf(run, e.markers.size()));
+        data.runs.push_back(runOf(run, e.markers.size(), data.free, channel.perUnit));
     return data;
 }
 

@@ -10,7 +10,7 @@
 
 namespace supercircle::diagnosis {
 
-enum class Phase : std::uint8_t { Loading, Unloading, Hold };
+enum class Phase : std::uint8_t { Loading, Unloading, Hold, Free };
 const char* name(Phase phase);
 
 /// A straight piece of the commanded motion.
@@ -40,6 +40,9 @@ struct RecordedRun {
 
 struct Data {
     std::vector<RecordedRun> runs;
+    std::string channel = "force";   ///< what RecordedRun::force holds ...
+    std::string unit = "N";          ///< ... and its unit: degrees and mm for poses of free scenes
+    bool free = false;               ///< nothing is driven, and the simulation is exact
     double statedForceNoise = 0.0;   ///< N, within about 30 %; 0: not stated
     double statedMarkerNoise = 0.0;  ///< m
     double displacementNoise = 0.0;  ///< m

@@ -12,6 +12,7 @@ using experiment::Run;
 /// What the recorded runs do, as far as new ones need it.
 struct Habits {
     double travel = 0.0, slowest = 0.0, fastest = 0.0; ///< m, m/s
+    bool back = false;                                 ///< some run goes back by half of its way
 };
 
 Habits habitsOf(const experiment::Experiment& e) {
@@ -19,6 +20,7 @@ Habits habitsOf(const experiment::Experiment& e) {
     for (const Run& run : e.runs)
         for (std::size_t i = 1; i < run.driveTime.size(); ++i) {
             h.travel = std::max(h.travel, run.driveDisplacement[i]);
+            h.back = h.back || run.driveDisplacement[i] < 0.5 * run.driveDisplacement[i - 1];
             const double speed = std::abs(run.driveDisplacement[i] - run.driveDisplacement[i - 1]) /
                                  (run.driveTime[i] - run.driveTime[i - 1]);
             if (speed > 0.0) {
@@ -65,14 +67,20 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         return std::string(text);
     };
     const double d = h.travel;
-    return {{"a run ten times faster, at " + speed(10.0 * h.fastest), through({d, 0.0}, 10.0 * h.fastest, 0.0)},
-            {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest, 0.0)},
-            {"a hold of 100 s at the largest displacement", through({d, 0.0}, h.fastest, 100.0)},
-            {"five small cycles between 60 % and 50 % of the largest displacement",
-             through({0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
-                     h.slowest, 0.0)},
-            {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest, 0.0)},
-            {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest, 0.0)}};
+    std::vector<Plan> plans;
+    if (!h.back) // what is lost shows on the way back first of all
+        plans.push_back({"the same way and back again (an unloading leg)", through({d, 0.0}, h.fastest, 0.0)});
+    const std::vector<Plan> usual = {
+        {"a run ten times faster, at " + speed(10.0 * h.fastest), through({d, 0.0}, 10.0 * h.fastest, 0.0)},
+        {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest, 0.0)},
+        {"a hold of 100 s at the largest displacement", through({d, 0.0}, h.fastest, 100.0)},
+        {"five small cycles between 60 % and 50 % of the largest displacement",
+         through({0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
+                 h.slowest, 0.0)},
+        {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest, 0.0)},
+        {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest, 0.0)}};
+    plans.insert(plans.end(), usual.begin(), usual.end());
+    return plans;
 }
 
 } // namespace

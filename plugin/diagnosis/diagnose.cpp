@@ -50,6 +50,8 @@ public:
 
     Diagnosis run() {
         out_.seed = settings_.seed;
+        out_.channel = data_.channel;
+        out_.unit = data_.unit;
         stage(0.0, "noise");
         out_.noise = estimateNoise(data_);
         if (nominal() && !evaluator_.stopped()) {
@@ -243,6 +245,11 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
     std::vector<const Screened*> starts = {probes.front()};
     for (const Screened* p : probes)
         if (starts.size() < 2 && p->candidate != probes.front()->candidate && p->gain > 0.3 * probes.front()->gain)
+            starts.push_back(p);
+    // Free runs are cheap, and what a base that lost its beat says of forms is worth little: each gets its chance.
+    for (const Screened* p : probes)
+        if (data_.free &&
+            std::none_of(starts.begin(), starts.end(), [&](const Screened* s) { return s->candidate == p->candidate; }))
             starts.push_back(p);
     if (probes.size() > 1 && starts.size() < 2 && probes[1]->gain > 0.3 * probes.front()->gain)
         starts.push_back(probes[1]);

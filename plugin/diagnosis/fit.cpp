@@ -1,6 +1,7 @@
 #include "plugin/diagnosis/fit.h"
 
 #include "plugin/diagnosis/box.h"
+#include "plugin/diagnosis/grow.h"
 
 #include <algorithm>
 #include <cmath>
@@ -184,7 +185,9 @@ private:
 
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings,
            const Eigen::MatrixXd& nominalJacobian) {
-    return Search(evaluator, misfit, start, settings).run(nominalJacobian);
+    const bool grow = settings.grow && misfit.data().free;
+    return Search(evaluator, misfit, grow ? grown(evaluator, misfit, start, settings) : start, settings)
+        .run(grow ? Eigen::MatrixXd() : nominalJacobian);
 }
 
 } // namespace supercircle::diagnosis

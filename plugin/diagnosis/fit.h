@@ -51,6 +51,7 @@ struct FitSettings {
     int refreshes = 2;
     /// Misfit of a rival: a search that is above three times this after five iterations and creeps is given up.
     double rival = 0.0;
+    bool grow = true; ///< free runs from their beginnings on (grow.h)
 };
 
 /// d(whitened simulation)/dx by central differences (one-sided at bounds), coarse. Columns that cannot be simulated

@@ -1,5 +1,7 @@
 #include "plugin/diagnosis/menu.h"
 
+#include "plugin/replay/free_scales.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -231,6 +233,32 @@ void apparatus(Writer& w, const Sizes& s) {
     w.form("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.05}).probe({0.2});
 }
 
+/// What may act on the bodies of a free scene. Sizes that matter take a hundredth of the weight's torque.
+void bodies(Writer& w, const replay::FreeScales& s) {
+    const double torque = 0.01 * s.torque, viscous = torque / s.spin;
+    const double linear = 3.0 * viscous / std::pow(s.length, 3), // of a rod hinged at its end
+        square = 4.0 * viscous / (s.spin * std::pow(s.length, 4));
+    w.form("bearing_friction", "dry").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
+    w.probe({torque}).probe({0.2 * torque});
+    w.form("bearing_friction", "dry, with the load").amplitude("arm_m", 0.0, 0.2 * s.length, 5e-3 * s.length);
+    w.probe({5e-3 * s.length}).probe({1e-3 * s.length});
+    w.form("bearing_friction", "viscous").amplitude("viscous_N_m_s", 0.0, 100.0 * viscous, viscous);
+    w.probe({viscous}).probe({0.2 * viscous});
+    w.form("bearing_friction", "dry and viscous").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
+    w.amplitude("viscous_N_m_s", 0.0, 100.0 * viscous, viscous).probe({0.5 * torque, 0.5 * viscous});
+    w.form("air_drag", "linear").amplitude("linear_N_s_m2", 0.0, 100.0 * linear, linear);
+    w.probe({linear}).probe({0.2 * linear});
+    w.form("air_drag", "quadratic").amplitude("quadratic_N_s2_m3", 0.0, 100.0 * square, square);
+    w.probe({square}).probe({0.2 * square});
+    w.form("air_drag", "linear and quadratic").amplitude("linear_N_s_m2", 0.0, 100.0 * linear, linear);
+    w.amplitude("quadratic_N_s2_m3", 0.0, 100.0 * square, square).probe({0.5 * linear, 0.5 * square});
+    w.form("gravity").amplitude("x_m_s2", -15.0, 15.0, 0.5).amplitude("y_m_s2", -25.0, 25.0, 1.0);
+    w.probe({0.0, -0.5}).probe({0.3, 0.0});
+    w.form("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.03});
+    w.form("sensor_delay", "pure").amplitude("delay_s", 0.0, 1.0, 0.01).probe({0.01});
+    w.form("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.01});
+}
+
 } // namespace
 
 Menu menuFor(const Experiment& e, const std::vector<std::string>& without) {
@@ -243,6 +271,11 @@ Menu menuFor(const Experiment& e, const std::vector<std::string>& without) {
             shells.push_back(specimen.id);
     }
     Writer w(menu, without);
+    if (e.scene) {
+        bodies(w, replay::freeScales(e));
+        w.finish();
+        return menu;
+    }
     material(w, s);
     places(w, s, shells);
     contacts(w, s);

@@ -97,7 +97,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
 Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine,
                const std::vector<Response>& coarse, const MisfitSettings& settings)
     : data_(data), noise_(noise), landing_(settings.landing), start_{0} {
-    const double peak = data.peakForce();
+    const double peak = data.free ? 0.0 : data.peakForce(); // the equations of free bodies are solved exactly
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
         Part part;

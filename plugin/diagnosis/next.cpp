@@ -38,7 +38,9 @@ std::optional<NextExperiment> nextExperiment(const Model& model, const std::vect
     double farthest = 0.0;
     NextExperiment best;
     const std::vector<Design> designs = model.designs();
-    for (std::size_t i = 0; i < designs.size(); ++i) {
+    constexpr double kEnough =
+        5.0; // noise units beyond which runs are all as good: the first one listed is the simplest
+    for (std::size_t i = 0; i < designs.size() && farthest < kEnough; ++i) {
         const double d = distance(model.simulateDesign(i, rivals[0].point, nullptr),
                                   model.simulateDesign(i, rivals[other].point, nullptr), noise);
         if (d > farthest) {

@@ -67,7 +67,8 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         s.step = info.stated.halfWidth;
         all.push_back(s);
     }
-    all.push_back(ordinaryGive(e));
+    if (!e.scene)
+        all.push_back(ordinaryGive(e));
     return all;
 }
 
@@ -150,7 +151,8 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
     const replay::Simulated s = simulateWithin(experiment_, run, p, resolution, interrupt);
     out.failure = s.failure;
     const experiment::Run& recorded = experiment_.runs[run];
-    out.force = vectorOf(filled(s.readings.force, recorded.readings.time.size()));
+    out.force =
+        experiment::channel(experiment_).perUnit * vectorOf(filled(s.readings.force, recorded.readings.time.size()));
     const std::size_t seen = recorded.markers.time.size();
     const std::size_t markers = seen > 0 ? experiment_.markers.size() : 0;
     out.markers.resize(static_cast<Eigen::Index>(2 * markers * seen));
@@ -165,6 +167,8 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
 
 std::string ReplayModel::identity() const {
     std::string id = experiment_.file + "\n";
+    if (experiment_.scene)
+        id += experiment_.scene->text + "\n";
     const auto add = [&](double v) {
         record::appendNumber(id, v);
         id += ' ';

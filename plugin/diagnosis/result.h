@@ -67,8 +67,9 @@ struct Homogeneity {
 };
 
 struct Diagnosis {
-    std::string failure;  ///< the experiment cannot be simulated: why
-    bool stopped = false; ///< interrupted; what was simulated is kept
+    std::string channel = "force", unit = "N"; ///< of everything that is said to be in N below
+    std::string failure;                       ///< the experiment cannot be simulated: why
+    bool stopped = false;                      ///< interrupted; what was simulated is kept
     std::string verdict, statement;
     Noise noise;
     Localisation mismatch, left;      ///< of the nominal fit; of the best effect's

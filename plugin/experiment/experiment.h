@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,15 @@ struct Stated {
     [[nodiscard]] double upper() const { return value + halfWidth; }
 };
 
-enum class Protocol : std::uint8_t { ShellOnRigidCylinder, TwoShells, StripOnRigidFloor, ArchBetweenPlates };
+enum class Protocol : std::uint8_t {
+    ShellOnRigidCylinder,
+    TwoShells,
+    StripOnRigidFloor,
+    ArchBetweenPlates,
+    RingBetweenPlates, ///< a closed ring
+    TetheredStrip,     ///< a bow: strings from both ends to the head
+    FreeScene          ///< rigid bodies of a scene file, left to themselves: there is no machine
+};
 
 /// What carries a clamp or an obstacle.
 enum class Carrier : std::uint8_t { Ground, MachineHead };
@@ -62,11 +71,48 @@ struct Obstacle {
     Carrier carriedBy = Carrier::Ground;
 };
 
-/// A tracked point of the centre line.
+/// A tracked point of the centre line, or of a body of the free scene.
 struct Marker {
     std::string name;         ///< column prefix
     std::size_t specimen = 0; ///< index into Experiment::specimens
     double arcFraction = 0.0; ///< 0: first end, 1: last end
+    std::string body;         ///< free scenes: its name
+    Point local{};            ///< in its frame, m
+};
+
+/// An inextensible string from the specimen to a point, at displacement 0. Its length is such that it is straight
+/// there and then, together with the other one: the bow is braced.
+struct String {
+    double arcFraction = 0.0; ///< where it is tied to the specimen
+    Point point{};            ///< its other end, m
+    Carrier carriedBy = Carrier::MachineHead;
+};
+
+/// A parameter of a scene and what is known about it.
+struct SceneParameter {
+    std::string name;
+    Stated stated;
+    std::string unit{}, about{}; ///< as the scene has them
+};
+
+enum class Quantity : std::uint8_t { Angle, X, Y };
+
+/// A mechanism that moves by itself, and which pose of which body is recorded.
+struct FreeScene {
+    std::string file;                       ///< of the scene, as named in the description
+    std::string text;                       ///< its content; empty if the description was loaded alone
+    std::vector<SceneParameter> parameters; ///< the same in all runs
+    std::string body;
+    Quantity quantity = Quantity::Angle;
+    double zeroHalfWidth = 0.0; ///< of the reading where the scene says 0, rad or m
+};
+
+/// The channel that runs are compared by, as files and messages name it.
+struct Channel {
+    const char* name;   ///< "force", "angle", "x", "y"
+    const char* unit;   ///< in files: "N", "deg", "mm"
+    const char* column; ///< NAME_UNIT
+    double perUnit;     ///< what one of ours (N, rad, m) is in it
 };
 
 /// Where markers were, over time. x[m][k], y[m][k]: marker m of Experiment::markers in row k, m; NaN: not seen.
@@ -79,7 +125,9 @@ struct MarkerTracks {
 struct Readings {
     std::vector<double> time;         ///< s, increasing
     std::vector<double> displacement; ///< of the head, positive downwards, m
-    std::vector<double> force;        ///< positive while the specimen resists the way down, N; NaN: missing
+    /// Positive while the specimen resists the way down, N; NaN: missing. In free scenes the pose that was recorded
+    /// instead (FreeScene::quantity), rad or m: everything that compares runs compares this column.
+    std::vector<double> force;
 };
 
 /// One run of the machine.
@@ -89,14 +137,15 @@ struct Run {
     std::vector<double> driveDisplacement; ///< m, positive downwards; linear between the break points
     double samplingRate = 0.0;             ///< Hz
     std::string specimenState;
-    std::string markersFile;          ///< empty: not tracked
-    double markersSamplingRate = 0.0; ///< Hz
-    Readings readings;                ///< empty if the description was loaded without its runs
-    MarkerTracks markers;             ///< empty: not tracked
+    std::string markersFile;                ///< empty: not tracked
+    double markersSamplingRate = 0.0;       ///< Hz
+    std::vector<SceneParameter> parameters; ///< of the free scene, of this run alone: how it was let go
+    Readings readings;                      ///< empty if the description was loaded without its runs
+    MarkerTracks markers;                   ///< empty: not tracked
 };
 
 struct Sensors {
-    double forceNoise = 0.0;        ///< standard deviation, N, rough
+    double forceNoise = 0.0;        ///< standard deviation, N (free scenes: rad or m), rough
     double forceZeroWindow = 0.0;   ///< the mean of this first stretch of time is subtracted, s; 0: nothing is
     double displacementNoise = 0.0; ///< m
     double markerNoise = 0.0;       ///< m
@@ -115,10 +164,15 @@ struct Experiment {
     std::vector<Run> runs;
     Sensors sensors;
     std::vector<Marker> markers;
+    std::vector<String> strings;
+    std::optional<FreeScene> scene; ///< of Protocol::FreeScene
 };
 
 /// Name of a protocol in the files.
 const char* name(Protocol protocol);
+
+/// The channel that runs of this experiment are compared by.
+const Channel& channel(const Experiment& experiment);
 
 /// Median time between rows, s; 0 with fewer than two rows.
 double medianStep(const std::vector<double>& time);

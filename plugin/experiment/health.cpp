@@ -126,24 +126,26 @@ std::string goneWord(const std::vector<double>& values) {
                                                                                              : "missing";
 }
 
-bool goodForce(Readings& r, Place& place) {
+bool goodForce(Readings& r, const Channel& channel, Place& place) {
+    const std::string column = channel.column;
     const std::string word = goneWord(r.force);
     const std::size_t gone = missing(r.force), rows = r.force.size();
     for (double& f : r.force)
         if (!std::isfinite(f))
             f = std::numeric_limits<double>::quiet_NaN();
     if (2 * gone > rows) {
-        place.error(rowsOf(gone, rows) + " values of force_N are missing", "at least half of them");
+        place.error(rowsOf(gone, rows) + " values of " + column + " are missing", "at least half of them");
         return false;
     }
     const auto [least, most] = range(r.force);
     if (least == most) {
-        place.error("force_N is " + shown(most) + " in every row",
-                    "a force that changes; is the load cell connected, and this its column?");
+        place.error(column + " is " + shown(channel.perUnit * most) + " in every row",
+                    std::string("a reading that changes; is the ") + (column == "force_N" ? "load cell" : "sensor") +
+                        " connected, and this its column?");
         return false;
     }
     if (gone > 0)
-        place.note(rowsOf(gone, rows) + " values of force_N are " + word + "; these rows are passed over");
+        place.note(rowsOf(gone, rows) + " values of " + column + " are " + word + "; these rows are passed over");
     return true;
 }
 
@@ -366,12 +368,14 @@ void judgeReadings(const Experiment& e, Run& run, const std::string& path, std::
     Place place(path, problems);
     if (!goodTimes(run.readings.time, place) || !insideDrive(run.readings.time, run, place))
         return;
-    if (!goodForce(run.readings, place) || !goodDisplacement(run, place))
+    if (!goodForce(run.readings, channel(e), place) || !goodDisplacement(run, place))
         return;
     judgeRate(run, place);
     judgeCoverage(run, place);
-    judgeForceUnit(e, run, place);
-    judgeSign(run, place);
+    if (!e.scene) {
+        judgeForceUnit(e, run, place);
+        judgeSign(run, place);
+    }
     thin(run, place);
 }
 
@@ -382,6 +386,8 @@ void judgeTracks(const Experiment& e, Run& run, const std::string& path, std::ve
     double length = 0.0, most = 0.0;
     for (const Specimen& s : e.specimens)
         length = std::max(length, s.length);
+    if (e.scene)
+        return;
     for (const auto* axis : {&run.markers.x, &run.markers.y})
         for (const std::vector<double>& track : *axis)
             if (const auto [lo, hi] = range(track); hi >= lo)

@@ -1,5 +1,6 @@
 #include "plugin/experiment/load.h"
 
+#include "plugin/experiment/free_scene.h"
 #include "plugin/experiment/health.h"
 #include "plugin/experiment/values.h"
 
@@ -15,8 +16,9 @@ namespace {
 using scene::notNegative;
 using scene::positive;
 
-constexpr std::array kProtocolNames = {"shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor",
-                                       "arch_between_plates"};
+constexpr std::array kProtocolNames = {
+    "shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor", "arch_between_plates", "ring_between_plates",
+    "tethered_strip",          "free_scene"};
 const std::vector<std::string> kCarriers = {"ground", "machine_head"};
 constexpr Limits kShare{0.0, 1.0, false};
 
@@ -119,12 +121,13 @@ Obstacle readObstacle(Context& context, const Place& place) {
     return o;
 }
 
-Run readRun(Context& context, const Place& place) {
-    Object object(context, place);
-    Run run;
-    if (!object.valid())
-        return run;
-    run.file = object.text("file");
+/// The commanded motion; a free scene has none, only a time.
+void readDrive(Object& object, bool free, Run& run) {
+    if (free) {
+        run.driveTime = {0.0, object.number("duration_s", positive)};
+        run.driveDisplacement = {0.0, 0.0};
+        return;
+    }
     run.driveTime = object.numbers("drive_time_s", scene::anyNumber);
     for (const double mm : object.numbers("drive_displacement_mm", scene::anyNumber))
         run.driveDisplacement.push_back(1e-3 * mm);
@@ -140,6 +143,17 @@ Run readRun(Context& context, const Place& place) {
                          "increasing times");
             break;
         }
+}
+
+Run readRun(Context& context, const Place& place, bool free) {
+    Object object(context, place);
+    Run run;
+    if (!object.valid())
+        return run;
+    run.file = object.text("file");
+    readDrive(object, free, run);
+    if (free)
+        run.parameters = readSceneParameters(context, object, "parameters");
     run.samplingRate = object.number("sampling_hz", positive);
     run.specimenState = object.text("specimen_state_at_start", "");
     run.markersFile = object.text("markers_file", "");
@@ -166,12 +180,14 @@ double zeroWindow(Object& object, const std::string& words) {
     return 0.0;
 }
 
-Sensors readSensors(Context& context, const Node& node, const std::string& pointer) {
+Sensors readSensors(Context& context, const Node& node, const std::string& pointer, const Experiment& e) {
     Object object(context, node, pointer);
     Sensors s;
     if (!object.valid())
         return s;
-    s.forceNoise = object.number("force_noise_std_N_approx", 0.0, notNegative);
+    const Channel& c = channel(e);
+    s.forceNoise =
+        object.number(std::string(c.name) + "_noise_std_" + c.unit + "_approx", 0.0, notNegative) / c.perUnit;
     s.forceZeroWindow = zeroWindow(object, object.text("force_zero", ""));
     s.displacementChannel = object.text("displacement_channel", "");
     s.displacementNoise = 1e-3 * object.number("displacement_noise_std_mm_approx", 0.0, notNegative);
@@ -180,7 +196,7 @@ Sensors readSensors(Context& context, const Node& node, const std::string& point
     return s;
 }
 
-std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector<Specimen>& specimens) {
+std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector<Specimen>& specimens, bool free) {
     std::vector<Marker> all;
     std::vector<std::string> ids;
     for (const Specimen& s : specimens)
@@ -193,6 +209,13 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
             continue;
         Marker m;
         m.name = object.text("name");
+        if (free) {
+            m.body = object.text("body");
+            m.local = object.find("local_point_m") != nullptr ? object.pair("local_point_m") : Point{};
+            object.finish();
+            all.push_back(std::move(m));
+            continue;
+        }
         const std::string id = object.text("specimen");
         const auto found = std::find(ids.begin(), ids.end(), id);
         if (found == ids.end() && object.find("specimen") != nullptr)
@@ -205,31 +228,46 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
     return all;
 }
 
+bool tiedToBothEnds(const std::vector<String>& s) {
+    return s.size() == 2 && std::abs(s[0].arcFraction - s[1].arcFraction) == 1.0 && s[0].point.x == s[1].point.x &&
+           s[0].point.y == s[1].point.y && s[0].carriedBy == s[1].carriedBy;
+}
+
 /// What a protocol needs beyond the schema.
 void checkProtocol(Context& context, Object& top, const Experiment& e) {
     const auto need = [&](bool good, const char* key, const std::string& expected) {
         if (!good)
             top.error(key, std::string("does not fit the protocol ") + name(e.protocol), expected);
     };
+    if (e.scene)
+        return;
     const bool moved =
         std::any_of(e.specimens.begin(), e.specimens.end(),
                     [](const Specimen& s) {
                         return s.clamp.where != ClampPlace::None && s.clamp.carriedBy == Carrier::MachineHead;
                     }) ||
         std::any_of(e.obstacles.begin(), e.obstacles.end(),
-                    [](const Obstacle& o) { return o.carriedBy == Carrier::MachineHead; });
+                    [](const Obstacle& o) { return o.carriedBy == Carrier::MachineHead; }) ||
+        std::any_of(e.strings.begin(), e.strings.end(),
+                    [](const String& s) { return s.carriedBy == Carrier::MachineHead; });
     if (!moved)
         context.error(context.document.root, "", "the machine head carries nothing",
-                      "a clamp or an obstacle carried by \"machine_head\"");
+                      "a clamp, an obstacle or a string carried by \"machine_head\"");
     need(e.specimens.size() == (e.protocol == Protocol::TwoShells ? 2U : 1U), "specimens",
          e.protocol == Protocol::TwoShells ? "two specimens" : "one specimen");
-    const std::size_t obstacles = e.protocol == Protocol::TwoShells           ? 0
-                                  : e.protocol == Protocol::ArchBetweenPlates ? 2
-                                                                              : 1;
+    const bool plates = e.protocol == Protocol::ArchBetweenPlates || e.protocol == Protocol::RingBetweenPlates;
+    const bool bow = e.protocol == Protocol::TetheredStrip;
+    const std::size_t obstacles = e.protocol == Protocol::TwoShells || bow ? 0 : plates ? 2 : 1;
     need(e.obstacles.size() == obstacles, "obstacles",
          obstacles == 0   ? "no obstacle"
          : obstacles == 1 ? "one obstacle"
                           : "a floor and a plate");
+    need(bow == !e.strings.empty(), "strings", bow ? "strings from the specimen to the head" : "no strings");
+    need(!bow || (e.specimens.size() == 1 && e.specimens.front().clamp.where == ClampPlace::Middle), "specimens",
+         "a strip clamped at its middle");
+    need(!bow || tiedToBothEnds(e.strings), "strings", "one string from each end (arc_fraction 0 and 1) to one point");
+    need(e.protocol != Protocol::RingBetweenPlates || e.specimens.front().clamp.where == ClampPlace::None, "specimens",
+         "a ring that nothing clamps");
     const bool standing = std::any_of(e.specimens.begin(), e.specimens.end(),
                                       [](const Specimen& s) { return s.clamp.where == ClampPlace::None; });
     const bool floor = std::any_of(e.obstacles.begin(), e.obstacles.end(), [](const Obstacle& o) {
@@ -276,10 +314,16 @@ void readTop(Context& context, Experiment& e) {
     const std::string meaning = top.text("uncertainty_meaning", "half-width of a uniform interval");
     if (meaning != "half-width of a uniform interval")
         top.note("uncertainty_meaning", "taken as the half-width of a uniform interval all the same");
-    e.specimens = readSpecimens(context, top);
-    for (const Place& place : top.array("obstacles", false))
-        e.obstacles.push_back(readObstacle(context, place));
-    if (const Node* node = top.required("friction", "an object")) {
+    const bool free = e.protocol == Protocol::FreeScene && top.find("protocol") != nullptr;
+    if (free) {
+        e.scene = readFreeScene(context, top);
+    } else {
+        e.specimens = readSpecimens(context, top);
+        for (const Place& place : top.array("obstacles", false))
+            e.obstacles.push_back(readObstacle(context, place));
+        e.strings = readStrings(context, top);
+    }
+    if (const Node* node = free ? nullptr : top.required("friction", "an object")) {
         Object friction(context, *node, top.pointerTo("friction"));
         if (friction.valid())
             e.friction = {friction.number("coefficient", notNegative),
@@ -288,10 +332,10 @@ void readTop(Context& context, Experiment& e) {
     }
     e.initialGapHalfWidth = top.number("initial_gap_unc_m", 0.0, notNegative);
     for (const Place& place : top.array("runs", true))
-        e.runs.push_back(readRun(context, place));
+        e.runs.push_back(readRun(context, place, free));
     if (const Node* node = top.find("sensors"))
-        e.sensors = readSensors(context, *node, top.pointerTo("sensors"));
-    e.markers = readMarkers(context, top, e.specimens);
+        e.sensors = readSensors(context, *node, top.pointerTo("sensors"), e);
+    e.markers = readMarkers(context, top, e.specimens, free);
     top.finish();
     if (!scene::anyError(context.problems))
         checkProtocol(context, top, e);
@@ -335,6 +379,8 @@ std::optional<Experiment> load(const std::string& path, std::vector<scene::Probl
     if (!experiment)
         return experiment;
     const std::size_t before = problems.size();
+    if (experiment->scene)
+        readSceneFile(*experiment, problems);
     readRuns(*experiment, problems);
     if (std::any_of(problems.begin() + static_cast<std::ptrdiff_t>(before), problems.end(),
                     [](const scene::Problem& p) { return p.severity == scene::Problem::Severity::Error; }))

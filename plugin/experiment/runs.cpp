@@ -1,5 +1,6 @@
 // The CSV files of the runs.
 
+#include "plugin/experiment/free_scene.h"
 #include "plugin/experiment/health.h"
 #include "plugin/experiment/load.h"
 #include "plugin/record/csv.h"
@@ -79,6 +80,30 @@ void readReadings(const Experiment& e, Run& run, const std::string& path, std::v
     judgeReadings(e, run, path, problems);
 }
 
+/// A free scene's run: times and one column of a pose.
+void readPose(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
+    record::CsvOptions options;
+    options.required = {"time_s"};
+    auto csv = readTable(path, options);
+    if (!csv) {
+        reportCsv(problems, path, csv.error);
+        return;
+    }
+    std::string wanted;
+    for (const Channel& c : columnsOf(e)) {
+        wanted += (wanted.empty() ? "" : " or ") + std::string(c.column);
+        const std::vector<double>* column = csv.value.find(c.column);
+        if (column == nullptr)
+            continue;
+        run.readings.time = *csv.value.find("time_s");
+        run.readings.force = scaled(*column, 1.0 / c.perUnit);
+        run.readings.displacement.assign(run.readings.time.size(), 0.0);
+        judgeReadings(e, run, path, problems);
+        return;
+    }
+    reportCsv(problems, path, path + ":1:1: there is no column " + wanted + "; expected what /observed names");
+}
+
 void readTracks(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
     record::CsvOptions options;
     options.required = {"time_s"};
@@ -103,7 +128,11 @@ void readTracks(const Experiment& e, Run& run, const std::string& path, std::vec
 void readRuns(Experiment& experiment, std::vector<scene::Problem>& problems) {
     const fs::path folder = fs::path(experiment.file).parent_path();
     for (Run& run : experiment.runs) {
-        readReadings(experiment, run, (folder / run.file).string(), problems);
+        const std::string path = (folder / run.file).string();
+        if (experiment.scene)
+            readPose(experiment, run, path, problems);
+        else
+            readReadings(experiment, run, path, problems);
         if (!run.markersFile.empty())
             readTracks(experiment, run, (folder / run.markersFile).string(), problems);
     }

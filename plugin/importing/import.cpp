@@ -1,5 +1,6 @@
 #include "plugin/importing/import.h"
 
+#include "plugin/importing/free_run.h"
 #include "plugin/importing/judge.h"
 
 #include "plugin/record/csv.h"
@@ -188,6 +189,13 @@ std::string addRun(Track&& part, std::size_t source, const Table& table, std::si
         return why;
     if (clock)
         mendCounter(part, run.remarks);
+    if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
+        if (hints.fromFirstTurn)
+            cutToTurn(part, run.remarks);
+        average(part, hints.average, run.remarks);
+        if (part.rows() < 10)
+            return "1:1: fewer than ten rows are left of a run";
+    }
     orient(part, hints, run.remarks);
     run.markers = select(part, true);
     if (run.markers.channels.size() < 2)

@@ -1,5 +1,6 @@
 #include "plugin/importing/template.h"
 
+#include "plugin/importing/free_run.h"
 #include "plugin/scene/problem.h"
 
 #include <algorithm>
@@ -17,6 +18,14 @@ const Json kNull = nullptr;
 Json clampOf(const std::string& protocol, bool lower) {
     if (protocol == "arch_between_plates")
         return {{"where", "none"}, {"initial_placement", "stands on the floor, apex at x=0, apex tangent horizontal"}};
+    if (protocol == "ring_between_plates")
+        return {{"where", "none"}, {"initial_placement", "a ring on the floor"}};
+    if (protocol == "tethered_strip")
+        return {{"where", "middle"},
+                {"clamped_length_m", 0.0},
+                {"carried_by", "ground"},
+                {"initial_point_m", {0.0, 0.0}},
+                {"initial_tangent_angle_rad", 0.0}};
     const bool strip = protocol == "strip_on_rigid_floor";
     return {{"where", strip ? "first_end" : "middle"},
             {"clamped_length_m", 0.0},
@@ -51,9 +60,9 @@ Json obstaclesOf(const std::string& protocol) {
     Json all = Json::array();
     if (protocol == "shell_on_rigid_cylinder")
         all.push_back({{"type", "cylinder"}, {"center_m", {0.0, 0.0}}, {"radius_m", kNull}, {"carried_by", "ground"}});
-    else if (protocol != "two_shells")
+    else if (protocol != "two_shells" && protocol != "tethered_strip")
         all.push_back(plane(1.0, 0.0, "ground"));
-    if (protocol == "arch_between_plates")
+    if (protocol == "arch_between_plates" || protocol == "ring_between_plates")
         all.push_back(plane(-1.0, kNull, "machine_head"));
     return all;
 }
@@ -123,6 +132,9 @@ Json frameOf(const Imported& all, const std::string& protocol) {
           {"displacement_noise_std_mm_approx", 1e3 * displacementNoise},
           {"marker_noise_std_mm_approx", 0.0}}},
         {"markers", markers}};
+    for (int end = 0; end < 2 && protocol == "tethered_strip"; ++end)
+        json["strings"].push_back(
+            {{"arc_fraction", end}, {"to_point_m", {0.0, kNull}}, {"carried_by", "machine_head"}});
     return json;
 }
 
@@ -328,7 +340,11 @@ void workOutHeight(Json& json, const Imported& all, std::vector<std::string>& re
 
 const char* expectedAt(const std::string& key) {
     static const std::vector<std::pair<const char*, const char*>> kWords = {
-        {"protocol", "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor or arch_between_plates"},
+        {"scene", "the scene file with the bodies and joints, beside this file; --scene FILE gives it"},
+        {"body", "name of the body whose angle was recorded"},
+        {"protocol",
+         "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates, ring_between_plates, "
+         "tethered_strip or free_scene"},
         {"arc_length_m", "length along the strip, m"},
         {"natural_curvature_1_m", "1 / radius of the unloaded specimen, 1/m; 0: straight"},
         {"thickness_m", "m"},
@@ -414,12 +430,19 @@ record::Result<Description> fillIn(const Imported& all, const std::string& proto
         workOutHeight(json, all, result.value.remarks);
     }
     collectTodo(json, "", result.value.todo);
-    for (std::size_t k = 0; k < all.runs.size(); ++k)
-        if (all.runs[k].track.find(Quantity::Force) == nullptr)
-            result.value.todo.push_back("/runs/" + std::to_string(k) +
-                                        "/file: this run has an angle and no force; no protocol knows such a run, "
-                                        "its table is converted all the same");
     result.value.supposed = supposed(json, own);
+    result.value.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return result;
+}
+
+record::Result<Description> fillInFree(const Imported& all, const TemplateOptions& options, const Json& own) {
+    auto result = describeFree(all, options);
+    if (!result)
+        return result;
+    Json json = Json::parse(result.value.json);
+    merge(json, own);
+    std::erase_if(result.value.supposed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
+    collectTodo(json, "", result.value.todo);
     result.value.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     return result;
 }
@@ -427,8 +450,9 @@ record::Result<Description> fillIn(const Imported& all, const std::string& proto
 } // namespace
 
 const std::vector<std::string>& protocols() {
-    static const std::vector<std::string> kAll = {"shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor",
-                                                  "arch_between_plates"};
+    static const std::vector<std::string> kAll = {
+        "shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor", "arch_between_plates", "ring_between_plates",
+        "tethered_strip",          "free_scene"};
     return kAll;
 }
 
@@ -456,7 +480,21 @@ record::Result<Description> describe(const Imported& all, const TemplateOptions&
         if (std::find(known.begin(), known.end(), said) != known.end())
             protocol = said;
     }
+    const bool angles = std::all_of(all.runs.begin(), all.runs.end(),
+                                    [](const ImportedRun& r) { return r.track.find(Quantity::Force) == nullptr; });
+    if (const bool free = protocol == "free_scene"; free != angles || all.runs.empty()) {
+        if (free || !protocol.empty())
+            return Result::fail(free ? "the protocol free_scene is about angles, and there are forces"
+                                     : "there are angles only; protocol " + protocol +
+                                           " is about forces, expected free_scene");
+        for (const ImportedRun& r : all.runs)
+            if (!angles && r.track.find(Quantity::Force) == nullptr)
+                return Result::fail(r.file +
+                                    " has an angle and no force, others have forces; expected one kind of run");
+    }
     try {
+        if (angles)
+            return fillInFree(all, options, own);
         return fillIn(all, protocol, own);
     } catch (const Json::exception& e) { // a list where a number belongs, and the like
         const std::string what = e.what();

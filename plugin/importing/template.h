@@ -12,14 +12,16 @@ namespace supercircle::importing {
 
 struct TemplateOptions {
     std::string protocol;     ///< empty: not known
+    std::string sceneFile;    ///< scene of a free mechanism; empty: none
     std::string specimenFile; ///< JSON with a specimen, or with any part of an experiment; empty: none
 };
 
 struct Description {
-    std::string json;                  ///< experiment.json
-    std::vector<std::string> todo;     ///< JSON pointers of what is null, with what is expected there
-    std::vector<std::string> remarks;  ///< what was worked out: moduli, heights
-    std::vector<std::string> supposed; ///< JSON pointers and values nobody stated: gravity, uncertainties
+    std::string json;                     ///< experiment.json
+    std::vector<std::string> todo;        ///< JSON pointers of what is null, with what is expected there
+    std::vector<std::string> remarks;     ///< what was worked out: moduli, heights
+    std::vector<std::string> supposed;    ///< JSON pointers and values nobody stated: gravity, uncertainties
+    std::vector<record::NamedText> files; ///< to lie beside it: the scene
 };
 
 /// Protocols that have a template.

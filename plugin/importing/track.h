@@ -49,6 +49,8 @@ struct Hints {
     int displacementSign = 0;         ///< of the column when the head moves towards the specimen; 0: from the data
     int forceSign = 0;                ///< of the column when the specimen resists; 0: from the data
     double driveTolerance = 0.0;      ///< m; 0: from the data
+    bool fromFirstTurn = false;       ///< angles: what comes before the first turning point is dropped
+    int average = 1;                  ///< angles: rows are means of so many
 };
 
 /// The table of an export with the columns that are used, in SI units.

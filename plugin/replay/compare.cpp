@@ -160,12 +160,14 @@ std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vecto
     return pairs;
 }
 
-Comparison compare(const Run& run, const Simulated& simulated, const Window& window) {
+Comparison compare(const Run& run, const Simulated& simulated, const Window& window, bool jumps) {
     Comparison c;
     c.peakRecorded = peak(run.readings.force);
     c.peakSimulated = peak(simulated.readings.force);
-    c.recorded = findLandmarks(run.readings);
-    c.simulated = findLandmarks(simulated.readings);
+    if (jumps) {
+        c.recorded = findLandmarks(run.readings);
+        c.simulated = findLandmarks(simulated.readings);
+    }
     c.matches = matchLandmarks(c.recorded, c.simulated, window.farthest);
     const std::vector<Interval> windowed = windows(c, window);
     compareForces(run, simulated.readings, windowed, c);

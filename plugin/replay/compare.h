@@ -57,7 +57,9 @@ struct Window {
     double farthest = 1.0; ///< landmarks of the two curves farther apart are different events, s
 };
 
-/// Compares what was recorded in `run` with its simulation.
-Comparison compare(const experiment::Run& run, const Simulated& simulated, const Window& window = {});
+/// Compares what was recorded in `run` with its simulation. `jumps`: sudden changes are events; without, they are
+/// compared like everything else (poses have none).
+Comparison compare(const experiment::Run& run, const Simulated& simulated, const Window& window = {},
+                   bool jumps = true);
 
 } // namespace supercircle::replay

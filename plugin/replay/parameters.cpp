@@ -82,7 +82,50 @@ struct Target {
     double most = std::numeric_limits<double>::infinity();
 };
 
+bool ofGravity(const Surrounding& s) {
+    return std::string(s.name).rfind("gravity", 0) == 0;
+}
+
+/// "NAME", or "NAME_run2" of a run.
+std::string nameOf(const SceneValue& v) {
+    return v.name + (v.run < 0 ? "" : "_run" + std::to_string(v.run + 1));
+}
+
+Target findFree(Parameters& p, const std::string& name) {
+    for (SceneValue& v : p.scene)
+        if (nameOf(v) == name)
+            return {{&v.value}};
+    for (const Surrounding& s : kSurroundings)
+        if (name == s.name && ofGravity(s))
+            return {{&s.value(p)}};
+    if (name == "reading_zero")
+        return {{&p.readingZero}};
+    return {};
+}
+
+/// Names, units and intervals of what a free scene has; in the order of Parameters::scene.
+std::vector<ParameterInfo> freeList(const Experiment& e) {
+    std::vector<ParameterInfo> all;
+    const auto add = [&](const experiment::SceneParameter& s, int run) {
+        all.push_back({nameOf({s.name, run, 0.0}), s.unit.empty() ? "1" : s.unit,
+                       s.about + (run < 0 ? std::string() : ", of run " + std::to_string(run + 1)), s.stated});
+    };
+    for (const experiment::SceneParameter& s : e.scene->parameters)
+        add(s, -1);
+    for (std::size_t r = 0; r < e.runs.size(); ++r)
+        for (const experiment::SceneParameter& s : e.runs[r].parameters)
+            add(s, static_cast<int>(r));
+    for (const Surrounding& s : kSurroundings)
+        if (ofGravity(s))
+            all.push_back({s.name, s.unit, s.about, s.stated(e)});
+    all.push_back({"reading_zero", e.scene->quantity == experiment::Quantity::Angle ? "rad" : "m",
+                   "reading where the scene says 0", exact(0.0, e.scene->zeroHalfWidth)});
+    return all;
+}
+
 Target find(Parameters& p, const Experiment& e, const std::string& name) {
+    if (e.scene)
+        return findFree(p, name);
     for (const Surrounding& s : kSurroundings)
         if (name == s.name)
             return {{&s.value(p)}, false, s.notNegative, s.most};
@@ -106,13 +149,23 @@ Parameters nominal(const Experiment& e) {
     for (const Specimen& s : e.specimens)
         p.specimens.push_back(
             {s.bendingModulus.value, s.naturalCurvature.value, s.thickness.value, s.linearMass.value});
-    p.friction = e.friction.value;
     p.gravity = e.gravity;
+    if (e.scene) {
+        for (const experiment::SceneParameter& s : e.scene->parameters)
+            p.scene.push_back({s.name, -1, s.stated.value});
+        for (std::size_t r = 0; r < e.runs.size(); ++r)
+            for (const experiment::SceneParameter& s : e.runs[r].parameters)
+                p.scene.push_back({s.name, static_cast<int>(r), s.stated.value});
+        return p;
+    }
+    p.friction = e.friction.value;
     p.seriesCompliance = stretch(e);
     return p;
 }
 
 std::vector<ParameterInfo> parameterList(const Experiment& e) {
+    if (e.scene)
+        return freeList(e);
     std::vector<ParameterInfo> all;
     for (const Property& property : kProperties)
         if (!e.specimens.empty())
@@ -128,7 +181,26 @@ std::vector<ParameterInfo> parameterList(const Experiment& e) {
     return all;
 }
 
+bool acts(const Experiment& experiment, effects::Key key) {
+    switch (key) {
+    case effects::Key::BearingFriction:
+    case effects::Key::AirDrag:
+        return experiment.scene.has_value();
+    case effects::Key::Gravity:
+    case effects::Key::SensorGain:
+    case effects::Key::SensorDelay:
+        return true;
+    default:
+        return !experiment.scene;
+    }
+}
+
 std::string checkEffects(const Parameters& parameters, const Experiment& experiment) {
+    for (const effects::Setting& s : parameters.effects)
+        if (!effects::isOff(s) && !acts(experiment, s.key))
+            return "effect " + effects::catalog()[static_cast<std::size_t>(s.key)].name +
+                   (experiment.scene ? " has nothing to act on in a free scene of rigid bodies"
+                                     : " acts on the rigid bodies of a free scene; there are none here");
     std::vector<std::string> known;
     for (const Specimen& s : experiment.specimens)
         known.push_back(s.id);

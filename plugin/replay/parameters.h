@@ -18,6 +18,13 @@ struct SpecimenParameters {
     double linearMass = 0.0;       ///< kg/m
 };
 
+/// A parameter of a free scene: of all runs, or how one of them was let go.
+struct SceneValue {
+    std::string name;
+    int run = -1; ///< -1: all
+    double value = 0.0;
+};
+
 struct Parameters {
     std::vector<SpecimenParameters> specimens; ///< as Experiment::specimens
     double friction = 0.0;                     ///< coefficient of all contacts, 1
@@ -29,6 +36,8 @@ struct Parameters {
     /// Give of everything in series with the specimen, m/N: the head goes this much less far per newton of force. The
     /// rods are inextensible, so the stretch L / EA of a strip pressed lengthwise stands here too (the nominal value).
     double seriesCompliance = 0.0;
+    std::vector<SceneValue> scene;         ///< free scenes: as described, those of all runs first
+    double readingZero = 0.0;              ///< free scenes: the reading where the scene says 0, rad or m
     std::vector<effects::Setting> effects; ///< extra physics; specimens go by their ids
 };
 
@@ -45,12 +54,16 @@ Parameters nominal(const experiment::Experiment& experiment);
 
 /// All names: shared ones ("friction", "bending_modulus", ...: all specimens at once) and, where there are several
 /// specimens, one per specimen ("bending_modulus.B"). The stated interval of a shared name is the first specimen's.
+/// Free scenes have the parameters their description names, those of run 2 as "NAME_run2", and "reading_zero".
 std::vector<ParameterInfo> parameterList(const experiment::Experiment& experiment);
 
 /// Sets a parameter by name, "KEY:NAME" for one of an effect's (which comes into being with it); empty, or why not
 /// (unknown name with the nearest known one, value out of physical range).
 std::string set(Parameters& parameters, const experiment::Experiment& experiment, const std::string& name,
                 double value);
+
+/// Whether an effect has something to act on in this experiment.
+bool acts(const experiment::Experiment& experiment, effects::Key key);
 
 /// Empty, or which effects do not go together or with this experiment.
 std::string checkEffects(const Parameters& parameters, const experiment::Experiment& experiment);

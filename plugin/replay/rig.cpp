@@ -14,6 +14,7 @@
 
 #include "plugin/replay/rig.h"
 
+#include "plugin/replay/brace.h"
 #include "supercircle/rod/equilibrium.h"
 
 #include <algorithm>
@@ -82,12 +83,20 @@ Rig::Rig(const Experiment& e, const Parameters& p, const Resolution& resolution)
         extent = std::max(extent, 4.0 * e.specimens[i].length);
         skin = std::max(skin, 0.5 * (1.0 - arm) * p.specimens[i].thickness);
     }
+    ring_ = e.protocol == experiment::Protocol::RingBetweenPlates;
+    if (!e.strings.empty()) {
+        nock_ = vec(e.strings.front().point);
+        double untilted = 0.0;
+        place(e.strings.front().carriedBy, *nock_, untilted, p);
+    }
     for (const Obstacle& o : e.obstacles)
         addObstacle(o, p, skin, extent);
     for (std::size_t i = 0; i < e.specimens.size() && failure_.empty(); ++i)
         addSpecimen(e.specimens[i], p.specimens[i], p, arm);
     if (!failure_.empty())
         return;
+    if (nock_)
+        addStrings(e, halfString_);
     chooseSettings(p, arm);
     settle();
 }
@@ -129,6 +138,25 @@ void Rig::addObstacle(const Obstacle& o, const Parameters& p, double skin, doubl
     world_.outlines.push_back(std::move(outline));
 }
 
+void Rig::addStrings(const Experiment& e, double half) {
+    step::Body nock; // has no outline: nothing touches it
+    nock.id = world_.bodies.size() + 1;
+    nock.driven = nock.state.moving = e.strings.front().carriedBy == Carrier::MachineHead;
+    nock.state.centre = *nock_;
+    world_.bodies.push_back(nock);
+    for (const experiment::String& s : e.strings) {
+        step::Link link;
+        link.key = world_.nextPart++;
+        link.kind = step::LinkKind::Tether;
+        link.end = step::LinkEnd::Body;
+        link.rodA = world_.rods.front().key;
+        link.sA = s.arcFraction * e.specimens.front().length;
+        link.body = nock.id;
+        link.length = link.goal = half;
+        world_.links.push_back(link);
+    }
+}
+
 /// The head may be higher than stated, off axis and tilted; what it carries comes along.
 void Rig::place(const Carrier& carrier, Vec2& point, double& angle, const Parameters& p) const {
     if (carrier != Carrier::MachineHead)
@@ -143,7 +171,10 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
     d.thickness = arm * own.thickness;
     d.linearMass = own.linearMass;
     d.bendingModulus = own.bendingModulus;
-    d.naturalCurvature.assign(static_cast<std::size_t>(std::max(1, resolution_.elements)), own.naturalCurvature);
+    // A ring between plates has four quarters, each bent like a rod of its own.
+    const int elements = std::max(1, resolution_.elements) * (ring_ ? 2 : 1);
+    d.naturalCurvature.assign(static_cast<std::size_t>(elements), own.naturalCurvature);
+    d.closed = ring_;
     if (failure_ = rod::validate(d); !failure_.empty()) {
         failure_ = "specimen " + s.id + ": " + failure_;
         return;
@@ -154,6 +185,8 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
         effects::sections(rod::RodModel(d), extra.material.profiles, extra.material.profiles.size());
     for (std::size_t i = 0; i < formed.naturalCurvature.size(); ++i)
         formed.naturalCurvature[i] += section.curvature[i];
+    if (ring_) // closes whatever it would like to be; it finds its shape while it settles
+        formed.naturalCurvature.assign(formed.naturalCurvature.size(), 2.0 * M_PI / s.length);
     const rod::RodModel model(formed);
     const bool onHead = s.clamp.carriedBy == Carrier::MachineHead;
     const bool clamped = s.clamp.where != ClampPlace::None;
@@ -173,6 +206,13 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
             return;
         }
         q = rest.q;
+        if (nock_) {
+            const Braced braced = brace(rod::RodModel(d), world_.gravity, s.clamp.arcPosition, point, angle, *nock_);
+            if (failure_ = braced.failure; !failure_.empty())
+                return;
+            q = braced.q;
+            halfString_ = braced.half;
+        }
     } else { // "apex at x = 0, apex tangent horizontal", tips on the floor
         q = rod::naturalShape(model, Vec2::Zero(), M_PI);
         double floor = 0.0;

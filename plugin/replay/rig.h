@@ -7,6 +7,8 @@
 #include "plugin/replay/simulate.h"
 #include "supercircle/step/stepper.h"
 
+#include <optional>
+
 namespace supercircle::replay {
 
 class Rig {
@@ -43,6 +45,8 @@ private:
                      double arm);
     void place(const experiment::Carrier& carrier, rod::Vec2& point, double& angle, const Parameters& p) const;
     void addObstacle(const experiment::Obstacle& obstacle, const Parameters& p, double skin, double extent);
+    /// The bow's strings; `half` is the length of each.
+    void addStrings(const experiment::Experiment& e, double half);
     void chooseSettings(const Parameters& p, double arm);
     void settle();
     void readMeanForce();
@@ -57,6 +61,9 @@ private:
     double lastDisplacement_ = 0.0; ///< m
     double forceScale_ = 0.0;       ///< largest mean force so far, N
     double start_ = 0.0;
+    double halfString_ = 0.0;       ///< of a braced bow, m
+    bool ring_ = false;             ///< the specimen is closed
+    std::optional<rod::Vec2> nock_; ///< where a bow's strings meet at the start
 };
 
 } // namespace supercircle::replay

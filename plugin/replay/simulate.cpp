@@ -17,6 +17,7 @@
 
 #include "plugin/replay/simulate.h"
 
+#include "plugin/replay/free_scene.h"
 #include "plugin/replay/rig.h"
 #include "supercircle/effects/play.h"
 #include "supercircle/effects/sensor.h"
@@ -327,7 +328,7 @@ Resolution Resolution::full() {
 }
 
 Resolution Resolution::coarse() {
-    return {15, 1e-6, 5e-5, 0.5};
+    return {15, 1e-6, 5e-5, 0.5, 5e-3};
 }
 
 Simulated simulate(const Experiment& e, std::size_t run, const Parameters& parameters, const Resolution& resolution,
@@ -336,6 +337,11 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
     const double begin = cpuClock();
     if (run >= e.runs.size()) {
         out.failure = "there is no run " + std::to_string(run + 1);
+        return out;
+    }
+    if (e.scene) {
+        out = simulateFree(e, run, parameters, resolution, options);
+        out.cpuSeconds = cpuClock() - begin;
         return out;
     }
     Rig rig(e, parameters, resolution);

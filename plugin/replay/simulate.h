@@ -18,6 +18,7 @@ struct Resolution {
     double positionTolerance = 4e-7; ///< local error of a position per step, m
     double travelMax = 2e-5;         ///< longest way of the head in one step, m
     double dtMax = 0.5;              ///< longest step, s
+    double freeStep = 2e-3;          ///< of a free scene, s
 
     /// For residuals (what it costs and how exact it is: simulate.cpp).
     static Resolution full();

@@ -19,6 +19,12 @@ bool readEffect(Context& context, const Place& place, const Scene& scene, effect
     if (index >= names.size())
         return false;
     const effects::Effect& effect = effects::catalog()[index];
+    if (effect.key == effects::Key::BearingFriction || effect.key == effects::Key::AirDrag) {
+        context.error(*reader.find("key"), reader.pointerTo("key"),
+                      effect.name + " acts on the rigid bodies of a free scene (replay, sensitivity, diagnose)",
+                      "an effect on shells, contacts, machine or sensor");
+        return false;
+    }
     out = effects::off(effect);
     const auto complain = [&](const std::string& key, const std::string& why) {
         if (!why.empty())

@@ -93,11 +93,11 @@ std::string setColumn(replay::Parameters& p, const Experiment& e, const Column& 
 
 } // namespace
 
-std::vector<std::string> effectNames() {
+std::vector<std::string> effectNames(const Experiment& e) {
     std::vector<std::string> names;
     for (const effects::Effect& effect : effects::catalog())
         for (const effects::Parameter& p : effect.parameters)
-            if (p.switches &&
+            if (p.switches && replay::acts(e, effect.key) &&
                 !(effect.key == effects::Key::ViscoelasticBending && p.name == "branch_over_B")) // other law
                 names.push_back(effect.name + ":" + p.name);
     return names;

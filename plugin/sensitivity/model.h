@@ -39,7 +39,7 @@ struct Model {
 };
 
 /// Names ("KEY:NAME") of the amplitudes of all effects (supercircle/effects/effect.h), for `names` below.
-std::vector<std::string> effectNames();
+std::vector<std::string> effectNames(const experiment::Experiment& e);
 
 /// The replay of an experiment with the parameters called `names` as columns (empty: all that are shared by the
 /// specimens) at `parameters`; "KEY:NAME" is a parameter of an effect. `experiment` must outlive the model.

@@ -22,7 +22,9 @@ const std::vector<Effect>& catalog() {
                                              misalignment(),
                                              sensorDrift(),
                                              sensorGain(),
-                                             sensorDelay()};
+                                             sensorDelay(),
+                                             bearingFriction(),
+                                             airDrag()};
     return kAll;
 }
 

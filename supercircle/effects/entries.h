@@ -43,5 +43,7 @@ Effect misalignment();
 Effect sensorDrift();
 Effect sensorGain();
 Effect sensorDelay();
+Effect bearingFriction();
+Effect airDrag();
 
 } // namespace supercircle::effects

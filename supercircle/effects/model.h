@@ -35,6 +35,8 @@ enum class Key : std::uint8_t {
     SensorDrift,
     SensorGain,
     SensorDelay,
+    BearingFriction,
+    AirDrag,
     Count
 };
 inline constexpr std::size_t kKeys = static_cast<std::size_t>(Key::Count);
@@ -170,6 +172,20 @@ struct SensorModel {
     }
 };
 
+/// Rigid bodies of a free scene: their bearings and the air around them (air_drag.cpp, bearing_friction.cpp).
+struct BodiesModel {
+    double bearingTorque = 0.0;    ///< dry, N m
+    double bearingArm = 0.0;       ///< dry torque over reaction, m
+    double bearingViscosity = 0.0; ///< torque over spin, N m s
+    double airLinear = 0.0;        ///< force per length over speed, N s/m^2
+    double airQuadratic = 0.0;     ///< force per length over speed squared, N s^2/m^3
+
+    [[nodiscard]] bool on() const {
+        return bearingTorque > 0.0 || bearingArm > 0.0 || bearingViscosity > 0.0 || airLinear > 0.0 ||
+               airQuadratic > 0.0;
+    }
+};
+
 struct Model {
     MaterialModel material;
     DragModel drag;
@@ -177,6 +193,7 @@ struct Model {
     ContactModel contact;
     ApparatusModel apparatus;
     SensorModel sensor;
+    BodiesModel bodies;
 };
 
 } // namespace supercircle::effects

@@ -114,7 +114,9 @@ TEST_CASE("experiments and sweeps are recognised and refused by name") {
     CHECK_THAT(start({"check", folder.write("other.json", "{ \"schema\": \"rod-recordings/1\", \"runs\": [] }")}).err,
                Contains("\"protocol\" is missing")); // check knows experiments, and says what this one lacks
     refused("{ \"specimens\": [], \"runs\": [] }", "this is an experiment");
-    refused("{ \"schema\": \"supercircle-sweep/1\" }", "this is a sweep");
+    refused("{ \"schema\": \"supercircle-sweep/1\" }", "this is a sweep", {"run"});
+    CHECK_THAT(start({"check", folder.write("other.json", "{ \"schema\": \"supercircle-sweep/1\" }")}).err,
+               Contains("\"scene\" is missing"));
     refused("{ \"scene\": \"stack30.json\", \"parameters\": { \"mu\": [ 0.1, 0.2 ] } }", "this is a sweep");
 }
 

@@ -109,5 +109,5 @@ TEST_CASE("real exports are understood if they are there", "[importing]") {
     CHECK(start("import " + swing + to).code == 2);
     end = start("import " + swing + " --columns 'angle[deg]'" + to);
     CHECK(end.code == 0);
-    CHECK_THAT(end.text, Contains("rows come at 1000 Hz") && Contains("no protocol knows such a run"));
+    CHECK_THAT(end.text, Contains("rows come at 1000 Hz") && Contains("/scene: the scene file"));
 }

@@ -39,6 +39,7 @@ double give(const experiment::Experiment& e) {
         return 1e-5 + 0.5e-5; // the plate's contact, and two feet side by side
     case experiment::Protocol::ShellOnRigidCylinder:
     case experiment::Protocol::TwoShells:
+    default: // not among the baselines
         break;
     }
     return 0.5e-5; // two contacts side by side

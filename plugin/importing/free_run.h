@@ -1,0 +1,32 @@
+#pragma once
+// Recordings of a mechanism that moves by itself: cut to where it is let go, thinned, and described (private to
+// importing/).
+
+#include "plugin/importing/import.h"
+#include "plugin/importing/template.h"
+
+#include <string>
+#include <vector>
+
+namespace supercircle::importing {
+
+/// How a free run begins, from its first rows: a parabola through the first `span` seconds.
+struct Beginning {
+    double angle = 0.0, spin = 0.0;                 ///< rad, rad/s
+    double angleHalfWidth = 0.0, spinHalfWidth = 0; ///< three standard deviations and half a step of the encoder
+};
+Beginning beginningOf(const Track& track);
+
+/// Smallest difference of two readings that differ, rad; 0: none differ.
+double encoderStep(const std::vector<double>& angle);
+
+/// Drops what comes before the first turning point of the angle: the hand still lifts.
+void cutToTurn(Track& track, std::vector<Remark>& remarks);
+
+/// Means of blocks of `size` rows.
+void average(Track& track, int size, std::vector<Remark>& remarks);
+
+/// experiment.json of angle-only runs.
+record::Result<Description> describeFree(const Imported& imported, const TemplateOptions& options);
+
+} // namespace supercircle::importing

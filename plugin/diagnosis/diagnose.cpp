@@ -29,6 +29,20 @@ struct Tried {
     HeldOut held;
 };
 
+Noise takenAsWhite(Noise n) {
+    n.white = n.total();
+    n.coloured = 0.0;
+    return n;
+}
+
+void leaveUnknownOut(Weighed& w) {
+    const double rest = 1.0 - w.unknown;
+    w.unknown = 0.0;
+    w.nothing = rest > 0.0 ? w.nothing / rest : 1.0;
+    for (double& p : w.effects)
+        p = rest > 0.0 ? p / rest : 0.0;
+}
+
 class Work {
 public:
     Work(const Data& data, Evaluator& evaluator, const Settings& settings)
@@ -66,6 +80,7 @@ private:
     void locate();
     void look();
     void summarise();
+    [[nodiscard]] HeldOut scored(const Fitted& f);
     void tryEffects();
     void tryLabel(const std::vector<const Screened*>& probes);
     void conclude();
@@ -92,6 +107,8 @@ private:
 
 bool Work::nominal() {
     stage(0.02, "nominal fit");
+    if (settings_.ablation.whitening)
+        out_.noise = takenAsWhite(out_.noise);
     Point stated;
     for (const Scalar& s : evaluator_.model().nominal())
         stated.nominal.push_back(s.value);
@@ -154,12 +171,16 @@ void Work::locate() {
         signatures.col(static_cast<Index>(i)) = *seen[i];
     out_.mismatch = localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws, signatures);
     summarise();
-    baseHeld_ = leaveOut(evaluator_, *misfit_, grouping_, base_);
+    baseHeld_ = scored(base_);
     out_.homogeneity = homogeneityOf(*misfit_, base_);
 }
 
+HeldOut Work::scored(const Fitted& f) {
+    return settings_.ablation.heldOut ? inSample(*misfit_, grouping_, f) : leaveOut(evaluator_, *misfit_, grouping_, f);
+}
+
 void Work::look() {
-    screened_ = screen(evaluator_, *misfit_, base_);
+    screened_ = screen(evaluator_, *misfit_, base_, settings_.ablation.probes ? 1e-3 : 1.0);
 }
 
 void Work::summarise() {
@@ -216,7 +237,7 @@ void Work::tryEffects() {
         tried_.pop_back();
     for (Tried& t : tried_)
         if (!evaluator_.stopped())
-            t.held = leaveOut(evaluator_, *misfit_, grouping_, t.fit);
+            t.held = scored(t.fit);
 }
 
 /// Fits an effect from its best probes: of each of its two best forms the best, and one more.
@@ -321,7 +342,9 @@ void Work::conclude() {
     given.catalogue = out_.seen.size();
     given.p = out_.mismatch.tail;
     given.seed = settings_.seed + 1;
-    const Weighed w = weigh(baseHeld_, held, given);
+    Weighed w = weigh(baseHeld_, held, given);
+    if (settings_.ablation.unknown)
+        leaveUnknownOut(w);
     out_.nothing = w.nothing;
     out_.unknown = w.unknown;
     for (std::size_t i = 0; i < tried_.size(); ++i)

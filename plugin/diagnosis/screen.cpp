@@ -49,7 +49,7 @@ std::vector<double> stretched(const Candidate& c, const std::vector<double>& val
     return out;
 }
 
-std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal) {
+std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share) {
     const std::vector<Candidate>& candidates = evaluator.model().candidates();
     std::vector<Point> points = {nominal.point};
     std::vector<Screened> all;
@@ -61,7 +61,7 @@ std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const F
             s.values = candidates[c].probes[p];
             all.push_back(s);
             points.push_back(nominal.point);
-            points.back().terms.push_back({c, s.values});
+            points.back().terms.push_back({c, share == 1.0 ? s.values : stretched(candidates[c], s.values, share)});
         }
     const auto answers = evaluator.everywhere(points, Fineness::Coarse);
     const Variables v(evaluator.model(), nominal.point);
@@ -69,9 +69,10 @@ std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const F
     const Eigen::MatrixXd G = nominal.jacobian.transpose() * nominal.jacobian;
     const Eigen::VectorXd g = nominal.jacobian.transpose() * nominal.residual;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const auto signature = misfit.difference(answers[i + 1], answers[0]);
+        auto signature = misfit.difference(answers[i + 1], answers[0]);
         if (!signature)
             continue;
+        *signature /= share;
         Screened& s = all[i];
         s.simulated = true;
         s.size = signature->norm();

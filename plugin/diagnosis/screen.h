@@ -32,7 +32,8 @@ struct Screened {
 };
 
 /// One entry per probe of every candidate, in their order.
-std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal);
+/// @param share of the probes' sizes at which effects are simulated; signatures are stretched back
+std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share = 1.0);
 
 /// The values of a candidate with its amplitudes multiplied by `factor`, inside its bounds.
 std::vector<double> stretched(const Candidate& candidate, const std::vector<double>& values, double factor);

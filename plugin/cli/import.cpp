@@ -81,7 +81,7 @@ int import(const ImportArguments& a) {
         std::fprintf(stderr, "%s\n", imported.error.c_str());
         return kBadInput;
     }
-    const auto description = importing::describe(imported.value, {a.protocol, a.scene, a.specimen});
+    const auto description = importing::describe(imported.value, {a.protocol, a.specimen, a.scene});
     if (!description) {
         std::fprintf(stderr, "%s\n", description.error.c_str());
         return kBadInput;

@@ -34,6 +34,20 @@ struct Entry {
     double probability = 0.0; ///< of all hypotheses that contain it
 };
 
+Noise takenAsWhite(Noise n) {
+    n.white = n.total();
+    n.coloured = 0.0;
+    return n;
+}
+
+void leaveUnknownOut(Weighed& w) {
+    const double rest = 1.0 - w.unknown;
+    w.unknown = 0.0;
+    w.nothing = rest > 0.0 ? w.nothing / rest : 1.0;
+    for (double& p : w.effects)
+        p = rest > 0.0 ? p / rest : 0.0;
+}
+
 class Work {
 public:
     Work(const Data& data, Evaluator& evaluator, const Settings& settings)
@@ -71,6 +85,7 @@ private:
     void locate();
     void look();
     void summarise();
+    [[nodiscard]] HeldOut scored(const Fitted& f);
     void tryEffects();
     void tryLabel(const std::vector<const Screened*>& probes);
     void tryMore();
@@ -103,6 +118,8 @@ private:
 
 bool Work::nominal() {
     stage(0.02, "nominal fit");
+    if (settings_.ablation.whitening)
+        out_.noise = takenAsWhite(out_.noise);
     Point stated;
     for (const Scalar& s : evaluator_.model().nominal())
         stated.nominal.push_back(s.value);
@@ -165,12 +182,16 @@ void Work::locate() {
         signatures.col(static_cast<Index>(i)) = *seen[i];
     out_.mismatch = localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws, signatures);
     summarise();
-    baseHeld_ = leaveOut(evaluator_, *misfit_, grouping_, base_);
+    baseHeld_ = scored(base_);
     out_.homogeneity = homogeneityOf(*misfit_, base_);
 }
 
+HeldOut Work::scored(const Fitted& f) {
+    return settings_.ablation.heldOut ? inSample(*misfit_, grouping_, f) : leaveOut(evaluator_, *misfit_, grouping_, f);
+}
+
 void Work::look() {
-    screened_ = screen(evaluator_, *misfit_, base_);
+    screened_ = screen(evaluator_, *misfit_, base_, settings_.ablation.probes ? 1e-3 : 1.0);
 }
 
 void Work::summarise() {
@@ -227,7 +248,7 @@ void Work::tryEffects() {
         tried_.pop_back();
     for (Tried& t : tried_)
         if (!evaluator_.stopped())
-            t.held = leaveOut(evaluator_, *misfit_, grouping_, t.fit);
+            t.held = scored(t.fit);
     if (!evaluator_.stopped())
         tryMore();
 }
@@ -258,13 +279,13 @@ void Work::tryMore() {
             std::vector<Tried> pairs = fitPairs(evaluator_, *misfit_, screened_, tried_);
             for (Tried& t : pairs)
                 if (!evaluator_.stopped()) {
-                    t.held = leaveOut(evaluator_, *misfit_, grouping_, t.fit);
+                    t.held = scored(t.fit);
                     left = std::min(left, leftBy(t));
                     tried_.push_back(std::move(t));
                 }
         }
     }
-    if (out_.mismatch.p <= 0.01 && left > kLeftOver)
+    if (out_.mismatch.p <= 0.01 && left > kLeftOver && !settings_.ablation.unknown)
         tryLearned(left);
 }
 
@@ -275,7 +296,7 @@ void Work::tryLearned(double left) {
     for (Tried& t : learn(evaluator_, *misfit_, base_, left > 0.3 ? 3 : 2)) {
         if (evaluator_.stopped())
             return;
-        t.held = leaveOut(evaluator_, *misfit_, grouping_, t.fit);
+        t.held = scored(t.fit);
         for (std::size_t i = 0; i < named; ++i)
             t.parts.push_back(i);
         tried_.push_back(std::move(t));
@@ -404,6 +425,8 @@ void Work::weighAll(Weighed& w) const {
     given.p = out_.mismatch.tail;
     given.seed = settings_.seed + 1;
     w = weigh(baseHeld_, held, given);
+    if (settings_.ablation.unknown)
+        leaveUnknownOut(w);
 }
 
 void Work::conclude() {

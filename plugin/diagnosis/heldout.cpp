@@ -126,6 +126,20 @@ double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, c
     return rows > 0.0 ? std::sqrt(sum / rows) : 0.0;
 }
 
+HeldOut inSample(const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
+    HeldOut out;
+    out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
+    out.error = Eigen::VectorXd::Zero(misfit.rows());
+    for (Index k = 0; k < misfit.rows(); ++k)
+        if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0) {
+            out.energy[b] += fitted.residual[k] * fitted.residual[k];
+            out.rows[b] += 1.0;
+            out.error[k] = fitted.residual[k];
+        }
+    out.forceRmse = forceRmse(misfit, fitted.responses);
+    return out;
+}
+
 HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
     HeldOut out;
     const Variables v(evaluator.model(), fitted.point);

@@ -52,7 +52,7 @@ void explain(const Fitted& fitted, const Variables& v, const Candidate& candidat
     out.values = stretched(candidate, out.values, out.stretch);
 }
 
-std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal) {
+std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share) {
     const std::vector<Candidate>& candidates = evaluator.model().candidates();
     std::vector<Point> points = {nominal.point};
     std::vector<Screened> all;
@@ -64,15 +64,16 @@ std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const F
             s.values = candidates[c].probes[p];
             all.push_back(s);
             points.push_back(nominal.point);
-            points.back().terms.push_back({c, s.values});
+            points.back().terms.push_back({c, share == 1.0 ? s.values : stretched(candidates[c], s.values, share)});
         }
     const auto answers = evaluator.everywhere(points, Fineness::Coarse);
     const Variables v(evaluator.model(), nominal.point);
     const Eigen::MatrixXd Q = basisOf(nominal.jacobian);
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const auto signature = misfit.difference(answers[i + 1], answers[0]);
+        auto signature = misfit.difference(answers[i + 1], answers[0]);
         if (!signature)
             continue;
+        *signature /= share;
         Screened& s = all[i];
         s.simulated = true;
         s.size = signature->norm();

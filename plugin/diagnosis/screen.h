@@ -32,7 +32,8 @@ struct Screened {
 };
 
 /// One entry per probe of every candidate, in their order.
-std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal);
+/// @param share of the probes' sizes at which effects are simulated; signatures are stretched back
+std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share = 1.0);
 
 /// Sets gain, stretch and values of a probe whose signature is known, against the residual of a fit.
 /// @param out its values are those of the probe

@@ -140,8 +140,8 @@ bool goodForce(Readings& r, const Channel& channel, Place& place) {
     const auto [least, most] = range(r.force);
     if (least == most) {
         place.error(column + " is " + shown(channel.perUnit * most) + " in every row",
-                    std::string("a reading that changes; is the ") + (column == "force_N" ? "load cell" : "sensor") +
-                        " connected, and this its column?");
+                    column == "force_N" ? "a force that changes; is the load cell connected, and this its column?"
+                                        : "a pose that changes; is the sensor connected, and this its column?");
         return false;
     }
     if (gone > 0)

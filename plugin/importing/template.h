@@ -12,8 +12,8 @@ namespace supercircle::importing {
 
 struct TemplateOptions {
     std::string protocol;     ///< empty: not known
-    std::string sceneFile;    ///< scene of a free mechanism; empty: none
     std::string specimenFile; ///< JSON with a specimen, or with any part of an experiment; empty: none
+    std::string sceneFile{};  ///< scene of a free mechanism; empty: none
 };
 
 struct Description {

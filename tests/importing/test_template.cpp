@@ -63,6 +63,8 @@ TEST_CASE("what nobody stated is null and named", "[importing]") {
 
 TEST_CASE("every null is refused until it is filled in", "[importing]") {
     for (const std::string& protocol : importing::protocols()) {
+        if (protocol == "free_scene") // is about angles, and these exports have forces
+            continue;
         const auto d = described({protocol, {}});
         std::vector<scene::Problem> problems;
         CHECK_FALSE(experiment::loadText(d.json, "experiment.json", problems));

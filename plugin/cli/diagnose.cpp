@@ -1,3 +1,4 @@
+#include "plugin/cli/diagnose_ensembles.h"
 #include "plugin/cli/diagnose_figures.h"
 #include "plugin/cli/diagnose_page.h"
 #include "plugin/cli/input.h"
@@ -64,6 +65,11 @@ void print(const diagnosis::Diagnosis& d, const std::string& folder) {
                 duration(d.elapsed).c_str(), folder.c_str(), folder.c_str());
 }
 
+diagnosis::Ablation ablationOf(const std::vector<std::string>& parts) {
+    const auto out = [&](const char* part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
+    return {out("whitening"), out("heldout"), out("probes"), out("unknown")};
+}
+
 diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment, const Folder& folder,
                           std::string& error) {
     const diagnosis::ReplayModel model(experiment, a.without);
@@ -73,6 +79,7 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
     diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), store, &interrupted);
     diagnosis::Settings settings;
     settings.seed = static_cast<std::uint64_t>(a.seed);
+    settings.ablation = ablationOf(a.ablate);
     ProgressLine line(a.quiet);
     settings.progress = [&](double fraction, const std::string& stage) { line.show(fraction, stage); };
     return diagnosis::diagnose(diagnosis::dataOf(experiment), evaluator, settings);
@@ -81,6 +88,8 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
 } // namespace
 
 int diagnose(const DiagnoseArguments& a) {
+    if (const auto done = diagnoseEnsembleFile(a))
+        return *done;
     const auto experiment = loadLongEnough(a);
     if (!experiment || !knownEffects(a.without))
         return kBadInput;

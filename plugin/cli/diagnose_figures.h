@@ -19,6 +19,8 @@ std::string probabilityFigure(const diagnosis::Diagnosis& diagnosis);
 record::Result<std::vector<record::NamedText>> diagnosisPictures(const diagnosis::Diagnosis& diagnosis);
 /// What the screen explains of the misfit, and the smallest size these runs show.
 std::string screenFigure(const diagnosis::Diagnosis& diagnosis);
+/// A learned law with its band (one and two deviations) where the runs have been.
+std::string learnedFigure(const diagnosis::Diagnosis& diagnosis, std::size_t law);
 /// Cosines between the fitted effects' signatures; empty with fewer than two.
 std::string similarityFigure(const diagnosis::Diagnosis& diagnosis);
 /// The specimens as described, with what was found marked; empty where no place is known.

@@ -41,6 +41,7 @@ Json effectOf(const FoundEffect& e, const std::string& unit) {
     return {{"label", e.label},
             {"probability", e.probability},
             {"group", e.group},
+            {"together_with", e.with},
             {"slot", e.slot},
             {"law", e.form.empty() ? e.law : e.form + ": " + e.law},
             {"parameters", parameters},
@@ -58,6 +59,28 @@ Json screenOf(const Diagnosis& d) {
                        {"explains", s.gain},
                        {"absorbed_share", s.absorbed},
                        {"visible_in_relevant_sizes", finite(s.visible)}});
+    return all;
+}
+
+Json learnedOf(const Diagnosis& d) {
+    Json all = Json::array();
+    for (const diagnosis::LearnedLaw& l : d.learned)
+        all.push_back({{"label", l.label},
+                       {"slot", l.slot},
+                       {"law", l.law},
+                       {"words", l.words},
+                       {"probability", l.probability},
+                       {"heldout_gain", l.gain},
+                       {"heldout_gain_error", l.gainError},
+                       {"heldout_rmse_N", l.heldOutRmse},
+                       {"of", l.of},
+                       {"of_unit", l.ofUnit},
+                       {"over", l.over},
+                       {"over_unit", l.overUnit},
+                       {"at", l.at},
+                       {"value", l.value},
+                       {"std", l.deviation},
+                       {"visited", l.visited}});
     return all;
 }
 
@@ -105,6 +128,7 @@ std::string diagnosisJson(const Diagnosis& d) {
         {"nominal", nominal},
         {"homogeneity", {{"q", d.homogeneity.q}, {"degrees", d.homogeneity.degrees}, {"p_value", d.homogeneity.p}}},
         {"left_over", windowsOf(d.left, d.channel)},
+        {"learned_laws", learnedOf(d)},
         {"screen", screenOf(d)},
         {"next_experiment", next},
         {"notes", d.notes},

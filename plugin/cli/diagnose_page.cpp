@@ -74,8 +74,11 @@ std::string effectTable(const Diagnosis& d) {
         std::string group;
         for (std::size_t i = 1; i < e.group.size(); ++i)
             group += (i > 1 ? ", " : "") + escaped(diagnosis::plainWords(e.group[i]));
+        std::string with;
+        for (const std::string& label : e.with)
+            with += "<br>together with " + escaped(diagnosis::plainWords(label));
         html += "<tr><td>" + escaped(diagnosis::plainWords(e.label)) +
-                (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + "</td><td>" +
+                (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + with + "</td><td>" +
                 number(100.0 * e.probability, "%.1f") + " %</td><td>" + number(e.gain, "%.0f") + " ± " +
                 number(e.gainError, "%.0f") + "</td><td>" + escaped(e.law) + values + "</td><td>" + group +
                 "</td></tr>";
@@ -114,6 +117,18 @@ std::string nominalTable(const Diagnosis& d) {
     return html;
 }
 
+std::string learnedText(const Diagnosis& d) {
+    std::string html;
+    for (std::size_t i = 0; i < d.learned.size(); ++i) {
+        const diagnosis::LearnedLaw& l = d.learned[i];
+        html += "<p>" + escaped(diagnosis::plainWords(l.label)) + ": " + escaped(l.words) + ". Gain on unseen runs " +
+                number(l.gain, "%.0f") + " ± " + number(l.gainError, "%.0f") + ", error there " +
+                number(l.heldOutRmse) + " N, probability " + number(100.0 * l.probability, "%.1f") + " %.</p>" +
+                scroll(learnedFigure(d, i));
+    }
+    return html;
+}
+
 std::string nextText(const Diagnosis& d) {
     if (!d.next)
         return {};
@@ -142,6 +157,7 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     if (d.improved)
         html += section("Where it still misses with the most probable effect", windowTable(d.left));
     html += section("Where on the specimen", scroll(specimenFigure(d, e)));
+    html += section("Laws learned from the runs, where no effect of the catalogue explains them", learnedText(d));
     html += section("A first look at the whole catalogue", scroll(screenFigure(d)));
     html += section("How alike the effects look in these runs (cosines; 1: the same)", scroll(similarityFigure(d)));
     html += section("Stated and fitted parameters", nominalTable(d));

@@ -287,6 +287,13 @@ CLI::App* describeDiagnose(CLI::App& app, supercircle::cli::DiagnoseArguments& a
         ->type_name("EFFECT")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    verb->add_option("--ablate", a.ablate,
+                     "PART of the method to leave out, to see what it is good for: whitening, heldout, probes, unknown")
+        ->check(CLI::IsMember({"whitening", "heldout", "probes", "unknown"}))
+        ->type_name("PART")
+        ->allow_extra_args(false)
+        ->group("Advanced (docs/proof.md)")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     verb->add_flag("--quiet", a.quiet, "print nothing but errors");
     verb->footer("Simulations are kept in DIR: a diagnosis that was stopped goes on from there. Exit codes: 0 done; 2\n"
                  "bad input; 3 a run could not go on; 4 output could not be written; 130 interrupted.");

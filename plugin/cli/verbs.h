@@ -69,6 +69,7 @@ struct DiagnoseArguments {
     int jobs = 0;                     ///< simulations at a time, 0: as many as there are cores
     std::int64_t seed = 1;            ///< not negative
     std::vector<std::string> without; ///< effects left out of the catalogue
+    std::vector<std::string> ablate;  ///< parts of the method left out: whitening, heldout, probes, unknown
     bool quiet = false;
 };
 

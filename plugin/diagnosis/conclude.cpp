@@ -32,9 +32,19 @@ std::string blindSpots(const Diagnosis& d) {
     return labels.empty() ? "" : " Of a size that matters these runs would not show " + joined(labels) + ".";
 }
 
+/// The best learned law, where it is believed.
+std::string learnt(const Diagnosis& d) {
+    if (d.learned.empty() || d.learned.front().probability < 0.05)
+        return {};
+    const LearnedLaw& law = d.learned.front();
+    return " Learned from the runs (" + plainWords(law.label) + "): " + law.words + ".";
+}
+
 std::string named(const Diagnosis& d) {
     const FoundEffect& e = d.effects.front();
     std::string text = "The runs are explained by " + plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
+    if (!e.with.empty())
+        text += " together with " + joined(e.with);
     for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i) {
         const FittedParameter& p = e.parameters[i];
         text += (i == 0 ? ": " : ", ") + p.name + " = " + number(p.value) + (p.unit == "1" ? "" : " " + p.unit);
@@ -88,7 +98,8 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
                (d.effects.empty() ? std::string(".")
                                   : "; the nearest is " + plainWords(d.effects.front().label) + ", which leaves " +
                                         number(d.improvedHeldOut) + " " + d.unit + " on unseen runs with a noise of " +
-                                        number(d.noise.total()) + " " + d.unit + ".");
+                                        number(d.noise.total()) + " " + d.unit + ".") +
+               learnt(d);
     std::string text = "Something is missing (p = " + number(e.p) + "), but these runs do not decide between ";
     std::vector<std::string> rivals;
     for (std::size_t i = 0; i < d.effects.size() && i < 3; ++i)

@@ -4,17 +4,18 @@
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/homogeneity.h"
+#include "plugin/diagnosis/learn.h"
 #include "plugin/diagnosis/next.h"
+#include "plugin/diagnosis/pairs.h"
+#include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/screen.h"
 #include "plugin/diagnosis/weigh.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
-#include <set>
 
 namespace supercircle::diagnosis {
 
@@ -22,12 +23,30 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// One effect that was fitted.
-struct Tried {
-    std::size_t candidate = 0;
-    Fitted fit;
-    HeldOut held;
+/// Share of the misfit on unseen runs that a named effect may leave before laws are learned.
+constexpr double kLeftOver = 0.05;
+
+/// A label of the report and the hypothesis it is best shown by.
+struct Entry {
+    std::string label;
+    std::size_t model = 0; ///< of tried_
+    std::size_t term = 0;
+    double probability = 0.0; ///< of all hypotheses that contain it
 };
+
+Noise takenAsWhite(Noise n) {
+    n.white = n.total();
+    n.coloured = 0.0;
+    return n;
+}
+
+void leaveUnknownOut(Weighed& w) {
+    const double rest = 1.0 - w.unknown;
+    w.unknown = 0.0;
+    w.nothing = rest > 0.0 ? w.nothing / rest : 1.0;
+    for (double& p : w.effects)
+        p = rest > 0.0 ? p / rest : 0.0;
+}
 
 class Work {
 public:
@@ -66,13 +85,18 @@ private:
     void locate();
     void look();
     void summarise();
+    [[nodiscard]] HeldOut scored(const Fitted& f);
     void tryEffects();
     void tryLabel(const std::vector<const Screened*>& probes);
+    void tryMore();
+    void tryLearned(double left);
     void conclude();
+    void enter(const Weighed& w);
+    void weighAll(Weighed& w) const;
     void groups(const Weighed& w, Evidence& evidence);
-    [[nodiscard]] FoundEffect found(const Tried& t, const Weighed& w, std::size_t i) const;
-    void curves();
-    void nominalResults();
+    void conclusions(const Weighed& w, Evidence& evidence);
+    void suggest();
+    void present();
     Eigen::MatrixXd freeColumns(const Fitted& f) const;
 
     const Data& data_;
@@ -86,12 +110,16 @@ private:
     Grouping grouping_;
     std::vector<Screened> screened_;
     std::vector<Tried> tried_;
-    double least_ = 0.0;             ///< misfit of any fit so far
-    std::vector<std::size_t> order_; ///< of tried_, as out_.effects
+    double least_ = 0.0;         ///< misfit of any fit so far
+    std::vector<Entry> entries_; ///< as out_.effects
+    std::size_t best_ = 0;       ///< of tried_: what the curves show
+    bool any_ = false;           ///< whether there is a best one
 };
 
 bool Work::nominal() {
     stage(0.02, "nominal fit");
+    if (settings_.ablation.whitening)
+        out_.noise = takenAsWhite(out_.noise);
     Point stated;
     for (const Scalar& s : evaluator_.model().nominal())
         stated.nominal.push_back(s.value);
@@ -154,12 +182,16 @@ void Work::locate() {
         signatures.col(static_cast<Index>(i)) = *seen[i];
     out_.mismatch = localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws, signatures);
     summarise();
-    baseHeld_ = leaveOut(evaluator_, *misfit_, grouping_, base_);
+    baseHeld_ = scored(base_);
     out_.homogeneity = homogeneityOf(*misfit_, base_);
 }
 
+HeldOut Work::scored(const Fitted& f) {
+    return settings_.ablation.heldOut ? inSample(*misfit_, grouping_, f) : leaveOut(evaluator_, *misfit_, grouping_, f);
+}
+
 void Work::look() {
-    screened_ = screen(evaluator_, *misfit_, base_);
+    screened_ = screen(evaluator_, *misfit_, base_, settings_.ablation.probes ? 1e-3 : 1.0);
 }
 
 void Work::summarise() {
@@ -216,7 +248,59 @@ void Work::tryEffects() {
         tried_.pop_back();
     for (Tried& t : tried_)
         if (!evaluator_.stopped())
-            t.held = leaveOut(evaluator_, *misfit_, grouping_, t.fit);
+            t.held = scored(t.fit);
+    if (!evaluator_.stopped())
+        tryMore();
+}
+
+/// Where the best single effect leaves something: two at a time, and laws that are learned.
+void Work::tryMore() {
+    // Scores at one dispersion rank the singles; the first of them is what the rest must beat.
+    double least = dispersionOf(baseHeld_);
+    for (const Tried& t : tried_)
+        least = std::min(least, dispersionOf(t.held));
+    const double dispersion = std::max(1.0, least);
+    std::stable_sort(tried_.begin(), tried_.end(), [&](const Tried& a, const Tried& b) {
+        return a.held.score(dispersion).sum() > b.held.score(dispersion).sum();
+    });
+    // Pure noise, its size known to 5 %, leaves up to this much.
+    const double rows = std::max(1.0, baseHeld_.rows.sum());
+    const double floor = 1.1 + 2.0 * std::sqrt(2.0 / rows), excess = dispersionOf(baseHeld_) - 1.0;
+    const auto leftBy = [&](const Tried& t) {
+        return excess > 0.0 ? std::max(0.0, t.perRow() - floor) / excess : t.perRow() > floor ? 1.0 : 0.0;
+    };
+    double left = 1.0;
+    if (!tried_.empty()) {
+        const Fitted& f = tried_.front().fit;
+        out_.left = localise(*misfit_, f.residual, freeColumns(f), settings_.seed + 2, settings_.draws);
+        left = leftBy(tried_.front());
+        if (out_.left.p <= 0.01) {
+            stage(0.8, "two effects at a time");
+            std::vector<Tried> pairs = fitPairs(evaluator_, *misfit_, screened_, tried_);
+            for (Tried& t : pairs)
+                if (!evaluator_.stopped()) {
+                    t.held = scored(t.fit);
+                    left = std::min(left, leftBy(t));
+                    tried_.push_back(std::move(t));
+                }
+        }
+    }
+    if (out_.mismatch.p <= 0.01 && left > kLeftOver && !settings_.ablation.unknown)
+        tryLearned(left);
+}
+
+void Work::tryLearned(double left) {
+    stage(0.85, "learning a law");
+    const std::size_t named = tried_.size();
+    // The more is left, the more is worth trying.
+    for (Tried& t : learn(evaluator_, *misfit_, base_, left > 0.3 ? 3 : 2)) {
+        if (evaluator_.stopped())
+            return;
+        t.held = scored(t.fit);
+        for (std::size_t i = 0; i < named; ++i)
+            t.parts.push_back(i);
+        tried_.push_back(std::move(t));
+    }
 }
 
 /// Fits an effect from its best probes: of each of its two best forms the best, and one more.
@@ -240,7 +324,7 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
         Point start = base_.point;
         start.terms.push_back({s->candidate, s->values});
         Tried t;
-        t.candidate = s->candidate;
+        t.candidates = {s->candidate};
         FitSettings given;
         given.rival = least_;
         t.fit = fit(evaluator_, *misfit_, start, given, base_.jacobian);
@@ -256,51 +340,17 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
     tried_.push_back(std::move(best));
 }
 
-FoundEffect Work::found(const Tried& t, const Weighed& w, std::size_t i) const {
-    const Candidate& c = candidates()[t.candidate];
-    FoundEffect e;
-    e.label = c.label;
-    e.slot = c.slot;
-    e.form = c.form;
-    e.law = c.law;
-    e.probability = w.effects[i];
-    e.gain = w.gain[i];
-    e.gainError = w.gainError[i];
-    e.trainingRmse = forceRmse(*misfit_, t.fit.responses);
-    e.heldOutRmse = t.held.forceRmse;
-    e.misfitPerRow = t.fit.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
-    const Variables v(evaluator_.model(), t.fit.point);
-    Eigen::MatrixXd precision = t.fit.jacobian.transpose() * t.fit.jacobian / std::max(1.0, e.misfitPerRow);
-    for (Index k = 0; k < v.size(); ++k) {
-        const double width = std::min(v.upper[k] - v.lower[k], 1e3);
-        precision(k, k) += 12.0 / (width * width);
-    }
-    const Eigen::MatrixXd covariance = precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
-    constexpr double k90 = 1.6448536269514722; // of a normal distribution
-    for (Index k = v.nominal; k < v.size(); ++k) {
-        const Scalar& s = v.scalar(k);
-        const double half = k90 * std::sqrt(std::max(0.0, covariance(k, k)));
-        const auto at = [&](double x) {
-            return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
-        };
-        FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(t.fit.x[k] - half), at(t.fit.x[k] + half)}};
-        if (p.ci90.low > p.ci90.high)
-            std::swap(p.ci90.low, p.ci90.high);
-        e.parameters.push_back(p);
-    }
-    return e;
-}
-
-/// Which effects cannot be told apart, and how probable the first one's group is.
+/// Which effects cannot be told apart, and how probable the first one's group is. Effects that act together are no
+/// rivals.
 void Work::groups(const Weighed& w, Evidence& evidence) {
-    for (std::size_t a = 0; a < order_.size(); ++a) {
+    for (std::size_t a = 0; a < entries_.size(); ++a) {
         FoundEffect& e = out_.effects[a];
         e.group = {e.label};
         double together = e.probability;
-        for (std::size_t b = 0; b < order_.size(); ++b) {
-            if (a == b)
+        for (std::size_t b = 0; b < entries_.size(); ++b) {
+            if (a == b || std::find(e.with.begin(), e.with.end(), entries_[b].label) != e.with.end())
                 continue;
-            const Tried &s = tried_[order_[a]], &t = tried_[order_[b]];
+            const Tried &s = tried_[entries_[a].model], &t = tried_[entries_[b].model];
             const auto apart = misfit_->difference(s.fit.responses, t.fit.responses);
             if (apart && alike(s.held, t.held, apart->norm(), w.dispersion)) {
                 e.group.push_back(out_.effects[b].label);
@@ -308,48 +358,121 @@ void Work::groups(const Weighed& w, Evidence& evidence) {
             }
         }
         if (a == 0)
-            evidence.bestGroup = together;
+            evidence.bestGroup = std::min(1.0, together);
     }
+}
+
+/// Labels with the probability of every hypothesis that contains them, and the best one to show them by.
+void Work::enter(const Weighed& w) {
+    const auto better = [&](std::size_t a, std::size_t b) {
+        return w.effects[a] != w.effects[b] ? w.effects[a] > w.effects[b] : w.gain[a] > w.gain[b];
+    };
+    std::map<std::string, double> alone; // gain of the label by itself, to order those that act together
+    for (std::size_t i = 0; i < tried_.size(); ++i) {
+        if (tried_[i].learned) {
+            LearnedLaw law = describe(evaluator_.model(), *misfit_, tried_[i]);
+            law.probability = w.effects[i];
+            law.gain = w.gain[i];
+            law.gainError = w.gainError[i];
+            law.heldOutRmse = tried_[i].held.forceRmse;
+            out_.learned.push_back(std::move(law));
+            continue;
+        }
+        if (!any_ || better(i, best_))
+            best_ = i;
+        any_ = true;
+        for (std::size_t term = 0; term < tried_[i].candidates.size(); ++term) {
+            const std::string& label = candidates()[tried_[i].candidates[term]].label;
+            if (tried_[i].candidates.size() == 1)
+                alone[label] = std::max(alone.emplace(label, w.gain[i]).first->second, w.gain[i]);
+            const auto at =
+                std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.label == label; });
+            if (at == entries_.end()) {
+                entries_.push_back({label, i, term, w.effects[i]});
+                continue;
+            }
+            at->probability += w.effects[i];
+            if (better(i, at->model)) {
+                at->model = i;
+                at->term = term;
+            }
+        }
+    }
+    const auto own = [&](const std::string& label) {
+        const auto at = alone.find(label);
+        return at != alone.end() ? at->second : -1e300;
+    };
+    std::stable_sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
+        return std::abs(a.probability - b.probability) > 1e-3 ? a.probability > b.probability
+                                                              : own(a.label) > own(b.label);
+    });
+    std::stable_sort(out_.learned.begin(), out_.learned.end(), [](const LearnedLaw& a, const LearnedLaw& b) {
+        return a.probability != b.probability ? a.probability > b.probability : a.gain > b.gain;
+    });
+}
+
+void Work::weighAll(Weighed& w) const {
+    std::vector<HeldOut> held;
+    Weighing given;
+    given.catalogue = out_.seen.size();
+    const double share = 0.6 / static_cast<double>(std::max<std::size_t>(1, given.catalogue));
+    for (const Tried& t : tried_) {
+        held.push_back(t.held);
+        given.parts.push_back(t.parts);
+        // Two causes at once are ten times rarer than one; a learned law shares what "none of these" has.
+        given.prior.push_back(t.learned ? 0.05 : t.candidates.size() > 1 ? 0.1 * share : share);
+    }
+    given.p = out_.mismatch.tail;
+    given.seed = settings_.seed + 1;
+    w = weigh(baseHeld_, held, given);
+    if (settings_.ablation.unknown)
+        leaveUnknownOut(w);
 }
 
 void Work::conclude() {
     stage(0.92, "weighing");
-    std::vector<HeldOut> held;
-    for (const Tried& t : tried_)
-        held.push_back(t.held);
-    Weighing given;
-    given.catalogue = out_.seen.size();
-    given.p = out_.mismatch.tail;
-    given.seed = settings_.seed + 1;
-    const Weighed w = weigh(baseHeld_, held, given);
+    Weighed w;
+    weighAll(w);
     out_.nothing = w.nothing;
+    enter(w);
     out_.unknown = w.unknown;
-    for (std::size_t i = 0; i < tried_.size(); ++i)
-        order_.push_back(i);
-    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
-        return w.effects[a] != w.effects[b] ? w.effects[a] > w.effects[b] : w.gain[a] > w.gain[b];
-    });
-    for (const std::size_t i : order_)
-        out_.effects.push_back(found(tried_[i], w, i));
+    for (const LearnedLaw& law : out_.learned)
+        out_.unknown += law.probability;
+    for (const Entry& entry : entries_) {
+        FoundEffect f = presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term);
+        f.probability = std::min(1.0, entry.probability);
+        f.gain = w.gain[entry.model];
+        f.gainError = w.gainError[entry.model];
+        out_.effects.push_back(std::move(f));
+    }
     Evidence e;
     e.p = out_.mismatch.p;
-    e.nothing = w.nothing;
-    e.unknown = w.unknown;
-    e.any = !tried_.empty();
+    e.nothing = out_.nothing;
+    e.unknown = out_.unknown;
+    e.any = any_;
     groups(w, e);
+    conclusions(w, e);
+    out_.verdict = verdictOf(e);
+    present();
+    suggest();
+    out_.statement = statementOf(out_, e);
+}
+
+void Work::conclusions(const Weighed& w, Evidence& e) {
     out_.baselineTraining = forceRmse(*misfit_, base_.responses);
     out_.baselineHeldOut = baseHeld_.forceRmse;
     out_.baselinePerRow = base_.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
     if (e.any) {
-        const Tried& best = tried_[order_.front()];
-        e.gain = out_.effects.front().gain;
-        e.gainLow = w.gainLow[order_.front()];
+        const Tried& best = tried_[best_];
+        e.gain = w.gain[best_];
+        e.gainLow = w.gainLow[best_];
         out_.improved = true;
-        out_.improvedTraining = out_.effects.front().trainingRmse;
-        out_.improvedHeldOut = out_.effects.front().heldOutRmse;
-        out_.improvement = w.improvement;
-        out_.improvementCi = {w.improvementLow, w.improvementHigh};
-        out_.left = localise(*misfit_, best.fit.residual, freeColumns(best.fit), settings_.seed + 2, settings_.draws);
+        out_.improvedTraining = forceRmse(*misfit_, best.fit.responses);
+        out_.improvedHeldOut = best.held.forceRmse;
+        improvementOf(baseHeld_, best.held, settings_.seed + 3, out_.improvement, out_.improvementCi);
+        if (best_ != 0) // of the first one it is known
+            out_.left =
+                localise(*misfit_, best.fit.residual, freeColumns(best.fit), settings_.seed + 2, settings_.draws);
     }
     double matter = 0.0, blind = 0.0; // an effect matters here if a size worth knowing changes readings by 5 units
     for (const SeenEffect& s : out_.seen)
@@ -358,69 +481,33 @@ void Work::conclude() {
             blind += s.visible > 1.0 ? 1.0 : 0.0;
         }
     e.blind = matter > 0.0 ? blind / matter : 1.0;
-    out_.verdict = verdictOf(e);
-    nominalResults();
-    curves();
+}
+
+void Work::suggest() {
     const bool open =
         out_.verdict != "nothing_missing" && (out_.verdict != "named" || out_.effects.front().group.size() > 1);
     const bool hint = out_.verdict == "not_enough_information"; // the rival is that nothing is missing
-    if (open && order_.size() > (hint ? 0U : 1U)) {
-        stage(0.96, "next experiment");
-        std::vector<Rival> rivals;
-        if (hint)
-            rivals.push_back({"nothing", base_.point});
-        for (std::size_t i = 0; i < order_.size() && i < 3; ++i)
-            rivals.push_back({out_.effects[i].label, tried_[order_[i]].fit.point});
-        out_.next = nextExperiment(evaluator_.model(), rivals, out_.noise,
-                                   hint ? std::vector<std::string>{"nothing"} : out_.effects.front().group);
-    }
-    out_.statement = statementOf(out_, e);
+    if (!open || entries_.size() <= (hint ? 0U : 1U))
+        return;
+    stage(0.96, "next experiment");
+    std::vector<Rival> rivals;
+    if (hint)
+        rivals.push_back({"nothing", base_.point});
+    for (std::size_t i = 0; i < entries_.size() && i < 3; ++i)
+        rivals.push_back({out_.effects[i].label, tried_[entries_[i].model].fit.point});
+    out_.next = nextExperiment(evaluator_.model(), rivals, out_.noise,
+                               hint ? std::vector<std::string>{"nothing"} : out_.effects.front().group);
 }
 
-void Work::nominalResults() {
-    const Variables v(evaluator_.model(), base_.point);
-    for (Index i = 0; i < v.nominal; ++i) {
-        const Scalar& s = v.scalar(i);
-        out_.nominal.push_back(
-            {s.name, s.unit, s.value, s.step, base_.point.nominal[static_cast<std::size_t>(i)], base_.x[i]});
+void Work::present() {
+    out_.nominal = presentNominal(evaluator_.model(), base_);
+    std::vector<const Fitted*> shown;
+    for (const Entry& entry : entries_) {
+        out_.similarityLabels.push_back(entry.label);
+        shown.push_back(&tried_[entry.model].fit);
     }
-    out_.similarityLabels.clear();
-    Eigen::MatrixXd signatures(misfit_->rows(), static_cast<Index>(order_.size()));
-    for (std::size_t i = 0; i < order_.size(); ++i) {
-        out_.similarityLabels.push_back(out_.effects[i].label);
-        const auto s = misfit_->difference(tried_[order_[i]].fit.responses, base_.responses);
-        signatures.col(static_cast<Index>(i)) = s ? *s : Eigen::VectorXd::Zero(misfit_->rows());
-    }
-    for (Index i = 0; i < signatures.cols(); ++i) {
-        out_.similarity.emplace_back();
-        for (Index j = 0; j < signatures.cols(); ++j) {
-            const double n = signatures.col(i).norm() * signatures.col(j).norm();
-            out_.similarity.back().push_back(n > 0.0 ? signatures.col(i).dot(signatures.col(j)) / n : 0.0);
-        }
-    }
-}
-
-void Work::curves() {
-    const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
-    for (std::size_t r = 0; r < data_.runs.size(); ++r) {
-        const RecordedRun& run = data_.runs[r];
-        const Index n = run.force.size();
-        RunCurves c;
-        c.name = run.name;
-        c.time = list(run.time);
-        c.displacement = list(run.displacement);
-        c.recorded = list(run.force);
-        c.baseline = list(base_.responses[r].force);
-        c.residual = list(base_.residual.segment(misfit_->start(r), n));
-        if (!order_.empty()) {
-            const Fitted& best = tried_[order_.front()].fit;
-            c.improved = list(best.responses[r].force);
-            c.residualImproved = list(best.residual.segment(misfit_->start(r), n));
-        }
-        for (Index k = 0; k < n; ++k)
-            c.counts.push_back(std::isfinite(misfit_->errors(r).force[k]));
-        out_.runs.push_back(std::move(c));
-    }
+    out_.similarity = presentSimilarity(*misfit_, base_, shown);
+    out_.runs = presentCurves(*misfit_, base_, any_ ? &tried_[best_].fit : nullptr);
 }
 
 } // namespace

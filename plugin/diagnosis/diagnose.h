@@ -10,11 +10,20 @@
 
 namespace supercircle::diagnosis {
 
+/// Parts that can be taken out, to show what they are good for (docs/proof.md).
+struct Ablation {
+    bool whitening = false; ///< noise is taken as white
+    bool heldOut = false;   ///< fits are ranked by the runs they were fitted to
+    bool probes = false;    ///< effects are screened by their derivative where they are absent, not at finite sizes
+    bool unknown = false;   ///< "none of these" is no hypothesis
+};
+
 struct Settings {
     std::uint64_t seed = 1;
     int draws = 999;      ///< of the null distribution
     std::size_t fits = 6; ///< effects that are fitted in full
     MisfitSettings misfit;
+    Ablation ablation;
     std::function<void(double fraction, const std::string& stage)> progress;
 };
 

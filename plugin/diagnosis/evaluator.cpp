@@ -38,11 +38,13 @@ void Evaluator::checkStore(const Question& question) {
 
 std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
     std::vector<std::string> keys;
+    std::vector<Question> inner;
     std::map<std::string, std::size_t> first; // twins within a batch are simulated once
     std::vector<std::size_t> open;
     std::vector<Response> results(questions.size());
     for (std::size_t i = 0; i < questions.size(); ++i) {
-        keys.push_back(keyOf(questions[i]));
+        inner.push_back({questions[i].run, model_.simulated(questions[i].point), questions[i].fineness});
+        keys.push_back(keyOf(inner[i]));
         asked_.insert(keys.back());
         if (auto known = store_.find(keys[i]))
             results[i] = std::move(*known);
@@ -55,7 +57,7 @@ std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
             results[i].failure = "interrupted";
             return;
         }
-        results[i] = model_.simulate(questions[i].run, questions[i].point, questions[i].fineness, interrupt_);
+        results[i] = model_.simulate(inner[i].run, inner[i].point, inner[i].fineness, interrupt_);
         if (stopped()) // it may have ended early
             return;
         store_.keep(keys[i], results[i]);
@@ -72,6 +74,9 @@ std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
     for (std::size_t i = 0; i < questions.size(); ++i)
         if (const auto at = first.find(keys[i]); at != first.end() && at->second != i)
             results[i] = results[at->second];
+    for (std::size_t i = 0; i < questions.size(); ++i)
+        if (results[i].failure.empty())
+            model_.read(questions[i].run, questions[i].point, results[i]);
     return results;
 }
 

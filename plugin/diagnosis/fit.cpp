@@ -19,6 +19,23 @@ Variables::Variables(const Model& model, const Point& like) : scalars_(model.nom
         lower[i] = (scalar(i).lower - scalar(i).value) / scalar(i).step;
         upper[i] = (scalar(i).upper - scalar(i).value) / scalar(i).step;
     }
+    penalty = Eigen::MatrixXd::Zero(size(), size());
+    Eigen::Index first = nominal;
+    for (const Term& t : like.terms) {
+        const auto n = static_cast<Eigen::Index>(t.values.size());
+        if (model.candidates()[t.candidate].learned)
+            penalty.block(first, first, n, n) = roughness(n, t.smoothing);
+        first += n;
+    }
+}
+
+/// P. H. C. Eilers, B. D. Marx (1996): second differences of neighbouring coefficients, and their size.
+Eigen::MatrixXd roughness(Eigen::Index n, double smoothing) {
+    constexpr double kBend = 1.0, kSize = 6.0; // steps: deviations of second differences and of coefficients
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(n - 2, n);
+    for (Eigen::Index i = 0; i + 2 < n; ++i)
+        d.row(i).segment(i, 3) << 1.0, -2.0, 1.0;
+    return smoothing / (kBend * kBend) * d.transpose() * d + Eigen::MatrixXd::Identity(n, n) / (kSize * kSize);
 }
 
 Eigen::VectorXd Variables::of(const Point& point) const {
@@ -92,12 +109,16 @@ public:
             now_.failure = now_.failure.empty() ? "the start cannot be simulated" : now_.failure;
             return now_;
         }
-        const bool given = nominalJacobian.cols() == v_.nominal && nominalJacobian.rows() == misfit_.rows();
+        const bool fits = nominalJacobian.rows() == misfit_.rows() &&
+                          (nominalJacobian.cols() == v_.nominal || nominalJacobian.cols() == v_.size());
+        const Eigen::Index given = fits ? nominalJacobian.cols() : 0;
         now_.jacobian.setZero(misfit_.rows(), v_.size());
-        if (given)
-            now_.jacobian.leftCols(v_.nominal) = nominalJacobian;
-        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(given ? v_.nominal : 0, v_.size()),
-                      now_.jacobian);
+        if (given > 0)
+            now_.jacobian.leftCols(given) = nominalJacobian;
+        if (given < v_.size())
+            differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(given, v_.size()),
+                          now_.jacobian);
+        fresh_ = given < v_.size() || v_.size() == v_.nominal;
         while (now_.iterations < settings_.iterations && !now_.converged && !evaluator_.stopped())
             iterate();
         return now_;
@@ -115,28 +136,31 @@ private:
             return false;
         f.residual = *residual;
         f.misfit = f.residual.squaredNorm();
+        f.cost = f.misfit + f.x.dot(v_.penalty * f.x);
         return true;
     }
 
     void iterate() {
         ++now_.iterations;
-        Eigen::MatrixXd G = now_.jacobian.transpose() * now_.jacobian;
-        const Eigen::VectorXd g = now_.jacobian.transpose() * now_.residual;
+        Eigen::MatrixXd G = now_.jacobian.transpose() * now_.jacobian + v_.penalty;
+        const Eigen::VectorXd g = now_.jacobian.transpose() * now_.residual - v_.penalty * now_.x;
         const double typical = std::max(1e-12, G.diagonal().mean());
         G.diagonal() += damping_ * (G.diagonal().array() + 1e-3 * typical).matrix();
         constexpr double kFar = 2.0; // steps in one go
         const Eigen::VectorXd far = Eigen::VectorXd::Constant(v_.size(), kFar);
         const Eigen::VectorXd step =
             boxMinimum(G, g, (v_.lower - now_.x).cwiseMax(-far), (v_.upper - now_.x).cwiseMin(far));
-        const double foreseen = now_.misfit - (now_.residual - now_.jacobian * step).squaredNorm();
+        const Eigen::VectorXd to = now_.x + step;
+        const double foreseen =
+            now_.cost - (now_.residual - now_.jacobian * step).squaredNorm() - to.dot(v_.penalty * to);
         if (foreseen < settings_.enough) {
             finishOrRefresh();
             return;
         }
         Fitted trial;
-        trial.x = now_.x + step;
+        trial.x = to;
         trial.iterations = now_.iterations;
-        const bool good = evaluate(trial) && trial.misfit < now_.misfit;
+        const bool good = evaluate(trial) && trial.cost < now_.cost;
         if (!good) {
             damping_ *= 10.0;
             if (damping_ > 1e4 || ++rejected_ % 2 == 0)
@@ -145,7 +169,7 @@ private:
         }
         rejected_ = 0;
         fresh_ = false;
-        const double gain = now_.misfit - trial.misfit;
+        const double gain = now_.cost - trial.cost;
         const bool hopeless = now_.iterations >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
         trial.jacobian = std::move(now_.jacobian);
         const Eigen::VectorXd change = now_.residual - trial.residual; // of the simulation

@@ -25,12 +25,17 @@ public:
     [[nodiscard]] Point at(const Eigen::VectorXd& x) const;
     [[nodiscard]] const Scalar& scalar(Eigen::Index i) const { return scalars_[static_cast<std::size_t>(i)]; }
     Eigen::VectorXd lower, upper; ///< of x
-    Eigen::Index nominal = 0;     ///< how many of them are nominal
+    /// Roughness and size of learned laws: x' penalty x is added to the misfit; zero elsewhere.
+    Eigen::MatrixXd penalty;
+    Eigen::Index nominal = 0; ///< how many of them are nominal
 
 private:
     std::vector<Scalar> scalars_;
     Point like_;
 };
+
+/// Penalty matrix of n coefficients of a learned law, in units of their steps.
+Eigen::MatrixXd roughness(Eigen::Index n, double smoothing);
 
 struct Fitted {
     std::string failure; ///< empty unless the start cannot be simulated
@@ -40,6 +45,7 @@ struct Fitted {
     Eigen::MatrixXd jacobian; ///< d(whitened simulation)/dx
     std::vector<Response> responses;
     double misfit = 0.0; ///< |residual|^2
+    double cost = 0.0;   ///< the same with the penalty
     int iterations = 0;
     bool converged = false;
 };
@@ -59,7 +65,7 @@ struct FitSettings {
 void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, const Eigen::VectorXd& x,
                    double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into);
 
-/// @param nominalJacobian derivatives by the nominal parameters, taken before; empty: take them
+/// @param nominalJacobian derivatives by the nominal parameters (or by all), taken before; empty: take them
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings = {},
            const Eigen::MatrixXd& nominalJacobian = {});
 

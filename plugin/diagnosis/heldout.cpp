@@ -126,13 +126,27 @@ double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, c
     return rows > 0.0 ? std::sqrt(sum / rows) : 0.0;
 }
 
+HeldOut inSample(const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
+    HeldOut out;
+    out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
+    out.error = Eigen::VectorXd::Zero(misfit.rows());
+    for (Index k = 0; k < misfit.rows(); ++k)
+        if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0) {
+            out.energy[b] += fitted.residual[k] * fitted.residual[k];
+            out.rows[b] += 1.0;
+            out.error[k] = fitted.residual[k];
+        }
+    out.forceRmse = forceRmse(misfit, fitted.responses);
+    return out;
+}
+
 HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
     HeldOut out;
     const Variables v(evaluator.model(), fitted.point);
     out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
     out.error = Eigen::VectorXd::Zero(misfit.rows());
     const Eigen::MatrixXd& J = fitted.jacobian;
-    const Eigen::MatrixXd prior = priorOf(v);
+    const Eigen::MatrixXd prior = priorOf(v) + v.penalty;
     double squares = 0.0, count = 0.0;
     for (int f = 0; f < g.folds; ++f) {
         const Eigen::VectorXd held = maskOf(g, f);
@@ -142,8 +156,9 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
         std::vector<Response> responses = fitted.responses;
         for (int correction = 0; correction < 2; ++correction) {
             const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
-            const Eigen::MatrixXd damped = G + 1e-3 * prior; // what the rest does not see stays where it is
-            const Eigen::VectorXd step = boxMinimum(damped, J.transpose() * train.cwiseProduct(r),
+            // What the rest does not see stays where it is.
+            const Eigen::MatrixXd damped = G + 1e-3 * prior + v.penalty;
+            const Eigen::VectorXd step = boxMinimum(damped, J.transpose() * train.cwiseProduct(r) - v.penalty * x,
                                                     (v.lower - x).cwiseMax(-far), (v.upper - x).cwiseMin(far));
             const Eigen::VectorXd to = x + step;
             auto there = evaluator.everywhere({v.at(to)}, Fineness::Fine).front();

@@ -35,6 +35,8 @@ struct HeldOut {
 };
 
 HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& grouping, const Fitted& fitted);
+/// The same of rows the fit has seen: what not to rank by.
+HeldOut inSample(const Misfit& misfit, const Grouping& grouping, const Fitted& fitted);
 
 /// Root mean square of recorded minus simulated force over rows that count, the best force zero of each run taken out.
 double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, const Grouping* grouping = nullptr,

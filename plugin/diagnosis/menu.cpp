@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/menu.h"
 
+#include "plugin/diagnosis/closures.h"
 #include "plugin/replay/free_scales.h"
 
 #include <algorithm>
@@ -7,20 +8,7 @@
 
 namespace supercircle::diagnosis {
 
-namespace {
-
 using experiment::Experiment;
-
-/// Sizes of an experiment by which effects are measured.
-struct Sizes {
-    double force = 1.0;     ///< largest, N
-    double travel = 1e-2;   ///< of the head, m
-    double speed = 1e-3;    ///< fastest, m/s
-    double duration = 10.0; ///< of the longest run, s
-    double radius = 0.02;   ///< of the specimens (a straight one: length / pi), m
-    double length = 0.1;    ///< m
-    double modulus = 2e-4;  ///< N m^2
-};
 
 Sizes sizesOf(const Experiment& e) {
     Sizes s;
@@ -50,6 +38,13 @@ Sizes sizesOf(const Experiment& e) {
     return s;
 }
 
+namespace {
+
+/// Drift and gain change what is read, not what happens.
+Reading readingOf(const std::string& label) {
+    return label == "sensor_drift" ? Reading::Drift : label == "sensor_gain" ? Reading::Gain : Reading::None;
+}
+
 /// Puts candidates together. Values are written as outer ones and turned into inner ones here.
 class Writer {
 public:
@@ -68,7 +63,7 @@ public:
         candidate_.slot = effects::name(effect_->slot);
         candidate_.form = words + (shell == "all" ? "" : (words.empty() ? "" : ", ") + ("specimen " + shell));
         candidate_.law = effect_->law;
-        recipe_ = {effects::off(*effect_), {}};
+        recipe_ = {effects::off(*effect_), {}, readingOf(label)};
         recipe_.base.shell = shell;
         return *this;
     }
@@ -281,6 +276,7 @@ Menu menuFor(const Experiment& e, const std::vector<std::string>& without) {
     contacts(w, s);
     apparatus(w, s);
     w.finish();
+    addClosures(menu, s);
     return menu;
 }
 

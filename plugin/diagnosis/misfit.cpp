@@ -2,6 +2,7 @@
 
 #include "plugin/replay/compare.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -51,13 +52,34 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const M
     }
 }
 
+/// Change of the force when the clock runs a row ahead, N; 0 where it means nothing.
+Eigen::VectorXd clockShift(const RecordedRun& run, const Response& fine, const Eigen::VectorXd& errors) {
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(run.force.size());
+    if (!fine.failure.empty() || fine.force.size() != run.force.size())
+        return d;
+    for (Eigen::Index k = 1; k + 1 < d.size(); ++k)
+        if (const double slope = 0.5 * (fine.force[k + 1] - fine.force[k - 1]);
+            std::isfinite(slope) && std::isfinite(errors[k]))
+            d[k] = slope;
+    return d;
+}
+
+/// S of (1 + N N')^(-1/2) = 1 - N S N'.
+Eigen::MatrixXd shrinking(const Eigen::MatrixXd& N) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(N.transpose() * N);
+    Eigen::VectorXd s = eigen.eigenvalues().cwiseMax(0.0);
+    for (double& v : s) // (1 - 1/sqrt(1 + v)) / v, 1/2 where v vanishes
+        v = v > 1e-9 ? (1.0 - 1.0 / std::sqrt(1.0 + v)) / v : 0.5;
+    return eigen.eigenvectors() * s.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 } // namespace
 
 RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& coarse,
                     double peakForce, const MisfitSettings& s) {
     RowErrors out;
     const Eigen::Index n = run.force.size();
-    out.force = Eigen::VectorXd::Constant(n, s.shareOfPeak * peakForce);
+    out.force = Eigen::VectorXd::Constant(n, std::hypot(s.shareOfPeak * peakForce, noise.runToRun));
     out.markers = Eigen::VectorXd::Constant(run.markers.size(), std::hypot(noise.marker, s.markerPlace));
     double shortest = kMissing;
     for (const Leg& leg : run.legs)
@@ -105,7 +127,10 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.force =
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
         const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, spacing(run)) : noise.total();
-        part.zero = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
+        part.own.resize(run.force.size(), 2);
+        part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
+        part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
+        part.shrink = shrinking(part.own);
         addLandings(run, part);
         parts_.push_back(std::move(part));
         start_.push_back(start_.back() + run.rows());
@@ -140,8 +165,7 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& force, cons
         if (!std::isfinite(part.errors.force[k]))
             present[k] = 0.0; // is not looked at
     Eigen::VectorXd u = part.force.apply(present);
-    if (const double n2 = part.zero.squaredNorm(); n2 > 0.0)
-        u -= part.zero * (part.zero.dot(u) * (1.0 - 1.0 / std::sqrt(1.0 + n2)) / n2);
+    u -= part.own * (part.shrink * (part.own.transpose() * u));
     out.head(run.force.size()) = u;
     for (Eigen::Index k = 0; k < run.markers.size() && k < markers.size(); ++k)
         if (std::isfinite(part.errors.markers[k]))

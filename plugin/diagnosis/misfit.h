@@ -7,9 +7,10 @@
 //   peak (the limits measured for this simulator);
 // - snaps: there a curve's rows mean nothing, they are missing (Mask). Where the machine itself turns round, only the
 //   rows beside the turning point are;
-// - the force zero: the mean of the first stretch was subtracted from noise, which shifts the whole run. It is a normal
-//   variable with a known prior, integrated out by shrinking its direction:
-//   (1 + n n')^(-1/2) = 1 - n n' (1 - 1/sqrt(1 + |n|^2)) / |n|^2;
+// - the force zero: the mean of the first stretch was subtracted from noise, which shifts the whole run; and its clock,
+//   which agrees with the drive's to a tenth of a row. They are normal variables with known priors, integrated out by
+//   shrinking their directions N: (1 + N N')^(-1/2) = 1 - N S N';
+// - repeats scatter by more than their sensors: in every row, remembered as long as the simulation's error is;
 // - where a specimen comes to rest after a snap depends on how it flew: from one snap to the next each coordinate of
 //   each marker has a shift of its own, known to a tenth of a millimetre, integrated out in the same way.
 
@@ -30,6 +31,7 @@ struct MisfitSettings {
     double contactPlace = 3e-6;  ///< to which contact places agree, m
     double shareOfPeak = 1e-3;   ///< accuracy of a fine simulation, share of the peak force
     double markerPlace = 1.5e-5; ///< of a simulated marker, m
+    double clock = 0.1;          ///< rows by which clocks of reading and drive may differ
     double landing = 1e-4;       ///< to which the place after a snap is known, m
     double snapBefore = 0.1;     ///< s left out ahead of a snap
     double snapAfter = 0.3;      ///< and behind it
@@ -78,7 +80,9 @@ private:
     struct Part {
         RowErrors errors;
         Whitening force;
-        Eigen::VectorXd zero;                                      ///< whitened unit shift times its prior deviation
+        /// Whitened changes by what each run has of its own, times their prior deviations: zero of the force, clock.
+        Eigen::MatrixXd own;
+        Eigen::MatrixXd shrink; ///< u - own shrink own' u leaves out what they could have done
         std::vector<std::pair<Eigen::Index, Eigen::Index>> landed; ///< marker rows [from, to) that share a shift
     };
     static void addLandings(const RecordedRun& run, Part& part);

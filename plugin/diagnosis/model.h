@@ -33,6 +33,19 @@ struct Scalar {
     bool amplitude = false; ///< the effect is absent where all its amplitudes are 0
 };
 
+/// What the coefficients of a learned law mean, for words and pictures.
+struct Curve {
+    std::string over, unit; ///< the state, and its unit
+    std::string of;         ///< what changes with it: "friction", "bending stiffness", ...
+    bool relative = true;   ///< the law is a share of what is declared; otherwise it has `ofUnit`
+    std::string ofUnit;
+    double from = 0.0, to = 1.0; ///< of the state, where the spline ends
+    bool logarithmic = false;    ///< in the state
+    double scale = 1.0;          ///< of the law's value
+    /// The law at states, from its coefficients.
+    std::vector<double> (*evaluate)(const std::vector<double>& values, const std::vector<double>& at01) = nullptr;
+};
+
 /// An effect that may be missing, in one of its forms (a law, a specimen). Several candidates may share a label.
 struct Candidate {
     std::string label;
@@ -43,12 +56,16 @@ struct Candidate {
     /// Inner values at which it shows in experiments of this kind; starts of searches. The first is a size that
     /// matters.
     std::vector<std::vector<double>> probes;
+    /// A law to be learned: its values are coefficients of a spline of a state. It is no part of the catalogue.
+    bool learned = false;
+    Curve curve{}; ///< of a learned law
 };
 
 /// An effect with values.
 struct Term {
     std::size_t candidate = 0;
     std::vector<double> values; ///< inner
+    double smoothing = 1.0;     ///< of a learned law: weight of its roughness
 };
 
 /// Everything that is set in a simulation.
@@ -89,6 +106,9 @@ public:
     /// Deterministic; called from several threads at a time.
     [[nodiscard]] virtual Response simulate(std::size_t run, const Point& point, Fineness fineness,
                                             const std::atomic<bool>* interrupt) const = 0;
+    /// The point without what acts on readings only, and what that makes of them: such effects need no simulation.
+    [[nodiscard]] virtual Point simulated(const Point& point) const { return point; }
+    virtual void read(std::size_t, const Point&, Response&) const {}
     /// Runs that might tell rivals apart; none by default.
     [[nodiscard]] virtual std::vector<Design> designs() const { return {}; }
     [[nodiscard]] virtual DesignResponse simulateDesign(std::size_t, const Point&, const std::atomic<bool>*) const {

@@ -130,6 +130,38 @@ double markerNoiseOf(const Data& data) {
     return measured > 0.0 ? measured : data.statedMarkerNoise;
 }
 
+bool repeats(const RecordedRun& a, const RecordedRun& b) {
+    if (a.legs.size() != b.legs.size() || a.time.size() != b.time.size() || a.time.size() < 20)
+        return false;
+    for (std::size_t l = 0; l < a.legs.size(); ++l)
+        if (std::abs(a.legs[l].to - b.legs[l].to) > 1e-6 || std::abs(a.legs[l].speed - b.legs[l].speed) > 1e-9)
+            return false;
+    return (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3;
+}
+
+/// Sets runToRun and repeats. Robust, because snaps come a row earlier or later.
+void fromRepeats(const Data& data, Noise& noise) {
+    double sum = 0.0, rows = 0.0;
+    for (std::size_t a = 0; a < data.runs.size(); ++a)
+        for (std::size_t b = a + 1; b < data.runs.size(); ++b) {
+            if (!repeats(data.runs[a], data.runs[b]))
+                continue;
+            ++noise.repeats;
+            std::vector<double> d;
+            for (Eigen::Index k = 0; k < data.runs[a].force.size(); ++k)
+                if (const double x = data.runs[a].force[k] - data.runs[b].force[k]; std::isfinite(x))
+                    d.push_back(x);
+            const double middle = median(d);
+            for (double& x : d)
+                x = std::abs(x - middle);
+            const double scale = kMadToSigma * median(d);
+            sum += 0.5 * scale * scale * static_cast<double>(d.size());
+            rows += static_cast<double>(d.size());
+        }
+    if (rows > 0.0)
+        noise.runToRun = std::sqrt(std::max(0.0, sum / rows - noise.total() * noise.total()));
+}
+
 /// Of poses nothing rests: white noise from fourth differences, in which a swing of ten rows and more leaves nothing
 /// (1e-3 of its amplitude at ten rows a radian), the rest of what is stated remembers.
 Noise freeNoise(const Data& data) {
@@ -205,12 +237,18 @@ Noise estimateNoise(const Data& data) {
             }
     for (const Quiet& q : quiet)
         best.quietSeconds += q.time[q.time.size() - 1] - q.time[0];
-    char words[200];
-    std::snprintf(words, sizeof words,
-                  "%.1f s of rest in %zu stretches and neighbouring rows of all runs, with the stated size as a prior; "
-                  "no repeats were recorded",
-                  best.quietSeconds, quiet.size());
+    fromRepeats(data, best);
+    char words[280];
+    std::snprintf(
+        words, sizeof words,
+        "%.1f s of rest in %zu stretches and neighbouring rows of all runs, with the stated size as a prior; ",
+        best.quietSeconds, quiet.size());
     best.source = words;
+    if (best.repeats > 0)
+        std::snprintf(words, sizeof words, "%zu repeats scatter by %.3g N beyond it", best.repeats, best.runToRun);
+    else
+        std::snprintf(words, sizeof words, "no repeats were recorded");
+    best.source += words;
     return best;
 }
 

@@ -7,6 +7,10 @@
 // over all rows, whose expectation is 6 s^2 + c^2 (6 - 8 phi + 2 phi^2), with two priors: the stated total is right
 // within about 30 % (a normal of 20 % in its logarithm), and c/s lies within a factor of about 1.6 around 0.55.
 //
+// Runs that repeat another one (same drive, same rows) differ by more than their sensors: half the variance of their
+// difference, its mean and the sensor's part taken out, is the scatter from run to run. Without repeats it is unknown
+// and taken as zero; the source says so.
+//
 // Source: restricted likelihood: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320; scale by the median of absolute
 // values: P. J. Huber, E. M. Ronchetti, "Robust Statistics", 2nd ed. (2009), 5.1.
 
@@ -23,6 +27,8 @@ struct Noise {
     double marker = 0.0;   ///< m, per coordinate
     std::string source;    ///< in words
     double quietSeconds = 0.0;
+    double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N
+    std::size_t repeats = 0; ///< runs that repeat another one
     [[nodiscard]] double total() const;
     /// Standard deviation of the mean over `span` seconds with rows `dt` apart, N.
     [[nodiscard]] double ofMean(double span, double dt) const;

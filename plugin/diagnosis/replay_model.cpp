@@ -4,6 +4,7 @@
 #include "plugin/diagnosis/replay_model.h"
 
 #include "plugin/diagnosis/designs.h"
+#include "plugin/diagnosis/store.h"
 #include "plugin/record/text.h"
 #include "plugin/replay/parameters.h"
 #include "plugin/replay/simulate.h"
@@ -85,7 +86,80 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
 } // namespace
 
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without)
-    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without)) {}
+    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without)) {
+    const Sizes s = sizesOf(e);
+    travel_ = s.travel;
+    duration_ = s.duration;
+}
+
+Point ReplayModel::simulated(const Point& point) const {
+    Point out = point;
+    out.terms.clear();
+    for (const Term& t : point.terms)
+        if (menu_.recipes[t.candidate].reading == Reading::None)
+            out.terms.push_back(t);
+    return out;
+}
+
+void ReplayModel::read(std::size_t run, const Point& point, Response& response) const {
+    const std::vector<double>& time = experiment_.runs[run].readings.time;
+    if (response.force.size() != static_cast<Eigen::Index>(time.size()))
+        return;
+    for (const bool gain : {true, false}) // the chain multiplies first
+        for (const Term& t : point.terms)
+            if (const Reading r = menu_.recipes[t.candidate].reading;
+                r != Reading::None && (r == Reading::Gain) == gain)
+                addReading(t, run, time, response.force);
+}
+
+void ReplayModel::addReading(const Term& term, std::size_t run, const std::vector<double>& time,
+                             Eigen::VectorXd& force) const {
+    const Recipe& recipe = menu_.recipes[term.candidate];
+    const experiment::Run& recorded = experiment_.runs[run];
+    // What is added shows in the zero too, which is the mean of the first stretch.
+    const auto add = [&](Eigen::VectorXd& to, const std::vector<double>& at, const auto& value) {
+        double zero = 0.0, count = 0.0;
+        for (std::size_t k = 0; k < at.size(); ++k) {
+            const double v = value(k);
+            to[static_cast<Eigen::Index>(k)] += v;
+            if (at[k] < at.front() + experiment_.sensors.forceZeroWindow) {
+                zero += v;
+                count += 1.0;
+            }
+        }
+        if (count > 0.0)
+            to.array() -= zero / count;
+    };
+    if (recipe.reading == Reading::Gain || recipe.reading == Reading::Drift) {
+        effects::Setting setting = recipe.base;
+        for (std::size_t i = 0; i < term.values.size(); ++i)
+            setting.values[recipe.parameterAt[i]] =
+                outer(menu_.candidates[term.candidate].parameters[i].scale, term.values[i]);
+        const effects::SensorModel sensor = effects::modelFor({setting}, "all").sensor;
+        force *= 1.0 + sensor.gain;
+        if (recipe.reading == Reading::Drift)
+            add(force, time, [&](std::size_t k) {
+                const double age = std::max(0.0, time[k] - recorded.driveTime.front());
+                return sensor.driftRate * age - sensor.drift * std::expm1(-age / sensor.driftTime);
+            });
+        return;
+    }
+    const Curve& curve = menu_.candidates[term.candidate].curve;
+    double direction = 1.0;
+    add(force, time, [&](std::size_t k) {
+        std::size_t i = 1;
+        while (i + 1 < recorded.driveTime.size() && time[k] > recorded.driveTime[i])
+            ++i;
+        const double t0 = recorded.driveTime[i - 1], d0 = recorded.driveDisplacement[i - 1];
+        const double way = recorded.driveDisplacement[i] - d0, span = recorded.driveTime[i] - t0;
+        const double d = d0 + way * std::clamp((time[k] - t0) / span, 0.0, 1.0);
+        direction = way != 0.0 ? std::copysign(1.0, way) : direction;
+        const double at =
+            recipe.reading == Reading::ByTime ? (time[k] - recorded.driveTime.front()) / duration_ : d / travel_;
+        const double value = curve.scale * curve.evaluate(term.values, {at}).front();
+        return recipe.reading == Reading::ByDirection ? direction * value : value;
+    });
+}
 
 std::string ReplayModel::parametersAt(const Point& point, replay::Parameters& p) const {
     p = replay::nominal(experiment_);
@@ -94,6 +168,8 @@ std::string ReplayModel::parametersAt(const Point& point, replay::Parameters& p)
             return why;
     for (const Term& t : point.terms) {
         const Recipe& recipe = menu_.recipes[t.candidate];
+        if (recipe.reading != Reading::None && recipe.parameterAt.empty())
+            continue; // a learned one has no setting
         effects::Setting setting = recipe.base;
         for (std::size_t i = 0; i < t.values.size(); ++i) {
             const Scalar& s = menu_.candidates[t.candidate].parameters[i];
@@ -110,10 +186,16 @@ namespace {
 /// A search may ask for values at which every step is tiny. The limit counts steps, not time: the same everywhere.
 replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t run, const replay::Parameters& p,
                                  const replay::Resolution& resolution, const std::atomic<bool>* interrupt) {
-    constexpr int kMostSteps = 15000;
+    double way = 0.0, time = 0.0; // of the drive, m, s
+    for (std::size_t i = 1; i < e.runs[run].driveTime.size(); ++i) {
+        if (i < e.runs[run].driveDisplacement.size()) // free scenes have none
+            way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
+        time = e.runs[run].driveTime[i] - e.runs[run].driveTime.front();
+    }
+    const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / resolution.dtMax);
     std::atomic<bool> enough{false};
     int steps = 0;
-    const auto count = [&](double) { enough = ++steps > kMostSteps || (interrupt != nullptr && interrupt->load()); };
+    const auto count = [&](double) { enough = ++steps > most || (interrupt != nullptr && interrupt->load()); };
     replay::Simulated s = replay::simulate(e, run, p, resolution, {&enough, count});
     if (s.failure.empty() && s.stopped)
         s.failure = "too many steps";
@@ -166,7 +248,7 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
 }
 
 std::string ReplayModel::identity() const {
-    std::string id = experiment_.file + "\n";
+    std::string id = experiment_.file + "\n" + simulatorStamp() + "\n";
     if (experiment_.scene)
         id += experiment_.scene->text + "\n";
     const auto add = [&](double v) {
@@ -191,6 +273,9 @@ std::string ReplayModel::identity() const {
         for (const Scalar& s : c.parameters)
             id += ' ' + s.name;
     }
+    for (const Recipe& r : menu_.recipes)
+        for (const double v : r.base.values)
+            add(std::isfinite(v) ? v : -1.0);
     return id;
 }
 

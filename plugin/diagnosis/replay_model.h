@@ -20,6 +20,8 @@ public:
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return menu_.candidates; }
     [[nodiscard]] Response simulate(std::size_t run, const Point& point, Fineness fineness,
                                     const std::atomic<bool>* interrupt) const override;
+    [[nodiscard]] Point simulated(const Point& point) const override;
+    void read(std::size_t run, const Point& point, Response& response) const override;
     [[nodiscard]] std::vector<Design> designs() const override;
     [[nodiscard]] DesignResponse simulateDesign(std::size_t index, const Point& point,
                                                 const std::atomic<bool>* interrupt) const override;
@@ -27,11 +29,13 @@ public:
 
 private:
     /// Empty, or why the point is none.
+    void addReading(const Term& term, std::size_t run, const std::vector<double>& time, Eigen::VectorXd& force) const;
     std::string parametersAt(const Point& point, replay::Parameters& parameters) const;
 
     const experiment::Experiment& experiment_;
     std::vector<Scalar> nominal_;
     Menu menu_;
+    double travel_ = 1.0, duration_ = 1.0; ///< by which learned readings are measured: m, s
 };
 
 } // namespace supercircle::diagnosis

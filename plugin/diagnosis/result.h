@@ -25,6 +25,7 @@ struct FoundEffect {
     std::string label, slot, form, law;
     double probability = 0.0;
     std::vector<std::string> group; ///< labels that these runs cannot tell from it, itself first
+    std::vector<std::string> with;  ///< labels that act beside it in its best model
     std::vector<FittedParameter> parameters;
     double gain = 0.0, gainError = 0.0;           ///< held-out log score over "nothing"
     double trainingRmse = 0.0, heldOutRmse = 0.0; ///< N
@@ -38,6 +39,18 @@ struct SeenEffect {
     double absorbed = 0.0; ///< share of its signature that the nominal parameters can imitate
     double visible = 0.0;  ///< smallest size seen with 80 % power, in units of a size that matters
     double reading = 0.0;  ///< |signature| of a size that matters, noise units
+};
+
+/// A law that was learned, at 41 places of its state.
+struct LearnedLaw {
+    std::string label, slot, law, words;
+    std::string of, ofUnit, over, overUnit; ///< what changes with what
+    bool logarithmic = false;               ///< in the state
+    std::vector<double> at, value, deviation;
+    std::vector<bool> visited;                  ///< elsewhere the runs say nothing
+    double change = 0.0, changeDeviation = 0.0; ///< from one end of what was visited to the other
+    double probability = 0.0, gain = 0.0, gainError = 0.0;
+    double heldOutRmse = 0.0; ///< N
 };
 
 struct NominalResult {
@@ -75,6 +88,7 @@ struct Diagnosis {
     Localisation mismatch, left;      ///< of the nominal fit; of the best effect's
     std::vector<FoundEffect> effects; ///< most probable first
     std::vector<SeenEffect> seen;     ///< whole catalogue
+    std::vector<LearnedLaw> learned;  ///< best first
     double nothing = 0.0, unknown = 0.0;
     double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
     bool improved = false; ///< whether the last two mean something

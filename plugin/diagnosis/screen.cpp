@@ -15,28 +15,6 @@ bool bothSigns(const Candidate& c) {
                        [](const Scalar& s) { return s.amplitude && s.lower < s.value; });
 }
 
-/// Best stretch of a signature beside the nominal parameters, and the gain.
-void explain(const Fitted& nominal, const Variables& v, const Eigen::MatrixXd& G, const Eigen::VectorXd& g,
-             const Eigen::VectorXd& s, bool both, Screened& out) {
-    const Eigen::Index n = v.size();
-    Eigen::MatrixXd all(n + 1, n + 1);
-    all.topLeftCorner(n, n) = G;
-    all.topRightCorner(n, 1) = nominal.jacobian.transpose() * s;
-    all.bottomLeftCorner(1, n) = all.topRightCorner(n, 1).transpose();
-    all(n, n) = s.squaredNorm();
-    Eigen::VectorXd right(n + 1), lower(n + 1), upper(n + 1);
-    right << g, s.dot(nominal.residual);
-    constexpr double kFar = 4.0; // a signature is not believed farther than this many probes
-    lower << v.lower - nominal.x, (both ? -kFar : 0.0);
-    upper << v.upper - nominal.x, kFar;
-    const Eigen::VectorXd x = boxMinimum(all, right, lower, upper);
-    const Eigen::VectorXd alone =
-        boxMinimum(G, g, v.lower - nominal.x, v.upper - nominal.x); // the fit need not be perfect
-    const double with = x.dot(all * x) - 2.0 * right.dot(x), without = alone.dot(G * alone) - 2.0 * g.dot(alone);
-    out.stretch = x[n];
-    out.gain = std::max(0.0, without - with);
-}
-
 } // namespace
 
 std::vector<double> stretched(const Candidate& c, const std::vector<double>& values, double factor) {
@@ -49,7 +27,32 @@ std::vector<double> stretched(const Candidate& c, const std::vector<double>& val
     return out;
 }
 
-std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal) {
+/// Best stretch of a signature beside what is fitted already, and the gain.
+void explain(const Fitted& fitted, const Variables& v, const Candidate& candidate, Screened& out) {
+    const Eigen::VectorXd& s = out.signature;
+    const Eigen::Index n = v.size();
+    const Eigen::MatrixXd G = fitted.jacobian.transpose() * fitted.jacobian;
+    const Eigen::VectorXd g = fitted.jacobian.transpose() * fitted.residual;
+    Eigen::MatrixXd all(n + 1, n + 1);
+    all.topLeftCorner(n, n) = G;
+    all.topRightCorner(n, 1) = fitted.jacobian.transpose() * s;
+    all.bottomLeftCorner(1, n) = all.topRightCorner(n, 1).transpose();
+    all(n, n) = s.squaredNorm();
+    Eigen::VectorXd right(n + 1), lower(n + 1), upper(n + 1);
+    right << g, s.dot(fitted.residual);
+    constexpr double kFar = 4.0; // a signature is not believed farther than this many probes
+    lower << v.lower - fitted.x, (bothSigns(candidate) ? -kFar : 0.0);
+    upper << v.upper - fitted.x, kFar;
+    const Eigen::VectorXd x = boxMinimum(all, right, lower, upper);
+    const Eigen::VectorXd alone =
+        boxMinimum(G, g, v.lower - fitted.x, v.upper - fitted.x); // the fit need not be perfect
+    const double with = x.dot(all * x) - 2.0 * right.dot(x), without = alone.dot(G * alone) - 2.0 * g.dot(alone);
+    out.stretch = x[n];
+    out.gain = std::max(0.0, without - with);
+    out.values = stretched(candidate, out.values, out.stretch);
+}
+
+std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share) {
     const std::vector<Candidate>& candidates = evaluator.model().candidates();
     std::vector<Point> points = {nominal.point};
     std::vector<Screened> all;
@@ -61,26 +64,24 @@ std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const F
             s.values = candidates[c].probes[p];
             all.push_back(s);
             points.push_back(nominal.point);
-            points.back().terms.push_back({c, s.values});
+            points.back().terms.push_back({c, share == 1.0 ? s.values : stretched(candidates[c], s.values, share)});
         }
     const auto answers = evaluator.everywhere(points, Fineness::Coarse);
     const Variables v(evaluator.model(), nominal.point);
     const Eigen::MatrixXd Q = basisOf(nominal.jacobian);
-    const Eigen::MatrixXd G = nominal.jacobian.transpose() * nominal.jacobian;
-    const Eigen::VectorXd g = nominal.jacobian.transpose() * nominal.residual;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const auto signature = misfit.difference(answers[i + 1], answers[0]);
+        auto signature = misfit.difference(answers[i + 1], answers[0]);
         if (!signature)
             continue;
+        *signature /= share;
         Screened& s = all[i];
         s.simulated = true;
         s.size = signature->norm();
         s.own = (*signature - Q * (Q.transpose() * *signature)).norm();
         if (s.size <= 1e-6)
             continue;
-        explain(nominal, v, G, g, *signature, bothSigns(candidates[s.candidate]), s);
-        s.values = stretched(candidates[s.candidate], s.values, s.stretch);
         s.signature = *signature;
+        explain(nominal, v, candidates[s.candidate], s);
     }
     return all;
 }

@@ -32,7 +32,12 @@ struct Screened {
 };
 
 /// One entry per probe of every candidate, in their order.
-std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal);
+/// @param share of the probes' sizes at which effects are simulated; signatures are stretched back
+std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share = 1.0);
+
+/// Sets gain, stretch and values of a probe whose signature is known, against the residual of a fit.
+/// @param out its values are those of the probe
+void explain(const Fitted& fitted, const Variables& variables, const Candidate& candidate, Screened& out);
 
 /// The values of a candidate with its amplitudes multiplied by `factor`, inside its bounds.
 std::vector<double> stretched(const Candidate& candidate, const std::vector<double>& values, double factor);

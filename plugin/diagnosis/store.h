@@ -13,6 +13,9 @@
 
 namespace supercircle::diagnosis {
 
+/// Checksum of the simulator's sources (made by the build).
+const char* simulatorStamp();
+
 class Store {
 public:
     Store() = default;

@@ -9,10 +9,6 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-double dispersionOf(const HeldOut& h) {
-    return h.rows.sum() > 0.0 ? h.energy.sum() / h.rows.sum() : 1.0;
-}
-
 Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double floor) {
     const double rows = std::max(1.0, nothing.rows.sum());
     // Pure noise has an energy of `rows` give or take sqrt(2 rows), and the noise's size is known to some 5 %.
@@ -23,10 +19,17 @@ Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double f
     return -(0.5 * floor / dispersion + cost / rows) * nothing.rows - 0.5 * nothing.volume;
 }
 
-void improvementOf(const HeldOut& from, const HeldOut& to, Random& random, Weighed& out) {
+} // namespace
+
+double dispersionOf(const HeldOut& h) {
+    return h.rows.sum() > 0.0 ? h.energy.sum() / h.rows.sum() : 1.0;
+}
+
+void improvementOf(const HeldOut& from, const HeldOut& to, std::uint64_t seed, double& share, Interval& ci90) {
     constexpr int kDraws = 1000;
     const auto fall = [](double a, double b) { return a > 0.0 ? 1.0 - std::sqrt(b / a) : 0.0; };
-    out.improvement = fall(from.energy.sum(), to.energy.sum());
+    share = fall(from.energy.sum(), to.energy.sum());
+    Random random(seed);
     std::vector<double> draws;
     for (int d = 0; d < kDraws; ++d) {
         double a = 0.0, b = 0.0;
@@ -38,11 +41,8 @@ void improvementOf(const HeldOut& from, const HeldOut& to, Random& random, Weigh
         draws.push_back(fall(a, b));
     }
     std::sort(draws.begin(), draws.end());
-    out.improvementLow = draws[kDraws / 20];
-    out.improvementHigh = draws[kDraws - 1 - kDraws / 20];
+    ci90 = {draws[kDraws / 20], draws[kDraws - 1 - kDraws / 20]};
 }
-
-} // namespace
 
 Paired paired(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     const Eigen::VectorXd d = a - b;
@@ -57,6 +57,14 @@ bool alike(const HeldOut& a, const HeldOut& b, double distance, double dispersio
     const Paired p = paired(a.score(dispersion), b.score(dispersion));
     return std::abs(p.difference) < 2.0 * p.error && std::abs(p.difference) < 8.0;
 }
+
+namespace {
+
+/// Two simulators' common differences are worth this share of what an effect explains: a second effect or a learned law
+/// that adds less is not believed.
+constexpr double kMaterial = 0.03;
+
+} // namespace
 
 double surprise(double p) {
     constexpr double kE = 2.718281828459045;
@@ -110,8 +118,6 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);
     }
-    if (!out.gain.empty())
-        out.best = static_cast<std::size_t>(std::max_element(out.gain.begin(), out.gain.end()) - out.gain.begin());
     // Effects that were not worth a fit do not foretell better than nothing does; their prior stays with it.
     prior[0] += 0.6 * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
     Random random(given.seed);
@@ -126,8 +132,11 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
         if (out.gainLow[m] <= 0.0)
             s.col(at) = s.col(at).cwiseMin(raw.col(0));
         for (const std::size_t part : m < given.parts.size() ? given.parts[m] : std::vector<std::size_t>{})
-            if (lowEnd(raw, at, static_cast<Eigen::Index>(part) + 2) <= 0.0)
+            if (lowEnd(raw, at, static_cast<Eigen::Index>(part) + 2) <= 0.0 ||
+                out.gain[m] - out.gain[part] < kMaterial * out.gain[part])
                 prior[m + 2] = 0.0; // says no more than a part of it
+        if (prior[m + 2] > 0.0 && (prior[out.best + 2] <= 0.0 || out.gain[m] > out.gain[out.best]))
+            out.best = m;
     }
     if (!effects.empty()) {
         const double left = dispersionOf(effects[out.best]) - 1.0;
@@ -148,9 +157,8 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
         }
         // The mean evidence for "something", in units of that for "nothing".
         const double factor = std::log(std::max(something / share, 1e-300)) - (s(d, 0) - top);
-        if (factor > most) {
+        if (factor > most)
             mass[0] = std::max(mass[0], prior[0] * something / share * std::exp(-most));
-        }
         mass /= mass.sum();
         for (std::size_t m = 0; m < sum.size(); ++m)
             sum[m] += mass[static_cast<Eigen::Index>(m)] / kDraws;
@@ -158,8 +166,6 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
     out.nothing = sum[0];
     out.unknown = sum[1];
     out.effects.assign(sum.begin() + 2, sum.end());
-    if (!effects.empty())
-        improvementOf(nothing, effects[out.best], random, out);
     return out;
 }
 

@@ -26,6 +26,7 @@
 // (dispersion).
 
 #include "plugin/diagnosis/heldout.h"
+#include "plugin/diagnosis/result.h"
 
 #include <cstdint>
 #include <string>
@@ -42,8 +43,7 @@ struct Weighed {
     std::vector<double> gain, gainError; ///< of the score over "nothing", and its standard error over blocks
     double dispersion = 1.0;
     bool rejected = false; ///< the best model leaves too much on unseen rows
-    double improvement = 0.0, improvementLow = 0.0, improvementHigh = 0.0; ///< of the best: fall of the error, 90 %
-    std::size_t best = 0; ///< the highest score; meaningless without effects
+    std::size_t best = 0;  ///< the highest score of those without `parts` or beyond them; meaningless without effects
 };
 
 struct Weighing {
@@ -59,6 +59,12 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
 
 /// Logarithm of the largest Bayes factor against "nothing" that a p-value allows, >= 0.
 double surprise(double p);
+
+/// Standardised squared error per row on unseen rows.
+double dispersionOf(const HeldOut& held);
+
+/// By which share the error on unseen rows falls, with 90 % of the bootstrap over blocks.
+void improvementOf(const HeldOut& from, const HeldOut& to, std::uint64_t seed, double& share, Interval& ci90);
 
 /// Whether two models cannot be told apart: their predictions lie within three noise units, or their scores within two
 /// standard errors of the paired difference.

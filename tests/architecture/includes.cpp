@@ -74,7 +74,7 @@ const std::vector<Rule>& rules() {
          {}},
         {"plugin/diagnosis/",
          {"plugin/include/", "plugin/diagnosis/", "plugin/experiment/", "plugin/replay/", "plugin/record/",
-          "supercircle/effects/effect.h", "supercircle/parallel/"},
+          "supercircle/effects/effect.h", "supercircle/effects/spline.h", "supercircle/parallel/"},
          {"Eigen/", "boost/math/"},
          {}},
         {"plugin/calibration/",

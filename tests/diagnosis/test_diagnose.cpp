@@ -57,6 +57,54 @@ TEST_CASE("an effect that is not in the catalogue is not given another's name", 
     CHECK(d.mismatch.p <= 0.05);
 }
 
+TEST_CASE("the weights and the verdict are one statement", "[diagnosis]") {
+    for (std::uint64_t seed = 40; seed < 52; ++seed) {
+        // From nothing to an effect that is just seen.
+        const Data data = toy::recordings(seed, "dashpot", 0.4 * static_cast<double>(seed - 40));
+        const toy::Spring spring(data);
+        const Diagnosis d = run(data, spring);
+        INFO(d.verdict << ": nothing " << d.nothing << ", unknown " << d.unknown << ", p " << d.mismatch.p);
+        CHECK((d.nothing >= 0.5) == (d.verdict == "nothing_missing" || d.verdict == "not_enough_information"));
+        // No rival gains what the whole search does not show; a catalogue of three gives each of them a fifth.
+        CHECK((d.mismatch.p > 0.3 ? d.nothing >= 0.29 : true));
+        double sum = d.nothing + d.unknown;
+        for (const FoundEffect& e : d.effects)
+            sum += e.probability;
+        CHECK(sum == Approx(1.0).epsilon(1e-9)); // no pairs here
+    }
+}
+
+TEST_CASE("a law that nobody named is learned and put into words", "[diagnosis]") {
+    const Data data = toy::recordings(18, "cubic", 6e5); // 0.6 N at the end, with the stiffness at its bound less
+    const toy::Spring spring(data, true, true);
+    const Diagnosis d = run(data, spring);
+    INFO(d.statement);
+    CHECK(d.verdict == "unexplained");
+    REQUIRE_FALSE(d.learned.empty());
+    const LearnedLaw& law = d.learned.front();
+    CHECK(law.probability > 0.5);
+    // Against the straight part that the stiffness takes: the second difference over the visited range.
+    const double stiffness = d.nominal.front().fitted;
+    INFO(law.words << "; stiffness " << stiffness);
+    const double bend = law.value[36] - 2.0 * law.value[20] + law.value[4];
+    const auto cubic = [&](int i) { return 6e5 * std::pow(law.at[static_cast<std::size_t>(i)], 3.0); };
+    CHECK(bend == Approx(cubic(36) - 2.0 * cubic(20) + cubic(4)).epsilon(0.1));
+    CHECK(law.words.find("added force") == 0);
+}
+
+TEST_CASE("scatter between repeats is measured and counted", "[diagnosis]") {
+    Data data = toy::recordings(19);
+    data.runs[1] = toy::motion("again", 1e-3, 25.0);
+    data.runs[1].force = data.runs[0].force;
+    Random random(7);
+    toy::addNoise(data.runs[1], random);
+    CHECK(estimateNoise(data).repeats == 1);
+    CHECK(estimateNoise(data).runToRun < 0.01);
+    for (Eigen::Index k = 0; k < data.runs[1].force.size(); ++k)
+        data.runs[1].force[k] += 0.08 * std::sin(0.9 * data.runs[1].time[k]); // half the variance: 0.04 rms
+    CHECK(estimateNoise(data).runToRun == Approx(0.04).epsilon(0.35));        // a sine is no normal variable
+}
+
 TEST_CASE("parameters that differ from run to run are seen", "[diagnosis]") {
     const Data data = toy::recordings(14, "dashpot", 20.0);
     const toy::Spring spring(data);

@@ -4,6 +4,9 @@
 #include "plugin/diagnosis/diagnose.h"
 #include "plugin/diagnosis/random.h"
 
+#include "supercircle/effects/spline.h"
+
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -44,7 +47,8 @@ inline RecordedRun motion(const std::string& name, double speed, double rate) {
 /// Force = stiffness x + friction sign(v) + what is added.
 class Spring final : public Model {
 public:
-    explicit Spring(const Data& data, bool dashpot = true) : data_(data) {
+    /// @param learns offers a law of displacement to be learned, and no cubic
+    explicit Spring(const Data& data, bool dashpot = true, bool learns = false) : data_(data) {
         nominal_ = {{"stiffness", "N/m", "", 100.0, 94.0, 106.0, 6.0, Scale::Linear, false},
                     {"friction", "N", "", 0.1, 0.05, 0.15, 0.05, Scale::Linear, false}};
         if (dashpot)
@@ -56,6 +60,18 @@ public:
                                    {{5.0}}});
         candidates_.push_back(
             {"drift", "sensor", "", "a t", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-3, Scale::Linear, true}}, {{5e-3}}});
+        if (learns) {
+            Candidate c;
+            c.label = "learned_force";
+            c.slot = "material";
+            c.law = "S(x)";
+            c.learned = true;
+            c.curve = {"displacement", "m", "added force", false, "N", 0.0, 0.01, false, 1.0, law};
+            for (int k = 1; k <= 7; ++k)
+                c.parameters.push_back({"c" + std::to_string(k), "N", "", 0.0, -9.0, 9.0, 0.02, Scale::Linear, true});
+            candidates_.push_back(c);
+            return;
+        }
         candidates_.push_back({"cubic",
                                "material",
                                "",
@@ -77,10 +93,22 @@ public:
             double f = p.nominal[0] * x + p.nominal[1] * (v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0);
             for (const Term& t : p.terms) {
                 const std::string& label = candidates_[t.candidate].label;
-                f += t.values[0] * (label == "dashpot" ? v : label == "drift" ? run.time[k] : x * x * x);
+                if (label == "learned_force")
+                    f += law(t.values, {100.0 * x}).front();
+                else
+                    f += t.values[0] * (label == "dashpot" ? v : label == "drift" ? run.time[k] : x * x * x);
             }
             out.force[k] = f;
         }
+        return out;
+    }
+
+    static std::vector<double> law(const std::vector<double>& values, const std::vector<double>& at) {
+        supercircle::effects::SplineCoefficients c{};
+        std::copy_n(values.begin(), 7, c.begin());
+        std::vector<double> out;
+        for (const double x : at)
+            out.push_back(supercircle::effects::evaluateSpline(c, x).value);
         return out;
     }
 

@@ -24,10 +24,10 @@ std::vector<Vec2> alongTime(const Trace& trace, const std::vector<Vec2>& path, c
 
 } // namespace
 
-Resolution coarse() {
+Resolution coarse(std::size_t rods) {
     Resolution r;
-    r.edges = 60;
-    r.travel = 8e-5;
+    r.edges = rods > 1 ? 40 : 60;
+    r.travel = rods > 1 ? 1.2e-4 : 8e-5;
     return r;
 }
 
@@ -64,7 +64,7 @@ Clean simulate(const Description& d, const Setup& truth, const Resolution& resol
 
 Absorber::Absorber(const Description& d, const Offsets& offsets, const Nuisance& noise)
     : d_(d), offsets_(offsets), noise_(noise) {
-    const Clean base = simulate(d, trueSetup(d, offsets, {}), coarse());
+    const Clean base = simulate(d, trueSetup(d, offsets, {}), coarse(d.nominal.specimens.size()));
     failure_ = base.failure;
     if (!failure_.empty())
         return;
@@ -76,7 +76,7 @@ Absorber::Absorber(const Description& d, const Offsets& offsets, const Nuisance&
         Offsets o = offsets;
         const double step = o.*members[k] > 0.0 ? -0.3 : 0.3;
         o.*members[k] += step;
-        const Clean moved = simulate(d, trueSetup(d, o, {}), coarse());
+        const Clean moved = simulate(d, trueSetup(d, o, {}), coarse(d.nominal.specimens.size()));
         if (!moved.failure.empty()) {
             failure_ = moved.failure;
             return;
@@ -100,7 +100,7 @@ Eigen::VectorXd Absorber::stack(const Clean& c) const {
 }
 
 std::optional<Eigen::VectorXd> Absorber::left(const Effects& effects) const {
-    const Clean with = simulate(d_, trueSetup(d_, offsets_, effects), coarse());
+    const Clean with = simulate(d_, trueSetup(d_, offsets_, effects), coarse(d_.nominal.specimens.size()));
     if (!with.failure.empty())
         return std::nullopt;
     Eigen::VectorXd g = (stack(with) - base_).cwiseMax(-300.0).cwiseMin(300.0); // a shifted jump is not everything

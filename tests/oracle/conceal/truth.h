@@ -19,7 +19,8 @@ struct Clean {
     double largestChange = 0.0;                          ///< of curvature, 1/m
 };
 Clean simulate(const Description& d, const Setup& truth, const Resolution& resolution);
-Resolution coarse();
+/// Two rods meet anywhere: their systems are expensive, and a design needs no more than a tenth.
+Resolution coarse(std::size_t rods);
 
 struct Window {
     std::string run;

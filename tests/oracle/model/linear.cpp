@@ -75,7 +75,7 @@ private:
 
 class Sparse : public LinearSystem {
 public:
-    explicit Sparse(int size) : n_(size), fixed_(size_t(size), false) {}
+    explicit Sparse(int size) : n_(size), fixed_(size_t(size), false), pattern_(size, size) {}
 
     void clear() override {
         entries_.clear();
@@ -83,25 +83,57 @@ public:
     }
     void add(int row, int column, double value) override { entries_.emplace_back(row, column, value); }
     void fix(int row) override { fixed_[size_t(row)] = true; }
+    /// The order of elimination is kept as long as the entries fit into the pattern it was made for.
     bool factor() override {
-        std::vector<Eigen::Triplet<double>> kept;
-        for (const auto& e : entries_)
-            if (!fixed_[size_t(e.row())])
-                kept.push_back(e);
-        for (int i = 0; i < n_; ++i)
-            if (fixed_[size_t(i)])
-                kept.emplace_back(i, i, 1.0);
-        Eigen::SparseMatrix<double> a(n_, n_);
-        a.setFromTriplets(kept.begin(), kept.end());
-        lu_.compute(a);
+        if (!fill()) {
+            if (pattern_.nonZeros() > 40 * n_) // contacts wander: what is long past is forgotten
+                pattern_.resize(n_, n_);
+            std::vector<Eigen::Triplet<double>> all;
+            for (int j = 0; j < pattern_.outerSize(); ++j)
+                for (Eigen::SparseMatrix<double>::InnerIterator it(pattern_, j); it; ++it)
+                    all.emplace_back(it.row(), it.col(), 0.0);
+            for (const auto& e : entries_)
+                all.emplace_back(e.row(), e.col(), 0.0);
+            for (int i = 0; i < n_; ++i)
+                all.emplace_back(i, i, 0.0);
+            pattern_.resize(n_, n_);
+            pattern_.setFromTriplets(all.begin(), all.end());
+            lu_.analyzePattern(pattern_);
+            fill();
+        }
+        lu_.factorize(pattern_);
         return lu_.info() == Eigen::Success;
     }
     [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const override { return lu_.solve(right); }
 
 private:
+    /// @return whether every entry has its place
+    bool fill() {
+        if (pattern_.nonZeros() == 0)
+            return false;
+        std::fill_n(pattern_.valuePtr(), pattern_.nonZeros(), 0.0);
+        for (const auto& e : entries_) {
+            double* at = find(e.row(), e.col());
+            if (at == nullptr)
+                return false;
+            *at += fixed_[size_t(e.row())] ? 0.0 : e.value();
+        }
+        for (int i = 0; i < n_; ++i)
+            if (fixed_[size_t(i)])
+                *find(i, i) = 1.0;
+        return true;
+    }
+    double* find(int row, int column) {
+        const int* rows = pattern_.innerIndexPtr();
+        const int *from = rows + pattern_.outerIndexPtr()[column], *to = rows + pattern_.outerIndexPtr()[column + 1];
+        const int* at = std::lower_bound(from, to, row);
+        return at == to || *at != row ? nullptr : pattern_.valuePtr() + (at - rows);
+    }
+
     int n_;
     std::vector<bool> fixed_;
     std::vector<Eigen::Triplet<double>> entries_;
+    Eigen::SparseMatrix<double> pattern_;
     Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
 };
 

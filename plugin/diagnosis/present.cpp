@@ -1,0 +1,104 @@
+#include "plugin/diagnosis/present.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::diagnosis {
+
+using Index = Eigen::Index;
+
+FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& t, std::size_t shown) {
+    const std::vector<Candidate>& candidates = model.candidates();
+    const Candidate& c = candidates[t.candidates[shown]];
+    FoundEffect e;
+    e.label = c.label;
+    e.slot = c.slot;
+    e.form = c.form;
+    e.law = c.law;
+    e.trainingRmse = forceRmse(misfit, t.fit.responses);
+    e.heldOutRmse = t.held.forceRmse;
+    e.misfitPerRow = t.fit.misfit / static_cast<double>(std::max<Index>(1, misfit.present()));
+    const Variables v(model, t.fit.point);
+    Eigen::MatrixXd precision = t.fit.jacobian.transpose() * t.fit.jacobian / std::max(1.0, e.misfitPerRow);
+    for (Index k = 0; k < v.size(); ++k) {
+        const double width = std::min(v.upper[k] - v.lower[k], 1e3);
+        precision(k, k) += 12.0 / (width * width);
+    }
+    const Eigen::MatrixXd covariance = precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
+    constexpr double k90 = 1.6448536269514722; // of a normal distribution
+    Index first = v.nominal;
+    for (std::size_t term = 0; term < t.candidates.size(); ++term) {
+        const auto n = static_cast<Index>(candidates[t.candidates[term]].parameters.size());
+        if (term != shown)
+            e.with.push_back(candidates[t.candidates[term]].label);
+        for (Index k = first; k < first + n && term == shown; ++k) {
+            const Scalar& s = v.scalar(k);
+            const double half = k90 * std::sqrt(std::max(0.0, covariance(k, k)));
+            const auto at = [&](double x) {
+                return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
+            };
+            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(t.fit.x[k] - half), at(t.fit.x[k] + half)}};
+            if (p.ci90.low > p.ci90.high)
+                std::swap(p.ci90.low, p.ci90.high);
+            e.parameters.push_back(p);
+        }
+        first += n;
+    }
+    return e;
+}
+
+std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nominal) {
+    std::vector<NominalResult> out;
+    const Variables v(model, nominal.point);
+    for (Index i = 0; i < v.nominal; ++i) {
+        const Scalar& s = v.scalar(i);
+        out.push_back(
+            {s.name, s.unit, s.value, s.step, nominal.point.nominal[static_cast<std::size_t>(i)], nominal.x[i]});
+    }
+    return out;
+}
+
+std::vector<std::vector<double>> presentSimilarity(const Misfit& misfit, const Fitted& nominal,
+                                                   const std::vector<const Fitted*>& fits) {
+    Eigen::MatrixXd signatures(misfit.rows(), static_cast<Index>(fits.size()));
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+        const auto s = misfit.difference(fits[i]->responses, nominal.responses);
+        signatures.col(static_cast<Index>(i)) = s ? *s : Eigen::VectorXd::Zero(misfit.rows());
+    }
+    std::vector<std::vector<double>> out;
+    for (Index i = 0; i < signatures.cols(); ++i) {
+        out.emplace_back();
+        for (Index j = 0; j < signatures.cols(); ++j) {
+            const double n = signatures.col(i).norm() * signatures.col(j).norm();
+            out.back().push_back(n > 0.0 ? signatures.col(i).dot(signatures.col(j)) / n : 0.0);
+        }
+    }
+    return out;
+}
+
+std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal, const Fitted* best) {
+    const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
+    std::vector<RunCurves> out;
+    for (std::size_t r = 0; r < misfit.runs(); ++r) {
+        const RecordedRun& run = misfit.data().runs[r];
+        const Index n = run.force.size();
+        RunCurves c;
+        c.name = run.name;
+        c.time = list(run.time);
+        c.displacement = list(run.displacement);
+        c.recorded = list(run.force);
+        c.baseline = list(nominal.responses[r].force);
+        c.residual = list(nominal.residual.segment(misfit.start(r), n));
+        if (best != nullptr) {
+            c.improved = list(best->responses[r].force);
+            c.residualImproved = list(best->residual.segment(misfit.start(r), n));
+        }
+        for (Index k = 0; k < n; ++k)
+            c.counts.push_back(std::isfinite(misfit.errors(r).force[k]));
+        out.push_back(std::move(c));
+    }
+    return out;
+}
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,23 @@
+#pragma once
+// Fits turned into what a report shows.
+
+#include "plugin/diagnosis/result.h"
+#include "plugin/diagnosis/tried.h"
+
+namespace supercircle::diagnosis {
+
+/// One effect of a hypothesis (its term `shown`): fitted values with 90 % intervals, errors. Probability, gain and
+/// group are the caller's.
+FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& tried, std::size_t shown);
+
+/// Stated and fitted nominal parameters.
+std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nominal);
+
+/// Cosines between what fits change against the nominal one.
+std::vector<std::vector<double>> presentSimilarity(const Misfit& misfit, const Fitted& nominal,
+                                                   const std::vector<const Fitted*>& fits);
+
+/// @param best may be null
+std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal, const Fitted* best);
+
+} // namespace supercircle::diagnosis

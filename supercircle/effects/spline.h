@@ -1,0 +1,30 @@
+#pragma once
+// Laws that are learned from data instead of being written down: uniform cubic B-splines of one state variable.
+//
+// Coefficients above -1 keep 1 + S positive, because the basis functions are positive and sum to one: bounds on
+// coefficients are enough for a moment that grows with curvature and a friction coefficient that is none.
+//
+// Source: C. de Boor, "A Practical Guide to Splines" (1978); P. H. C. Eilers, B. D. Marx, Stat. Sci. 11 (1996) 89.
+
+#include <array>
+#include <cstddef>
+
+namespace supercircle::effects {
+
+inline constexpr std::size_t kSplineCoefficients = 7;
+using SplineCoefficients = std::array<double, kSplineCoefficients>;
+
+struct SplinePoint {
+    double value = 0.0;
+    double slope = 0.0;  ///< dS/dx
+    double area = 0.0;   ///< integral of S from 0 to x
+    double moment = 0.0; ///< integral of the area from 0 to x
+};
+
+/// S(x) on [0, 1], constant beyond; odd continuation is the caller's matter.
+SplinePoint evaluateSpline(const SplineCoefficients& c, double x);
+
+/// The same basis with three more coefficients of zero: S and its first two derivatives vanish at x = 1 and beyond.
+SplinePoint evaluateFading(const SplineCoefficients& c, double x);
+
+} // namespace supercircle::effects

@@ -66,6 +66,8 @@ std::string plainWords(std::string label) {
 
 std::string verdictOf(const Evidence& e) {
     // Weights hold everything: the family-wise p-value, gains on unseen runs, and what the best model leaves.
+    if (!(e.nothing >= 0.0 && e.unknown >= 0.0)) // numbers broke down: nothing may be claimed
+        return "unexplained";
     if (e.nothing >= 0.5)
         return e.blind > 0.5 || e.nothing < kSuggestive ? "not_enough_information" : "nothing_missing";
     if (e.unknown >= 0.5 || !e.any)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace supercircle::diagnosis {
 
@@ -64,6 +65,9 @@ namespace {
 /// that adds less is not believed.
 constexpr double kMaterial = 0.03;
 
+/// Noise variances beyond the noise itself (three times its size in all): whatever was explained, this was not.
+constexpr double kTooMuch = 8.0;
+
 } // namespace
 
 double surprise(double p) {
@@ -88,6 +92,16 @@ Eigen::MatrixXd drawScores(const std::vector<Eigen::VectorXd>& scores, Random& r
     return out;
 }
 
+/// A model whose fit or forecast broke down in some fold foretells nothing: far worse than no effect at all.
+HeldOut usable(HeldOut h, const HeldOut& nothing) {
+    if (h.failure.empty() && h.energy.size() == nothing.energy.size() && h.energy.allFinite() && h.volume.allFinite())
+        return h;
+    h.energy = 10.0 * (nothing.energy + nothing.rows);
+    h.volume = nothing.volume;
+    h.rows = nothing.rows;
+    return h;
+}
+
 /// 2.3 % quantile of the difference of two hypotheses.
 double lowEnd(const Eigen::MatrixXd& s, Eigen::Index of, Eigen::Index over) {
     std::vector<double> gains;
@@ -99,8 +113,11 @@ double lowEnd(const Eigen::MatrixXd& s, Eigen::Index of, Eigen::Index over) {
 
 } // namespace
 
-Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given) {
+Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& tried, const Weighing& given) {
     Weighed out;
+    std::vector<HeldOut> effects;
+    for (const HeldOut& h : tried)
+        effects.push_back(usable(h, nothing));
     double least = dispersionOf(nothing);
     for (const HeldOut& h : effects)
         least = std::min(least, dispersionOf(h));
@@ -140,18 +157,23 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
     }
     if (!effects.empty()) {
         const double left = dispersionOf(effects[out.best]) - 1.0;
-        out.rejected = left > 1.5 && left > 0.2 * excess;
+        out.rejected = (left > 1.5 && left > 0.2 * excess) || left > kTooMuch;
         if (out.rejected)
             s.col(1) = s.col(1).cwiseMax(s.col(static_cast<Eigen::Index>(out.best) + 2));
+        if (left > kTooMuch) // refuted by the noise: one in 150 that the noise was mistaken instead
+            s.col(1).array() += 5.0;
     }
     const double most = surprise(given.p);
     std::vector<double> sum(scores.size(), 0.0);
     for (int d = 0; d < kDraws; ++d) {
         Eigen::VectorXd mass(static_cast<Eigen::Index>(scores.size()));
-        const double top = s.row(d).maxCoeff();
+        const auto counts = [&](Eigen::Index m) { return prior[static_cast<std::size_t>(m)] > 0.0; };
+        double top = -std::numeric_limits<double>::infinity(); // what does not count may score higher, and overflow
+        for (Eigen::Index m = 0; m < mass.size(); ++m)
+            top = counts(m) ? std::max(top, s(d, m)) : top;
         double something = 0.0, share = 0.0;
         for (Eigen::Index m = 0; m < mass.size(); ++m) {
-            mass[m] = prior[static_cast<std::size_t>(m)] * std::exp(s(d, m) - top);
+            mass[m] = counts(m) ? prior[static_cast<std::size_t>(m)] * std::exp(s(d, m) - top) : 0.0;
             something += m > 0 ? mass[m] : 0.0;
             share += m > 0 ? prior[static_cast<std::size_t>(m)] : 0.0;
         }

@@ -16,7 +16,8 @@
 // differences, reached .85 beside a verdict of nothing missing.
 //
 // A best model that is itself rejected on unseen rows (more than 2.5 noise variances, and more than a fifth of what
-// there was to explain, is left) cannot beat "none of these".
+// there was to explain, is left; or more than nine noise variances, whatever there was) cannot beat "none of these": a
+// linear drag on a real pendulum explained nine tenths of 98 degrees and left 22, with a noise of .06.
 //
 // Scores are tempered by the dispersion of the best model, c = max(1, chi^2 per row): what even the best model leaves
 // makes all of them less sure (quasi-likelihood).

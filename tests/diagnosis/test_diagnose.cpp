@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 using namespace supercircle::diagnosis;
 
@@ -72,6 +73,39 @@ TEST_CASE("the weights and the verdict are one statement", "[diagnosis]") {
             sum += e.probability;
         CHECK(sum == Approx(1.0).epsilon(1e-9)); // no pairs here
     }
+}
+
+TEST_CASE("what leaves many times the noise is not named, and a broken forecast foretells nothing", "[diagnosis]") {
+    HeldOut nothing;
+    nothing.rows.setConstant(6, 100.0);
+    nothing.volume.setZero(6);
+    nothing.energy.setConstant(6, 1e6); // 100 times the noise
+    HeldOut better = nothing, broken = nothing, failed;
+    failed.failure = "the simulation of run 2 stopped"; // and there is nothing to count
+    better.energy.setConstant(6, 2e3);                  // 99.8 % explained, and still 4.5 times the noise
+    broken.energy[2] = std::numeric_limits<double>::quiet_NaN();
+    Weighing given;
+    given.catalogue = 20;
+    given.p = 1e-6;
+    const Weighed w = weigh(nothing, {better, broken, failed}, given);
+    CHECK(w.rejected);
+    CHECK(w.effects[2] < 1e-6);
+    CHECK(w.unknown > 0.5);
+    CHECK(w.effects[1] < 1e-6);
+    CHECK(w.nothing + w.unknown + w.effects[0] + w.effects[1] + w.effects[2] == Approx(1.0));
+    // A pair that beats its part in some draws only counts for nothing, however far above all others it scores there.
+    HeldOut pair = better;
+    for (int k = 0; k < 6; ++k)
+        pair.energy[k] = k == 0 ? 4e4 : 110.0; // by thousands
+    given.parts = {{}, {}, {0}};
+    const Weighed paired = weigh(nothing, {better, broken, pair}, given);
+    CHECK(paired.effects[2] == 0.0);
+    CHECK(paired.nothing + paired.unknown + paired.effects[0] + paired.effects[1] == Approx(1.0));
+    given.parts.clear();
+    better.energy.setConstant(6, 120.0);
+    const Weighed good = weigh(nothing, {better, broken}, given);
+    CHECK_FALSE(good.rejected);
+    CHECK(good.effects[0] > 0.9);
 }
 
 TEST_CASE("a law that nobody named is learned and put into words", "[diagnosis]") {

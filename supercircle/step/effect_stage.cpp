@@ -37,6 +37,22 @@ void addMaterial(const Rod& rod, double dt, RodWork& w) {
     }
 }
 
+/// A += J^T K J. A point moves with the elements between the middle of the rod and itself: a quarter of the columns in
+/// the mean, and only those are touched (a drag of 62 points took half of its time here before).
+void addOuter(const Eigen::Matrix<double, 2, Eigen::Dynamic>& J, const Eigen::Matrix2d& K,
+              std::vector<Eigen::Index>& columns, Eigen::MatrixXd& A) {
+    columns.clear();
+    for (Eigen::Index c = 0; c < J.cols(); ++c)
+        if (J(0, c) != 0.0 || J(1, c) != 0.0)
+            columns.push_back(c);
+    for (const Eigen::Index c : columns) {
+        const Eigen::Vector2d f = K * J.col(c);
+        double* const a = &A(0, c);
+        for (const Eigen::Index r : columns)
+            a[r] += J(0, r) * f.x() + J(1, r) * f.y();
+    }
+}
+
 /// Newton first; from the third linearisation on secants, which cannot miss.
 void addDrag(const Rod& rod, double dt, RodWork& w) {
     EffectWork& work = w.effects;
@@ -53,7 +69,7 @@ void addDrag(const Rod& rod, double dt, RodWork& w) {
         work.way[i] = J * motion;
         work.drag[i] = effects::dragAt(drag, i, work.way[i], work.tries > 2);
         const effects::DragPoint& p = work.drag[i];
-        w.A.noalias() += (dt * dt) * (J.transpose() * (p.stiffness * J));
+        addOuter(J, (dt * dt) * p.stiffness, work.columns, w.A);
         w.rhs.noalias() += dt * (J.transpose() * (p.force + p.stiffness * work.way[i]));
     }
 }

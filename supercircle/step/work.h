@@ -46,7 +46,8 @@ struct EffectWork {
     std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows; ///< of the drag's points
     std::vector<Vec2> way;                                      ///< in the step as predicted, m
     std::vector<effects::DragPoint> drag;
-    int tries = 0; ///< linearisations of this step so far
+    std::vector<Eigen::Index> columns; ///< storage: those of a point that are not zero
+    int tries = 0;                     ///< linearisations of this step so far
 };
 
 /// Attraction between a place of a rod and what is near (attraction_stage.h), linearised.

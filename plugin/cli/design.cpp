@@ -77,10 +77,7 @@ double shellsOf(const sweep::Definition& sweep) {
 }
 
 int load(const DesignArguments& a, Design& design) {
-    std::vector<scene::Problem> problems;
-    auto loaded = sweep::load(a.file, problems);
-    for (const scene::Problem& p : problems)
-        std::fprintf(stderr, "%s\n", p.toString().c_str());
+    auto loaded = loadSweep(a.file);
     if (!loaded)
         return kBadInput;
     design.sweep = std::move(*loaded);

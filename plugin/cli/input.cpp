@@ -107,6 +107,14 @@ std::optional<experiment::Experiment> loadExperiment(const std::string& file, bo
     return loaded;
 }
 
+std::optional<sweep::Definition> loadSweep(const std::string& file) {
+    std::vector<scene::Problem> problems;
+    auto loaded = sweep::load(file, problems);
+    for (const scene::Problem& p : problems)
+        std::fprintf(stderr, "%s\n", p.toString().c_str());
+    return loaded;
+}
+
 std::string resultsFolder(const std::string& file, const std::string& out, const std::string& verb) {
     if (!out.empty())
         return out;

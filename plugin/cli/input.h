@@ -3,6 +3,7 @@
 
 #include "plugin/experiment/experiment.h"
 #include "plugin/scene/loader.h"
+#include "plugin/sweep/definition.h"
 #include "supercircle/step/port.h"
 
 #include <memory>
@@ -29,6 +30,9 @@ std::string schemaOf(const std::string& file);
 
 /// Loads an experiment; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
 std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet);
+
+/// Loads a sweep; prints every problem to stderr. Empty: exit 2.
+std::optional<sweep::Definition> loadSweep(const std::string& file);
 
 /// Folder for an experiment's results: `out`, or if that is empty out/<name of the experiment's folder>_<verb>.
 std::string resultsFolder(const std::string& file, const std::string& out, const std::string& verb);

@@ -1,3 +1,4 @@
+#include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/sweep_page.h"
@@ -92,10 +93,7 @@ private:
 
 /// Reads sweep and scene and looks whether every set can be started.
 int prepare(const SweepArguments& a, Work& work) {
-    std::vector<scene::Problem> problems;
-    auto loaded = sweep::load(a.file, problems);
-    for (const scene::Problem& p : problems)
-        std::fprintf(stderr, "%s\n", p.toString().c_str());
+    auto loaded = loadSweep(a.file);
     if (!loaded)
         return kBadInput;
     work.sweep = std::move(*loaded);
@@ -111,7 +109,7 @@ int prepare(const SweepArguments& a, Work& work) {
             return badInput("--shard " + a.shard + ": expected I/N with 1 <= I <= N, for example 1/4");
         work.shard = *shard;
     }
-    problems.clear();
+    std::vector<scene::Problem> problems;
     const auto text = scene::readFile(work.sweep.scene, problems);
     for (const scene::Problem& p : problems)
         std::fprintf(stderr, "%s\n", p.toString().c_str());

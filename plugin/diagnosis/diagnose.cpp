@@ -34,20 +34,6 @@ struct Entry {
     double probability = 0.0; ///< of all hypotheses that contain it
 };
 
-Noise takenAsWhite(Noise n) {
-    n.white = n.total();
-    n.coloured = 0.0;
-    return n;
-}
-
-void leaveUnknownOut(Weighed& w) {
-    const double rest = 1.0 - w.unknown;
-    w.unknown = 0.0;
-    w.nothing = rest > 0.0 ? w.nothing / rest : 1.0;
-    for (double& p : w.effects)
-        p = rest > 0.0 ? p / rest : 0.0;
-}
-
 class Work {
 public:
     Work(const Data& data, Evaluator& evaluator, const Settings& settings)
@@ -119,7 +105,7 @@ private:
 bool Work::nominal() {
     stage(0.02, "nominal fit");
     if (settings_.ablation.whitening)
-        out_.noise = takenAsWhite(out_.noise);
+        out_.noise = out_.noise.asWhite();
     Point stated;
     for (const Scalar& s : evaluator_.model().nominal())
         stated.nominal.push_back(s.value);
@@ -187,7 +173,9 @@ void Work::locate() {
 }
 
 HeldOut Work::scored(const Fitted& f) {
-    return settings_.ablation.heldOut ? inSample(*misfit_, grouping_, f) : leaveOut(evaluator_, *misfit_, grouping_, f);
+    HeldOut h =
+        settings_.ablation.heldOut ? inSample(*misfit_, grouping_, f) : leaveOut(evaluator_, *misfit_, grouping_, f);
+    return &f == &base_ ? h : usable(std::move(h), baseHeld_);
 }
 
 void Work::look() {

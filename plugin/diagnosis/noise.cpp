@@ -191,6 +191,13 @@ double Noise::total() const {
     return std::hypot(white, coloured);
 }
 
+Noise Noise::asWhite() const {
+    Noise out = *this;
+    out.white = total();
+    out.coloured = 0.0;
+    return out;
+}
+
 double Noise::ofMean(double span, double dt) const {
     if (span <= 0.0)
         return 0.0;

@@ -30,6 +30,8 @@ struct Noise {
     double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N
     std::size_t repeats = 0; ///< runs that repeat another one
     [[nodiscard]] double total() const;
+    /// As large, without memory: what the diagnosis would work with if it did not whiten (an ablation).
+    [[nodiscard]] Noise asWhite() const;
     /// Standard deviation of the mean over `span` seconds with rows `dt` apart, N.
     [[nodiscard]] double ofMean(double span, double dt) const;
 };

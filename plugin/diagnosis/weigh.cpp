@@ -26,6 +26,23 @@ double dispersionOf(const HeldOut& h) {
     return h.rows.sum() > 0.0 ? h.energy.sum() / h.rows.sum() : 1.0;
 }
 
+HeldOut usable(HeldOut h, const HeldOut& nothing) {
+    if (h.failure.empty() && h.energy.allFinite() && h.volume.allFinite())
+        return h;
+    h.energy = 10.0 * (nothing.energy + nothing.rows);
+    h.volume = nothing.volume;
+    h.rows = nothing.rows;
+    return h;
+}
+
+void leaveUnknownOut(Weighed& w) {
+    const double rest = 1.0 - w.unknown;
+    w.unknown = 0.0;
+    w.nothing = rest > 0.0 ? w.nothing / rest : 1.0;
+    for (double& p : w.effects)
+        p = rest > 0.0 ? p / rest : 0.0;
+}
+
 void improvementOf(const HeldOut& from, const HeldOut& to, std::uint64_t seed, double& share, Interval& ci90) {
     constexpr int kDraws = 1000;
     const auto fall = [](double a, double b) { return a > 0.0 ? 1.0 - std::sqrt(b / a) : 0.0; };
@@ -92,16 +109,6 @@ Eigen::MatrixXd drawScores(const std::vector<Eigen::VectorXd>& scores, Random& r
     return out;
 }
 
-/// A model whose fit or forecast broke down in some fold foretells nothing: far worse than no effect at all.
-HeldOut usable(HeldOut h, const HeldOut& nothing) {
-    if (h.failure.empty() && h.energy.size() == nothing.energy.size() && h.energy.allFinite() && h.volume.allFinite())
-        return h;
-    h.energy = 10.0 * (nothing.energy + nothing.rows);
-    h.volume = nothing.volume;
-    h.rows = nothing.rows;
-    return h;
-}
-
 /// 2.3 % quantile of the difference of two hypotheses.
 double lowEnd(const Eigen::MatrixXd& s, Eigen::Index of, Eigen::Index over) {
     std::vector<double> gains;
@@ -113,11 +120,8 @@ double lowEnd(const Eigen::MatrixXd& s, Eigen::Index of, Eigen::Index over) {
 
 } // namespace
 
-Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& tried, const Weighing& given) {
+Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given) {
     Weighed out;
-    std::vector<HeldOut> effects;
-    for (const HeldOut& h : tried)
-        effects.push_back(usable(h, nothing));
     double least = dispersionOf(nothing);
     for (const HeldOut& h : effects)
         least = std::min(least, dispersionOf(h));

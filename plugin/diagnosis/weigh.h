@@ -56,7 +56,14 @@ struct Weighing {
     std::vector<std::vector<std::size_t>> parts;
     std::uint64_t seed = 1;
 };
+/// All of them usable(), as many blocks as `nothing`.
 Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given);
+
+/// A model whose fit or forecast broke down in some fold foretells nothing: it scores far below no effect at all.
+HeldOut usable(HeldOut held, const HeldOut& nothing);
+
+/// Shares the mass of "none of these" among the others (an ablation).
+void leaveUnknownOut(Weighed& weighed);
 
 /// Logarithm of the largest Bayes factor against "nothing" that a p-value allows, >= 0.
 double surprise(double p);

@@ -188,7 +188,7 @@ record::Result<Description> describeFree(const Imported& all, const TemplateOpti
     }
     Json json = {{"schema", "rod-recordings/1"},
                  {"protocol", "free_scene"},
-                 {"description", "TODO: the set-up in words"},
+                 {"description", "to be said: the set-up in words"},
                  {"gravity_m_s2", {0.0, -9.81}},
                  {"uncertainty_meaning", "half-width of a uniform interval"},
                  {"scene", nullptr},

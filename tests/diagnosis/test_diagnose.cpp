@@ -87,7 +87,7 @@ TEST_CASE("what leaves many times the noise is not named, and a broken forecast 
     Weighing given;
     given.catalogue = 20;
     given.p = 1e-6;
-    const Weighed w = weigh(nothing, {better, broken, failed}, given);
+    const Weighed w = weigh(nothing, {better, usable(broken, nothing), usable(failed, nothing)}, given);
     CHECK(w.rejected);
     CHECK(w.effects[2] < 1e-6);
     CHECK(w.unknown > 0.5);
@@ -98,12 +98,12 @@ TEST_CASE("what leaves many times the noise is not named, and a broken forecast 
     for (int k = 0; k < 6; ++k)
         pair.energy[k] = k == 0 ? 4e4 : 110.0; // by thousands
     given.parts = {{}, {}, {0}};
-    const Weighed paired = weigh(nothing, {better, broken, pair}, given);
+    const Weighed paired = weigh(nothing, {better, usable(broken, nothing), pair}, given);
     CHECK(paired.effects[2] == 0.0);
     CHECK(paired.nothing + paired.unknown + paired.effects[0] + paired.effects[1] == Approx(1.0));
     given.parts.clear();
     better.energy.setConstant(6, 120.0);
-    const Weighed good = weigh(nothing, {better, broken}, given);
+    const Weighed good = weigh(nothing, {better, usable(broken, nothing)}, given);
     CHECK_FALSE(good.rejected);
     CHECK(good.effects[0] > 0.9);
 }

@@ -28,13 +28,7 @@ Agreement compare(const std::string& name, bool finer = false) {
         const Trace t = sim.play(run.drive, times, {});
         REQUIRE(t.failure.empty());
         std::vector<double> force = readings(t, {}, times);
-        double zero = 0.0, rows = 0.0;
-        for (std::size_t i = 0; i < times.size() && times[i] < 0.5 - 1e-9; ++i) {
-            zero += force[i];
-            rows += 1.0;
-        }
-        for (double& f : force)
-            f -= zero / rows;
+        zeroAtStart(times, force);
         return force;
     };
     const std::vector<double> force = play({});

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 namespace supercircle::oracle {
 
@@ -97,13 +99,7 @@ std::vector<double> worsen(Draw& draw, const Nuisance& n, const std::vector<doub
         if (n.step > 0.0)
             force[i] = n.step * std::round(force[i] / n.step);
     }
-    double zero = 0.0, rows = 0.0;
-    for (std::size_t i = 0; i < times.size() && times[i] < 0.5 - 1e-9; ++i) {
-        zero += force[i];
-        rows += 1.0;
-    }
-    for (double& f : force)
-        f -= zero / rows;
+    zeroAtStart(times, force);
     return force;
 }
 
@@ -278,6 +274,16 @@ Concealed conceal(const Plan& plan) {
     }
     out.answer = answerOf(s, truth, runs).dump(1) + "\n";
     return out;
+}
+
+void writeWhole(const std::filesystem::path& file, const std::string& text) {
+    const std::filesystem::path part = file.string() + ".part";
+    std::ofstream out(part, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out)
+        throw std::runtime_error(file.string() + ": cannot be written");
+    std::filesystem::rename(part, file);
 }
 
 } // namespace supercircle::oracle

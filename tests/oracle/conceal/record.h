@@ -3,6 +3,7 @@
 
 #include "tests/oracle/conceal/cases.h"
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,9 @@ struct Concealed {
 };
 
 Concealed conceal(const Plan& plan);
+
+/// The whole file or none of it, whatever happens meanwhile. Throws std::runtime_error where it cannot be written.
+void writeWhole(const std::filesystem::path& file, const std::string& text);
 
 /// The second simulator's own error in a case, in units of the noise that it adds: forces with twice the nodes, half
 /// the steps and contacts of twice the stiffness against those that were recorded.

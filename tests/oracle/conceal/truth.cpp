@@ -46,13 +46,7 @@ Clean simulate(const Description& d, const Setup& truth, const Resolution& resol
             return out;
         }
         std::vector<double> force = readings(trace, truth.effects, times);
-        double zero = 0.0, rows = 0.0;
-        for (std::size_t i = 0; i < times.size() && times[i] < 0.5 - 1e-9; ++i) {
-            zero += force[i];
-            rows += 1.0;
-        }
-        for (double& f : force)
-            f -= zero / rows;
+        zeroAtStart(times, force);
         out.force.push_back(std::move(force));
         out.markers.emplace_back();
         for (const std::vector<Vec2>& path : trace.markers)

@@ -387,4 +387,14 @@ std::vector<double> readings(const Trace& trace, const Effects& e, const std::ve
     return out;
 }
 
+void zeroAtStart(const std::vector<double>& times, std::vector<double>& force) {
+    double zero = 0.0, rows = 0.0;
+    for (std::size_t i = 0; i < times.size() && times[i] < 0.5 - 1e-9; ++i) {
+        zero += force[i];
+        rows += 1.0;
+    }
+    for (double& f : force)
+        f -= zero / rows;
+}
+
 } // namespace supercircle::oracle

@@ -93,6 +93,8 @@ private:
 
 /// What the load cell reads of a force, at wanted times.
 std::vector<double> readings(const Trace& trace, const Effects& effects, const std::vector<double>& times);
+/// Takes the mean of the first half second off, as the machine does before a run.
+void zeroAtStart(const std::vector<double>& times, std::vector<double>& force);
 /// The motion behind a play that is lost at each change of direction.
 Drive behindPlay(const Drive& drive, double play);
 

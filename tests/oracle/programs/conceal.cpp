@@ -15,16 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace supercircle::oracle;
 
-void write(const fs::path& file, const std::string& text) {
-    const fs::path part = file.string() + ".part";
-    std::ofstream out(part, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out)
-        throw std::runtime_error(file.string() + ": cannot be written");
-    fs::rename(part, file);
-}
-
 int check(const std::string& part, std::uint64_t seed, const std::string& name) {
     for (const Plan& p : plans(part, seed))
         if (p.name == name) {
@@ -56,8 +46,8 @@ int work(const std::string& part, std::uint64_t seed, const fs::path& folder, in
         }
         fs::create_directories(folder / all[i].name);
         for (const auto& [name, text] : c.files)
-            write(folder / all[i].name / name, text);
-        write(answer, c.answer);
+            writeWhole(folder / all[i].name / name, text);
+        writeWhole(answer, c.answer);
         std::printf("%s (%zu of %zu)\n", all[i].name.c_str(), i + 1, all.size());
         std::fflush(stdout);
     }

@@ -32,16 +32,6 @@ struct Options {
     std::vector<std::string> flags;
 };
 
-void write(const fs::path& file, const std::string& text) {
-    const fs::path part = file.string() + ".part";
-    std::ofstream out(part, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out)
-        throw std::runtime_error(file.string() + ": cannot be written");
-    fs::rename(part, file);
-}
-
 /// Makes a case unless it is there; the answer is written last.
 bool provide(const Plan& plan, const fs::path& folder) {
     const fs::path answer = folder / "answers" / (plan.name + ".json");
@@ -55,8 +45,8 @@ bool provide(const Plan& plan, const fs::path& folder) {
     fs::create_directories(folder / plan.name);
     fs::create_directories(folder / "answers");
     for (const auto& [name, text] : c.files)
-        write(folder / plan.name / name, text);
-    write(answer, c.answer);
+        writeWhole(folder / plan.name / name, text);
+    writeWhole(answer, c.answer);
     return true;
 }
 
@@ -84,7 +74,9 @@ bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const f
                                       "--out",   to.string(), "--jobs",
                                       o.jobs,    "--quiet"};
     std::ifstream in(cases / "answers" / (plan.name + ".json"));
-    for (const auto& label : nlohmann::json::parse(in).at("diagnose_without")) {
+    const auto answer =
+        nlohmann::json::parse(in); // named: a range over a part of a temporary would be one over nothing
+    for (const auto& label : answer.at("diagnose_without")) {
         words.emplace_back("--without");
         words.push_back(label);
     }
@@ -119,15 +111,15 @@ int work(const Options& o) {
             std::fflush(stdout);
         }
         if (!there || i + 1 == all.size()) { // whoever looks meanwhile sees what there is
-            write(folder / "scores.json", asJson(judged, title));
-            write(folder / "scores.txt", asText(judged, title));
-            write(folder / "report.html", asPage(judged, title, ""));
+            writeWhole(folder / "scores.json", asJson(judged, title));
+            writeWhole(folder / "scores.txt", asText(judged, title));
+            writeWhole(folder / "report.html", asPage(judged, title, ""));
         }
     }
     if (o.scoreOnly && !judged.empty()) {
-        write(folder / "scores.json", asJson(judged, title));
-        write(folder / "scores.txt", asText(judged, title));
-        write(folder / "report.html", asPage(judged, title, ""));
+        writeWhole(folder / "scores.json", asJson(judged, title));
+        writeWhole(folder / "scores.txt", asText(judged, title));
+        writeWhole(folder / "report.html", asPage(judged, title, ""));
     }
     std::printf("%s\npage: %s\n", asText(judged, title).c_str(), (folder / "report.html").c_str());
     return judged.empty() ? 3 : 0;

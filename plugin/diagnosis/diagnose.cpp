@@ -411,6 +411,7 @@ void Work::weighAll(Weighed& w) const {
         given.prior.push_back(t.learned ? 0.05 : t.candidates.size() > 1 ? 0.1 * share : share);
     }
     given.p = out_.mismatch.tail;
+    given.tails = out_.noise.tails;
     given.seed = settings_.seed + 1;
     w = weigh(baseHeld_, held, given);
     if (settings_.ablation.unknown)

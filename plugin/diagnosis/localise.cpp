@@ -285,6 +285,8 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
             counted[misfit.start(r) + k] =
                 std::isfinite(k < e.force.size() ? e.force[k] : e.markers[k - e.force.size()]) ? 1.0 : 0.0;
     }
+    const double tails = misfit.noise().tails;
+    const double degrees = tails > 0.0 ? 4.0 + 6.0 / tails : 0.0; // Student's t with this kurtosis
     Random random(seed);
     Eigen::MatrixXd null(m + n, draws);
     constexpr int kBlock = 64; // draws at a time: one product of matrices instead of many of vectors
@@ -293,7 +295,7 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         Eigen::MatrixXd v(misfit.rows(), count);
         for (int b = 0; b < count; ++b)
             for (Eigen::Index k = 0; k < v.rows(); ++k)
-                v(k, b) = counted[k] * random.normal();
+                v(k, b) = counted[k] * (degrees > 0.0 ? random.student(degrees) : random.normal());
         if (Q.cols() > 0)
             v -= Q * (Q.transpose() * v);
         null.middleCols(first, count) = statistics(family.all, shifts, v);

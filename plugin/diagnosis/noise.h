@@ -28,6 +28,7 @@ struct Noise {
     std::string source;    ///< in words
     double quietSeconds = 0.0;
     double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N
+    double tails = 0.0;      ///< excess kurtosis of the white part, 0: not told from a normal distribution
     std::size_t repeats = 0; ///< runs that repeat another one
     [[nodiscard]] double total() const;
     /// As large, without memory: what the diagnosis would work with if it did not whiten (an ablation).

@@ -23,6 +23,11 @@ public:
         spare_ = true;
         return r * std::cos(a);
     }
+    /// Student's t of `degrees` > 2 degrees of freedom, scaled to variance 1 (R. W. Bailey, Math. Comp. 62 (1994) 779).
+    double student(double degrees) {
+        const double r = std::sqrt((degrees - 2.0) * std::expm1(-2.0 / degrees * std::log(uniform())));
+        return r * std::cos(6.283185307179586 * uniform());
+    }
     double exponential() { return -std::log(uniform()); }
 
 private:

@@ -10,10 +10,11 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double floor) {
+Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double floor, double tails) {
     const double rows = std::max(1.0, nothing.rows.sum());
-    // Pure noise has an energy of `rows` give or take sqrt(2 rows), and the noise's size is known to some 5 %.
-    floor *= 1.1 + 2.0 * std::sqrt(2.0 / rows);
+    // Pure noise has an energy of `rows` give or take sqrt(2 rows), more with heavy tails, and the noise's size is
+    // known to some 5 %.
+    floor *= 1.1 + 2.0 * std::sqrt((2.0 + tails) / rows);
     const double toExplain = 0.5 * std::max(0.0, nothing.energy.sum() - floor * rows) / dispersion;
     const double cost = std::max(4.0 * std::log(std::max(2.0, rows)), 0.15 * toExplain);
     // It has the nominal parameters' uncertainty too.
@@ -127,7 +128,7 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
         least = std::min(least, dispersionOf(h));
     out.dispersion = std::max(1.0, least);
     std::vector<Eigen::VectorXd> scores = {nothing.score(out.dispersion),
-                                           unknownScore(nothing, out.dispersion, std::min(1.0, least))};
+                                           unknownScore(nothing, out.dispersion, std::min(1.0, least), given.tails)};
     const double catalogue = static_cast<double>(std::max<std::size_t>(1, given.catalogue));
     std::vector<double> prior = {0.3, 0.1};
     std::size_t named = 0;

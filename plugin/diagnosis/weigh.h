@@ -50,6 +50,7 @@ struct Weighed {
 struct Weighing {
     std::size_t catalogue = 1; ///< number of labels there are, also those that were not fitted
     double p = 0.0;            ///< family-wise, of the nominal fit
+    double tails = 0.0;        ///< excess kurtosis of the noise
     std::vector<double> prior; ///< of each effect; empty: shares of 0.6
     /// Of each effect: those it must beat by two standard errors to count at all (the parts of a pair, the best named
     /// effect for a learned law).

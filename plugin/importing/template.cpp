@@ -213,6 +213,10 @@ std::vector<std::string> supposed(const Json& json, const Json& own) {
     return all;
 }
 
+std::string text(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
 const char* expectedAt(const std::string& key) {
     static const std::vector<std::pair<const char*, const char*>> kWords = {
         {"scene", "the scene file with the bodies and joints, beside this file; --scene FILE gives it"},
@@ -299,14 +303,10 @@ record::Result<Description> fillIn(const Imported& all, const std::string& proto
                                        std::to_string(all.runs.size()));
     }
     addOwn(json, taken);
-    if (json["specimens"].is_array()) {
-        for (Json& s : json["specimens"])
-            workOutModuli(s, result.value.remarks);
-        workOutHeight(json, all, result.value.remarks);
-    }
+    json = Json::parse(workedOut(text(json), all, result.value.remarks));
     collectTodo(json, "", result.value.todo);
     result.value.supposed = supposed(json, own);
-    result.value.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    result.value.json = text(json) + "\n";
     return result;
 }
 
@@ -318,7 +318,7 @@ record::Result<Description> fillInFree(const Imported& all, const TemplateOption
     merge(json, own);
     std::erase_if(result.value.supposed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
     collectTodo(json, "", result.value.todo);
-    result.value.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    result.value.json = text(json) + "\n";
     return result;
 }
 
@@ -403,7 +403,7 @@ std::string accountJson(const Imported& all, const Description& description) {
                        {"worked_out", description.remarks},
                        {"supposed", description.supposed},
                        {"to_be_filled_in", description.todo}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return text(json) + "\n";
 }
 
 } // namespace supercircle::importing

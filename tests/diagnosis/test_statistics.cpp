@@ -3,6 +3,7 @@
 #include "plugin/diagnosis/box.h"
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/whitening.h"
 
 #include <Eigen/Cholesky>
@@ -24,9 +25,22 @@ Eigen::MatrixXd covariance(const Eigen::VectorXd& t, double white, double colour
     return C;
 }
 
-/// Residuals of a toy whose nominal fit is exact: pure noise.
-Localisation ofNoise(std::uint64_t seed, double shift, int draws) {
+/// Recordings of the toy whose noise is white and Student's t with 5 degrees (excess kurtosis 6).
+Data heavyTailed(std::uint64_t seed) {
     Data data = toy::recordings(seed);
+    const toy::Spring spring(data);
+    Random random(seed);
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        data.runs[r].force = spring.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+        for (double& f : data.runs[r].force)
+            f += toy::kWhite * random.student(5.0);
+    }
+    return data;
+}
+
+/// Residuals of a toy whose nominal fit is exact: pure noise.
+Localisation ofNoise(std::uint64_t seed, double shift, int draws, bool heavy = false) {
+    Data data = heavy ? heavyTailed(seed) : toy::recordings(seed);
     const toy::Spring spring(data);
     const Point truth{{103.0, 0.08}, {}};
     std::vector<Response> simulated;
@@ -38,7 +52,8 @@ Localisation ofNoise(std::uint64_t seed, double shift, int draws) {
             first.force[k] += shift;
     Noise noise;
     noise.white = toy::kWhite;
-    noise.coloured = toy::kColoured;
+    noise.coloured = heavy ? 0.0 : toy::kColoured;
+    noise.tails = heavy ? 6.0 : 0.0;
     noise.memory = toy::kMemory;
     MisfitSettings exact;
     exact.contactPlace = exact.shareOfPeak = 0.0;
@@ -119,6 +134,23 @@ TEST_CASE("pure noise raises an alarm in one case of twenty", "[diagnosis]") {
         alarms += ofNoise(static_cast<std::uint64_t>(100 + i), 0.0, 199).p <= 0.05 ? 1 : 0;
     // Binomial with 5 %: 3 +- 1.7; ten or more in 0.1 % of all luck.
     CHECK(alarms <= 9);
+}
+
+TEST_CASE("heavy tails are measured, and raise no more alarms", "[diagnosis]") {
+    int alarms = 0;
+    double tails = 0.0;
+    constexpr int kTrials = 40;
+    for (int i = 0; i < kTrials; ++i) {
+        const auto seed = static_cast<std::uint64_t>(300 + i);
+        const Noise noise = estimateNoise(heavyTailed(seed));
+        // The sample variance of n such values scatters by sqrt(8 / n) = 9 % (n = 1000), their size by half of it.
+        CHECK(noise.white == Approx(toy::kWhite).epsilon(0.15));
+        tails += noise.tails / kTrials;
+        alarms += ofNoise(seed, 0.0, 199, true).p <= 0.05 ? 1 : 0;
+    }
+    CHECK(tails > 2.0); // samples of this size show less than the 6 of the law: its fourth moment is of rare values
+    // Binomial with 5 %: 2 +- 1.4; eight or more in 0.1 % of all luck.
+    CHECK(alarms <= 7);
 }
 
 TEST_CASE("pure noise raises an alarm in one case of twenty, many trials", "[diagnosis][slow]") {

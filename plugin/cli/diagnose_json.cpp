@@ -103,7 +103,11 @@ std::string diagnosisJson(const Diagnosis& d) {
                    : Json(nullptr);
     Json next = nullptr;
     if (d.next)
-        next = {{"what", d.next->what}, {"separates", d.next->separates}, {"expected_power", d.next->power}};
+        next = {{"what", d.next->run.what},
+                {"separates", d.next->separates},
+                {"expected_power", d.next->power},
+                {"drive", {{"time_s", d.next->run.time}, {"displacement_m", d.next->run.displacement}}},
+                {"sampling_Hz", d.next->run.rate}};
     const Json json = {
         {"verdict", d.verdict},
         {"statement", d.statement},

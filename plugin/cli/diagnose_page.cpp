@@ -129,14 +129,25 @@ std::string learnedText(const Diagnosis& d) {
     return html;
 }
 
+/// What the machine is to do, row by row.
+std::string driveTable(const diagnosis::Design& run) {
+    if (run.time.empty())
+        return {};
+    std::string html = "<table><tr><th>time, s</th><th>displacement, mm</th></tr>";
+    for (std::size_t i = 0; i < run.time.size(); ++i)
+        html += "<tr><td>" + number(run.time[i], "%.4g") + "</td><td>" + number(1e3 * run.displacement[i], "%.4g") +
+                "</td></tr>";
+    return html + "</table><p>Readings at " + number(run.rate, "%.3g") + " Hz.</p>";
+}
+
 std::string nextText(const Diagnosis& d) {
     if (!d.next)
         return {};
     std::string both;
     for (const std::string& label : d.next->separates)
         both += (both.empty() ? "" : " from ") + escaped(diagnosis::plainWords(label));
-    return "<p>" + escaped(d.next->what) + ". It tells " + both + " with a power of at most " +
-           number(100.0 * d.next->power, "%.0f") + " %.</p>";
+    return "<p>" + escaped(d.next->run.what) + ". It tells " + both + " with a power of at most " +
+           number(100.0 * d.next->power, "%.0f") + " %.</p>" + driveTable(d.next->run);
 }
 
 } // namespace

@@ -89,7 +89,7 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
         return "There is a hint that something is missing (p = " + number(e.p) + "), " +
                (d.effects.empty() ? std::string() : "most likely " + plainWords(d.effects.front().label) + ", ") +
                "too weak to decide: nothing is missing with a probability of " + number(e.nothing) + "." +
-               (d.next ? " Next: " + d.next->what + "." : "");
+               (d.next ? " Next: " + d.next->run.what + "." : "");
     if (d.verdict == "not_enough_information")
         return "The simulation agrees with the runs, but most effects of the catalogue could be there at a size that "
                "matters without being seen: these runs do not decide.";
@@ -108,7 +108,7 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
         rivals.push_back(d.effects[i].label);
     text += joined(rivals) + ".";
     if (d.next)
-        text += " Next: " + d.next->what + ".";
+        text += " Next: " + d.next->run.what + ".";
     return text;
 }
 

@@ -88,7 +88,7 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
 std::vector<Design> designsFor(const experiment::Experiment& e) {
     std::vector<Design> all;
     for (const Plan& p : plansFor(e))
-        all.push_back({p.what, 0});
+        all.push_back({p.what, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate});
     return all;
 }
 

@@ -87,6 +87,9 @@ struct Response {
 struct Design {
     std::string what;    ///< in words
     std::size_t run = 0; ///< which recorded run it varies
+    /// What the machine does, linear in between, s and m; readings at `rate` Hz. Empty for a model without a machine.
+    std::vector<double> time{}, displacement{};
+    double rate = 0.0;
 };
 
 /// Readings of such a run, with their times.

@@ -45,7 +45,7 @@ std::optional<NextExperiment> nextExperiment(const Model& model, const std::vect
                                   model.simulateDesign(i, rivals[other].point, nullptr), noise);
         if (d > farthest) {
             farthest = d;
-            best.what = designs[i].what;
+            best.run = designs[i];
         }
     }
     if (farthest <= 0.0)

@@ -2,6 +2,7 @@
 // What a diagnosis found, as plain data. The JSON file and the page are written from it.
 
 #include "plugin/diagnosis/localise.h"
+#include "plugin/diagnosis/model.h"
 #include "plugin/diagnosis/noise.h"
 
 #include <optional>
@@ -60,7 +61,7 @@ struct NominalResult {
 };
 
 struct NextExperiment {
-    std::string what;
+    Design run;
     std::vector<std::string> separates;
     double power = 0.0;
 };

@@ -63,31 +63,71 @@ public:
         }
     }
 
-    /// Calls `act(point, Near)` for every place of rod i that feels something.
+    /// Calls `act(point, Near)` for every place of rod i that feels something, in their order.
     template <class Do>
     void forNear(std::size_t i, Do&& act) const {
-        const Rod& rod = world_.rods[i];
-        const effects::Attraction& a = rod.effects.attraction;
-        const double range = a.model.range, half = 0.5 * rod.model.definition().thickness;
-        for (std::size_t k = 0; k < a.place.size(); ++k) {
-            const Vec2 p = kin_[i].point(a.place[k]);
-            for (std::size_t o = 0; o < outlines_.size(); ++o) {
-                contact::OutlineHit hit;
-                if (contact::distanceBound(outlines_[o], p) > range + half ||
-                    !contact::closestOnOutline(outlines_[o], p, half, Vec2::UnitY(), hit))
-                    continue;
-                const double gap = hit.distance - radius_[o] - half;
-                if (gap < range)
-                    act(k, Near{-1, bodies_[o], 0.0, gap, hit.normal, hit.point + radius_[o] * hit.normal});
-            }
-            for (std::size_t j = 0; j < rods_.size(); ++j)
-                if (j != i)
-                    nearRod(p, half, range, j, k, act);
+        const std::vector<rod::Place>& place = world_.rods[i].effects.attraction.place;
+        for (std::size_t from = 0, to = 0; from < place.size(); from = to) {
+            while (to < place.size() && place[to].side == place[from].side && place[to].segment == place[from].segment)
+                ++to;
+            forStretch(i, from, to, act);
         }
     }
     [[nodiscard]] const rod::Kinematics& kin(std::size_t i) const { return kin_[i]; }
 
 private:
+    /// Places on one arc lie within its length of the one in the middle: most stretches are done with after one look,
+    /// the others are halved.
+    template <class Do>
+    void forStretch(std::size_t i, std::size_t from, std::size_t to, Do&& act) const {
+        constexpr std::size_t kFew = 3;
+        const Rod& rod = world_.rods[i];
+        const effects::Attraction& a = rod.effects.attraction;
+        if (to - from <= kFew) {
+            for (std::size_t k = from; k < to; ++k)
+                nearPlace(i, k, act);
+            return;
+        }
+        const std::size_t half = (from + to) / 2;
+        const double at = a.place[half].local;
+        const double within = std::max(std::abs(a.place[from].local - at), std::abs(a.place[to - 1].local - at));
+        if (!anythingNear(i, kin_[i].point(a.place[half]),
+                          a.model.range + 0.5 * rod.model.definition().thickness + within))
+            return;
+        forStretch(i, from, half, act);
+        forStretch(i, half, to, act);
+    }
+
+    [[nodiscard]] bool anythingNear(std::size_t i, const Vec2& p, double reach) const {
+        for (const contact::OutlineShape& o : outlines_)
+            if (contact::distanceBound(o, p) <= reach)
+                return true;
+        for (std::size_t j = 0; j < rods_.size(); ++j)
+            if (j != i && bounds_[j].holds(p, reach + rods_[j].halfThickness))
+                return true;
+        return false;
+    }
+
+    template <class Do>
+    void nearPlace(std::size_t i, std::size_t k, Do&& act) const {
+        const Rod& rod = world_.rods[i];
+        const effects::Attraction& a = rod.effects.attraction;
+        const double range = a.model.range, half = 0.5 * rod.model.definition().thickness;
+        const Vec2 p = kin_[i].point(a.place[k]);
+        for (std::size_t o = 0; o < outlines_.size(); ++o) {
+            contact::OutlineHit hit;
+            if (contact::distanceBound(outlines_[o], p) > range + half ||
+                !contact::closestOnOutline(outlines_[o], p, half, Vec2::UnitY(), hit))
+                continue;
+            const double gap = hit.distance - radius_[o] - half;
+            if (gap < range)
+                act(k, Near{-1, bodies_[o], 0.0, gap, hit.normal, hit.point + radius_[o] * hit.normal});
+        }
+        for (std::size_t j = 0; j < rods_.size(); ++j)
+            if (j != i)
+                nearRod(p, half, range, j, k, act);
+    }
+
     template <class Do>
     void nearRod(const Vec2& p, double half, double range, std::size_t j, std::size_t k, Do&& act) const {
         const double reach = range + half + rods_[j].halfThickness;

@@ -1,6 +1,7 @@
 #include "tests/oracle/conceal/record.h"
 #include "tests/oracle/prove/scores.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -67,6 +68,30 @@ TEST_CASE("what is hidden in no catalogue is right when called unexplained", "[o
     answer.replace(answer.find("removed"), 7, "nothing");
     CHECK_FALSE(judge(f.put("a.json", answer), f.put("d.json", diagnosis)).right); // a false alarm
     CHECK_THROWS(judge(f.put("a.json", "{"), f.put("d.json", diagnosis)));
+}
+
+TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[oracle]") {
+    const Folder f;
+    CHECK_FALSE(proposedRun(f.put("none.json", kDiagnosis)));
+    std::string diagnosis = kDiagnosis;
+    diagnosis.replace(diagnosis.find("\"next_experiment\": null"), 23, R"("next_experiment": {"what": "fast",
+        "drive": {"time_s": [0, 1, 3], "displacement_m": [0, 0, 0.01]}, "sampling_Hz": 30})");
+    diagnosis.replace(diagnosis.find("named"), 5, "ambiguous");
+    const Judged j = judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis));
+    CHECK(open(j));
+    CHECK_FALSE(settled(j));
+    const auto run = proposedRun(f.put("diagnosis.json", diagnosis));
+    REQUIRE(run);
+    CHECK(run->drive.at(2.0) == Approx(0.005));
+
+    const std::vector<Plan> all = plans("tuning", 1);
+    const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) { return p.kind == "nothing"; });
+    REQUIRE(plan != all.end());
+    const Concealed before = conceal(*plan), after = conceal(*plan, run);
+    REQUIRE(after.failure.empty());
+    REQUIRE(after.files.size() > before.files.size());
+    for (std::size_t i = 1; i < before.files.size(); ++i) // the first is the description, which lists the new run
+        CHECK(after.files[i] == before.files[i]);
 }
 
 TEST_CASE("intervals of shares and medians", "[oracle]") {

@@ -63,16 +63,6 @@ Drive through(std::vector<double> time, std::vector<double> millimetres) {
     return {std::move(time), std::move(millimetres)};
 }
 
-void addRun(Description& d, Drive drive, double rate) {
-    RunPlan r;
-    r.file = "run_" + std::to_string(d.runs.size() + 1) + ".csv";
-    r.markersFile = "run_" + std::to_string(d.runs.size() + 1) + "_markers.csv";
-    r.drive = std::move(drive);
-    r.sampling = rate;
-    r.markersSampling = 4.0;
-    d.runs.push_back(r);
-}
-
 Specimen drawSpecimen(Draw& draw, Description& d) {
     Specimen s;
     s.thickness = 5e-4;
@@ -185,6 +175,16 @@ void arch(Draw& draw, Description& d) {
 }
 
 } // namespace
+
+void addRun(Description& d, Drive drive, double rate) {
+    RunPlan r;
+    r.file = "run_" + std::to_string(d.runs.size() + 1) + ".csv";
+    r.markersFile = "run_" + std::to_string(d.runs.size() + 1) + "_markers.csv";
+    r.drive = std::move(drive);
+    r.sampling = rate;
+    r.markersSampling = 4.0;
+    d.runs.push_back(r);
+}
 
 std::vector<Plan> plans(const std::string& part, std::uint64_t seed) {
     std::vector<Plan> all = part == "tuning" ? tuning() : blind();

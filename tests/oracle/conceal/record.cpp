@@ -244,13 +244,15 @@ Accuracy accuracyOf(const Plan& plan) {
     return out;
 }
 
-Concealed conceal(const Plan& plan) {
+Concealed conceal(const Plan& plan, const std::optional<Further>& further) {
     Concealed out;
     Draw draw(plan.seed);
     Secret s = drawSecret(draw, plan);
     if (!s.plan.families.empty())
         if (out.failure = hide(draw, s); !out.failure.empty())
             return out;
+    if (further)
+        addRun(s.description, further->drive, further->rate);
     const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
     const Clean clean = simulate(s.description, truth, {});
     const Clean plain = simulate(s.description, trueSetup(s.description, s.offsets, {}), {});

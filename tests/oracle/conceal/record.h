@@ -4,6 +4,7 @@
 #include "tests/oracle/conceal/cases.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +17,15 @@ struct Concealed {
     std::string answer;                                     ///< JSON
 };
 
-Concealed conceal(const Plan& plan);
+/// A run that a diagnosis asked for.
+struct Further {
+    Drive drive;       ///< s, m
+    double rate = 0.0; ///< Hz
+};
+
+/// The files of the same plan are the same bytes every time; a further run is recorded behind the others with the same
+/// specimen, effects and sensors, and changes nothing in them but the description's list of runs.
+Concealed conceal(const Plan& plan, const std::optional<Further>& further = std::nullopt);
 
 /// The whole file or none of it, whatever happens meanwhile. Throws std::runtime_error where it cannot be written.
 void writeWhole(const std::filesystem::path& file, const std::string& text);

@@ -2,14 +2,16 @@
 // diagnosed yet), and scores what it said. Can be stopped at any time; the same command goes on.
 //
 //   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--limit N] [--jobs N] [--score]
-//         [--name NAME] [-- flags for diagnose ...]
+//         [--name NAME] [--further] [-- flags for diagnose ...]
 //
 // --score: score what there is, diagnose nothing. --name: folder of the diagnoses (default "diagnoses"), so that the
-// same cases can be diagnosed with other flags.
+// same cases can be diagnosed with other flags. --further: where a diagnosis does not decide and proposes a run, the
+// run is recorded with the same hidden effect and everything is diagnosed again.
 
 #include "tests/oracle/conceal/record.h"
 #include "tests/oracle/prove/scores.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -28,16 +30,16 @@ struct Options {
     std::string program, out, part = "blind", name = "diagnoses", jobs = "2";
     std::size_t limit = 1000000;
     std::uint64_t seed = 0;
-    bool scoreOnly = false;
+    bool scoreOnly = false, further = false;
     std::vector<std::string> flags;
 };
 
 /// Makes a case unless it is there; the answer is written last.
-bool provide(const Plan& plan, const fs::path& folder) {
+bool provide(const Plan& plan, const fs::path& folder, const std::optional<Further>& further = std::nullopt) {
     const fs::path answer = folder / "answers" / (plan.name + ".json");
     if (fs::exists(answer))
         return true;
-    const Concealed c = conceal(plan);
+    const Concealed c = conceal(plan, further);
     if (!c.failure.empty()) {
         std::fprintf(stderr, "%s cannot be recorded: %s\n", plan.name.c_str(), c.failure.c_str());
         return false;
@@ -89,6 +91,40 @@ bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const f
     return code == 0;
 }
 
+/// The cases that were left open, once more with the run that was asked for. @param before as judged, same order
+void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Judged>& before, const fs::path& folder) {
+    const fs::path cases = fs::path(o.out) / o.part / (o.name + "_further_cases"),
+                   to = fs::path(o.out) / o.part / (o.name + "_further");
+    Share decided, weakDecided;
+    std::string lines;
+    for (const Judged& was : before) {
+        const auto plan = std::find_if(all.begin(), all.end(), [&](const Plan& p) { return p.name == was.name; });
+        const auto run = proposedRun((folder / was.name / "diagnosis.json").string());
+        if (!open(was) || !run || plan == all.end())
+            continue;
+        if (!fs::exists(to / was.name / "diagnosis.json") &&
+            (o.scoreOnly || !provide(*plan, cases, run) || !diagnose(o, *plan, cases, to / was.name)))
+            continue;
+        const Judged now =
+            judge((cases / "answers" / (was.name + ".json")).string(), (to / was.name / "diagnosis.json").string());
+        decided.count(settled(now));
+        if (was.verdict == "not_enough_information")
+            weakDecided.count(settled(now));
+        lines += "  " + was.name + " (" + was.verdict + "): " + was.next + "\n    " +
+                 (settled(now) ? "settled" : "open or wrong") + ": " + now.statement + "\n";
+    }
+    const auto share = [](const Share& s) {
+        char text[80];
+        std::snprintf(text, sizeof text, "%d of %d, %.2f [%.2f, %.2f]", s.hits, s.of, s.value(), s.low(), s.high());
+        return std::string(text);
+    };
+    const std::string text = "cases left open in which the run that was asked for settles it: " + share(decided) +
+                             "\n  of those said not to hold enough information: " + share(weakDecided) + "\n" + lines;
+    fs::create_directories(to);
+    writeWhole(to / "settled.txt", text);
+    std::printf("\n%s", text.c_str());
+}
+
 int work(const Options& o) {
     const std::uint64_t seed = o.seed != 0 ? o.seed : o.part == "tuning" ? 1 : 2026;
     const fs::path cases = fs::path(o.out) / o.part / "cases", folder = fs::path(o.out) / o.part / o.name;
@@ -122,6 +158,8 @@ int work(const Options& o) {
         writeWhole(folder / "report.html", asPage(judged, title, ""));
     }
     std::printf("%s\npage: %s\n", asText(judged, title).c_str(), (folder / "report.html").c_str());
+    if (o.further)
+        settle(o, all, judged, folder);
     return judged.empty() ? 3 : 0;
 }
 
@@ -138,6 +176,10 @@ int main(int argc, char** argv) {
         }
         if (key == "--score") {
             o.scoreOnly = true;
+            continue;
+        }
+        if (key == "--further") {
+            o.further = true;
             continue;
         }
         if (i + 1 >= argc) {
@@ -165,7 +207,7 @@ int main(int argc, char** argv) {
     if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || (o.part != "tuning" && o.part != "blind")) {
         std::fprintf(stderr,
                      "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--limit N] [--jobs N] [--seed N]"
-                     " [--score] [--name NAME] [-- flags for diagnose ...]\n");
+                     " [--score] [--further] [--name NAME] [-- flags for diagnose ...]\n");
         return 2;
     }
     try {

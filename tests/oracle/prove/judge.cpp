@@ -216,4 +216,29 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
     return j;
 }
 
+bool open(const Judged& j) {
+    return j.verdict == "ambiguous" || j.verdict == "not_enough_information";
+}
+
+bool settled(const Judged& j) {
+    if (j.kind == "nothing")
+        return j.verdict == "nothing_missing";
+    return j.verdict == (j.kind == "removed" || j.kind == "outside" ? "unexplained" : "named") && j.right;
+}
+
+std::optional<Further> proposedRun(const std::string& diagnosisFile) {
+    const Json d = read(diagnosisFile);
+    try {
+        const Json& next = d.at("next_experiment");
+        if (next.is_null() || next.at("drive").at("time_s").empty())
+            return std::nullopt;
+        const Json& drive = next.at("drive");
+        return Further{
+            {drive.at("time_s").get<std::vector<double>>(), drive.at("displacement_m").get<std::vector<double>>()},
+            next.at("sampling_Hz")};
+    } catch (const Json::exception& e) {
+        throw std::runtime_error(diagnosisFile + ": " + e.what());
+    }
+}
+
 } // namespace supercircle::oracle

@@ -1,6 +1,9 @@
 #pragma once
 // What a diagnosis said of a case against what was hidden in it.
 
+#include "tests/oracle/conceal/record.h"
+
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,5 +32,13 @@ struct Judged {
 
 /// Throws std::runtime_error if a file cannot be read or is not what it should be.
 Judged judge(const std::string& answerFile, const std::string& diagnosisFile);
+
+/// The diagnosis does not decide: it leaves several effects, or says that these runs hold too little.
+bool open(const Judged& j);
+/// It decides, and rightly: the one effect, nothing, or none that is known.
+bool settled(const Judged& j);
+
+/// The run that a diagnosis proposes; empty if none. Throws like judge().
+std::optional<Further> proposedRun(const std::string& diagnosisFile);
 
 } // namespace supercircle::oracle

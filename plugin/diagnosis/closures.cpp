@@ -1,6 +1,7 @@
 #include "plugin/diagnosis/closures.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace supercircle::diagnosis {
 
@@ -19,6 +20,23 @@ std::vector<double> spline(const std::vector<double>& values, const std::vector<
     return out;
 }
 
+/// Secant: moment over curvature change, as a share of B, minus one.
+std::vector<double> secant(const std::vector<double>& values, const std::vector<double>& at) {
+    std::vector<double> out;
+    for (const double x : at) {
+        const effects::SplinePoint p = effects::evaluateSpline(coefficients(values), x);
+        out.push_back(x > 0.0 ? p.area / x : p.value);
+    }
+    return out;
+}
+
+std::vector<double> fading(const std::vector<double>& values, const std::vector<double>& at) {
+    std::vector<double> out;
+    for (const double x : at)
+        out.push_back(effects::evaluateFading(coefficients(values), x).value);
+    return out;
+}
+
 /// A candidate with coefficients from `lower` up, a step of `step`.
 Candidate learned(const std::string& label, const std::string& slot, const std::string& law, double lower, double upper,
                   double step, Curve curve) {
@@ -33,6 +51,25 @@ Candidate learned(const std::string& label, const std::string& slot, const std::
     return c;
 }
 
+/// A law in a slot of the simulator, on an effect of the catalogue that takes coefficients c1 ....
+void inSlot(Menu& menu, Candidate c, const char* effect, const std::vector<std::pair<std::string, double>>& fixed) {
+    const effects::Effect* e = effects::find(effect);
+    if (e == nullptr)
+        return;
+    Recipe recipe{effects::off(*e), {}, Reading::None};
+    const auto find = [&](const std::string& name) {
+        const auto at = std::find_if(e->parameters.begin(), e->parameters.end(),
+                                     [&](const effects::Parameter& p) { return p.name == name; });
+        return static_cast<std::size_t>(at - e->parameters.begin());
+    };
+    for (const auto& [name, value] : fixed)
+        recipe.base.values[find(name)] = value;
+    for (const Scalar& s : c.parameters)
+        recipe.parameterAt.push_back(find(s.name));
+    menu.candidates.push_back(std::move(c));
+    menu.recipes.push_back(std::move(recipe));
+}
+
 void onReadings(Menu& menu, Candidate c, Reading reading) {
     menu.candidates.push_back(std::move(c));
     menu.recipes.push_back({{}, {}, reading});
@@ -41,6 +78,27 @@ void onReadings(Menu& menu, Candidate c, Reading reading) {
 } // namespace
 
 void addClosures(Menu& menu, const Sizes& s) {
+    // A run that fails, or hardly bends anything, says nothing about how far a moment can be learned.
+    const double bend = s.bend > 1e-3 / s.radius ? 1.05 * s.bend : 1.0 / s.radius;
+    inSlot(menu,
+           learned("learned_moment", "material", "dM/du = B (1 + S(|u|))", -0.9, 5.0, 0.1,
+                   {"curvature change", "1/m", "bending moment", true, "", 0.0, bend, false, 1.0, secant}),
+           "nonlinear_elasticity", {{"law", 3.0}, {"uc_1_m", bend}});
+    const double middle = 0.1 * s.speed; // two decades to either side: down to a thousandth of the drive
+    inSlot(menu,
+           learned("learned_friction_speed", "contact", "mu (1 + S(log v))", -0.9, 5.0, 0.1,
+                   {"sliding speed", "m/s", "friction", true, "", 1e-2 * middle, 1e2 * middle, true, 1.0, spline}),
+           "rate_dependent_friction", {{"law", 3.0}, {"strength", 1.0}, {"speed_m_s", middle}});
+    const double way = 6.0 * s.travel;
+    inSlot(menu,
+           learned("learned_friction_slip", "contact", "mu (1 + S(way slid))", -0.9, 5.0, 0.1,
+                   {"way slid", "m", "friction", true, "", 0.0, way, false, 1.0, spline}),
+           "wear", {{"law", 1.0}, {"change", 1.0}, {"distance_m", way}});
+    const double pull = 2.0 * s.modulus / (s.radius * s.radius * s.radius), range = 3e-4;
+    inSlot(menu,
+           learned("learned_contact", "contact", "attraction per length S(gap)", -10.0, 10.0, 0.2,
+                   {"gap", "m", "attraction", false, "N/m", 0.0, range, false, pull, fading}),
+           "adhesion", {{"law", 2.0}, {"F_a_N_m", pull}, {"range_m", range}});
     const double f = 0.2 * s.force;
     onReadings(menu,
                learned("learned_machine_force", "apparatus", "reading += S(displacement)", -20.0, 20.0, 0.05,

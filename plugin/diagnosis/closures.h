@@ -1,8 +1,12 @@
 #pragma once
-// Laws that are learned where no effect of the catalogue holds: penalised cubic B-splines of a state, added to the
-// readings. Of time alone only where the sensor adds something.
+// Laws that are learned where no effect of the catalogue holds: penalised cubic B-splines of a state, in the slots of
+// the simulator. Never of time alone, except for what the sensor adds to its readings.
 //
 // | what is learned | state | where it acts |
+// | bending stiffness dM/d kappa | curvature change | material |
+// | friction coefficient | speed of sliding (logarithm) | contact |
+// | friction coefficient | way slid | contact |
+// | attraction of surfaces | gap | contact |
 // | force of the machine, both ways the same | displacement | readings |
 // | force of the machine against its motion | displacement | readings |
 // | zero of the load cell | time | readings |
@@ -11,7 +15,6 @@
 // (2017) 1071 (smoothing by generalised Fellner-Schall steps).
 
 #include "plugin/diagnosis/menu.h"
-#include "supercircle/effects/spline.h"
 
 namespace supercircle::diagnosis {
 

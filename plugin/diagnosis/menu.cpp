@@ -256,9 +256,10 @@ void bodies(Writer& w, const replay::FreeScales& s) {
 
 } // namespace
 
-Menu menuFor(const Experiment& e, const std::vector<std::string>& without) {
+Menu menuFor(const Experiment& e, const std::vector<std::string>& without, double largestBend) {
     Menu menu;
-    const Sizes s = sizesOf(e);
+    Sizes s = sizesOf(e);
+    s.bend = largestBend;
     std::vector<std::string> shells = {"all"};
     if (e.specimens.size() > 1) {
         shells.clear();

@@ -34,10 +34,12 @@ struct Sizes {
     double radius = 0.02;   ///< of the specimens (a straight one: length / pi), m
     double length = 0.1;    ///< m
     double modulus = 2e-4;  ///< N m^2
+    double bend = 0.0;      ///< largest curvature change of a simulated run, 1/m; 0: not known
 };
 Sizes sizesOf(const experiment::Experiment& experiment);
 
 /// Everything in the catalogue that can act in this experiment; `without` leaves labels out (to test "unexplained").
-Menu menuFor(const experiment::Experiment& experiment, const std::vector<std::string>& without = {});
+Menu menuFor(const experiment::Experiment& experiment, const std::vector<std::string>& without = {},
+             double largestBend = 0.0);
 
 } // namespace supercircle::diagnosis

@@ -79,6 +79,21 @@ std::vector<double> filled(const std::vector<double>& v, std::size_t rows) {
     return out;
 }
 
+/// Largest curvature change of the run that goes farthest, as described: where moments can be learned.
+double largestBend(const experiment::Experiment& e) {
+    std::size_t farthest = 0;
+    double most = 0.0;
+    for (std::size_t r = 0; r < e.runs.size(); ++r)
+        for (const double d : e.runs[r].driveDisplacement)
+            if (d > most) {
+                most = d;
+                farthest = r;
+            }
+    if (e.runs.empty())
+        return 0.0;
+    return replay::simulate(e, farthest, replay::nominal(e), replay::Resolution::coarse()).bendMost;
+}
+
 Eigen::VectorXd vectorOf(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
@@ -86,7 +101,7 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
 } // namespace
 
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without)
-    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without)) {
+    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without, largestBend(e))) {
     const Sizes s = sizesOf(e);
     travel_ = s.travel;
     duration_ = s.duration;

@@ -276,6 +276,15 @@ void Rig::readMeanForce() {
     lastDisplacement_ = displacement();
 }
 
+double Rig::bend() const {
+    double most = 0.0;
+    for (const step::Rod& rod : world_.rods)
+        for (int e = 0; e < rod.model.elements(); ++e)
+            most = std::max(most, std::abs(rod.q[rod.model.dofOfElement(e)] -
+                                           rod.model.definition().naturalCurvature[static_cast<std::size_t>(e)]));
+    return most;
+}
+
 rod::Vec2 Rig::point(std::size_t specimen, double arcFraction) const {
     const step::Rod& rod = world_.rods[specimen];
     return rod.kin.point(rod::locate(rod.model, arcFraction * rod.model.definition().length));

@@ -38,6 +38,8 @@ public:
     [[nodiscard]] const MeanForce& meanForce() const { return mean_; }
     /// Point of the centre line, m.
     [[nodiscard]] rod::Vec2 point(std::size_t specimen, double arcFraction) const;
+    /// Largest change of curvature from the natural one now, 1/m.
+    [[nodiscard]] double bend() const;
     [[nodiscard]] const step::Counters& counters() const { return world_.counters; }
 
 private:

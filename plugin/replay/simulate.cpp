@@ -137,6 +137,7 @@ public:
         return std::move(trace_);
     }
     [[nodiscard]] bool stopped() const { return stopped_; }
+    [[nodiscard]] double bendMost() const { return bendMost_; }
 
 private:
     /// What the drive shows: the head and all that gives in series with it.
@@ -188,6 +189,7 @@ private:
             const double before = std::exchange(clock_, std::clamp(now, clock_, t1));
             readForce(0.5 * (before + clock_));
             trace_.addMarkers(rig_, e_, clock_);
+            bendMost_ = std::max(bendMost_, rig_.bend());
             if (options_.progress)
                 options_.progress((clock_ - run_.driveTime.front()) / (run_.driveTime.back() - run_.driveTime.front()));
             stopped_ = options_.interrupt != nullptr && options_.interrupt->load();
@@ -249,6 +251,7 @@ private:
     double lastDisplacement_ = 0.0; ///< m
     double impact_ = 0.0;           ///< N, forces beyond it are impacts
     bool stopped_ = false;
+    double bendMost_ = 0.0; ///< 1/m
     Trace trace_;
 };
 
@@ -354,6 +357,7 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         for (std::size_t i = 0; common.sensor.on() && i < trace.force.size(); ++i)
             trace.force[i] = sensor.read(trace.forceTime[i], trace.force[i]);
         out.stopped = player.stopped();
+        out.bendMost = player.bendMost();
         read(trace, e, e.runs[run], out);
     }
     out.failure = rig.failure();

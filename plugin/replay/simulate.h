@@ -35,6 +35,7 @@ struct Simulated {
     experiment::MarkerTracks markers; ///< at the recording's marker times
     experiment::Readings trace;       ///< the same between the samples: at the simulation's own steps
     double forceZero = 0.0;           ///< N, what was subtracted
+    double bendMost = 0.0;            ///< largest change of curvature from the natural one, 1/m
     double cpuSeconds = 0.0;          ///< of the calling thread, s
     std::uint64_t steps = 0;          ///< accepted
     std::uint64_t rejected = 0;

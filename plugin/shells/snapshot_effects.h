@@ -5,6 +5,8 @@
 #include "plugin/shells/snapshot_archive.h"
 #include "supercircle/effects/rod_effects.h"
 
+#include <algorithm>
+
 namespace supercircle::archive {
 
 /// Numbers beyond what the catalogue allows were never set by anybody: they are refused, not simulated.
@@ -16,6 +18,9 @@ void demand(Ar& ar, bool possible) {
 }
 inline bool within(double value, double least, double most) {
     return value >= least && value <= most; // not a number is within nothing
+}
+inline bool possible(const effects::SplineCoefficients& c, double least, double most) {
+    return std::all_of(c.begin(), c.end(), [&](double v) { return within(v, least, most); });
 }
 inline constexpr double kAny = std::numeric_limits<double>::max();
 inline constexpr double kEndlessToo = std::numeric_limits<double>::infinity();
@@ -37,10 +42,10 @@ void io(Ar& ar, Is<effects::Profile> auto& p) {
 
 template <class Ar>
 void io(Ar& ar, Is<effects::Backbone> auto& b) {
-    auto& [law, knee, exponent] = b;
-    ar(law, knee, exponent);
-    demand(ar, law <= effects::Backbone::Law::RambergOsgood && within(knee, 1e-3, kEndlessToo) &&
-                   within(exponent, 1.0, 50.0));
+    auto& [law, knee, exponent, learned] = b;
+    ar(law, knee, exponent, learned);
+    demand(ar, possible(learned, -0.95, 100.0) && law <= effects::Backbone::Law::Learned &&
+                   within(knee, 1e-3, kEndlessToo) && within(exponent, 1.0, 50.0));
 }
 
 template <class Ar>
@@ -69,19 +74,22 @@ void io(Ar& ar, Is<effects::DragModel> auto& m) {
 
 template <class Ar>
 void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
-    auto& [staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance] = m;
-    ar(staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance);
+    auto& [staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance, wearLearned,
+           rateCurve, wearCurve] = m;
+    ar(staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance, wearLearned,
+       rateCurve, wearCurve);
+    demand(ar, possible(rateCurve, -0.95, 100.0) && possible(wearCurve, -0.95, 100.0));
     demand(ar, within(staticRatio, 1.0, 100.0) && within(slipWeakening, 1e-7, 1.0) && within(healing, 1e-6, 1e9) &&
-                   rate <= effects::FrictionModel::Rate::Viscous && within(rateStrength, -0.95, 100.0) &&
+                   rate <= effects::FrictionModel::Rate::Learned && within(rateStrength, -0.95, 100.0) &&
                    within(rateSpeed, 1e-9, 1e3) && within(wearChange, -0.95, 100.0) && within(wearDistance, 1e-6, 1e6));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::AdhesionModel> auto& m) {
-    auto& [law, force, range, spots] = m;
-    ar(law, force, range, spots);
-    demand(ar, law <= effects::AdhesionModel::Law::Decaying && within(force, 0.0, 1e6) && within(range, 1e-7, 1.0) &&
-                   within(spots, 0.0, 1.0));
+    auto& [law, force, range, spots, learned] = m;
+    ar(law, force, range, spots, learned);
+    demand(ar, possible(learned, -10.0, 10.0) && law <= effects::AdhesionModel::Law::Learned &&
+                   within(force, 0.0, 1e6) && within(range, 1e-7, 1.0) && within(spots, 0.0, 1.0));
 }
 
 template <class Ar>

@@ -51,6 +51,11 @@ AttractionPoint attractionAt(const AdhesionModel& m, double gap) {
         return {apart ? f * x * y2 : 0.0, apart ? f / m.range * (y2 - 2.0 * x * y) : 0.0,
                 -f * m.range * y2 * y * (1.0 / 3.0 - 0.25 * y)};
     }
+    if (m.law == AdhesionModel::Law::Learned) {
+        const SplinePoint s = evaluateFading(m.learned, std::max(x, 0.0)), end = evaluateFading(m.learned, 1.0);
+        return {m.force * s.value, x > 0.0 ? m.force / m.range * s.slope : 0.0,
+                m.force * (m.range * (s.area - end.area) + s.value * std::min(gap, 0.0))};
+    }
     AttractionPoint out{m.force * y2, x > 0.0 ? -2.0 * m.force / m.range * y : 0.0, -m.force * m.range * y2 * y / 3.0};
     out.energy += m.force * std::min(gap, 0.0); // pressed into each other by round-off
     return out;

@@ -44,6 +44,12 @@ BackbonePoint evaluate(const Backbone& b, double u) {
             return out;
         }
         break;
+    case Backbone::Law::Learned:
+        if (std::isfinite(b.knee)) {
+            const SplinePoint s = evaluateSpline(b.learned, std::abs(x));
+            return {u + (u < 0.0 ? -b.knee : b.knee) * s.area, 1.0 + s.value, 0.5 * u * u + b.knee * b.knee * s.moment};
+        }
+        break;
     case Backbone::Law::Linear:
         break;
     }

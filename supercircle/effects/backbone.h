@@ -12,7 +12,7 @@ struct BackbonePoint {
 };
 
 /// Softening: u / sqrt(1 + (u/uc)^2). Stiffening: u (1 + (u/uc)^2). Ramberg-Osgood (Ramberg and Osgood 1943), given the
-/// other way round: u = g + uc (g/uc)^n.
+/// other way round: u = g + uc (g/uc)^n. Learned: dg/du = 1 + S(|u|/uc), S a spline.
 BackbonePoint evaluate(const Backbone& backbone, double u);
 
 } // namespace supercircle::effects

@@ -23,6 +23,18 @@ inline Parameter choice(std::string name, std::vector<std::string> words, std::s
     return {std::move(name), "1", 0.0, 0.0, last, 0.0, false, std::move(about), std::move(words)};
 }
 
+/// Appends the coefficients c1 ... of a learned law.
+inline void addCoefficients(std::vector<Parameter>& to, double min, double max, const std::string& about) {
+    for (std::size_t k = 1; k <= kSplineCoefficients; ++k)
+        to.push_back(detail("c" + std::to_string(k), "1", 0.0, min, max, about));
+}
+inline SplineCoefficients coefficientsAt(const Values& v, std::size_t first) {
+    SplineCoefficients c{};
+    for (std::size_t k = 0; k < c.size(); ++k)
+        c[k] = v[first + k];
+    return c;
+}
+
 Effect viscoelasticBending();
 Effect nonlinearElasticity();
 Effect plasticity();

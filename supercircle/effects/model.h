@@ -2,6 +2,7 @@
 // What the effects of one world amount to, slot by slot: plain numbers that the step, the laboratory and the replay
 // read. Everything here is off as initialised.
 
+#include "supercircle/effects/spline.h"
 #include "supercircle/rod/arc.h"
 
 #include <array>
@@ -66,10 +67,11 @@ struct Profile {
 
 /// Elastic moment over curvature change, per bending modulus.
 struct Backbone {
-    enum class Law : std::uint8_t { Linear, Softening, Stiffening, RambergOsgood };
+    enum class Law : std::uint8_t { Linear, Softening, Stiffening, RambergOsgood, Learned };
     Law law = Law::Linear;
-    double knee = std::numeric_limits<double>::infinity(); ///< u_c, 1/m
+    double knee = std::numeric_limits<double>::infinity(); ///< u_c, of a learned law the end of its range, 1/m
     double exponent = 3.0;                                 ///< of Ramberg-Osgood, 1
+    SplineCoefficients learned{};                          ///< tangent modulus / B - 1 against |u| / u_c, 1
 };
 
 /// A Maxwell element beside the bending spring.
@@ -104,26 +106,29 @@ struct DragModel {
 
 /// How the friction coefficient of a contact depends on its state, as factors of the declared one.
 struct FrictionModel {
-    enum class Rate : std::uint8_t { Stribeck, Logarithmic, Viscous };
+    enum class Rate : std::uint8_t { Stribeck, Logarithmic, Viscous, Learned };
     double staticRatio = 1.0;    ///< mu_s / mu_k, 1
     double slipWeakening = 1e-4; ///< D_c, m
     double healing = 1.0;        ///< time at rest after which the excess is back, s
     Rate rate = Rate::Stribeck;
     double rateStrength = 0.0; ///< relative change, 1
-    double rateSpeed = 1e-3;   ///< m/s
+    double rateSpeed = 1e-3;   ///< m/s, of a learned law the middle of its four decades
     double wearChange = 0.0;   ///< relative change in the end, 1
-    double wearDistance = 0.1; ///< m
+    double wearDistance = 0.1; ///< m, of a learned law the end of its range
+    bool wearLearned = false;
+    SplineCoefficients rateCurve{}, wearCurve{}; ///< of learned laws, 1
 
     [[nodiscard]] bool on() const { return staticRatio != 1.0 || rateStrength != 0.0 || wearChange != 0.0; }
 };
 
 /// Attraction of near surfaces: force per length of rod against the gap.
 struct AdhesionModel {
-    enum class Law : std::uint8_t { Hump, Decaying };
+    enum class Law : std::uint8_t { Hump, Decaying, Learned };
     Law law = Law::Hump;
     double force = 0.0;  ///< largest, N/m
     double range = 1e-4; ///< gap where it ends, m
     double spots = 0.0;  ///< distance of the spots along the rod that attract, both tips among them; 0: all of it, m
+    SplineCoefficients learned{}; ///< attraction / force against gap / range, 1
 
     [[nodiscard]] bool on() const { return force > 0.0; }
 };

@@ -26,6 +26,11 @@ double rateFactor(const FrictionModel& m, double speed) {
         return 1.0 + m.rateStrength * std::log1p(x);
     case FrictionModel::Rate::Viscous:
         return 1.0 + m.rateStrength * x;
+    case FrictionModel::Rate::Learned: {
+        constexpr double kDecades = 4.0;
+        const double at = 0.5 + std::log10(std::max(x, 1e-9)) / kDecades;
+        return 1.0 + m.rateStrength * evaluateSpline(m.rateCurve, at).value;
+    }
     }
     return 1.0;
 }
@@ -61,8 +66,11 @@ double frictionFactor(const FrictionModel& m, const Site& site, double speed, do
         factor *= 1.0 + (m.staticRatio - 1.0) * (1.0 - weakenedAfter(m, site.weakened, speed, dt));
     if (m.rateStrength != 0.0)
         factor *= rateFactor(m, speed);
-    if (m.wearChange != 0.0)
-        factor *= 1.0 - m.wearChange * std::expm1(-(site.slid + dt * speed) / m.wearDistance);
+    if (m.wearChange != 0.0) {
+        const double way = (site.slid + dt * speed) / m.wearDistance;
+        factor *= m.wearLearned ? 1.0 + m.wearChange * evaluateSpline(m.wearCurve, way).value
+                                : 1.0 - m.wearChange * std::expm1(-way);
+    }
     return std::max(kLeast, factor);
 }
 

@@ -132,3 +132,31 @@ TEST_CASE("what acts on readings only is added to them as the sensor would", "[d
         CHECK((full.force - plain.force).cwiseAbs().maxCoeff() > 1e-2 * peak);
     }
 }
+
+TEST_CASE("a learned moment with coefficients of zero is linear, and bends the curve otherwise", "[diagnosis]") {
+    auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/case_106/experiment.json");
+    REQUIRE(loaded);
+    const ReplayModel model(*loaded);
+    std::vector<double> stated;
+    for (const Scalar& s : model.nominal())
+        stated.push_back(s.value);
+    for (std::size_t c = 0; c < model.candidates().size(); ++c) {
+        const Candidate& candidate = model.candidates()[c];
+        if (candidate.label != "learned_moment")
+            continue;
+        std::vector<double> zero(candidate.parameters.size(), 0.0), soft(candidate.parameters.size(), -0.2);
+        // A modulus lower by a fifth at every curvature is a bending modulus lower by a fifth.
+        diagnosis::Point softer{stated, {}};
+        REQUIRE(model.nominal().front().name == "bending_modulus");
+        softer.nominal.front() *= 0.8;
+        CHECK(model.candidates()[c].curve.evaluate(soft, {0.5}).front() == Approx(-0.2));
+        const Response a = model.simulate(0, {stated, {{c, soft}}}, Fineness::Coarse, nullptr);
+        const Response b = model.simulate(0, softer, Fineness::Coarse, nullptr);
+        const Response linear = model.simulate(0, {stated, {{c, zero}}}, Fineness::Coarse, nullptr);
+        const Response plain = model.simulate(0, {stated, {}}, Fineness::Coarse, nullptr);
+        INFO(a.failure);
+        REQUIRE(a.failure.empty());
+        CHECK((linear.force - plain.force).norm() <= 1e-6 * plain.force.norm());
+        CHECK((a.force - b.force).norm() <= 1e-2 * (b.force - plain.force).norm()); // the material's own step control
+    }
+}

@@ -133,7 +133,8 @@ TEST_CASE("wrong effects are refused by name, with what was meant") {
 TEST_CASE("backbones: slope and energy are the derivative and the integral of the moment") {
     for (const Backbone& b :
          {Backbone{}, Backbone{Backbone::Law::Softening, 110.0, 3.0}, Backbone{Backbone::Law::Stiffening, 60.0, 3.0},
-          Backbone{Backbone::Law::RambergOsgood, 40.0, 5.0}})
+          Backbone{Backbone::Law::RambergOsgood, 40.0, 5.0},
+          Backbone{Backbone::Law::Learned, 70.0, 3.0, {0.1, -0.2, 0.4, 0.3, -0.5, 0.2, 0.6}}})
         for (const double u : {-90.0, -3.0, 0.5, 20.0, 75.0}) {
             const double d = 1e-4;
             CHECK((evaluate(b, u + d).value - evaluate(b, u - d).value) / (2.0 * d) ==
@@ -141,6 +142,26 @@ TEST_CASE("backbones: slope and energy are the derivative and the integral of th
             CHECK((evaluate(b, u + d).energy - evaluate(b, u - d).energy) / (2.0 * d) ==
                   Approx(evaluate(b, u).value).epsilon(1e-6));
         }
+}
+
+TEST_CASE("a learned law: equal coefficients are a constant, its integrals those of a fine sum, the far end smooth") {
+    const SplineCoefficients same = {0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3}, c = {0.4, -1.0, 2.0, 0.5, -0.3, 1.0, 0.2};
+    for (const double x : {0.0, 0.2, 0.25, 0.9, 1.0, 1.7}) {
+        CHECK(evaluateSpline(same, x).value == Approx(0.3).epsilon(1e-14)); // the basis sums to one
+        CHECK(evaluateSpline(same, x).area == Approx(0.3 * x).margin(1e-15));
+        double area = 0.0, moment = 0.0;
+        constexpr int kSteps = 4000;
+        for (int i = 0; i < kSteps; ++i) { // midpoint rule: h^2 / 24 S'' < 1e-6
+            area += evaluateSpline(c, x * (i + 0.5) / kSteps).value * x / kSteps;
+            moment += evaluateSpline(c, x * (i + 0.5) / kSteps).area * x / kSteps;
+        }
+        CHECK(evaluateSpline(c, x).area == Approx(area).margin(2e-6));
+        CHECK(evaluateSpline(c, x).moment == Approx(moment).margin(2e-6));
+        CHECK(evaluateFading(c, 0.3).slope ==
+              Approx((evaluateFading(c, 0.3 + 1e-6).value - evaluateFading(c, 0.3 - 1e-6).value) / 2e-6).epsilon(1e-6));
+    }
+    CHECK(evaluateFading(c, 1.0).value == Approx(0.0).margin(1e-15));
+    CHECK(evaluateFading(c, 1.0).slope == Approx(0.0).margin(1e-13));
 }
 
 TEST_CASE("the tangent of every material law is the derivative of its moment") {

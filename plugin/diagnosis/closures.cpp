@@ -13,27 +13,25 @@ effects::SplineCoefficients coefficients(const std::vector<double>& values) {
     return c;
 }
 
-std::vector<double> spline(const std::vector<double>& values, const std::vector<double>& at) {
-    std::vector<double> out;
-    for (const double x : at)
-        out.push_back(effects::evaluateSpline(coefficients(values), x).value);
-    return out;
+double splineAt(const effects::SplineCoefficients& c, double x) {
+    return effects::evaluateSpline(c, x).value;
 }
 
-/// Secant: moment over curvature change, as a share of B, minus one.
-std::vector<double> secant(const std::vector<double>& values, const std::vector<double>& at) {
-    std::vector<double> out;
-    for (const double x : at) {
-        const effects::SplinePoint p = effects::evaluateSpline(coefficients(values), x);
-        out.push_back(x > 0.0 ? p.area / x : p.value);
-    }
-    return out;
+/// Moment over curvature change, as a share of B, minus one.
+double secantAt(const effects::SplineCoefficients& c, double x) {
+    const effects::SplinePoint p = effects::evaluateSpline(c, x);
+    return x > 0.0 ? p.area / x : p.value;
 }
 
-std::vector<double> fading(const std::vector<double>& values, const std::vector<double>& at) {
+double fadingAt(const effects::SplineCoefficients& c, double x) {
+    return effects::evaluateFading(c, x).value;
+}
+
+template <double (*Law)(const effects::SplineCoefficients&, double)>
+std::vector<double> curve(const std::vector<double>& values, const std::vector<double>& at) {
     std::vector<double> out;
     for (const double x : at)
-        out.push_back(effects::evaluateFading(coefficients(values), x).value);
+        out.push_back(Law(coefficients(values), x));
     return out;
 }
 
@@ -82,36 +80,38 @@ void addClosures(Menu& menu, const Sizes& s) {
     const double bend = s.bend > 1e-3 / s.radius ? 1.05 * s.bend : 1.0 / s.radius;
     inSlot(menu,
            learned("learned_moment", "material", "dM/du = B (1 + S(|u|))", -0.9, 5.0, 0.1,
-                   {"curvature change", "1/m", "bending moment", true, "", 0.0, bend, false, 1.0, secant}),
+                   {"curvature change", "1/m", "bending moment", true, "", 0.0, bend, false, 1.0, curve<secantAt>}),
            "nonlinear_elasticity", {{"law", 3.0}, {"uc_1_m", bend}});
     const double middle = 0.1 * s.speed; // two decades to either side: down to a thousandth of the drive
     inSlot(menu,
-           learned("learned_friction_speed", "contact", "mu (1 + S(log v))", -0.9, 5.0, 0.1,
-                   {"sliding speed", "m/s", "friction", true, "", 1e-2 * middle, 1e2 * middle, true, 1.0, spline}),
+           learned(
+               "learned_friction_speed", "contact", "mu (1 + S(log v))", -0.9, 5.0, 0.1,
+               {"sliding speed", "m/s", "friction", true, "", 1e-2 * middle, 1e2 * middle, true, 1.0, curve<splineAt>}),
            "rate_dependent_friction", {{"law", 3.0}, {"strength", 1.0}, {"speed_m_s", middle}});
     const double way = 6.0 * s.travel;
     inSlot(menu,
            learned("learned_friction_slip", "contact", "mu (1 + S(way slid))", -0.9, 5.0, 0.1,
-                   {"way slid", "m", "friction", true, "", 0.0, way, false, 1.0, spline}),
+                   {"way slid", "m", "friction", true, "", 0.0, way, false, 1.0, curve<splineAt>}),
            "wear", {{"law", 1.0}, {"change", 1.0}, {"distance_m", way}});
     const double pull = 2.0 * s.modulus / (s.radius * s.radius * s.radius), range = 3e-4;
     inSlot(menu,
            learned("learned_contact", "contact", "attraction per length S(gap)", -10.0, 10.0, 0.2,
-                   {"gap", "m", "attraction", false, "N/m", 0.0, range, false, pull, fading}),
+                   {"gap", "m", "attraction", false, "N/m", 0.0, range, false, pull, curve<fadingAt>}),
            "adhesion", {{"law", 2.0}, {"F_a_N_m", pull}, {"range_m", range}});
     const double f = 0.2 * s.force;
     onReadings(menu,
                learned("learned_machine_force", "apparatus", "reading += S(displacement)", -20.0, 20.0, 0.05,
-                       {"displacement", "m", "added force", false, "N", 0.0, s.travel, false, f, spline}),
+                       {"displacement", "m", "added force", false, "N", 0.0, s.travel, false, f, curve<splineAt>}),
                Reading::ByDisplacement);
     onReadings(menu,
                learned("learned_machine_friction", "apparatus", "reading += S(displacement) against the motion", -20.0,
                        20.0, 0.05,
-                       {"displacement", "m", "force against the motion", false, "N", 0.0, s.travel, false, f, spline}),
+                       {"displacement", "m", "force against the motion", false, "N", 0.0, s.travel, false, f,
+                        curve<splineAt>}),
                Reading::ByDirection);
     onReadings(menu,
                learned("learned_drift", "sensor", "reading += S(time)", -20.0, 20.0, 0.05,
-                       {"time", "s", "zero of the load cell", false, "N", 0.0, s.duration, false, f, spline}),
+                       {"time", "s", "zero of the load cell", false, "N", 0.0, s.duration, false, f, curve<splineAt>}),
                Reading::ByTime);
 }
 

@@ -108,6 +108,29 @@ TEST_CASE("what leaves many times the noise is not named, and a broken forecast 
     CHECK(good.effects[0] > 0.9);
 }
 
+TEST_CASE("an effect that leaves a third of the misfit stands for another one", "[diagnosis]") {
+    HeldOut nothing;
+    nothing.rows.setConstant(12, 100.0);
+    nothing.volume.setZero(12);
+    nothing.energy.setConstant(12, 220.0);
+    Weighing given;
+    given.catalogue = 20;
+    given.p = 1e-3;
+    const auto with = [&](double energy, double tails) {
+        HeldOut effect = nothing;
+        effect.energy.setConstant(12, energy);
+        given.tails = tails;
+        return weigh(nothing, {effect}, given);
+    };
+    // Noise of 1200 rows, its size known to 5 % and two standard errors of its energy: up to 1.18 a row.
+    CHECK(with(137.0, 0.0).rejected); // relaxation, out of the catalogue, called softening left as much
+    CHECK(with(137.0, 0.0).unknown > 0.5);
+    CHECK_FALSE(with(115.0, 0.0).rejected);
+    CHECK(with(115.0, 0.0).effects[0] > 0.8); // p = 0.001 is worth a factor of 53, no more
+    CHECK_FALSE(with(125.0, 0.0).rejected);   // beyond the noise, but less than a tenth of what there was
+    CHECK_FALSE(with(137.0, 30.0).rejected);  // where single readings scatter that much, it may be noise
+}
+
 TEST_CASE("a law that nobody named is learned and put into words", "[diagnosis]") {
     const Data data = toy::recordings(18, "cubic", 6e5); // 0.6 N at the end, with the stiffness at its bound less
     const toy::Spring spring(data, true, true);

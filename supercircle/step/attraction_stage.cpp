@@ -67,49 +67,78 @@ public:
     template <class Do>
     void forNear(std::size_t i, Do&& act) const {
         const std::vector<rod::Place>& place = world_.rods[i].effects.attraction.place;
+        std::vector<Close> stack;
         for (std::size_t from = 0, to = 0; from < place.size(); from = to) {
             while (to < place.size() && place[to].side == place[from].side && place[to].segment == place[from].segment)
                 ++to;
-            forStretch(i, from, to, act);
+            forStretch(i, {from, to}, nullptr, stack, act);
         }
     }
     [[nodiscard]] const rod::Kinematics& kin(std::size_t i) const { return kin_[i]; }
 
 private:
+    /// A piece of another rod that may be near.
+    struct Close {
+        std::size_t rod = 0, piece = 0;
+    };
+    struct Range {
+        std::size_t from = 0, to = 0;
+    };
+
     /// Places on one arc lie within its length of the one in the middle: most stretches are done with after one look,
-    /// the others are halved.
+    /// the others are halved, with the pieces that are still near.
+    /// @param close pieces near the stretch this one is a half of, as a range of `stack`; null: all of them
     template <class Do>
-    void forStretch(std::size_t i, std::size_t from, std::size_t to, Do&& act) const {
+    void forStretch(std::size_t i, Range r, const Range* close, std::vector<Close>& stack, Do&& act) const {
         constexpr std::size_t kFew = 3;
         const Rod& rod = world_.rods[i];
         const effects::Attraction& a = rod.effects.attraction;
-        if (to - from <= kFew) {
-            for (std::size_t k = from; k < to; ++k)
-                nearPlace(i, k, act);
-            return;
-        }
-        const std::size_t half = (from + to) / 2;
+        const std::size_t half = (r.from + r.to) / 2;
         const double at = a.place[half].local;
-        const double within = std::max(std::abs(a.place[from].local - at), std::abs(a.place[to - 1].local - at));
-        if (!anythingNear(i, kin_[i].point(a.place[half]),
-                          a.model.range + 0.5 * rod.model.definition().thickness + within))
+        const double within = std::max(std::abs(a.place[r.from].local - at), std::abs(a.place[r.to - 1].local - at));
+        const double reach = a.model.range + 0.5 * rod.model.definition().thickness + within;
+        const Vec2 p = kin_[i].point(a.place[half]);
+        const Range mine = collectClose(i, p, reach, close, stack);
+        if (mine.to == mine.from && !nearOutline(p, reach))
             return;
-        forStretch(i, from, half, act);
-        forStretch(i, half, to, act);
+        if (r.to - r.from > kFew) {
+            forStretch(i, {r.from, half}, &mine, stack, act);
+            forStretch(i, {half, r.to}, &mine, stack, act);
+        } else
+            for (std::size_t k = r.from; k < r.to; ++k)
+                nearPlace(i, k, mine, stack, act);
+        stack.resize(mine.from);
     }
 
-    [[nodiscard]] bool anythingNear(std::size_t i, const Vec2& p, double reach) const {
-        for (const contact::OutlineShape& o : outlines_)
-            if (contact::distanceBound(o, p) <= reach)
-                return true;
-        for (std::size_t j = 0; j < rods_.size(); ++j)
-            if (j != i && bounds_[j].holds(p, reach + rods_[j].halfThickness))
-                return true;
-        return false;
+    [[nodiscard]] bool nearOutline(const Vec2& p, double reach) const {
+        return std::any_of(outlines_.begin(), outlines_.end(),
+                           [&](const contact::OutlineShape& o) { return contact::distanceBound(o, p) <= reach; });
+    }
+
+    /// Appends the pieces within reach, by rod and along it. A piece lies within half of its length of its chord's
+    /// middle, because no point of it is farther than that from both ends in the mean.
+    Range collectClose(std::size_t i, const Vec2& p, double reach, const Range* of, std::vector<Close>& stack) const {
+        Range mine{stack.size(), 0};
+        const auto look = [&](std::size_t j, std::size_t k) {
+            const contact::Piece& piece = rods_[j].pieces[k];
+            const double most = reach + rods_[j].halfThickness + 0.5 * piece.length;
+            if ((0.5 * (piece.p0 + piece.p1) - p).squaredNorm() <= most * most)
+                stack.push_back({j, k});
+        };
+        if (of != nullptr)
+            for (std::size_t c = of->from; c < of->to; ++c)
+                look(stack[c].rod, stack[c].piece);
+        else
+            for (std::size_t j = 0; j < rods_.size(); ++j)
+                if (j != i && bounds_[j].holds(p, reach + rods_[j].halfThickness))
+                    for (std::size_t k = 0; k < rods_[j].pieces.size(); ++k)
+                        look(j, k);
+        mine.to = stack.size();
+        return mine;
     }
 
     template <class Do>
-    void nearPlace(std::size_t i, std::size_t k, Do&& act) const {
+    void nearPlace(std::size_t i, std::size_t k, Range close, const std::vector<Close>& stack, Do&& act) const {
         const Rod& rod = world_.rods[i];
         const effects::Attraction& a = rod.effects.attraction;
         const double range = a.model.range, half = 0.5 * rod.model.definition().thickness;
@@ -123,33 +152,28 @@ private:
             if (gap < range)
                 act(k, Near{-1, bodies_[o], 0.0, gap, hit.normal, hit.point + radius_[o] * hit.normal});
         }
-        for (std::size_t j = 0; j < rods_.size(); ++j)
-            if (j != i)
-                nearRod(p, half, range, j, k, act);
+        for (std::size_t c = close.from; c < close.to;) {
+            const std::size_t j = stack[c].rod;
+            Near best;
+            best.gap = range;
+            for (; c < close.to && stack[c].rod == j; ++c)
+                nearPiece(p, half, j, rods_[j].pieces[stack[c].piece], best);
+            if (best.rodB >= 0)
+                act(k, best);
+        }
     }
 
-    template <class Do>
-    void nearRod(const Vec2& p, double half, double range, std::size_t j, std::size_t k, Do&& act) const {
-        const double reach = range + half + rods_[j].halfThickness;
-        if (!bounds_[j].holds(p, reach))
+    /// Keeps the nearer of `best` and the foot of p on the piece.
+    void nearPiece(const Vec2& p, double half, std::size_t j, const contact::Piece& piece, Near& best) const {
+        contact::Foot foot;
+        const double reach = best.gap + half + rods_[j].halfThickness;
+        if (!contact::footInPiece(piece, p, reach, foot))
             return;
-        Near best;
-        best.gap = range;
-        for (const contact::Piece& piece : rods_[j].pieces) {
-            contact::Foot foot;
-            if (!contact::footInPiece(piece, p, reach, foot))
-                continue;
-            const double gap = std::abs(foot.distance) - half - rods_[j].halfThickness;
-            if (gap < best.gap)
-                best = {static_cast<int>(j),
-                        -1,
-                        piece.s0 + foot.s,
-                        gap,
-                        foot.distance > 0.0 ? foot.normal : Vec2(-foot.normal),
-                        foot.point};
-        }
-        if (best.rodB >= 0)
-            act(k, best);
+        const double gap = std::abs(foot.distance) - half - rods_[j].halfThickness;
+        if (gap < best.gap)
+            best = {
+                static_cast<int>(j), -1, piece.s0 + foot.s, gap, foot.distance > 0.0 ? foot.normal : Vec2(-foot.normal),
+                foot.point};
     }
 
     const World& world_;

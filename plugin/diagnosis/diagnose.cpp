@@ -2,6 +2,7 @@
 
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/forms.h"
 #include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/learn.h"
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <set>
 
 namespace supercircle::diagnosis {
 
@@ -75,6 +77,8 @@ private:
     void tryEffects();
     void tryLabel(const std::vector<const Screened*>& probes);
     void tryMore();
+    void tryForms(double dispersion);
+    void rank(double dispersion);
     void tryLearned(double left);
     void conclude();
     void enter(const Weighed& w);
@@ -96,10 +100,11 @@ private:
     Grouping grouping_;
     std::vector<Screened> screened_;
     std::vector<Tried> tried_;
-    double least_ = 0.0;         ///< misfit of any fit so far
-    std::vector<Entry> entries_; ///< as out_.effects
-    std::size_t best_ = 0;       ///< of tried_: what the curves show
-    bool any_ = false;           ///< whether there is a best one
+    std::set<std::size_t> fitted_; ///< candidates that were fitted in full
+    double least_ = 0.0;           ///< misfit of any fit so far
+    std::vector<Entry> entries_;   ///< as out_.effects
+    std::size_t best_ = 0;         ///< of tried_: what the curves show
+    bool any_ = false;             ///< whether there is a best one
 };
 
 bool Work::nominal() {
@@ -248,9 +253,7 @@ void Work::tryMore() {
     for (const Tried& t : tried_)
         least = std::min(least, dispersionOf(t.held));
     const double dispersion = std::max(1.0, least);
-    std::stable_sort(tried_.begin(), tried_.end(), [&](const Tried& a, const Tried& b) {
-        return a.held.score(dispersion).sum() > b.held.score(dispersion).sum();
-    });
+    rank(dispersion);
     // Pure noise, its size known to 5 %, leaves up to this much.
     const double rows = std::max(1.0, baseHeld_.rows.sum());
     const double floor = 1.1 + 2.0 * std::sqrt(2.0 / rows), excess = dispersionOf(baseHeld_) - 1.0;
@@ -261,6 +264,9 @@ void Work::tryMore() {
     if (!tried_.empty()) {
         const Fitted& f = tried_.front().fit;
         out_.left = localise(*misfit_, f.residual, freeColumns(f), settings_.seed + 2, settings_.draws);
+        left = leftBy(tried_.front());
+        if (out_.left.p <= 0.01 && left > kLeftOver)
+            tryForms(dispersion);
         left = leftBy(tried_.front());
         if (out_.left.p <= 0.01) {
             stage(0.8, "two effects at a time");
@@ -275,6 +281,26 @@ void Work::tryMore() {
     }
     if (out_.mismatch.p <= 0.01 && left > kLeftOver && !settings_.ablation.unknown)
         tryLearned(left);
+}
+
+void Work::tryForms(double dispersion) {
+    stage(0.78, "other forms of the best laws");
+    for (std::size_t i = 0; i < tried_.size() && i < 2; ++i)
+        if (auto better = betterForm(evaluator_, *misfit_, base_, screened_, tried_[i], fitted_);
+            better && !evaluator_.stopped()) {
+            better->held = scored(better->fit);
+            if (better->held.score(dispersion).sum() > tried_[i].held.score(dispersion).sum())
+                tried_[i] = std::move(*better);
+        }
+    rank(dispersion);
+    const Fitted& f = tried_.front().fit;
+    out_.left = localise(*misfit_, f.residual, freeColumns(f), settings_.seed + 2, settings_.draws);
+}
+
+void Work::rank(double dispersion) {
+    std::stable_sort(tried_.begin(), tried_.end(), [&](const Tried& a, const Tried& b) {
+        return a.held.score(dispersion).sum() > b.held.score(dispersion).sum();
+    });
 }
 
 void Work::tryLearned(double left) {
@@ -311,6 +337,7 @@ void Work::tryLabel(const std::vector<const Screened*>& probes) {
             return;
         Point start = base_.point;
         start.terms.push_back({s->candidate, s->values});
+        fitted_.insert(s->candidate);
         Tried t;
         t.candidates = {s->candidate};
         FitSettings given;

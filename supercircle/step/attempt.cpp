@@ -170,6 +170,9 @@ void Attempt::solveOnce(World& world, const Settings& settings, StageTimes& time
             renewHostBlocks(world, dt, stage);
             solveCoupled(world, settings);
         }
+        constexpr int kMostFactors = 25; // false position halves at worst every second turn
+        for (int turn = 0; turn < kMostFactors && refineFriction(world, rods, dt, stage); ++turn)
+            solveCoupled(world, settings);
     }
     StageTimer timer(times, Stage::Advance);
     forEachRod(stage.loop, n, [&](std::size_t i) {

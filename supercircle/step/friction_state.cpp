@@ -49,7 +49,60 @@ double factorAt(const World& world, const contact::Candidate& c, double slip, do
     return count > 0 ? sum / count : 1.0;
 }
 
+/// Whether a side's friction grows with the speed of slip.
+bool grows(const World& world, const contact::Candidate& c) {
+    bool any = false;
+    forSides(world, c, [&](std::size_t, const effects::Surface& s, std::size_t) {
+        const effects::FrictionModel& m = s.model.friction;
+        any = any || m.rateStrength > 0.0;
+    });
+    return any;
+}
+
+/// The next factor to try after `factor`, at which the law asks for `wanted`.
+double nextFactor(FactorBounds& b, double factor, double wanted, bool& bracketed) {
+    const double excess = wanted - factor;
+    if (excess > 0.0) {
+        b.atHigh *= b.last > 0 ? 0.5 : 1.0; // Illinois: the end that stays loses half of its weight
+        b.low = factor;
+        b.atLow = excess;
+        b.last = 1;
+    } else {
+        b.atLow *= b.last < 0 ? 0.5 : 1.0;
+        b.high = factor;
+        b.atHigh = excess;
+        b.last = -1;
+    }
+    bracketed = b.atLow > 0.0 && b.atHigh < 0.0;
+    return bracketed ? b.low + (b.high - b.low) * b.atLow / (b.atLow - b.atHigh) : wanted;
+}
+
 } // namespace
+
+bool refineFriction(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage) {
+    if (!anySurface(world))
+        return false;
+    constexpr double kShare = 0.3; // of the tolerance: what the next linearisation changes has room
+    bool any = false;
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        const contact::Candidate& c = stage.candidates[i];
+        if (!(stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) || !grows(world, c))
+            continue;
+        ContactWork& k = stage.work[i];
+        const double slip = slipOf(rods, stage, i), wanted = factorAt(world, c, slip, dt);
+        stage.slips[c.id] = k.slip = slip;
+        if (std::abs(wanted - k.friction) <= kShare * kTolerance * k.friction)
+            continue;
+        bool bracketed = false;
+        const double next = nextFactor(k.bounds, k.friction, wanted, bracketed);
+        if (bracketed && k.bounds.high - k.bounds.low <= 0.1 * kShare * kTolerance * k.friction)
+            continue; // as near as it comes
+        stage.problem.contacts[i].mu *= next / k.friction;
+        k.friction = next;
+        any = true;
+    }
+    return any;
+}
 
 void applyFrictionState(const World& world, const std::vector<RodWork>& rods, double dt, bool again,
                         ContactStage& stage) {
@@ -71,6 +124,7 @@ void applyFrictionState(const World& world, const std::vector<RodWork>& rods, do
         stage.slips[c.id] = slip;
         stage.work[i].slip = slip;
         stage.work[i].friction = factorAt(world, c, slip, dt);
+        stage.work[i].bounds = {};
         stage.problem.contacts[i].mu *= stage.work[i].friction;
     }
 }

@@ -116,6 +116,13 @@ struct RodWork {
 };
 
 /// One contact inside an attempt: what the problem does not carry.
+/// A factor of the friction coefficient that is too small, and one that is too large, with what the law says at the
+/// slip they lead to minus themselves.
+struct FactorBounds {
+    double low = 0.0, atLow = 0.0, high = 0.0, atHigh = 0.0;
+    int last = 0; ///< +1: the last one tried was too small, -1: too large, 0: none was
+};
+
 struct ContactWork {
     Eigen::Matrix<double, 2, Eigen::Dynamic> Ja, Jb; ///< full (unreduced) rows of rod a and rod b
     Vec2 surface = Vec2::Zero();                     ///< (n, t) velocity of a fixed or kinematic surface, m/s
@@ -124,6 +131,7 @@ struct ContactWork {
     Vec2 armB = Vec2::Zero(); ///< contact point minus body centre at the linearisation point
     double slip = 0.0;        ///< speed of slip its friction was taken at, m/s
     double friction = 1.0;    ///< factor of the friction coefficient
+    FactorBounds bounds;      ///< of that factor, within one linearisation
     Vec2 give = Vec2::Zero(); ///< compliance along (n, t), m/N
     double bent = 0.0;        ///< tangential deflection at the start of the step, m
 };

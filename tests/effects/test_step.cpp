@@ -121,3 +121,30 @@ TEST_CASE("a world with effects is restored from its copy and goes on bit for bi
     }
     CHECK(sameState(w, copy));
 }
+
+TEST_CASE("friction that grows with speed lets a strip creep down a slope at the speed where the two balance") {
+    // mu (1 + s ln(1 + v / v0)) = tan(slope) at v = 3 v0. At a step of a few milliseconds the balance is stiff: gravity
+    // alone would change the speed by a hundred v0.
+    const double mu = 0.35, strength = 0.2, v0 = 1e-4, slope = std::atan(mu * (1.0 + strength * std::log(4.0)));
+    FakeHost host;
+    host.g = {kG * std::sin(slope), -kG * std::cos(slope)};
+    host.addGround(1, mu);
+    step::World w;
+    w.gravity = host.g;
+    const rod::RodDefinition d = strip(0.05, 100.0);
+    put(w, d, {0.0, 0.5 * d.thickness + 1e-6}, 0.0, mu, {0.0, 0.0});
+    step::setEffects(w, 0,
+                     modelOf({"rate_dependent_friction:law=logarithmic", "rate_dependent_friction:strength=0.2",
+                              "rate_dependent_friction:speed_m_s=1e-4"}));
+    step::Stepper stepper{step::Settings{}};
+    for (int i = 0; i < 25; ++i)
+        frame(stepper, w, host, 4e-3);
+    const double x = centre(w.rods[0]).x(), friction = w.ledger.friction;
+    for (int i = 0; i < 25; ++i)
+        frame(stepper, w, host, 4e-3);
+    const double way = centre(w.rods[0]).x() - x, time = 0.1;
+    // A coefficient that is right to a thousandth gives the speed to 1e-3 (1 + s ln 4) / s (1 + v0 / v) = 0.9 %.
+    CHECK(way == Approx(3.0 * v0 * time).epsilon(0.02));
+    const double weight = d.linearMass * 0.05 * kG;
+    CHECK(w.ledger.friction - friction == Approx(weight * std::sin(slope) * way).epsilon(0.02));
+}

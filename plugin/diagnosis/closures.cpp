@@ -49,7 +49,7 @@ Candidate learned(const std::string& label, const std::string& slot, const std::
     return c;
 }
 
-/// A law in a slot of the simulator, on an effect of the catalogue that takes coefficients c1 ....
+/// A law in a slot of the simulator, on an effect of the catalogue that has a law "learned" with coefficients c1 ....
 void inSlot(Menu& menu, Candidate c, const char* effect, const std::vector<std::pair<std::string, double>>& fixed) {
     const effects::Effect* e = effects::find(effect);
     if (e == nullptr)
@@ -60,6 +60,9 @@ void inSlot(Menu& menu, Candidate c, const char* effect, const std::vector<std::
                                      [&](const effects::Parameter& p) { return p.name == name; });
         return static_cast<std::size_t>(at - e->parameters.begin());
     };
+    const std::vector<std::string>& laws = e->parameters[find("law")].words;
+    recipe.base.values[find("law")] =
+        static_cast<double>(std::find(laws.begin(), laws.end(), "learned") - laws.begin());
     for (const auto& [name, value] : fixed)
         recipe.base.values[find(name)] = value;
     for (const Scalar& s : c.parameters)
@@ -81,23 +84,23 @@ void addClosures(Menu& menu, const Sizes& s) {
     inSlot(menu,
            learned("learned_moment", "material", "dM/du = B (1 + S(|u|))", -0.9, 5.0, 0.1,
                    {"curvature change", "1/m", "bending moment", true, "", 0.0, bend, false, 1.0, curve<secantAt>}),
-           "nonlinear_elasticity", {{"law", 3.0}, {"uc_1_m", bend}});
+           "nonlinear_elasticity", {{"uc_1_m", bend}});
     const double middle = 0.1 * s.speed; // two decades to either side: down to a thousandth of the drive
     inSlot(menu,
            learned(
                "learned_friction_speed", "contact", "mu (1 + S(log v))", -0.9, 5.0, 0.1,
                {"sliding speed", "m/s", "friction", true, "", 1e-2 * middle, 1e2 * middle, true, 1.0, curve<splineAt>}),
-           "rate_dependent_friction", {{"law", 3.0}, {"strength", 1.0}, {"speed_m_s", middle}});
+           "rate_dependent_friction", {{"strength", 1.0}, {"speed_m_s", middle}});
     const double way = 6.0 * s.travel;
     inSlot(menu,
            learned("learned_friction_slip", "contact", "mu (1 + S(way slid))", -0.9, 5.0, 0.1,
                    {"way slid", "m", "friction", true, "", 0.0, way, false, 1.0, curve<splineAt>}),
-           "wear", {{"law", 1.0}, {"change", 1.0}, {"distance_m", way}});
+           "wear", {{"change", 1.0}, {"distance_m", way}});
     const double pull = 2.0 * s.modulus / (s.radius * s.radius * s.radius), range = 3e-4;
     inSlot(menu,
            learned("learned_contact", "contact", "attraction per length S(gap)", -10.0, 10.0, 0.2,
                    {"gap", "m", "attraction", false, "N/m", 0.0, range, false, pull, curve<fadingAt>}),
-           "adhesion", {{"law", 2.0}, {"F_a_N_m", pull}, {"range_m", range}});
+           "adhesion", {{"F_a_N_m", pull}, {"range_m", range}});
     const double f = 0.2 * s.force;
     onReadings(menu,
                learned("learned_machine_force", "apparatus", "reading += S(displacement)", -20.0, 20.0, 0.05,

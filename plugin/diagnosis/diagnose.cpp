@@ -2,14 +2,12 @@
 
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/fit.h"
-#include "plugin/diagnosis/forms.h"
 #include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/learn.h"
 #include "plugin/diagnosis/next.h"
-#include "plugin/diagnosis/pairs.h"
 #include "plugin/diagnosis/present.h"
-#include "plugin/diagnosis/screen.h"
+#include "plugin/diagnosis/search.h"
 #include "plugin/diagnosis/weigh.h"
 
 #include <algorithm>
@@ -17,16 +15,12 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <set>
 
 namespace supercircle::diagnosis {
 
 namespace {
 
 using Index = Eigen::Index;
-
-/// Share of the misfit on unseen runs that a named effect may leave before laws are learned.
-constexpr double kLeftOver = 0.05;
 
 /// A label of the report and the hypothesis it is best shown by.
 struct Entry {
@@ -52,7 +46,7 @@ public:
             look();
             stage(0.33, "where");
             locate();
-            tryEffects();
+            tryHypotheses();
             if (!evaluator_.stopped() && out_.failure.empty())
                 conclude();
         }
@@ -73,13 +67,7 @@ private:
     void locate();
     void look();
     void summarise();
-    [[nodiscard]] HeldOut scored(const Fitted& f);
-    void tryEffects();
-    void tryLabel(const std::vector<const Screened*>& probes);
-    void tryMore();
-    void tryForms(double dispersion);
-    void rank(double dispersion);
-    void tryLearned(double left);
+    void tryHypotheses();
     void conclude();
     void enter(const Weighed& w);
     void weighAll(Weighed& w) const;
@@ -87,7 +75,6 @@ private:
     void conclusions(const Weighed& w, Evidence& evidence);
     void suggest();
     void present();
-    Eigen::MatrixXd freeColumns(const Fitted& f) const;
 
     const Data& data_;
     Evaluator& evaluator_;
@@ -100,11 +87,9 @@ private:
     Grouping grouping_;
     std::vector<Screened> screened_;
     std::vector<Tried> tried_;
-    std::set<std::size_t> fitted_; ///< candidates that were fitted in full
-    double least_ = 0.0;           ///< misfit of any fit so far
-    std::vector<Entry> entries_;   ///< as out_.effects
-    std::size_t best_ = 0;         ///< of tried_: what the curves show
-    bool any_ = false;             ///< whether there is a best one
+    std::vector<Entry> entries_; ///< as out_.effects
+    std::size_t best_ = 0;       ///< of tried_: what the curves show
+    bool any_ = false;           ///< whether there is a best one
 };
 
 bool Work::nominal() {
@@ -150,18 +135,6 @@ bool Work::nominal() {
     return true;
 }
 
-Eigen::MatrixXd Work::freeColumns(const Fitted& f) const {
-    const Variables v(evaluator_.model(), f.point);
-    std::vector<Index> free;
-    for (Index i = 0; i < v.size(); ++i)
-        if (f.x[i] > v.lower[i] + 1e-6 && f.x[i] < v.upper[i] - 1e-6)
-            free.push_back(i);
-    Eigen::MatrixXd columns(f.jacobian.rows(), static_cast<Index>(free.size()));
-    for (std::size_t i = 0; i < free.size(); ++i)
-        columns.col(static_cast<Index>(i)) = f.jacobian.col(free[i]);
-    return columns;
-}
-
 void Work::locate() {
     grouping_ = groupingOf(*misfit_);
     std::vector<const Eigen::VectorXd*> seen;
@@ -171,16 +144,19 @@ void Work::locate() {
     Eigen::MatrixXd signatures(misfit_->rows(), static_cast<Index>(seen.size()));
     for (std::size_t i = 0; i < seen.size(); ++i)
         signatures.col(static_cast<Index>(i)) = *seen[i];
-    out_.mismatch = localise(*misfit_, base_.residual, freeColumns(base_), settings_.seed, settings_.draws, signatures);
+    out_.mismatch = localise(*misfit_, base_.residual, freeColumns(evaluator_.model(), base_), settings_.seed,
+                             settings_.draws, signatures);
     summarise();
-    baseHeld_ = scored(base_);
+    baseHeld_ = heldOutOf(evaluator_, *misfit_, grouping_, base_, settings_);
     out_.homogeneity = homogeneityOf(*misfit_, base_);
 }
 
-HeldOut Work::scored(const Fitted& f) {
-    HeldOut h =
-        settings_.ablation.heldOut ? inSample(*misfit_, grouping_, f) : leaveOut(evaluator_, *misfit_, grouping_, f);
-    return &f == &base_ ? h : usable(std::move(h), baseHeld_);
+void Work::tryHypotheses() {
+    const Ground ground{data_, evaluator_, settings_, *misfit_,        grouping_,
+                        base_, baseHeld_,  screened_, out_.mismatch.p, out_.noise.tails};
+    Searched found = search(ground, [&](double fraction, const std::string& words) { stage(fraction, words); });
+    tried_ = std::move(found.tried);
+    out_.left = std::move(found.left);
 }
 
 void Work::look() {
@@ -210,149 +186,6 @@ void Work::summarise() {
     }
     for (const std::string& label : order)
         out_.seen.push_back(byLabel[label]);
-}
-
-void Work::tryEffects() {
-    std::map<std::string, std::vector<const Screened*>> byLabel;
-    for (const Screened& s : screened_)
-        if (s.simulated && s.gain > 8.0) // less is luck: 8 is a p-value of half a per cent for one number
-            byLabel[candidates()[s.candidate].label].push_back(&s);
-    std::vector<std::vector<const Screened*>> ranked;
-    for (auto& [label, probes] : byLabel) {
-        std::stable_sort(probes.begin(), probes.end(),
-                         [](const Screened* a, const Screened* b) { return a->gain > b->gain; });
-        ranked.push_back(probes);
-    }
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const auto& a, const auto& b) { return a.front()->gain > b.front()->gain; });
-    // A first look is linear and may be wrong by much, not by a factor of thirty.
-    while (ranked.size() > 3 &&
-           (ranked.size() > settings_.fits || ranked.back().front()->gain < ranked.front().front()->gain / 30.0))
-        ranked.pop_back();
-    for (std::size_t i = 0; i < ranked.size() && !evaluator_.stopped(); ++i) {
-        stage(0.35 + 0.55 * static_cast<double>(i) / static_cast<double>(ranked.size()),
-              "fitting " + candidates()[ranked[i].front()->candidate].label);
-        tryLabel(ranked[i]);
-    }
-    // Two rivals are always weighed; others only where they come near.
-    std::stable_sort(tried_.begin(), tried_.end(),
-                     [](const Tried& a, const Tried& b) { return a.fit.misfit < b.fit.misfit; });
-    while (tried_.size() > 2 && tried_.back().fit.misfit > 3.0 * least_)
-        tried_.pop_back();
-    for (Tried& t : tried_)
-        if (!evaluator_.stopped())
-            t.held = scored(t.fit);
-    if (!evaluator_.stopped())
-        tryMore();
-}
-
-/// Where the best single effect leaves something: two at a time, and laws that are learned.
-void Work::tryMore() {
-    // Scores at one dispersion rank the singles; the first of them is what the rest must beat.
-    double least = dispersionOf(baseHeld_);
-    for (const Tried& t : tried_)
-        least = std::min(least, dispersionOf(t.held));
-    const double dispersion = std::max(1.0, least);
-    rank(dispersion);
-    // Pure noise, its size known to 5 %, leaves up to this much.
-    const double rows = std::max(1.0, baseHeld_.rows.sum());
-    const double floor = 1.1 + 2.0 * std::sqrt(2.0 / rows), excess = dispersionOf(baseHeld_) - 1.0;
-    const auto leftBy = [&](const Tried& t) {
-        return excess > 0.0 ? std::max(0.0, t.perRow() - floor) / excess : t.perRow() > floor ? 1.0 : 0.0;
-    };
-    double left = 1.0;
-    if (!tried_.empty()) {
-        const Fitted& f = tried_.front().fit;
-        out_.left = localise(*misfit_, f.residual, freeColumns(f), settings_.seed + 2, settings_.draws);
-        left = leftBy(tried_.front());
-        if (out_.left.p <= 0.01 && left > kLeftOver)
-            tryForms(dispersion);
-        left = leftBy(tried_.front());
-        if (out_.left.p <= 0.01) {
-            stage(0.8, "two effects at a time");
-            std::vector<Tried> pairs = fitPairs(evaluator_, *misfit_, screened_, tried_);
-            for (Tried& t : pairs)
-                if (!evaluator_.stopped()) {
-                    t.held = scored(t.fit);
-                    left = std::min(left, leftBy(t));
-                    tried_.push_back(std::move(t));
-                }
-        }
-    }
-    if (out_.mismatch.p <= 0.01 && left > kLeftOver && !settings_.ablation.unknown)
-        tryLearned(left);
-}
-
-void Work::tryForms(double dispersion) {
-    stage(0.78, "other forms of the best laws");
-    for (std::size_t i = 0; i < tried_.size() && i < 2; ++i)
-        if (auto better = betterForm(evaluator_, *misfit_, base_, screened_, tried_[i], fitted_);
-            better && !evaluator_.stopped()) {
-            better->held = scored(better->fit);
-            if (better->held.score(dispersion).sum() > tried_[i].held.score(dispersion).sum())
-                tried_[i] = std::move(*better);
-        }
-    rank(dispersion);
-    const Fitted& f = tried_.front().fit;
-    out_.left = localise(*misfit_, f.residual, freeColumns(f), settings_.seed + 2, settings_.draws);
-}
-
-void Work::rank(double dispersion) {
-    std::stable_sort(tried_.begin(), tried_.end(), [&](const Tried& a, const Tried& b) {
-        return a.held.score(dispersion).sum() > b.held.score(dispersion).sum();
-    });
-}
-
-void Work::tryLearned(double left) {
-    stage(0.85, "learning a law");
-    const std::size_t named = tried_.size();
-    // The more is left, the more is worth trying.
-    for (Tried& t : learn(evaluator_, *misfit_, base_, left > 0.3 ? 3 : 2)) {
-        if (evaluator_.stopped())
-            return;
-        t.held = scored(t.fit);
-        for (std::size_t i = 0; i < named; ++i)
-            t.parts.push_back(i);
-        tried_.push_back(std::move(t));
-    }
-}
-
-/// Fits an effect from its best probes: of each of its two best forms the best, and one more.
-void Work::tryLabel(const std::vector<const Screened*>& probes) {
-    std::vector<const Screened*> starts = {probes.front()};
-    for (const Screened* p : probes)
-        if (starts.size() < 2 && p->candidate != probes.front()->candidate && p->gain > 0.3 * probes.front()->gain)
-            starts.push_back(p);
-    // Free runs are cheap, and what a base that lost its beat says of forms is worth little: each gets its chance.
-    for (const Screened* p : probes)
-        if (data_.free &&
-            std::none_of(starts.begin(), starts.end(), [&](const Screened* s) { return s->candidate == p->candidate; }))
-            starts.push_back(p);
-    if (probes.size() > 1 && starts.size() < 2 && probes[1]->gain > 0.3 * probes.front()->gain)
-        starts.push_back(probes[1]);
-    Tried best;
-    bool any = false;
-    for (const Screened* s : starts) {
-        if (evaluator_.stopped())
-            return;
-        Point start = base_.point;
-        start.terms.push_back({s->candidate, s->values});
-        fitted_.insert(s->candidate);
-        Tried t;
-        t.candidates = {s->candidate};
-        FitSettings given;
-        given.rival = least_;
-        t.fit = fit(evaluator_, *misfit_, start, given, base_.jacobian);
-        if (t.fit.failure.empty())
-            least_ = least_ > 0.0 ? std::min(least_, t.fit.misfit) : t.fit.misfit;
-        if (t.fit.failure.empty() && (!any || t.fit.misfit < best.fit.misfit)) {
-            best = std::move(t);
-            any = true;
-        }
-    }
-    if (!any || best.fit.misfit > base_.misfit - 1.0)
-        return;
-    tried_.push_back(std::move(best));
 }
 
 /// Which effects cannot be told apart, and how probable the first one's group is. Effects that act together are no
@@ -487,8 +320,7 @@ void Work::conclusions(const Weighed& w, Evidence& e) {
         out_.improvedHeldOut = best.held.forceRmse;
         improvementOf(baseHeld_, best.held, settings_.seed + 3, out_.improvement, out_.improvementCi);
         if (best_ != 0) // of the first one it is known
-            out_.left =
-                localise(*misfit_, best.fit.residual, freeColumns(best.fit), settings_.seed + 2, settings_.draws);
+            out_.left = leftBy(evaluator_.model(), *misfit_, best.fit, settings_);
     }
     double matter = 0.0, blind = 0.0; // an effect matters here if a size worth knowing changes readings by 5 units
     for (const SeenEffect& s : out_.seen)

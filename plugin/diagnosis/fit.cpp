@@ -214,4 +214,16 @@ Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const
         .run(grow ? Eigen::MatrixXd() : nominalJacobian);
 }
 
+Eigen::MatrixXd freeColumns(const Model& model, const Fitted& f) {
+    const Variables v(model, f.point);
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index i = 0; i < v.size(); ++i)
+        if (f.x[i] > v.lower[i] + 1e-6 && f.x[i] < v.upper[i] - 1e-6)
+            free.push_back(i);
+    Eigen::MatrixXd columns(f.jacobian.rows(), static_cast<Eigen::Index>(free.size()));
+    for (std::size_t i = 0; i < free.size(); ++i)
+        columns.col(static_cast<Eigen::Index>(i)) = f.jacobian.col(free[i]);
+    return columns;
+}
+
 } // namespace supercircle::diagnosis

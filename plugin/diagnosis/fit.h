@@ -69,4 +69,7 @@ void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& 
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings = {},
            const Eigen::MatrixXd& nominalJacobian = {});
 
+/// Columns of a fit's Jacobian whose numbers no bound holds.
+Eigen::MatrixXd freeColumns(const Model& model, const Fitted& fitted);
+
 } // namespace supercircle::diagnosis

@@ -4,6 +4,17 @@
 
 namespace supercircle::diagnosis {
 
+Tried fitProbe(Evaluator& evaluator, const Misfit& misfit, const Fitted& base, const Screened& probe, double rival) {
+    Point start = base.point;
+    start.terms.push_back({probe.candidate, probe.values});
+    FitSettings given;
+    given.rival = rival;
+    Tried t;
+    t.candidates = {probe.candidate};
+    t.fit = fit(evaluator, misfit, start, given, base.jacobian);
+    return t;
+}
+
 std::optional<Tried> betterForm(Evaluator& evaluator, const Misfit& misfit, const Fitted& base,
                                 const std::vector<Screened>& screened, const Tried& known,
                                 std::set<std::size_t>& fitted) {
@@ -20,13 +31,7 @@ std::optional<Tried> betterForm(Evaluator& evaluator, const Misfit& misfit, cons
         if (evaluator.stopped())
             break;
         fitted.insert(candidate);
-        Point start = base.point;
-        start.terms.push_back({candidate, probe->values});
-        FitSettings given;
-        given.rival = known.fit.misfit;
-        Tried t;
-        t.candidates = {candidate};
-        t.fit = fit(evaluator, misfit, start, given, base.jacobian);
+        Tried t = fitProbe(evaluator, misfit, base, *probe, known.fit.misfit);
         if (t.fit.failure.empty() && t.fit.misfit < least) {
             least = t.fit.misfit;
             best = std::move(t);

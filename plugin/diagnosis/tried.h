@@ -14,7 +14,6 @@ struct Tried {
     HeldOut held;
     std::vector<std::size_t> parts; ///< hypotheses it must beat to count (Weighing::parts)
     bool learned = false;
-    [[nodiscard]] double perRow() const { return held.energy.sum() / std::max(1.0, held.rows.sum()); }
 };
 
 } // namespace supercircle::diagnosis

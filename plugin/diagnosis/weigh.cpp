@@ -10,12 +10,6 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-/// Misfit per row that noise alone may leave: an energy of `rows` give or take sqrt(2 rows), more with heavy tails, of
-/// a noise whose size is known to some 5 %.
-double noiseBound(double rows, double tails) {
-    return 1.1 + 2.0 * std::sqrt((2.0 + tails) / std::max(1.0, rows));
-}
-
 /// What an effect that is there leaves of the misfit beyond the noise: two simulators' forms of a law differ by less
 /// (0 to 3 % in the training cases); an effect that imitates another leaves more (31 % where relaxation was hidden and
 /// softening stood for it).
@@ -31,6 +25,10 @@ Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double f
 }
 
 } // namespace
+
+double noiseBound(double rows, double tails) {
+    return 1.1 + 2.0 * std::sqrt((2.0 + tails) / std::max(1.0, rows));
+}
 
 double dispersionOf(const HeldOut& h) {
     return h.rows.sum() > 0.0 ? h.energy.sum() / h.rows.sum() : 1.0;

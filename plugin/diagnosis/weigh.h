@@ -15,9 +15,10 @@
 // O. Berger, Am. Stat. 55 (2001) 62). Without the first rule a control's best rival, fitted to two simulators' common
 // differences, reached .85 beside a verdict of nothing missing.
 //
-// A best model that is itself rejected on unseen rows (more than 2.5 noise variances, and more than a fifth of what
-// there was to explain, is left; or more than nine noise variances, whatever there was) cannot beat "none of these": a
-// linear drag on a real pendulum explained nine tenths of 98 degrees and left 22, with a noise of .06.
+// A best model that is itself rejected on unseen rows (it leaves more than noise could, noiseBound(), and a tenth of
+// what there was to explain beyond that; or nine noise variances, whatever there was) cannot beat "none of these": a
+// linear drag on a real pendulum explained nine tenths of 98 degrees and left 22, with a noise of .06; softening that
+// imitated relaxation left 31 %, effects that were there 0 to 3 %.
 //
 // Scores are tempered by the dispersion of the best model, c = max(1, chi^2 per row): what even the best model leaves
 // makes all of them less sure (quasi-likelihood).
@@ -68,6 +69,10 @@ void leaveUnknownOut(Weighed& weighed);
 
 /// Logarithm of the largest Bayes factor against "nothing" that a p-value allows, >= 0.
 double surprise(double p);
+
+/// Standardised squared error per row that noise alone may leave: an energy of `rows` give or take sqrt(2 rows), more
+/// with heavy tails (excess kurtosis), of a noise whose size is known to some 5 %.
+double noiseBound(double rows, double tails);
 
 /// Standardised squared error per row on unseen rows.
 double dispersionOf(const HeldOut& held);

@@ -1,0 +1,219 @@
+#include "plugin/diagnosis/search.h"
+
+#include "plugin/diagnosis/forms.h"
+#include "plugin/diagnosis/learn.h"
+#include "plugin/diagnosis/pairs.h"
+#include "plugin/diagnosis/weigh.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace supercircle::diagnosis {
+
+namespace {
+
+/// Share of the misfit on unseen runs that a named effect may leave before laws are learned.
+constexpr double kLeftOver = 0.05;
+
+using Probes = std::vector<const Screened*>;
+
+class Search {
+public:
+    Search(const Ground& ground, const std::function<void(double, const std::string&)>& stage)
+        : g_(ground), stage_(stage) {}
+
+    Searched run() {
+        const std::vector<Probes> ranked = promising();
+        for (std::size_t i = 0; i < ranked.size() && !stopped(); ++i) {
+            stage_(0.35 + 0.55 * static_cast<double>(i) / static_cast<double>(ranked.size()),
+                   "fitting " + labelOf(*ranked[i].front()));
+            tryLabel(ranked[i]);
+        }
+        // Two rivals are always weighed; others only where they come near.
+        std::stable_sort(out_.tried.begin(), out_.tried.end(),
+                         [](const Tried& a, const Tried& b) { return a.fit.misfit < b.fit.misfit; });
+        while (out_.tried.size() > 2 && out_.tried.back().fit.misfit > 3.0 * least_)
+            out_.tried.pop_back();
+        for (Tried& t : out_.tried)
+            if (!stopped())
+                t.held = scored(t.fit);
+        if (!stopped())
+            tryMore();
+        return std::move(out_);
+    }
+
+private:
+    [[nodiscard]] bool stopped() const { return g_.evaluator.stopped(); }
+    [[nodiscard]] const std::string& labelOf(const Screened& s) const {
+        return g_.evaluator.model().candidates()[s.candidate].label;
+    }
+    [[nodiscard]] HeldOut scored(const Fitted& f) const {
+        return usable(heldOutOf(g_.evaluator, g_.misfit, g_.grouping, f, g_.settings), g_.baseHeld);
+    }
+    [[nodiscard]] std::vector<Probes> promising() const;
+    [[nodiscard]] Probes startsOf(const Probes& probes) const;
+    void tryLabel(const Probes& probes);
+    void tryMore();
+    void tryForms(double dispersion);
+    void tryPairs();
+    void tryLearned(double left);
+    void rank(double dispersion);
+
+    const Ground& g_;
+    const std::function<void(double, const std::string&)>& stage_;
+    Searched out_;
+    std::set<std::size_t> fitted_; ///< candidates that were fitted in full
+    double least_ = 0.0;           ///< misfit of any fit so far
+};
+
+/// Probes by label, the label with the best one first.
+std::vector<Probes> Search::promising() const {
+    std::map<std::string, Probes> byLabel;
+    for (const Screened& s : g_.screened)
+        if (s.simulated && s.gain > 8.0) // less is luck: 8 is a p-value of half a per cent for one number
+            byLabel[labelOf(s)].push_back(&s);
+    std::vector<Probes> ranked;
+    for (auto& [label, probes] : byLabel) {
+        std::stable_sort(probes.begin(), probes.end(),
+                         [](const Screened* a, const Screened* b) { return a->gain > b->gain; });
+        ranked.push_back(probes);
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const Probes& a, const Probes& b) { return a.front()->gain > b.front()->gain; });
+    // A first look is linear and may be wrong by much, not by a factor of thirty.
+    while (ranked.size() > 3 &&
+           (ranked.size() > g_.settings.fits || ranked.back().front()->gain < ranked.front().front()->gain / 30.0))
+        ranked.pop_back();
+    return ranked;
+}
+
+/// Of each of an effect's two best forms the best probe, and one more.
+Probes Search::startsOf(const Probes& probes) const {
+    const Screened& first = *probes.front();
+    Probes starts = {&first};
+    for (const Screened* p : probes)
+        if (starts.size() < 2 && p->candidate != first.candidate && p->gain > 0.3 * first.gain)
+            starts.push_back(p);
+    // Free runs are cheap, and what a base that lost its beat says of forms is worth little: each gets its chance.
+    for (const Screened* p : probes)
+        if (g_.data.free &&
+            std::none_of(starts.begin(), starts.end(), [&](const Screened* s) { return s->candidate == p->candidate; }))
+            starts.push_back(p);
+    if (probes.size() > 1 && starts.size() < 2 && probes[1]->gain > 0.3 * first.gain)
+        starts.push_back(probes[1]);
+    return starts;
+}
+
+void Search::tryLabel(const Probes& probes) {
+    Tried best;
+    bool any = false;
+    for (const Screened* s : startsOf(probes)) {
+        if (stopped())
+            return;
+        fitted_.insert(s->candidate);
+        Tried t = fitProbe(g_.evaluator, g_.misfit, g_.base, *s, least_);
+        if (!t.fit.failure.empty())
+            continue;
+        least_ = least_ > 0.0 ? std::min(least_, t.fit.misfit) : t.fit.misfit;
+        if (!any || t.fit.misfit < best.fit.misfit)
+            best = std::move(t);
+        any = true;
+    }
+    if (any && best.fit.misfit <= g_.base.misfit - 1.0)
+        out_.tried.push_back(std::move(best));
+}
+
+/// Where the best single effect leaves something: two at a time, and laws that are learned.
+void Search::tryMore() {
+    // Scores at one dispersion rank the singles; the first of them is what the rest must beat.
+    double least = dispersionOf(g_.baseHeld);
+    for (const Tried& t : out_.tried)
+        least = std::min(least, dispersionOf(t.held));
+    const double dispersion = std::max(1.0, least);
+    rank(dispersion);
+    const double bound = noiseBound(g_.baseHeld.rows.sum(), g_.tails), excess = dispersionOf(g_.baseHeld) - 1.0;
+    const auto share = [&](const Tried& t) {
+        const double beyond = dispersionOf(t.held) - bound;
+        return excess > 0.0 ? std::max(0.0, beyond) / excess : beyond > 0.0 ? 1.0 : 0.0;
+    };
+    double left = 1.0;
+    if (!out_.tried.empty()) {
+        out_.left = leftBy(g_.evaluator.model(), g_.misfit, out_.tried.front().fit, g_.settings);
+        if (out_.left.p <= 0.01 && share(out_.tried.front()) > kLeftOver)
+            tryForms(dispersion);
+        left = share(out_.tried.front());
+        if (out_.left.p <= 0.01) {
+            const std::size_t singles = out_.tried.size();
+            tryPairs();
+            for (std::size_t i = singles; i < out_.tried.size(); ++i)
+                left = std::min(left, share(out_.tried[i]));
+        }
+    }
+    if (g_.p <= 0.01 && left > kLeftOver && !g_.settings.ablation.unknown)
+        tryLearned(left);
+}
+
+void Search::tryForms(double dispersion) {
+    stage_(0.78, "other forms of the best laws");
+    for (std::size_t i = 0; i < out_.tried.size() && i < 2; ++i) {
+        Tried& known = out_.tried[i];
+        auto better = betterForm(g_.evaluator, g_.misfit, g_.base, g_.screened, known, fitted_);
+        if (!better || stopped())
+            continue;
+        better->held = scored(better->fit);
+        if (better->held.score(dispersion).sum() > known.held.score(dispersion).sum())
+            known = std::move(*better);
+    }
+    rank(dispersion);
+    out_.left = leftBy(g_.evaluator.model(), g_.misfit, out_.tried.front().fit, g_.settings);
+}
+
+void Search::tryPairs() {
+    stage_(0.8, "two effects at a time");
+    for (Tried& t : fitPairs(g_.evaluator, g_.misfit, g_.screened, out_.tried)) {
+        if (stopped())
+            return;
+        t.held = scored(t.fit);
+        out_.tried.push_back(std::move(t));
+    }
+}
+
+void Search::tryLearned(double left) {
+    stage_(0.85, "learning a law");
+    const std::size_t named = out_.tried.size();
+    // The more is left, the more is worth trying.
+    for (Tried& t : learn(g_.evaluator, g_.misfit, g_.base, left > 0.3 ? 3 : 2)) {
+        if (stopped())
+            return;
+        t.held = scored(t.fit);
+        for (std::size_t i = 0; i < named; ++i)
+            t.parts.push_back(i);
+        out_.tried.push_back(std::move(t));
+    }
+}
+
+void Search::rank(double dispersion) {
+    std::stable_sort(out_.tried.begin(), out_.tried.end(), [&](const Tried& a, const Tried& b) {
+        return a.held.score(dispersion).sum() > b.held.score(dispersion).sum();
+    });
+}
+
+} // namespace
+
+HeldOut heldOutOf(Evaluator& evaluator, const Misfit& misfit, const Grouping& grouping, const Fitted& fitted,
+                  const Settings& settings) {
+    return settings.ablation.heldOut ? inSample(misfit, grouping, fitted)
+                                     : leaveOut(evaluator, misfit, grouping, fitted);
+}
+
+Localisation leftBy(const Model& model, const Misfit& misfit, const Fitted& fitted, const Settings& settings) {
+    // Draws of their own: the null of the nominal fit's misfit has been looked at.
+    return localise(misfit, fitted.residual, freeColumns(model, fitted), settings.seed + 2, settings.draws);
+}
+
+Searched search(const Ground& ground, const std::function<void(double, const std::string&)>& stage) {
+    return Search(ground, stage).run();
+}
+
+} // namespace supercircle::diagnosis

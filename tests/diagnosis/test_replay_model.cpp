@@ -2,7 +2,9 @@
 #include "plugin/diagnosis/replay_model.h"
 #include "plugin/experiment/load.h"
 #include "plugin/replay/parameters.h"
+#include "plugin/replay/simulate.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
@@ -103,6 +105,36 @@ TEST_CASE("designs are runs that start at rest and never go back in time", "[dia
         for (std::size_t k = 1; k < run.driveTime.size(); ++k)
             CHECK(run.driveTime[k] > run.driveTime[k - 1]);
     }
+}
+
+TEST_CASE("a faster run that is proposed starts and stops without a blow", "[diagnosis]") {
+    const std::string name = GENERATE("case_101", "case_103");
+    auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/" + name + "/experiment.json");
+    REQUIRE(loaded);
+    const auto designs = designsFor(*loaded);
+    const auto faster = std::find_if(designs.begin(), designs.end(),
+                                     [](const Design& d) { return d.what.find("faster") != d.what.npos; });
+    REQUIRE(faster != designs.end());
+    const experiment::Experiment smooth = designed(*loaded, static_cast<std::size_t>(faster - designs.begin()));
+    const experiment::Run& ramped = smooth.runs.front();
+    experiment::Experiment abrupt = smooth;
+    experiment::Run& run = abrupt.runs.front();
+    const double end = run.driveTime.back();
+    run.driveTime = {0.0, 1.0, 0.5 * (1.0 + end), end};
+    run.driveDisplacement = {0.0, 0.0, ramped.driveDisplacement[ramped.driveDisplacement.size() / 2], 0.0};
+    // Largest reading within half of a period: what the jump of the head's speed does to the specimen's inertia.
+    const double half = (ramped.driveTime[13] - 1.0) / 6.0;
+    const auto blow = [&](const experiment::Experiment& e) {
+        const replay::Simulated s = replay::simulate(e, 0, replay::nominal(e), replay::Resolution::coarse());
+        REQUIRE(s.failure.empty());
+        double most = 0.0;
+        for (std::size_t k = 0; k < s.readings.time.size(); ++k)
+            if (s.readings.time[k] > 1.0 && s.readings.time[k] < 1.0 + half)
+                most = std::max(most, std::abs(s.readings.force[k]));
+        return most;
+    };
+    REQUIRE(blow(abrupt) > 0.0);
+    CHECK(blow(smooth) <= blow(abrupt) / 12.0); // its ramp goes in twelve pieces, and before contact all is linear
 }
 
 TEST_CASE("what acts on readings only is added to them as the sensor would", "[diagnosis]") {

@@ -80,6 +80,13 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     const Judged j = judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis));
     CHECK(open(j));
     CHECK_FALSE(settled(j));
+    Judged named = judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", kDiagnosis));
+    named.group = {named.first};
+    CHECK_FALSE(open(named));
+    CHECK(settled(named));
+    named.group.push_back("another"); // named because it is more probable, not because the runs tell them apart
+    CHECK(open(named));
+    CHECK_FALSE(settled(named));
     const auto run = proposedRun(f.put("diagnosis.json", diagnosis));
     REQUIRE(run);
     CHECK(run->drive.at(2.0) == Approx(0.005));

@@ -151,6 +151,7 @@ void weigh(const Json& d, Judged& j) {
         else
             others += p * p;
     }
+    j.pTruth = std::min(1.0, j.pTruth); // the parts of a pair are both certain
     others += nothing ? 0.0 : j.pNothing * j.pNothing;
     others += unknown ? 0.0 : j.pUnknown * j.pUnknown;
     j.brier = 0.5 * ((1.0 - j.pTruth) * (1.0 - j.pTruth) + others);
@@ -199,7 +200,8 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
         const bool groupRight = std::any_of(j.truth.begin(), j.truth.end(),
                                             [&](const std::string& t) { return has(j.group, t) || t == j.first; });
         const bool unknown = j.kind == "removed" || j.kind == "outside";
-        j.right = j.kind == "nothing" ? !j.detected : unknown ? j.verdict == "unexplained" : j.detected && groupRight;
+        const bool names = j.verdict == "named" || j.verdict == "ambiguous";
+        j.right = j.kind == "nothing" ? !j.detected : unknown ? j.verdict == "unexplained" : names && groupRight;
         weigh(d, j);
         if (j.kind != "nothing" && j.detected && !answer.at("windows").empty())
             j.overlap = overlap(answer.at("windows"), d.at("mismatch"));
@@ -217,13 +219,16 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
 }
 
 bool open(const Judged& j) {
-    return j.verdict == "ambiguous" || j.verdict == "not_enough_information";
+    return j.verdict == "ambiguous" || j.verdict == "not_enough_information" ||
+           (j.verdict == "named" && j.group.size() > 1);
 }
 
 bool settled(const Judged& j) {
     if (j.kind == "nothing")
         return j.verdict == "nothing_missing";
-    return j.verdict == (j.kind == "removed" || j.kind == "outside" ? "unexplained" : "named") && j.right;
+    if (j.kind == "removed" || j.kind == "outside")
+        return j.verdict == "unexplained";
+    return j.verdict == "named" && j.firstRight && j.group.size() == 1;
 }
 
 std::optional<Further> proposedRun(const std::string& diagnosisFile) {

@@ -33,9 +33,10 @@ struct Judged {
 /// Throws std::runtime_error if a file cannot be read or is not what it should be.
 Judged judge(const std::string& answerFile, const std::string& diagnosisFile);
 
-/// The diagnosis does not decide: it leaves several effects, or says that these runs hold too little.
+/// The diagnosis does not decide: it leaves several effects, one of which may be named for its probability, or says
+/// that these runs hold too little.
 bool open(const Judged& j);
-/// It decides, and rightly: the one effect, nothing, or none that is known.
+/// It decides, and rightly: the one effect and no other that could be it, nothing, or none that is known.
 bool settled(const Judged& j);
 
 /// The run that a diagnosis proposes; empty if none. Throws like judge().

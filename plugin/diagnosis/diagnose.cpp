@@ -287,8 +287,15 @@ void Work::conclude() {
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;
+    std::map<std::size_t, Eigen::MatrixXd> careful; // intervals of what is probable are worth some runs
     for (const Entry& entry : entries_) {
-        FoundEffect f = presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term);
+        const Fitted& fitted = tried_[entry.model].fit;
+        const bool worth = (out_.effects.empty() || entry.probability > 0.05) && !evaluator_.stopped();
+        if (worth && careful.count(entry.model) == 0)
+            careful[entry.model] = differentiateCarefully(evaluator_, *misfit_,
+                                                          Variables(evaluator_.model(), fitted.point), fitted.x, 0.2);
+        FoundEffect f = presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term,
+                                      worth ? careful[entry.model] : fitted.jacobian);
         f.probability = std::min(1.0, entry.probability);
         f.gain = w.gain[entry.model];
         f.gainError = w.gainError[entry.model];

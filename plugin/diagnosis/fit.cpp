@@ -89,6 +89,52 @@ void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& 
 
 namespace {
 
+/// Of the slopes to either side the smaller one; of one that does not exist (a bound, a run that failed) the other.
+Eigen::VectorXd nearerToZero(const Eigen::VectorXd& above, const Eigen::VectorXd& here, const Eigen::VectorXd& below,
+                             double toUp, double toDown) {
+    const bool up = toUp > 0.0 && above.size() == here.size(), down = toDown > 0.0 && below.size() == here.size();
+    if (!up && !down)
+        return Eigen::VectorXd::Zero(here.size());
+    const Eigen::VectorXd a = up ? Eigen::VectorXd((above - here) / toUp) : Eigen::VectorXd((here - below) / toDown);
+    const Eigen::VectorXd b = down ? Eigen::VectorXd((here - below) / toDown) : a;
+    return a.binaryExpr(b, [](double p, double q) { return std::abs(p) < std::abs(q) ? p : q; });
+}
+
+} // namespace
+
+Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& v,
+                                       const Eigen::VectorXd& x, double difference) {
+    std::vector<Point> points = {v.at(x)};
+    Eigen::VectorXd up = x, down = x;
+    for (Eigen::Index c = 0; c < v.size(); ++c) {
+        up[c] = std::min(x[c] + difference, v.upper[c]);
+        down[c] = std::max(x[c] - difference, v.lower[c]);
+        Eigen::VectorXd y = x;
+        y[c] = up[c];
+        points.push_back(v.at(y));
+        y[c] = down[c];
+        points.push_back(v.at(y));
+    }
+    const auto answers = evaluator.everywhere(points, Fineness::Coarse);
+    const std::vector<Response>& here = answers.front();
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(misfit.rows(), v.size());
+    for (Eigen::Index c = 0; c < v.size(); ++c) {
+        const auto& above = answers[2 * static_cast<std::size_t>(c) + 1];
+        const auto& below = answers[2 * static_cast<std::size_t>(c) + 2];
+        const double toUp = up[c] - x[c], toDown = x[c] - down[c];
+        std::vector<Response> moved = here; // by one unit, readings before they are whitened: whitening spreads a jump
+        for (std::size_t r = 0; r < here.size(); ++r) {
+            moved[r].force += nearerToZero(above[r].force, here[r].force, below[r].force, toUp, toDown);
+            moved[r].markers += nearerToZero(above[r].markers, here[r].markers, below[r].markers, toUp, toDown);
+        }
+        if (const auto change = misfit.difference(moved, here))
+            out.col(c) = *change;
+    }
+    return out;
+}
+
+namespace {
+
 std::vector<Eigen::Index> range(Eigen::Index from, Eigen::Index to) {
     std::vector<Eigen::Index> all;
     for (Eigen::Index i = from; i < to; ++i)

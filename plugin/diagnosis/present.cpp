@@ -8,7 +8,8 @@ namespace supercircle::diagnosis {
 
 using Index = Eigen::Index;
 
-FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& t, std::size_t shown) {
+FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& t, std::size_t shown,
+                          const Eigen::MatrixXd& jacobian) {
     const std::vector<Candidate>& candidates = model.candidates();
     const Candidate& c = candidates[t.candidates[shown]];
     FoundEffect e;
@@ -20,7 +21,7 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
     e.heldOutRmse = t.held.forceRmse;
     e.misfitPerRow = t.fit.misfit / static_cast<double>(std::max<Index>(1, misfit.present()));
     const Variables v(model, t.fit.point);
-    Eigen::MatrixXd precision = t.fit.jacobian.transpose() * t.fit.jacobian / std::max(1.0, e.misfitPerRow);
+    Eigen::MatrixXd precision = jacobian.transpose() * jacobian / std::max(1.0, e.misfitPerRow);
     for (Index k = 0; k < v.size(); ++k) {
         const double width = std::min(v.upper[k] - v.lower[k], 1e3);
         precision(k, k) += 12.0 / (width * width);

@@ -8,7 +8,9 @@ namespace supercircle::diagnosis {
 
 /// One effect of a hypothesis (its term `shown`): fitted values with 90 % intervals, errors. Probability, gain and
 /// group are the caller's.
-FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& tried, std::size_t shown);
+/// @param jacobian d(whitened simulation)/dx at the fit, for the intervals
+FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& tried, std::size_t shown,
+                          const Eigen::MatrixXd& jacobian);
 
 /// Stated and fitted nominal parameters.
 std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nominal);

@@ -1,6 +1,7 @@
 #include "toy.h"
 
 #include "plugin/diagnosis/box.h"
+#include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/random.h"
@@ -174,4 +175,45 @@ TEST_CASE("a shift is found where it is", "[diagnosis]") {
     const double together = std::max(w.timeTo, 9.0) - std::min(w.timeFrom, 6.0);
     INFO(w.timeFrom << " to " << w.timeTo << ", " << w.axis);
     CHECK(overlap > 0.4 * together); // windows are dyadic
+}
+
+namespace {
+
+/// A spring one of whose readings jumps by 5 N where the stiffness passes a value, as by a snap that comes later.
+class Snapping final : public Model {
+public:
+    Snapping(const Data& data, double at) : spring_(data), at_(at) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
+    [[nodiscard]] std::string identity() const override { return "snapping spring"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, p, f, interrupt);
+        out.force[out.force.size() / 3] += p.nominal[0] > at_ ? 5.0 : 0.0;
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    double at_;
+};
+
+} // namespace
+
+TEST_CASE("a reading that jumps beside the fit does not count as a derivative", "[diagnosis]") {
+    const Data data = toy::recordings(3);
+    const Snapping model(data, 103.5);
+    const toy::Spring smooth(data);
+    Store store, other;
+    Evaluator evaluator(model, data.runs.size(), {}, store), plain(smooth, data.runs.size(), {}, other);
+    const Point at{{103.0, 0.08}, {}};
+    const auto there = plain.everywhere({at}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Variables v(model, at);
+    Eigen::MatrixXd truth, central;
+    differentiate(plain, misfit, v, v.of(at), 0.2, {0, 1}, truth);
+    differentiate(evaluator, misfit, v, v.of(at), 0.2, {0, 1}, central);
+    const Eigen::MatrixXd careful = differentiateCarefully(evaluator, misfit, v, v.of(at), 0.2);
+    CHECK((central - truth).norm() > 10.0 * truth.norm());
+    CHECK((careful - truth).norm() < 1e-9 * truth.norm()); // linear but for the jump: rounding only
 }

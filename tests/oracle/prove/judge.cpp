@@ -205,7 +205,7 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
         weigh(d, j);
         if (j.kind != "nothing" && j.detected && !answer.at("windows").empty())
             j.overlap = overlap(answer.at("windows"), d.at("mismatch"));
-        if (j.detected && j.firstRight && !effects.empty())
+        if (names && j.firstRight)
             for (const Json& hidden : answer.at("effects"))
                 if (hidden.at("label") == j.first)
                     compareParameters(hidden, effects.front().at("parameters"), j);

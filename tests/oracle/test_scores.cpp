@@ -1,4 +1,5 @@
 #include "tests/oracle/conceal/record.h"
+#include "tests/oracle/prove/own.h"
 #include "tests/oracle/prove/scores.h"
 
 #include <algorithm>
@@ -99,6 +100,29 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     REQUIRE(after.files.size() > before.files.size());
     for (std::size_t i = 1; i < before.files.size(); ++i) // the first is the description, which lists the new run
         CHECK(after.files[i] == before.files[i]);
+}
+
+TEST_CASE("our own simulator's readings take the second one's place with the same noise", "[oracle]") {
+    const Folder f;
+    const auto flags = truthFlags(f.put("a.json", R"({"effects": [{"label": "rate_dependent_friction",
+        "parameters": {"law": 1.0, "strength": 0.25}}], "true_parameters": {"bending_modulus_N_m2": 2e-4,
+        "natural_curvature_1_m": 50, "friction": 0.5, "thickness_m": 5e-4, "linear_mass_kg_m": 0.25,
+        "initial_gap_shift_m": 0}})"));
+    for (const char* word : {"friction=0.5", "linear_mass=0.25", "gap_shift=0",
+                             "rate_dependent_friction:law=logarithmic", "rate_dependent_friction:strength=0.25"})
+        CHECK(std::count(flags.begin(), flags.end(), word) == 1);
+    CHECK_THROWS(truthFlags(f.put("b.json", R"({"effects": [{"label": "wear", "parameters": {"law": 1.0}}]})")));
+    f.put("run_1_replay.csv",
+          "time_s,displacement_mm,force_recorded_N,force_simulated_N,residual_N\n0,0,1,2,3\n1,0,4,5,6\n");
+    f.put("run_1_replay_markers.csv", "time_s,m0_x_mm,m0_y_mm,m1_x_mm,m1_y_mm\n0,1,2,3,4\n");
+    const Clean read = replayed(f.path.string(), 1, true);
+    CHECK(read.force.front() == std::vector<double>{2.0, 5.0});
+    CHECK(read.markers.front().at(1).at(0).y() == Approx(4e-3));
+    CHECK_THROWS(replayed(f.path.string(), 2, false));
+
+    const std::vector<Plan> all = plans("tuning", 1);
+    const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) { return p.kind == "nothing"; });
+    CHECK_FALSE(conceal(*plan, std::nullopt, &read).failure.empty()); // readings of something else
 }
 
 TEST_CASE("intervals of shares and medians", "[oracle]") {

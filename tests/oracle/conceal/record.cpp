@@ -244,7 +244,7 @@ Accuracy accuracyOf(const Plan& plan) {
     return out;
 }
 
-Concealed conceal(const Plan& plan, const std::optional<Further>& further) {
+Concealed conceal(const Plan& plan, const std::optional<Further>& further, const Clean* instead) {
     Concealed out;
     Draw draw(plan.seed);
     Secret s = drawSecret(draw, plan);
@@ -254,12 +254,18 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further) {
     if (further)
         addRun(s.description, further->drive, further->rate);
     const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
-    const Clean clean = simulate(s.description, truth, {});
+    const Clean clean = instead != nullptr ? *instead : simulate(s.description, truth, {});
     const Clean plain = simulate(s.description, trueSetup(s.description, s.offsets, {}), {});
     if (!clean.failure.empty() || !plain.failure.empty()) {
         out.failure = clean.failure + plain.failure;
         return out;
     }
+    for (std::size_t r = 0; r < s.description.runs.size(); ++r)
+        if (clean.force.size() <= r || clean.force[r].size() != plain.force[r].size() ||
+            clean.markers[r].size() != plain.markers[r].size()) {
+            out.failure = "the readings do not belong to this case";
+            return out;
+        }
     out.files.emplace_back("experiment.json", writeDescription(s.description));
     Json runs = Json::array();
     for (std::size_t r = 0; r < s.description.runs.size(); ++r) {

@@ -23,9 +23,13 @@ struct Further {
     double rate = 0.0; ///< Hz
 };
 
+struct Clean;
+
 /// The files of the same plan are the same bytes every time; a further run is recorded behind the others with the same
 /// specimen, effects and sensors, and changes nothing in them but the description's list of runs.
-Concealed conceal(const Plan& plan, const std::optional<Further>& further = std::nullopt);
+/// @param instead readings that take the place of the second simulator's, with the same noise
+Concealed conceal(const Plan& plan, const std::optional<Further>& further = std::nullopt,
+                  const Clean* instead = nullptr);
 
 /// The whole file or none of it, whatever happens meanwhile. Throws std::runtime_error where it cannot be written.
 void writeWhole(const std::filesystem::path& file, const std::string& text);

@@ -2,13 +2,15 @@
 // diagnosed yet), and scores what it said. Can be stopped at any time; the same command goes on.
 //
 //   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--limit N] [--jobs N] [--score]
-//         [--name NAME] [--further] [-- flags for diagnose ...]
+//         [--name NAME] [--further] [--own] [-- flags for diagnose ...]
 //
 // --score: score what there is, diagnose nothing. --name: folder of the diagnoses (default "diagnoses"), so that the
 // same cases can be diagnosed with other flags. --further: where a diagnosis does not decide and proposes a run, the
-// run is recorded with the same hidden effect and everything is diagnosed again.
+// run is recorded with the same hidden effect and everything is diagnosed again. --own: the program's own simulator
+// records the cases instead of the second one (an ablation; with --name own).
 
 #include "tests/oracle/conceal/record.h"
+#include "tests/oracle/prove/own.h"
 #include "tests/oracle/prove/scores.h"
 
 #include <algorithm>
@@ -30,27 +32,9 @@ struct Options {
     std::string program, out, part = "blind", name = "diagnoses", jobs = "2";
     std::size_t limit = 1000000;
     std::uint64_t seed = 0;
-    bool scoreOnly = false, further = false;
+    bool scoreOnly = false, further = false, own = false;
     std::vector<std::string> flags;
 };
-
-/// Makes a case unless it is there; the answer is written last.
-bool provide(const Plan& plan, const fs::path& folder, const std::optional<Further>& further = std::nullopt) {
-    const fs::path answer = folder / "answers" / (plan.name + ".json");
-    if (fs::exists(answer))
-        return true;
-    const Concealed c = conceal(plan, further);
-    if (!c.failure.empty()) {
-        std::fprintf(stderr, "%s cannot be recorded: %s\n", plan.name.c_str(), c.failure.c_str());
-        return false;
-    }
-    fs::create_directories(folder / plan.name);
-    fs::create_directories(folder / "answers");
-    for (const auto& [name, text] : c.files)
-        writeWhole(folder / plan.name / name, text);
-    writeWhole(answer, c.answer);
-    return true;
-}
 
 int run(const std::vector<std::string>& words) {
     std::vector<char*> arguments;
@@ -67,6 +51,46 @@ int run(const std::vector<std::string>& words) {
     if (child < 0 || waitpid(child, &status, 0) < 0)
         return 127;
     return WIFEXITED(status) ? WEXITSTATUS(status) : 130;
+}
+
+/// Writes a case, the answer last.
+bool write(const Concealed& c, const std::string& name, const fs::path& folder) {
+    if (!c.failure.empty()) {
+        std::fprintf(stderr, "%s cannot be recorded: %s\n", name.c_str(), c.failure.c_str());
+        return false;
+    }
+    fs::create_directories(folder / name);
+    fs::create_directories(folder / "answers");
+    for (const auto& [file, text] : c.files)
+        writeWhole(folder / name / file, text);
+    writeWhole(folder / "answers" / (name + ".json"), c.answer);
+    return true;
+}
+
+/// Makes a case unless it is there.
+bool provide(const Plan& plan, const fs::path& folder, const std::optional<Further>& further = std::nullopt) {
+    return fs::exists(folder / "answers" / (plan.name + ".json")) || write(conceal(plan, further), plan.name, folder);
+}
+
+/// The case as the program's own simulator records it, unless it is there.
+bool provideOwn(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& own) {
+    if (fs::exists(own / "answers" / (plan.name + ".json")))
+        return true;
+    if (!provide(plan, cases))
+        return false;
+    const fs::path experiment = cases / plan.name / "experiment.json", to = own / "replays" / plan.name;
+    std::vector<std::string> words = {o.program, "replay", experiment.string(), "--out", to.string(), "--quiet"};
+    for (const std::string& w : truthFlags((cases / "answers" / (plan.name + ".json")).string()))
+        words.push_back(w);
+    if (const int code = run(words); code != 0) {
+        std::fprintf(stderr, "%s: replay ended with %d\n", plan.name.c_str(), code);
+        return false;
+    }
+    std::ifstream in(experiment);
+    const auto described = nlohmann::json::parse(in);
+    const bool markers = described.at("runs").front().contains("markers_file");
+    const Clean clean = replayed(to.string(), described.at("runs").size(), markers);
+    return write(conceal(plan, std::nullopt, &clean), plan.name, own);
 }
 
 bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& to) {
@@ -127,7 +151,11 @@ void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Ju
 
 int work(const Options& o) {
     const std::uint64_t seed = o.seed != 0 ? o.seed : o.part == "tuning" ? 1 : 2026;
-    const fs::path cases = fs::path(o.out) / o.part / "cases", folder = fs::path(o.out) / o.part / o.name;
+    const fs::path second = fs::path(o.out) / o.part / "cases", folder = fs::path(o.out) / o.part / o.name;
+    const fs::path cases = o.own ? fs::path(o.out) / o.part / "own_cases" : second;
+    const auto make = [&](const Plan& plan) {
+        return o.own ? provideOwn(o, plan, second, cases) : provide(plan, cases);
+    };
     std::vector<Plan> all = plans(o.part, seed);
     if (all.size() > o.limit)
         all.resize(o.limit);
@@ -137,7 +165,7 @@ int work(const Options& o) {
     for (std::size_t i = 0; i < all.size(); ++i) {
         const fs::path to = folder / all[i].name;
         const bool there = fs::exists(to / "diagnosis.json");
-        if (!there && (o.scoreOnly || !provide(all[i], cases) || !diagnose(o, all[i], cases, to)))
+        if (!there && (o.scoreOnly || !make(all[i]) || !diagnose(o, all[i], cases, to)))
             continue;
         judged.push_back(
             judge((cases / "answers" / (all[i].name + ".json")).string(), (to / "diagnosis.json").string()));
@@ -182,6 +210,10 @@ int main(int argc, char** argv) {
             o.further = true;
             continue;
         }
+        if (key == "--own") {
+            o.own = true;
+            continue;
+        }
         if (i + 1 >= argc) {
             good = false;
             break;
@@ -207,7 +239,7 @@ int main(int argc, char** argv) {
     if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || (o.part != "tuning" && o.part != "blind")) {
         std::fprintf(stderr,
                      "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--limit N] [--jobs N] [--seed N]"
-                     " [--score] [--further] [--name NAME] [-- flags for diagnose ...]\n");
+                     " [--score] [--further] [--own] [--name NAME] [-- flags for diagnose ...]\n");
         return 2;
     }
     try {

@@ -28,6 +28,7 @@ using report::SvgCanvas;
 namespace theme = report::theme;
 
 constexpr Colour kMarked = Colour::hex(0xf6d9a8);
+constexpr double kBar = 5.0; // height of the bars that say where an effect shows
 
 std::string number(double v, const char* format = "%.3g") {
     char text[48];
@@ -74,6 +75,18 @@ void legend(Canvas& canvas, double x, double y, bool improved) {
         entry("with the most probable effect", theme::unloading, 1.4);
     canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kMarked});
     canvas.text({x + 30.0, y}, "misfit beyond noise", {theme::labelSize, theme::muted});
+    x += 50.0 + report::textWidth("misfit beyond noise", theme::labelSize);
+    if (!improved)
+        return;
+    canvas.rectangle({x, y - 7.0, 24.0, kBar}, {.fill = theme::unloading});
+    canvas.text({x + 30.0, y}, "where the effect shows", {theme::labelSize, theme::muted});
+}
+
+void markStretches(Canvas& canvas, const Plot& plot, const std::vector<diagnosis::Stretch>& shows) {
+    for (const diagnosis::Stretch& s : shows) {
+        const double left = plot.at(s.from, 0.0).x, right = plot.at(s.to, 0.0).x;
+        canvas.rectangle({left, plot.area.y + plot.area.height - kBar, right - left, kBar}, {.fill = theme::unloading});
+    }
 }
 
 void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run) {
@@ -128,6 +141,8 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         canvas.pushClip(plot.area);
         plot.drawLine(canvas, c.time, shown, {colour, 1.3});
         canvas.popClip();
+        if (&u == &c.residual)
+            markStretches(canvas, plot, c.shows);
     };
     residual(40.0, c.residual, theme::loading, "misfit (noise units)");
     if (improved)

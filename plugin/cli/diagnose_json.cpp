@@ -84,6 +84,14 @@ Json learnedOf(const Diagnosis& d) {
     return all;
 }
 
+Json effectWindowsOf(const Diagnosis& d) {
+    Json all = Json::array();
+    for (const diagnosis::RunCurves& run : d.runs)
+        for (const diagnosis::Stretch& s : run.shows)
+            all.push_back({{"run", run.name}, {"t_start_s", s.from}, {"t_end_s", s.to}});
+    return all;
+}
+
 } // namespace
 
 std::string diagnosisJson(const Diagnosis& d) {
@@ -121,6 +129,7 @@ std::string diagnosisJson(const Diagnosis& d) {
         {"mismatch", windowsOf(d.mismatch, d.channel)},
         {"mismatch_p_value", d.mismatch.p},
         {"effects", effects},
+        {"effect_windows", effectWindowsOf(d)},
         {"probability_nothing", d.nothing},
         {"probability_unknown", d.unknown},
         {"fit",

@@ -78,6 +78,30 @@ std::vector<std::vector<double>> presentSimilarity(const Misfit& misfit, const F
     return out;
 }
 
+namespace {
+
+std::vector<Stretch> stretchesOf(const Eigen::VectorXd& time, const Eigen::VectorXd& change) {
+    constexpr double kReach = 0.125, kLevel = 0.7, kGap = 0.3; // s, noise units, s
+    std::vector<Stretch> all;
+    Index a = 0, b = 0; // rows [a, b) lie within reach
+    double sum = 0.0;
+    for (Index k = 0; k < time.size(); ++k) {
+        for (; b < time.size() && (time[b] <= time[k] + kReach || b <= k + 1); ++b)
+            sum += change[b];
+        for (; a + 1 < k && time[a] < time[k] - kReach; ++a)
+            sum -= change[a];
+        if (std::abs(sum) < kLevel * static_cast<double>(b - a))
+            continue;
+        if (!all.empty() && time[a] <= all.back().to + kGap)
+            all.back().to = time[b - 1];
+        else
+            all.push_back({time[a], time[b - 1]});
+    }
+    return all;
+}
+
+} // namespace
+
 std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal, const Fitted* best) {
     const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
     std::vector<RunCurves> out;
@@ -94,6 +118,8 @@ std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal
         if (best != nullptr) {
             c.improved = list(best->responses[r].force);
             c.residualImproved = list(best->residual.segment(misfit.start(r), n));
+            c.shows = stretchesOf(run.time, (best->responses[r].force - nominal.responses[r].force) /
+                                                std::max(misfit.noise().total(), 1e-300));
         }
         for (Index k = 0; k < n; ++k)
             c.counts.push_back(std::isfinite(misfit.errors(r).force[k]));

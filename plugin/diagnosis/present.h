@@ -19,7 +19,8 @@ std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nomi
 std::vector<std::vector<double>> presentSimilarity(const Misfit& misfit, const Fitted& nominal,
                                                    const std::vector<const Fitted*>& fits);
 
-/// @param best may be null
+/// @param best may be null. It shows where it moves the reading away from the nominal fit by more than 0.7 noise units
+/// in the mean of a quarter of a second, which is what an eye would mark; gaps of 0.3 s are closed.
 std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal, const Fitted* best);
 
 } // namespace supercircle::diagnosis

@@ -66,6 +66,11 @@ struct NextExperiment {
     double power = 0.0;
 };
 
+/// A stretch of time of a run, s.
+struct Stretch {
+    double from = 0.0, to = 0.0;
+};
+
 /// Curves for pictures.
 struct RunCurves {
     std::string name;
@@ -73,6 +78,8 @@ struct RunCurves {
     std::vector<double> baseline, improved;           ///< N; improved empty: none
     std::vector<double> residual, residualImproved;   ///< whitened; 0 where missing
     std::vector<bool> counts;
+    /// Where the most probable effect shows in the reading, beyond what nominal parameters can imitate.
+    std::vector<Stretch> shows;
 };
 
 struct Homogeneity {

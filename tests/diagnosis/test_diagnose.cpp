@@ -48,6 +48,31 @@ TEST_CASE("a dashpot is named, with its constant", "[diagnosis]") {
     CHECK(d.improvedHeldOut < 1.15 * std::hypot(toy::kWhite, toy::kColoured));
     CHECK(d.mismatch.p <= 0.05);
     CHECK(d.left.p > 0.01);
+    // Where it shows: every row near which the change averages to 0.7 noise units, and no row farther from such than
+    // the average reaches and gaps are closed.
+    std::size_t shown = 0;
+    for (const RunCurves& c : d.runs) {
+        std::vector<double> visible;
+        for (std::size_t k = 0; k < c.time.size(); ++k) {
+            double sum = 0.0, rows = 0.0;
+            for (std::size_t j = 0; j < c.time.size(); ++j)
+                if (std::abs(c.time[j] - c.time[k]) <= 0.125 + 1e-9) {
+                    sum += (c.improved[j] - c.baseline[j]) / d.noise.total();
+                    rows += 1.0;
+                }
+            if (std::abs(sum) < 0.7 * rows)
+                continue;
+            visible.push_back(c.time[k]);
+            CHECK(std::any_of(c.shows.begin(), c.shows.end(),
+                              [&](const Stretch& s) { return s.from <= c.time[k] && c.time[k] <= s.to; }));
+        }
+        shown += visible.size();
+        for (const Stretch& s : c.shows)
+            for (double t = s.from; t <= s.to; t += 0.04)
+                CHECK(std::any_of(visible.begin(), visible.end(),
+                                  [&](double v) { return std::abs(v - t) < 0.125 + 0.3 + 0.04; }));
+    }
+    CHECK(shown > 20);
 }
 
 TEST_CASE("an effect that is not in the catalogue is not given another's name", "[diagnosis]") {

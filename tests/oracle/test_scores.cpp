@@ -38,6 +38,7 @@ const char* const kDiagnosis = R"({"verdict": "named", "statement": "wear", "ela
              {"label": "softening_over_time", "probability": 0.2, "group": ["softening_over_time"], "heldout_rmse_N": 0.002, "parameters": {}}],
  "mismatch": [{"run": "run_1.csv", "channel": "force", "t_start_s": 4, "t_end_s": 8},
               {"run": "run_1.csv", "channel": "m0_x", "t_start_s": 0, "t_end_s": 20}],
+ "effect_windows": [{"run": "run_1.csv", "t_start_s": 3, "t_end_s": 6}],
  "fit": {"baseline": {"heldout_rmse_N": 0.005}, "improved": {"heldout_rmse_N": 0.0011}}, "next_experiment": null})";
 
 } // namespace
@@ -49,6 +50,7 @@ TEST_CASE("a case is judged by its answer", "[oracle]") {
     CHECK(j.right);
     CHECK(j.firstRight);
     CHECK(j.overlap == Approx(2.0 / 6.0)); // seconds 4 - 6 of 2 - 8; windows of markers do not count
+    CHECK(j.overlapNamed == Approx(3.0 / 4.0));
     CHECK(j.amplitudeError == Approx(0.1));
     CHECK(j.covered == 1);
     CHECK(j.intervals == 2);

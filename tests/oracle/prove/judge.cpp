@@ -205,6 +205,8 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
         weigh(d, j);
         if (j.kind != "nothing" && j.detected && !answer.at("windows").empty())
             j.overlap = overlap(answer.at("windows"), d.at("mismatch"));
+        if (names && j.kind != "nothing" && d.contains("effect_windows") && !answer.at("windows").empty())
+            j.overlapNamed = overlap(answer.at("windows"), d.at("effect_windows"));
         if (names && j.firstRight)
             for (const Json& hidden : answer.at("effects"))
                 if (hidden.at("label") == j.first)

@@ -94,7 +94,7 @@ std::string reliability(const std::vector<Judged>& all) {
 
 std::vector<Score> scoresOf(const std::vector<Judged>& all) {
     Share strong, weak, falseAlarm, named, group, first, pairs, unexplained, unexplainedOrOpen, covered;
-    std::vector<double> overlaps, amplitudes, noise, knowing, brier, places, seconds;
+    std::vector<double> overlaps, overlapsNamed, amplitudes, noise, knowing, brier, places, seconds;
     for (const Judged& j : all) {
         const bool hides = j.kind != "nothing", one = j.kind == "single";
         if (hides)
@@ -120,6 +120,7 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
                 to.push_back(v);
         };
         put(overlaps, j.overlap);
+        put(overlapsNamed, j.overlapNamed);
         put(amplitudes, one ? j.amplitudeError : -1.0);
         put(places, j.placeError);
         put(noise, one && j.right ? j.overNoise : -1.0);
@@ -135,6 +136,8 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
             of("detected singles: first label itself right", first, "", 0.0),
             of("detected pairs: first-named group is one of the two", pairs, "", 0.0),
             of("overlap of marked and true windows, median IoU", median(overlaps), ">= 0.65", 0.65, false),
+            of("the same where an effect is named, of the windows in which it shows", median(overlapsNamed), ">= 0.65",
+               0.65, false),
             of("relative error of the amplitude, median", median(amplitudes), "<= 0.10", 0.10, true),
             of("90 % intervals that hold the truth", covered, "0.85 - 0.95", 0.85),
             of("place on the specimen, median error of the arc fraction", median(places), "", 0.0, true),
@@ -169,6 +172,7 @@ std::string asText(const std::vector<Judged>& all, const std::string& title) {
                (j.right ? "ok    " : "MISS  ") + padded(said(j), 40) + "visible " + number(j.visible, "%.0f") +
                ", P(truth) " + number(j.pTruth, "%.2f") + ", error/noise " + number(j.overNoise, "%.2f") +
                (j.overlap < 0.0 ? "" : ", IoU " + number(j.overlap, "%.2f")) +
+               (j.overlapNamed < 0.0 ? "" : " (" + number(j.overlapNamed, "%.2f") + ")") +
                (j.amplitudeError < 0.0 ? "" : ", size off by " + number(100.0 * j.amplitudeError, "%.0f") + " %") +
                ", " + number(j.seconds, "%.0f") + " s\n";
     return out;
@@ -200,6 +204,7 @@ std::string asJson(const std::vector<Judged>& all, const std::string& title) {
                          {"probability_of_truth", j.pTruth},
                          {"brier", j.brier},
                          {"overlap", j.overlap},
+                         {"overlap_of_effect_windows", j.overlapNamed},
                          {"amplitude_error", j.amplitudeError},
                          {"heldout_over_noise", j.overNoise},
                          {"visible_noise_units", j.visible},

@@ -74,7 +74,7 @@ int import(const ImportArguments& a) {
     hints.driveTolerance = 1e-3 * a.tolerance;
     hints.displacementSign = a.displacementSign;
     hints.forceSign = a.forceSign;
-    hints.fromFirstTurn = a.fromFirstTurn;
+    hints.fromTurn = a.fromTurn;
     hints.average = a.average;
     const auto imported = importing::readExports(a.files, hints);
     if (!imported) {

@@ -223,7 +223,10 @@ CLI::App* describeImport(CLI::App& app, supercircle::cli::ImportArguments& a) {
         ->type_name("MM");
     verb->add_option("--scene", a.scene, "angles: scene of the mechanism that moves by itself")
         ->type_name("SCENE.json");
-    verb->add_flag("--from-first-turn", a.fromFirstTurn, "angles: from the first turning point on, the hand is gone");
+    verb->add_option("--from-turn", a.fromTurn,
+                     "angles: from turning point N on; 1: the hand lifts no more, 2: it is gone")
+        ->check(positive)
+        ->type_name("N");
     verb->add_option("--average", a.average, "angles: rows are means of so many")->check(positive)->type_name("N");
     const std::map<std::string, int> signs{{"positive", 1}, {"negative", -1}};
     verb->add_option("--displacement", a.displacementSign, "sign of the column as the head nears the specimen")

@@ -46,7 +46,7 @@ struct ImportArguments {
     int displacementSign = 0;       ///< of the column towards the specimen, 0: from the data
     int forceSign = 0;              ///< of the column while the specimen resists, 0: from the data
     std::string scene;              ///< of a mechanism that moves by itself; empty: none
-    bool fromFirstTurn = false;     ///< angles: from the first turning point on
+    int fromTurn = 0;               ///< angles: from this turning point on; 0: from the start
     int average = 1;                ///< angles: means of so many rows
     bool quiet = false;
 };

@@ -68,53 +68,64 @@ Beginning beginningOf(const Track& track) {
     const std::vector<double>& t = *track.find(Quantity::Time);
     const std::vector<double>& v = *track.find(Quantity::Angle);
     constexpr double kSpan = 0.06; // s: short against any swing, long enough for a slope
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < t.size() && (t[i] - t[0] <= kSpan || rows.size() < 6); ++i)
-        if (std::isfinite(v[i])) {
-            const double x = t[i] - t[0];
-            const Eigen::Vector3d b(1.0, x, x * x);
-            normal += b * b.transpose();
-            right += v[i] * b;
+        if (std::isfinite(v[i]))
             rows.push_back(i);
-        }
     Beginning out;
     if (rows.size() < 4)
         return out;
-    const Eigen::Matrix3d inverse = normal.ldlt().solve(Eigen::Matrix3d::Identity());
-    const Eigen::Vector3d c = inverse * right;
-    double rest = 0.0;
-    for (const std::size_t i : rows) {
-        const double x = t[i] - t[0], e = v[i] - c[0] - c[1] * x - c[2] * x * x;
-        rest += e * e;
+    // In 60 ms a short rod swings through ten degrees: a parabola would be wrong by .2 rad/s. Powers of t over the
+    // span.
+    const Eigen::Index powers = rows.size() >= 9 ? 5 : 3;
+    Eigen::MatrixXd basis(static_cast<Eigen::Index>(rows.size()), powers);
+    Eigen::VectorXd read(basis.rows());
+    for (Eigen::Index k = 0; k < basis.rows(); ++k) {
+        const std::size_t i = rows[static_cast<std::size_t>(k)];
+        read[k] = v[i];
+        for (Eigen::Index p = 0; p < powers; ++p)
+            basis(k, p) = std::pow((t[i] - t[0]) / kSpan, static_cast<double>(p));
     }
-    const double sigma = std::max(std::sqrt(rest / static_cast<double>(rows.size() - 3)), 0.3 * encoderStep(v));
+    const Eigen::MatrixXd inverse = (basis.transpose() * basis).ldlt().solve(Eigen::MatrixXd::Identity(powers, powers));
+    const Eigen::VectorXd c = inverse * (basis.transpose() * read);
+    const double rest = (read - basis * c).squaredNorm();
+    const double sigma = std::max(std::sqrt(rest / static_cast<double>(basis.rows() - powers)), 0.3 * encoderStep(v));
     out.angle = c[0];
-    out.spin = c[1];
+    out.spin = c[1] / kSpan;
     out.angleHalfWidth = 3.0 * sigma * std::sqrt(inverse(0, 0)) + 0.5 * encoderStep(v);
-    out.spinHalfWidth = 3.0 * sigma * std::sqrt(inverse(1, 1)) + encoderStep(v) / kSpan;
+    // Within a step of the encoder a turn is not seen: the spin there is anything between the acceleration's work over
+    // it.
+    const double unseen = std::sqrt(2.0 * encoderStep(v) * 2.0 * std::abs(c[2])) / kSpan;
+    out.spinHalfWidth = unseen + 3.0 * sigma * std::sqrt(inverse(1, 1)) / kSpan + encoderStep(v) / kSpan;
     return out;
 }
 
-void cutToTurn(Track& track, std::vector<Remark>& remarks) {
+void cutToTurn(Track& track, int which, std::vector<Remark>& remarks) {
     std::vector<double>& t = *track.find(Quantity::Time);
     const std::vector<double>& v = *track.find(Quantity::Angle);
     if (v.size() < 10)
         return;
     const double dt = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-    const std::size_t turn = firstTurn(smooth(v, std::max<std::size_t>(1, static_cast<std::size_t>(0.01 / dt))));
-    if (turn == 0) {
-        remarks.push_back({Kind::Assumed, 0, "the angle does not turn back: nothing is cut off its start"});
-        return;
+    std::vector<double> rest = smooth(v, std::max<std::size_t>(1, static_cast<std::size_t>(0.01 / dt)));
+    std::size_t turn = 0;
+    for (int k = 0; k < which; ++k) {
+        const std::size_t next = firstTurn(rest);
+        if (next == 0) {
+            remarks.push_back({Kind::Assumed, 0,
+                               "the angle turns back " + std::to_string(k) + " times, not " + std::to_string(which) +
+                                   ": nothing is cut off its start"});
+            return;
+        }
+        turn += next;
+        rest.erase(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(next));
     }
     const std::size_t line = track.line[turn];
     const double at = t[turn];
     std::vector<char> gone(track.rows(), 0);
     std::fill(gone.begin(), gone.begin() + static_cast<std::ptrdiff_t>(turn), 1);
     remarks.push_back({Kind::LeftOut, track.line.front(),
-                       std::to_string(turn) + " rows up to the first turning point, line " + std::to_string(line) +
-                           ", at " + shown(kDegrees * v[turn]) + " deg"});
+                       std::to_string(turn) + " rows up to turning point " + std::to_string(which) + ", line " +
+                           std::to_string(line) + ", at " + shown(kDegrees * v[turn]) + " deg"});
     track.erase(gone);
     for (double& time : *track.find(Quantity::Time))
         time -= at;

@@ -10,7 +10,7 @@
 
 namespace supercircle::importing {
 
-/// How a free run begins, from its first rows: a parabola through the first `span` seconds.
+/// How a free run begins, from its first rows: a curve of the fourth degree through the first 60 ms.
 struct Beginning {
     double angle = 0.0, spin = 0.0;                 ///< rad, rad/s
     double angleHalfWidth = 0.0, spinHalfWidth = 0; ///< three standard deviations and half a step of the encoder
@@ -20,8 +20,9 @@ Beginning beginningOf(const Track& track);
 /// Smallest difference of two readings that differ, rad; 0: none differ.
 double encoderStep(const std::vector<double>& angle);
 
-/// Drops what comes before the first turning point of the angle: the hand still lifts.
-void cutToTurn(Track& track, std::vector<Remark>& remarks);
+/// Drops what comes before a turning point of the angle, 1: the first, before which the hand still lifts. A hand that
+/// lets go slowly drags through the first half swing: the second is safe.
+void cutToTurn(Track& track, int which, std::vector<Remark>& remarks);
 
 /// Means of blocks of `size` rows.
 void average(Track& track, int size, std::vector<Remark>& remarks);

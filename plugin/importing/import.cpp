@@ -190,8 +190,8 @@ std::string addRun(Track&& part, std::size_t source, const Table& table, std::si
     if (clock)
         mendCounter(part, run.remarks);
     if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
-        if (hints.fromFirstTurn)
-            cutToTurn(part, run.remarks);
+        if (hints.fromTurn > 0)
+            cutToTurn(part, hints.fromTurn, run.remarks);
         average(part, hints.average, run.remarks);
         if (part.rows() < 10)
             return "1:1: fewer than ten rows are left of a run";

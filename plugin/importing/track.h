@@ -49,7 +49,7 @@ struct Hints {
     int displacementSign = 0;         ///< of the column when the head moves towards the specimen; 0: from the data
     int forceSign = 0;                ///< of the column when the specimen resists; 0: from the data
     double driveTolerance = 0.0;      ///< m; 0: from the data
-    bool fromFirstTurn = false;       ///< angles: what comes before the first turning point is dropped
+    int fromTurn = 0;                 ///< angles: what comes before this turning point is dropped; 0: nothing
     int average = 1;                  ///< angles: rows are means of so many
 };
 

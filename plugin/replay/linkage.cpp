@@ -66,6 +66,7 @@ Linkage::Linkage(const step::RigidWorldDefinition& world, const effects::BodiesM
             "the bodies do not meet in their joints: the largest gap is " + std::to_string(1e3 * jointGap()) + " mm";
     if (!failure_.empty())
         return;
+    startTurning(); // before close(), which would take a joint that does not turn for one that rests
     close();
     settleFriction();
 }
@@ -340,15 +341,20 @@ void Linkage::close() {
     state_.segment(n, n) -= WJ * solved(J * WJ, J * state_.segment(n, n));
 }
 
+/// A joint that has spin turns.
+void Linkage::startTurning() {
+    constexpr double kNone = 1e-12; // rad/s
+    for (Joint& j : joints_)
+        if (j.turning == 0 && std::abs(relativeSpin(j, state_)) > kNone)
+            j.turning = relativeSpin(j, state_) > 0.0 ? 1 : -1;
+}
+
 /// Which joints rest and which way the others turn: a joint without spin rests if its dry torque can hold it, else it
 /// starts against the torque that would have held it.
 void Linkage::settleFriction() {
     if (extra_.bearingTorque <= 0.0 && extra_.bearingArm <= 0.0)
         return;
-    constexpr double kNone = 1e-12; // rad/s
-    for (Joint& j : joints_)
-        if (j.turning == 0 && std::abs(relativeSpin(j, state_)) > kNone)
-            j.turning = relativeSpin(j, state_) > 0.0 ? 1 : -1;
+    startTurning();
     for (std::size_t round = 0; round <= joints_.size(); ++round) {
         const Rates now = rates(state_);
         Index worst = -1;

@@ -91,6 +91,7 @@ private:
     void airOn(const Body& b, const Eigen::VectorXd& y, Eigen::VectorXd& force, double& power) const;
     [[nodiscard]] Eigen::VectorXd runge(double h) const;
     void close();
+    void startTurning();
     void settleFriction();
 
     std::string failure_;

@@ -48,15 +48,35 @@ std::string encoderText(double release) {
 
 std::string imported(const Folder& folder, const std::string& more = "") {
     const std::string swing = folder.write("swing.txt", encoderText(-1.0));
-    const auto end = start("import " + swing + " --columns 'angle[deg]' --from-first-turn --average 5 --scene " +
-                           kScene + more + " --out " + folder.path + "/exp");
+    const auto end = start("import " + swing + " --columns 'angle[deg]' --from-turn 1 --average 5 --scene " + kScene +
+                           more + " --out " + folder.path + "/exp");
     INFO(end.text);
     REQUIRE(end.code == 0);
-    CHECK_THAT(end.text, Contains("rows up to the first turning point") && Contains("ready: supercircle replay"));
+    CHECK_THAT(end.text, Contains("rows up to turning point 1") && Contains("ready: supercircle replay"));
     return folder.path + "/exp/experiment.json";
 }
 
 } // namespace
+
+TEST_CASE("a swing may begin at any of its turning points", "[replay][free]") {
+    const Folder folder;
+    const std::string swing = folder.write("swing.txt", encoderText(-1.0));
+    const std::string words =
+        "import " + swing + " --columns 'angle[deg]' --average 5 --scene " + kScene + " --from-turn ";
+    // Nothing slows this one down: it turns at -1 and +1 rad, again and again.
+    for (const int turn : {1, 2, 3}) {
+        const std::string out = folder.path + "/from" + std::to_string(turn);
+        const auto end = start(words + std::to_string(turn) + " --out " + out);
+        INFO(end.text);
+        REQUIRE(end.code == 0);
+        const json released = readJson(out + "/experiment.json")["runs"][0]["parameters"]["release_angle"];
+        CHECK(released["value"].get<double>() ==
+              Approx(turn % 2 == 1 ? -1.0 : 1.0).margin(released["unc"].get<double>() + 1e-3));
+    }
+    const auto never = start(words + "1000 --out " + folder.path + "/never");
+    CHECK(never.code == 0);
+    CHECK_THAT(never.text, Contains("nothing is cut off its start"));
+}
 
 TEST_CASE("a swing that an encoder saw is imported, checked and replayed", "[replay][free]") {
     const Folder folder;

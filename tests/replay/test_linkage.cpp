@@ -116,6 +116,20 @@ TEST_CASE("dry friction takes the same torque times angle from every half swing,
     CHECK(l.energy() + l.lostInBearings() == Approx(-kWeight * std::cos(1.2)).margin(1e-7 * kWeight)); // 2 ms steps
 }
 
+TEST_CASE("a bearing with dry friction keeps the spin it is let go with", "[replay][free]") {
+    effects::BodiesModel extra;
+    extra.bearingTorque = 0.02 * kWeight;
+    for (const double spin : {-5.0, 0.3, 5.0}) {
+        Linkage l(pendulum(0.5, spin), extra);
+        CHECK(l.pose(1).spin == Approx(spin).epsilon(1e-12));
+        const std::vector<double> all = turns(l, 1, 5.0);
+        REQUIRE(all.size() == 1);
+        // Work of gravity and of the torque up to the first turn, exactly.
+        CHECK(kWeight * (std::cos(0.5) - std::cos(all[0])) ==
+              Approx(0.5 * kInertia * spin * spin - extra.bearingTorque * std::abs(all[0] - 0.5)).epsilon(1e-6));
+    }
+}
+
 TEST_CASE("viscous bearings make small swings decay exponentially", "[replay][free]") {
     effects::BodiesModel extra;
     const double rate = 0.3; // 1/s

@@ -143,12 +143,14 @@ void material(Writer& w, const Sizes& s) {
     w.amplitude("branch_over_B", 0.0, 2.0, 0.05).extent("tau_s", 0.02, 3.0 * s.duration);
     w.probe({0.1, 0.3}).probe({0.1, 2.0}).probe({0.1, 0.4 * s.duration});
     w.form("nonlinear_elasticity", "softening").with("law", 0);
-    w.amplitude("uc_1_m", 0.3 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
+    w.amplitude("uc_1_m", 0.03 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
+    w.probe({0.1 * bend}); // thick rings bend over long before they are flat
     w.form("nonlinear_elasticity", "stiffening").with("law", 1);
     w.amplitude("uc_1_m", 0.3 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
     w.form("plasticity", "isotropic hardening").with("hardening", 0);
     w.amplitude("My_over_B_1_m", 0.04 * bend, 1e6, 1.5 * bend, Scale::Reciprocal).extent("H_over_B", 0.01, 5.0);
     w.probe({0.45 * bend, 0.3}).probe({0.2 * bend, 0.3}).probe({0.8 * bend, 0.3}).probe({1.3 * bend, 0.3});
+    w.probe({0.08 * bend, 0.03});
     w.form("softening_over_time", "exponential").with("law", 0);
     w.amplitude("drop", 0.0, 0.9, 0.05).extent("tau_s", 0.2, 5.0 * s.duration);
     w.probe({0.1, 0.3 * s.duration}).probe({0.1, 2.0});

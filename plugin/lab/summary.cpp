@@ -78,6 +78,7 @@ void Session::summarise(record::Recording& out) {
         const auto& force = out.series.columns[2];
         const auto& travelled = out.series.columns[1];
         int snaps = 0;
+        double drop = 0.0;
         double deltaMax = 0.0, area = 0.0, peak = 0.0, pull = 0.0;
         const double instant = force.empty() ? 0.0 : *std::max_element(force.begin(), force.end());
         if (scene_.report.kind == "stack")
@@ -113,6 +114,7 @@ void Session::summarise(record::Recording& out) {
             for (const ForceDrop& d : mergeDrops(
                      leg.displacement, forceDrops(leg.displacement, leg.force, 0.1 * unit, 0.25 * R), 0.05 * R)) {
                 ++c.snap_fits;
+                drop = std::max(drop, d.size);
                 const std::size_t at = (legs_[i].first > 0 ? legs_[i].first - 1 : 0) + d.top;
                 out.events.push_back({out.series.columns[0][at], travelled[at], force[at], "snap_fit",
                                       "force drops by " + std::to_string(d.size) + " N"});
@@ -137,6 +139,7 @@ void Session::summarise(record::Recording& out) {
             put("delta_max_over_R", deltaMax);
             put("eta", area);
             put("snap_fits", static_cast<std::int64_t>(snaps));
+            put("largest_drop_R2_over_B", drop / unit); // beyond 1.5 as two shells that snap abruptly (Type II)
         }
         put("peak_force_N", peak);
         put("peak_force_R2_over_B", peak / unit);

@@ -45,10 +45,11 @@ struct Word {
     std::string_view key, text;
 };
 
-constexpr std::array<Word, 16> words{{{"H0_over_R", "height of the pile, H₀"},
+constexpr std::array<Word, 17> words{{{"H0_over_R", "height of the pile, H₀"},
                                       {"delta_max_over_R", "working distance, Δmax"},
                                       {"eta", "dissipated share, η"},
                                       {"snap_fits", "snap-fits"},
+                                      {"largest_drop_R2_over_B", "largest drop of force (B/R²)"},
                                       {"simulated_s", "simulated time"},
                                       {"wall_s", "computing time"},
                                       {"penetration_max_over_h", "largest penetration"},

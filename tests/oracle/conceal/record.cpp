@@ -182,7 +182,8 @@ Json answerOf(const Secret& s, const Setup& truth, const Json& runs) {
 Secret drawSecret(Draw& draw, const Plan& plan) {
     Secret s;
     s.plan = plan;
-    bool markers = false, weightless = draw.chance(0.15);
+    const bool lies = draw.chance(0.15); // the set-up lies flat: no weight in its plane
+    bool markers = false, weightless = false;
     const bool snaps = plan.strength == "snaps";
     std::vector<Protocol> possible = {Protocol::Cylinder, Protocol::Strip,    Protocol::Arch,
                                       Protocol::Arch,     Protocol::Cylinder, Protocol::Shells};
@@ -199,6 +200,8 @@ Secret drawSecret(Draw& draw, const Plan& plan) {
         weightless = weightless || f.weightless;
     }
     s.protocol = possible[static_cast<std::size_t>(draw.whole(static_cast<int>(possible.size())))];
+    // An arch that nothing holds and nothing weighs down floats: its place between the runs' contacts is not described.
+    weightless = weightless || (lies && s.protocol != Protocol::Arch);
     s.description = drawDescription(draw, s.protocol, weightless, markers, snaps);
     s.offsets = drawOffsets(draw);
     s.nuisance = drawNuisance(draw, s.description);

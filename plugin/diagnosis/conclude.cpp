@@ -112,4 +112,15 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
     return text;
 }
 
+bool alikeByNature(const Data& data, const std::string& a, const std::string& b) {
+    const auto bends = [](const std::string& label) {
+        return label == "plasticity" || label == "nonlinear_elasticity";
+    };
+    if (a == b || !bends(a) || !bends(b))
+        return false;
+    return std::none_of(data.runs.begin(), data.runs.end(), [](const RecordedRun& run) {
+        return std::any_of(run.legs.begin(), run.legs.end(), [](const Leg& l) { return l.phase == Phase::Unloading; });
+    });
+}
+
 } // namespace supercircle::diagnosis

@@ -21,4 +21,10 @@ std::string verdictOf(const Evidence& evidence);
 /// One or two plain sentences.
 std::string statementOf(const Diagnosis& diagnosis, const Evidence& evidence);
 
+/// Effects that no fit to these runs can tell apart, however their laws are written: where nothing ever goes back, a
+/// section that yields and one that is elastic and bends over follow one moment-curvature curve (flow and deformation
+/// theory agree under proportional loading: R. Hill, "The Mathematical Theory of Plasticity" (1950), 2.7). The better
+/// fit only says whose curve is written more aptly.
+bool alikeByNature(const Data& data, const std::string& a, const std::string& b);
+
 } // namespace supercircle::diagnosis

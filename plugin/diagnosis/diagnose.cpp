@@ -200,7 +200,8 @@ void Work::groups(const Weighed& w, Evidence& evidence) {
                 continue;
             const Tried &s = tried_[entries_[a].model], &t = tried_[entries_[b].model];
             const auto apart = misfit_->difference(s.fit.responses, t.fit.responses);
-            if (apart && alike(s.held, t.held, apart->norm(), w.dispersion)) {
+            if ((apart && alike(s.held, t.held, apart->norm(), w.dispersion)) ||
+                alikeByNature(data_, e.label, entries_[b].label)) {
                 e.group.push_back(out_.effects[b].label);
                 together += out_.effects[b].probability;
             }

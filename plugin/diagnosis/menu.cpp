@@ -147,6 +147,9 @@ void material(Writer& w, const Sizes& s) {
     w.probe({0.1 * bend}); // thick rings bend over long before they are flat
     w.form("nonlinear_elasticity", "stiffening").with("law", 1);
     w.amplitude("uc_1_m", 0.3 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
+    w.form("nonlinear_elasticity", "Ramberg-Osgood").with("law", 2);
+    w.amplitude("uc_1_m", 0.03 * bend, 1e6, 2.5 * bend, Scale::Reciprocal).extent("exponent", 1.5, 50.0);
+    w.probe({0.08 * bend, 10.0}).probe({bend, 3.0});
     w.form("plasticity", "isotropic hardening").with("hardening", 0);
     w.amplitude("My_over_B_1_m", 0.04 * bend, 1e6, 1.5 * bend, Scale::Reciprocal).extent("H_over_B", 0.01, 5.0);
     w.probe({0.45 * bend, 0.3}).probe({0.2 * bend, 0.3}).probe({0.8 * bend, 0.3}).probe({1.3 * bend, 0.3});

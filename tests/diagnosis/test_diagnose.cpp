@@ -1,5 +1,6 @@
 #include "toy.h"
 
+#include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/weigh.h"
 #include "supercircle/step/parallel.h"
@@ -73,6 +74,17 @@ TEST_CASE("a dashpot is named, with its constant", "[diagnosis]") {
                                   [&](double v) { return std::abs(v - t) < 0.125 + 0.3 + 0.04; }));
     }
     CHECK(shown > 20);
+}
+
+TEST_CASE("yielding and bending over elastically are one where nothing goes back", "[diagnosis]") {
+    Data data = toy::recordings(12);
+    CHECK_FALSE(alikeByNature(data, "plasticity", "nonlinear_elasticity")); // there are ways back
+    for (RecordedRun& run : data.runs)
+        for (Leg& leg : run.legs)
+            leg.phase = leg.phase == Phase::Unloading ? Phase::Hold : leg.phase;
+    CHECK(alikeByNature(data, "plasticity", "nonlinear_elasticity"));
+    CHECK_FALSE(alikeByNature(data, "plasticity", "wear"));
+    CHECK_FALSE(alikeByNature(data, "plasticity", "plasticity"));
 }
 
 TEST_CASE("an effect that is not in the catalogue is not given another's name", "[diagnosis]") {

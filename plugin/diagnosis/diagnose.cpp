@@ -347,10 +347,15 @@ void Work::suggest() {
         return;
     stage(0.96, "next experiment");
     std::vector<Rival> rivals;
+    const auto add = [&](const std::string& label, const Fitted& f) {
+        const double perRow = f.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
+        rivals.push_back(
+            {label, f.point, f.x, posteriorOf(Variables(evaluator_.model(), f.point), f.jacobian, perRow)});
+    };
     if (hint)
-        rivals.push_back({"nothing", base_.point});
+        add("nothing", base_);
     for (std::size_t i = 0; i < entries_.size() && i < 3; ++i)
-        rivals.push_back({out_.effects[i].label, tried_[entries_[i].model].fit.point});
+        add(out_.effects[i].label, tried_[entries_[i].model].fit);
     out_.next = nextExperiment(evaluator_.model(), rivals, out_.noise,
                                hint ? std::vector<std::string>{"nothing"} : out_.effects.front().group);
 }

@@ -3,6 +3,7 @@
 #include "plugin/diagnosis/box.h"
 #include "plugin/diagnosis/grow.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -258,6 +259,15 @@ Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const
     const bool grow = settings.grow && misfit.data().free;
     return Search(evaluator, misfit, grow ? grown(evaluator, misfit, start, settings) : start, settings)
         .run(grow ? Eigen::MatrixXd() : nominalJacobian);
+}
+
+Eigen::MatrixXd posteriorOf(const Variables& v, const Eigen::MatrixXd& jacobian, double dispersion) {
+    Eigen::MatrixXd precision = jacobian.transpose() * jacobian / std::max(1.0, dispersion);
+    for (Eigen::Index k = 0; k < v.size(); ++k) {
+        const double width = std::min(v.upper[k] - v.lower[k], 1e3);
+        precision(k, k) += 12.0 / (width * width);
+    }
+    return precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
 }
 
 Eigen::MatrixXd freeColumns(const Model& model, const Fitted& f) {

@@ -75,6 +75,10 @@ Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfi
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings = {},
            const Eigen::MatrixXd& nominalJacobian = {});
 
+/// Covariance of x behind a fit: linearised, uniform priors by their variance, the misfit's dispersion (its mean square
+/// per row, if that is above 1) counted.
+Eigen::MatrixXd posteriorOf(const Variables& variables, const Eigen::MatrixXd& jacobian, double dispersion);
+
 /// Columns of a fit's Jacobian whose numbers no bound holds.
 Eigen::MatrixXd freeColumns(const Model& model, const Fitted& fitted);
 

@@ -1,6 +1,5 @@
 #include "plugin/diagnosis/present.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -21,12 +20,7 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
     e.heldOutRmse = t.held.forceRmse;
     e.misfitPerRow = t.fit.misfit / static_cast<double>(std::max<Index>(1, misfit.present()));
     const Variables v(model, t.fit.point);
-    Eigen::MatrixXd precision = jacobian.transpose() * jacobian / std::max(1.0, e.misfitPerRow);
-    for (Index k = 0; k < v.size(); ++k) {
-        const double width = std::min(v.upper[k] - v.lower[k], 1e3);
-        precision(k, k) += 12.0 / (width * width);
-    }
-    const Eigen::MatrixXd covariance = precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
+    const Eigen::MatrixXd covariance = posteriorOf(v, jacobian, e.misfitPerRow);
     constexpr double k90 = 1.6448536269514722; // of a normal distribution
     Index first = v.nominal;
     for (std::size_t term = 0; term < t.candidates.size(); ++term) {

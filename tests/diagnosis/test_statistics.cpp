@@ -3,6 +3,7 @@
 #include "plugin/diagnosis/box.h"
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/localise.h"
+#include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/whitening.h"
@@ -216,4 +217,60 @@ TEST_CASE("a reading that jumps beside the fit does not count as a derivative", 
     const Eigen::MatrixXd careful = differentiateCarefully(evaluator, misfit, v, v.of(at), 0.2);
     CHECK((central - truth).norm() > 10.0 * truth.norm());
     CHECK((careful - truth).norm() < 1e-9 * truth.norm()); // linear but for the jump: rounding only
+}
+
+namespace {
+
+/// Two designs: in the first an effect looks like the nominal parameter, and large; in the second like nothing else.
+class TwoDesigns final : public Model {
+public:
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "two designs"; }
+    [[nodiscard]] Response simulate(std::size_t, const Point&, Fineness, const std::atomic<bool>*) const override {
+        return {};
+    }
+    [[nodiscard]] std::vector<Design> designs() const override { return {{"alike", 0}, {"apart", 0}}; }
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
+                                                const std::atomic<bool>*) const override {
+        DesignResponse out;
+        out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
+        out.force = p.nominal[0] * out.time;
+        for (const Term& t : p.terms)
+            if (t.candidate == 0)
+                out.force +=
+                    t.values[0] * (i == 0 ? Eigen::VectorXd(10.0 * out.time) : out.time.array().sin().matrix());
+        return out;
+    }
+
+private:
+    std::vector<Scalar> nominal_ = {{"slope", "N/s", "", 0.0, -50.0, 50.0, 50.0, Scale::Linear, false}};
+    std::vector<Candidate> candidates_ = {
+        {"swing", "", "", "", {{"a", "N", "", 0.0, -9.0, 9.0, 1.0, Scale::Linear, true}}, {{1.0}}},
+        {"other", "", "", "", {{"b", "N", "", 0.0, -9.0, 9.0, 1.0, Scale::Linear, true}}, {{1.0}}}};
+};
+
+} // namespace
+
+TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]") {
+    const TwoDesigns model;
+    Noise noise;
+    noise.white = 0.1;
+    noise.coloured = 0.0;
+    noise.memory = 0.25;
+    const auto rival = [&](const std::string& label, std::size_t candidate, double slope) {
+        Rival r{label, {{0.0}, {{candidate, {1.0}}}}, {}, {}};
+        r.x = Variables(model, r.point).of(r.point);
+        r.covariance = Eigen::Vector2d(slope * slope, 1e-4).asDiagonal(); // of the slope in its steps, of the amplitude
+        return r;
+    };
+    // The slope is open: the first run's large difference would be taken up by it.
+    auto next = nextExperiment(model, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise, {"swing"});
+    REQUIRE(next);
+    CHECK(next->run.what == "apart");
+    CHECK(next->power > 0.99); // a sine of 1 N, noise .1 N, 200 readings
+    // It is known: the first one listed will do.
+    next = nextExperiment(model, {rival("swing", 0, 1e-6), rival("other", 1, 1e-6)}, noise, {"swing"});
+    REQUIRE(next);
+    CHECK(next->run.what == "alike");
 }

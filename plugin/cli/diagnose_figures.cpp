@@ -208,7 +208,7 @@ std::string screenFigure(const Diagnosis& d) {
     double most = 10.0;
     for (const diagnosis::SeenEffect& s : seen)
         most = std::max(most, s.gain);
-    SvgCanvas canvas(900.0, 22.0 * static_cast<double>(seen.size()) + 36.0, "screen", "what each effect could explain");
+    SvgCanvas canvas(980.0, 22.0 * static_cast<double>(seen.size()) + 36.0, "screen", "what each effect could explain");
     canvas.text({230.0, 14.0}, "explained misfit (square root scale)", {theme::tickSize, theme::muted});
     canvas.text({610.0, 14.0}, "smallest size these runs would show", {theme::tickSize, theme::muted});
     for (std::size_t i = 0; i < seen.size(); ++i) {

@@ -70,6 +70,7 @@ private:
     void tryHypotheses();
     void conclude();
     void enter(const Weighed& w);
+    void shareAlike();
     void weighAll(Weighed& w) const;
     void groups(const Weighed& w, Evidence& evidence);
     void conclusions(const Weighed& w, Evidence& evidence);
@@ -260,6 +261,15 @@ void Work::enter(const Weighed& w) {
     });
 }
 
+/// Which of two that are alike by nature fits better is no evidence for either: they share what they have.
+void Work::shareAlike() {
+    for (std::size_t a = 0; a < entries_.size(); ++a)
+        for (std::size_t b = a + 1; b < entries_.size(); ++b)
+            if (alikeByNature(data_, entries_[a].label, entries_[b].label))
+                entries_[a].probability = entries_[b].probability =
+                    0.5 * (entries_[a].probability + entries_[b].probability);
+}
+
 void Work::weighAll(Weighed& w) const {
     std::vector<HeldOut> held;
     Weighing given;
@@ -285,6 +295,7 @@ void Work::conclude() {
     weighAll(w);
     out_.nothing = w.nothing;
     enter(w);
+    shareAlike();
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;

@@ -112,8 +112,12 @@ std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal
         if (best != nullptr) {
             c.improved = list(best->responses[r].force);
             c.residualImproved = list(best->residual.segment(misfit.start(r), n));
-            c.shows = stretchesOf(run.time, (best->responses[r].force - nominal.responses[r].force) /
-                                                std::max(misfit.noise().total(), 1e-300));
+            const double noise = std::max(misfit.noise().total(), 1e-300);
+            // Rows that are not looked at may lie behind the end of a simulation.
+            c.shows =
+                stretchesOf(run.time, (best->responses[r].force - nominal.responses[r].force).unaryExpr([&](double d) {
+                    return std::isfinite(d) ? d / noise : 0.0;
+                }));
         }
         for (Index k = 0; k < n; ++k)
             c.counts.push_back(std::isfinite(misfit.errors(r).force[k]));

@@ -43,16 +43,17 @@ std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::spa
     return out;
 }
 
-std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, const std::vector<ForceDrop>& drops,
-                                  double apart) {
+std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, std::span<const double> force,
+                                  const std::vector<ForceDrop>& drops, double apart) {
     std::vector<ForceDrop> out;
     for (const ForceDrop& d : drops) {
         if (out.empty() || std::abs(displacement[d.top] - displacement[out.back().bottom]) > apart) {
             out.push_back(d);
             continue;
         }
-        out.back().size = std::max(out.back().size, d.size);
-        out.back().bottom = d.bottom;
+        ForceDrop& event = out.back();
+        event.size = std::max({event.size, d.size, force[event.top] - force[d.bottom]});
+        event.bottom = d.bottom;
     }
     return out;
 }

@@ -22,9 +22,11 @@ struct ForceDrop {
 std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::span<const double> force, double threshold,
                                   double within);
 
-/// Drops whose tops lie within `apart` (m) of the end of the one before are one event: the force rings after a snap.
-std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, const std::vector<ForceDrop>& drops,
-                                  double apart);
+/// Drops whose tops lie within `apart` (m) of the end of the one before are one event: the force rings after a snap,
+/// and rebounds in a long fall. Its size is the fall from its first top to its lowest bottom, or the largest of its
+/// parts.
+std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, std::span<const double> force,
+                                  const std::vector<ForceDrop>& drops, double apart);
 
 /// Extremes of a force averaged over a short travel, as a load cell would report them. The force on a rigid machine
 /// rings for a tenth of a millisecond after a snap, to twice what the specimen ever carried.

@@ -111,8 +111,9 @@ void Session::summarise(record::Recording& out) {
                                                       (move.until.force - leg.force[n - 2]) /
                                                       (leg.force[n - 1] - leg.force[n - 2]);
             c.delta_max_over_R = delta / R;
-            for (const ForceDrop& d : mergeDrops(
-                     leg.displacement, forceDrops(leg.displacement, leg.force, 0.1 * unit, 0.25 * R), 0.05 * R)) {
+            for (const ForceDrop& d :
+                 mergeDrops(leg.displacement, leg.force, forceDrops(leg.displacement, leg.force, 0.1 * unit, 0.25 * R),
+                            0.05 * R)) {
                 ++c.snap_fits;
                 drop = std::max(drop, d.size);
                 const std::size_t at = (legs_[i].first > 0 ? legs_[i].first - 1 : 0) + d.top;

@@ -367,7 +367,7 @@ void Work::suggest() {
         add("nothing", base_);
     for (std::size_t i = 0; i < entries_.size() && i < 3; ++i)
         add(out_.effects[i].label, tried_[entries_[i].model].fit);
-    out_.next = nextExperiment(evaluator_.model(), rivals, out_.noise,
+    out_.next = nextExperiment(evaluator_, rivals, out_.noise,
                                hint ? std::vector<std::string>{"nothing"} : out_.effects.front().group);
 }
 

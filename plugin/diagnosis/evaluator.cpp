@@ -66,17 +66,32 @@ std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
             onRun();
         }
     };
-    if (loop_)
-        loop_(open.size(), work);
-    else
-        for (std::size_t n = 0; n < open.size(); ++n)
-            work(n);
+    spread(open.size(), work);
     for (std::size_t i = 0; i < questions.size(); ++i)
         if (const auto at = first.find(keys[i]); at != first.end() && at->second != i)
             results[i] = results[at->second];
     for (std::size_t i = 0; i < questions.size(); ++i)
         if (results[i].failure.empty())
             model_.read(questions[i].run, questions[i].point, results[i]);
+    return results;
+}
+
+void Evaluator::spread(std::size_t n, const std::function<void(std::size_t)>& work) const {
+    if (loop_)
+        loop_(n, work);
+    else
+        for (std::size_t i = 0; i < n; ++i)
+            work(i);
+}
+
+std::vector<DesignResponse> Evaluator::foretell(std::size_t design, const std::vector<Point>& points) {
+    std::vector<DesignResponse> results(points.size());
+    spread(points.size(), [&](std::size_t i) {
+        if (!stopped())
+            results[i] = model_.simulateDesign(design, points[i], interrupt_);
+        if (stopped()) // it may have ended early
+            results[i].failure = "interrupted";
+    });
     return results;
 }
 

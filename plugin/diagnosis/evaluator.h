@@ -32,6 +32,9 @@ public:
     /// All runs at each point: result[point][run].
     std::vector<std::vector<Response>> everywhere(const std::vector<Point>& points, Fineness fineness);
 
+    /// A run that was not made, at each point; they are not kept. `failure` says "interrupted" where it was.
+    std::vector<DesignResponse> foretell(std::size_t design, const std::vector<Point>& points);
+
     /// Simulates a run that the store knows once more. Where the readings differ the store is of another program, and
     /// it is emptied.
     void checkStore(const Question& question);
@@ -44,6 +47,8 @@ public:
     std::function<void()> onRun;
 
 private:
+    void spread(std::size_t n, const std::function<void(std::size_t)>& work) const;
+
     const Model& model_;
     std::size_t runs_;
     parallel::For loop_;

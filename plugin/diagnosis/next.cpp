@@ -16,13 +16,13 @@ using Index = Eigen::Index;
 /// A run that was not made, as two rivals foretell it.
 class Foretold {
 public:
-    Foretold(const Model& model, std::size_t design, const Noise& noise)
-        : model_(model), design_(design), noise_(noise) {}
+    Foretold(Evaluator& evaluator, std::size_t design, const Noise& noise)
+        : evaluator_(evaluator), design_(design), noise_(noise) {}
 
     /// In units of what is not known about it; 0: it cannot be simulated.
     double distance(const Rival& a, const Rival& b) {
-        const DesignResponse first = model_.simulateDesign(design_, a.point, nullptr);
-        const DesignResponse second = model_.simulateDesign(design_, b.point, nullptr);
+        const auto both = evaluator_.foretell(design_, {a.point, b.point});
+        const DesignResponse &first = both[0], &second = both[1];
         if (!first.failure.empty() || !second.failure.empty() || first.force.size() != second.force.size() ||
             first.force.size() < 8)
             return 0.0;
@@ -36,15 +36,15 @@ public:
         const Eigen::VectorXd apart = whitened(first.force - second.force);
         if (!apart.allFinite() || apart.norm() < kLittle)
             return 0.0;
-        const Variables va(model_, a.point), vb(model_, b.point);
-        Eigen::MatrixXd ja(apart.size(), va.size()), jb(apart.size(), vb.size());
-        for (Index k = 0; k < va.size(); ++k)
-            ja.col(k) = derivative(va, a.x, k, first);
-        jb.leftCols(vb.nominal) = ja.leftCols(vb.nominal); // nominal parameters do much the same in either
-        for (Index k = vb.nominal; k < vb.size(); ++k)
-            jb.col(k) = derivative(vb, b.x, k, second);
+        const Variables va(evaluator_.model(), a.point), vb(evaluator_.model(), b.point);
+        Moved moved;
+        moved.add(va, a.x, 0, first);
+        moved.add(vb, b.x, vb.nominal, second); // nominal parameters do much the same in either
+        const Eigen::MatrixXd all = derivatives(moved);
+        Eigen::MatrixXd jb(apart.size(), vb.size());
+        jb << all.leftCols(vb.nominal), all.rightCols(vb.size() - vb.nominal);
         Eigen::MatrixXd spread(apart.size(), va.size() + vb.size());
-        spread << ja * Eigen::MatrixXd(a.covariance.llt().matrixL()),
+        spread << all.leftCols(va.size()) * Eigen::MatrixXd(a.covariance.llt().matrixL()),
             jb * Eigen::MatrixXd(b.covariance.llt().matrixL());
         const Eigen::MatrixXd inner =
             Eigen::MatrixXd::Identity(spread.cols(), spread.cols()) + spread.transpose() * spread;
@@ -55,26 +55,44 @@ public:
 
 private:
     static constexpr double kLittle = 1.0; ///< noise units: less is not worth derivatives
-    static constexpr double kStep = 0.2;   ///< of x
+
+    /// Points beside a rival's, one for each number, to the side that has room.
+    struct Moved {
+        static constexpr double kStep = 0.2; ///< of x
+        std::vector<Point> points;
+        std::vector<double> steps;
+        std::vector<const DesignResponse*> from;
+
+        void add(const Variables& v, const Eigen::VectorXd& x, Index first, const DesignResponse& at) {
+            for (Index k = first; k < v.size(); ++k) {
+                Eigen::VectorXd y = x;
+                steps.push_back(x[k] + kStep <= v.upper[k] ? kStep : -kStep);
+                y[k] += steps.back();
+                points.push_back(v.at(y));
+                from.push_back(&at);
+            }
+        }
+    };
 
     [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& force) const {
         const Eigen::VectorXd u = white_->apply(force);
         return u - shift_ * shift_.dot(u);
     }
-    /// d(whitened readings)/dx_k to the side that has room; zero where it cannot be simulated.
-    [[nodiscard]] Eigen::VectorXd derivative(const Variables& v, const Eigen::VectorXd& x, Index k,
-                                             const DesignResponse& at) const {
-        Eigen::VectorXd y = x;
-        const double step = x[k] + kStep <= v.upper[k] ? kStep : -kStep;
-        y[k] += step;
-        const DesignResponse moved = model_.simulateDesign(design_, v.at(y), nullptr);
-        if (!moved.failure.empty() || moved.force.size() != at.force.size())
-            return Eigen::VectorXd::Zero(at.force.size());
-        const Eigen::VectorXd change = whitened(moved.force - at.force) / step;
-        return change.allFinite() ? change : Eigen::VectorXd::Zero(change.size());
+    /// d(whitened readings)/dx, a column each; zero where it cannot be simulated.
+    [[nodiscard]] Eigen::MatrixXd derivatives(const Moved& moved) {
+        const auto there = evaluator_.foretell(design_, moved.points);
+        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(shift_.size(), static_cast<Index>(there.size()));
+        for (std::size_t k = 0; k < there.size(); ++k) {
+            if (!there[k].failure.empty() || there[k].force.size() != shift_.size())
+                continue;
+            const Eigen::VectorXd change = whitened(there[k].force - moved.from[k]->force) / moved.steps[k];
+            if (change.allFinite())
+                out.col(static_cast<Index>(k)) = change;
+        }
+        return out;
     }
 
-    const Model& model_;
+    Evaluator& evaluator_;
     std::size_t design_;
     const Noise& noise_;
     std::optional<Whitening> white_;
@@ -83,7 +101,7 @@ private:
 
 } // namespace
 
-std::optional<NextExperiment> nextExperiment(const Model& model, const std::vector<Rival>& rivals, const Noise& noise,
+std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals, const Noise& noise,
                                              const std::vector<std::string>& group) {
     if (rivals.size() < 2 || noise.total() <= 0.0)
         return std::nullopt;
@@ -96,17 +114,17 @@ std::optional<NextExperiment> nextExperiment(const Model& model, const std::vect
         }
     double farthest = 0.0;
     NextExperiment best;
-    const std::vector<Design> designs = model.designs();
+    const std::vector<Design> designs = evaluator.model().designs();
     constexpr double kEnough =
         5.0; // noise units beyond which runs are all as good: the first one listed is the simplest
-    for (std::size_t i = 0; i < designs.size() && farthest < kEnough; ++i) {
-        const double d = Foretold(model, i, noise).distance(rivals[0], rivals[other]);
+    for (std::size_t i = 0; i < designs.size() && farthest < kEnough && !evaluator.stopped(); ++i) {
+        const double d = Foretold(evaluator, i, noise).distance(rivals[0], rivals[other]);
         if (d > farthest) {
             farthest = d;
             best.run = designs[i];
         }
     }
-    if (farthest <= 0.0)
+    if (farthest <= 0.0 || evaluator.stopped())
         return std::nullopt;
     best.separates = {rivals[0].label, rivals[other].label};
     best.power = boost::math::cdf(boost::math::normal(), farthest - 1.6448536269514722);

@@ -8,6 +8,7 @@
 // simulator three settled the case: a wrong gain and a softening that is over in a quarter of a second differ by much
 // in a slow run, until the modulus is fitted again.
 
+#include "plugin/diagnosis/evaluator.h"
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/result.h"
@@ -28,8 +29,9 @@ struct Rival {
 
 /// Simulates the designs with the first two rivals that are not alike (or the first two) and takes the first one that
 /// sets their predictions five units apart, else the one that does best. Its power is that of a one-sided test at 5 %
-/// between the two, Phi(d - 1.645) with d the distance. Empty if no design can be simulated.
-std::optional<NextExperiment> nextExperiment(const Model& model, const std::vector<Rival>& rivals, const Noise& noise,
+/// between the two, Phi(d - 1.645) with d the distance. Empty if no design can be simulated, or if the evaluator was
+/// stopped.
+std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals, const Noise& noise,
                                              const std::vector<std::string>& group);
 
 } // namespace supercircle::diagnosis

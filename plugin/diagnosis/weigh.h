@@ -16,7 +16,7 @@
 // differences, reached .85 beside a verdict of nothing missing.
 //
 // A best model that is itself rejected on unseen rows (it leaves more than noise could, noiseBound(), and a tenth of
-// what there was to explain beyond that; or nine noise variances, whatever there was) cannot beat "none of these": a
+// what there was to explain beyond that; or four noise variances, whatever there was) cannot beat "none of these": a
 // linear drag on a real pendulum explained nine tenths of 98 degrees and left 22, with a noise of .06; softening that
 // imitated relaxation left 31 %, effects that were there 0 to 3 %.
 //

@@ -28,7 +28,7 @@ struct Folder {
 
 const char* const kAnswer = R"({"case": "blind_01", "kind": "single", "strength": "strong", "protocol": "P4",
  "labels": ["wear"], "effects": [{"family": "wear", "label": "wear", "parameters": {"change": 0.4, "distance_m": 0.02}}],
- "visible_noise_units": 100, "windows": [{"run": "run_1.csv", "t_start_s": 2, "t_end_s": 6}],
+ "detectable": 100, "windows": [{"run": "run_1.csv", "t_start_s": 2, "t_end_s": 6}],
  "runs": [{"run": "run_1.csv", "rows": 100, "rms_noise_N": 0.001}]})";
 
 const char* const kDiagnosis = R"({"verdict": "named", "statement": "wear", "elapsed_s": 30,

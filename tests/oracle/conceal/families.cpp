@@ -327,4 +327,12 @@ const Family& family(const std::string& name) {
     return *at;
 }
 
+std::vector<std::string> twins(const std::string& label) {
+    if (label == "machine_compliance") // a deflection that the force causes, before, behind or inside the contact
+        return {"backlash", "contact_compliance"};
+    if (label == "local_damage") // a few millimetres of another rest curvature or stiffness
+        return {"natural_curvature_defect", "stiffness_gradient"};
+    return {};
+}
+
 } // namespace supercircle::oracle

@@ -26,5 +26,9 @@ struct Family {
 const std::vector<Family>& families();
 /// Throws std::invalid_argument for a name that is not known.
 const Family& family(const std::string& name);
+/// Labels that no reading of these experiments tells from the given one, whatever is measured: other names of the same
+/// deflection or of the same weak place. Who takes an effect out of the catalogue takes them out too, or the right
+/// answer is one of them.
+std::vector<std::string> twins(const std::string& label);
 
 } // namespace supercircle::oracle

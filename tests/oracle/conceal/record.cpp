@@ -23,7 +23,7 @@ struct Secret {
     Offsets offsets;
     Nuisance nuisance;
     std::vector<Hidden> hidden;
-    double visible = 0.0; ///< norm of what is left of the effects in the readings, noise units
+    double visible = 0.0; ///< Left::detectable of all effects together
     std::vector<Window> windows;
 };
 
@@ -42,7 +42,7 @@ double amplitudeFor(const Absorber& absorber, const Family& f, const Make& make,
     double amplitude = 1.0, low = 0.0, lowSeen = 0.0, high = 0.0, highSeen = 0.0;
     for (int i = 0; i < 5; ++i) {
         const auto left = absorber.left(effectsOf({make(amplitude)}));
-        const double seen = left ? std::max(left->norm(), 1e-3) : 1e6; // failed: far too much
+        const double seen = left ? std::max(left->detectable, 1e-3) : 1e6; // failed: far too much
         if (std::abs(std::log(seen / wanted)) < 0.25)
             break;
         (seen < wanted ? low : high) = amplitude;
@@ -67,7 +67,7 @@ std::string hide(Draw& draw, Secret& s) {
     for (const std::string& name : s.plan.families) {
         const Family& f = family(name);
         const Make make = f.draw(draw, s.protocol);
-        const double wanted = s.plan.strength == "weak" ? draw.logarithmic(15.0, 30.0) : draw.logarithmic(80.0, 250.0);
+        const double wanted = s.plan.strength == "weak" ? draw.logarithmic(6.0, 12.0) : draw.logarithmic(40.0, 150.0);
         s.hidden.push_back(make(amplitudeFor(absorber, f, make, wanted)));
     }
     if (s.hidden.empty())
@@ -75,8 +75,8 @@ std::string hide(Draw& draw, Secret& s) {
     const auto left = absorber.left(effectsOf(s.hidden));
     if (!left)
         return "with the effects the simulation fails";
-    s.visible = left->norm();
-    s.windows = absorber.windows(*left);
+    s.visible = left->detectable;
+    s.windows = absorber.windows(left->readings);
     return {};
 }
 
@@ -150,8 +150,11 @@ Json answerOf(const Secret& s, const Setup& truth, const Json& runs) {
         labels.push_back(s.hidden[i].label);
         effects.push_back(
             {{"family", s.plan.families[i]}, {"label", s.hidden[i].label}, {"parameters", s.hidden[i].parameters}});
-        if (s.plan.kind == "removed")
+        if (s.plan.kind == "removed") {
             without.push_back(s.hidden[i].label);
+            for (const std::string& twin : twins(s.hidden[i].label))
+                without.push_back(twin);
+        }
     }
     if (labels.empty())
         labels.push_back("none");
@@ -165,7 +168,7 @@ Json answerOf(const Secret& s, const Setup& truth, const Json& runs) {
             {"labels", labels},
             {"effects", effects},
             {"diagnose_without", without},
-            {"visible_noise_units", s.visible},
+            {"detectable", s.visible},
             {"windows", windows},
             {"true_parameters", parametersOf(truth, truth.headShift)},
             {"nominal_parameters", parametersOf(s.description.nominal, 0.0)},

@@ -27,25 +27,36 @@ struct Window {
     double from = 0.0, to = 0.0; ///< s
 };
 
-/// Derivatives by the nominal parameters around a truth without effect.
+/// What is left of an effect, all runs behind each other (force, then markers).
+struct Left {
+    Eigen::VectorXd readings; ///< in deviations of one reading
+    /// Norm of the same behind the true noise: what the best possible test for this very effect has for a signal, in
+    /// deviations of its statistic under noise. A slow effect in a thousand readings is far less than their number
+    /// suggests where the noise remembers.
+    double detectable = 0.0;
+};
+
+/// Derivatives by the nominal parameters around a truth without effect, and what each run has of its own (zero, clock).
 class Absorber {
 public:
     Absorber(const Description& d, const Offsets& offsets, const Nuisance& noise);
     [[nodiscard]] const std::string& failure() const { return failure_; }
-    /// What is left of an effect, in noise units, all runs behind each other (force, then markers).
-    [[nodiscard]] std::optional<Eigen::VectorXd> left(const Effects& effects) const;
+    [[nodiscard]] std::optional<Left> left(const Effects& effects) const;
     /// Where the force of a signature stands out of the noise.
     [[nodiscard]] std::vector<Window> windows(const Eigen::VectorXd& left) const;
 
 private:
     [[nodiscard]] Eigen::VectorXd stack(const Clean& c) const;
+    [[nodiscard]] Eigen::VectorXd whitened(Eigen::VectorXd stack) const;
+    void addOwn();
 
     const Description& d_;
     Offsets offsets_;
     Nuisance noise_;
     std::string failure_;
     Eigen::VectorXd base_;
-    Eigen::MatrixXd columns_;
+    Eigen::MatrixXd columns_;         ///< of what a fit may move, in prior deviations
+    Eigen::MatrixXd whitenedColumns_; ///< the same behind the noise
 };
 
 } // namespace supercircle::oracle

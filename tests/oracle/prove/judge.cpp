@@ -185,7 +185,7 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
         j.strength = answer.at("strength");
         j.protocol = answer.at("protocol");
         j.truth = answer.at("labels").get<std::vector<std::string>>();
-        j.visible = answer.at("visible_noise_units");
+        j.detectable = answer.at("detectable");
         j.verdict = d.at("verdict");
         j.statement = d.at("statement");
         j.seconds = d.at("elapsed_s");

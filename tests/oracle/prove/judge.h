@@ -25,7 +25,7 @@ struct Judged {
     double placeError = -1.0;       ///< of an arc fraction
     double overNoise = -1.0;        ///< held-out error over the noise that was added
     double overKnowing = -1.0;      ///< over that of the model which has the true effect
-    double visible = 0.0;           ///< noise units of the hidden effect that are left to see
+    double detectable = 0.0;        ///< what the best possible test would have for a signal (Left::detectable)
     double seconds = 0.0;
     double pNothing = 0.0, pUnknown = 0.0, pFirst = 0.0, pTruth = 0.0;
     std::string next; ///< experiment it proposes

@@ -90,6 +90,28 @@ std::string reliability(const std::vector<Judged>& all) {
     return out;
 }
 
+/// How often an effect was detected and rightly named, by what there was to detect.
+std::string power(const std::vector<Judged>& all) {
+    const double edges[] = {0.0, 4.0, 6.0, 8.0, 10.0, 12.5, 50.0, 1e9};
+    std::string out = "what the best possible test would have for a signal (deviations of its statistic), and what was "
+                      "detected and right:\n";
+    for (int b = 0; b < 7; ++b) {
+        Share detected, right;
+        for (const Judged& j : all)
+            if (j.kind != "nothing" && j.detectable >= edges[b] && j.detectable < edges[b + 1]) {
+                detected.count(j.detected);
+                right.count(j.right);
+            }
+        if (detected.of > 0)
+            out +=
+                "  " +
+                padded(number(edges[b], "%.3g") + (b < 6 ? " to " + number(edges[b + 1], "%.3g") : " and more"), 14) +
+                "detected " + std::to_string(detected.hits) + ", right " + std::to_string(right.hits) + " of " +
+                std::to_string(detected.of) + "\n";
+    }
+    return out;
+}
+
 } // namespace
 
 std::vector<Score> scoresOf(const std::vector<Judged>& all) {
@@ -159,7 +181,7 @@ std::string asText(const std::vector<Judged>& all, const std::string& title) {
                 : s.met == 1 ? "met"
                              : "MISSED") +
                "\n";
-    out += "\n" + reliability(all) + "\nhidden: said\n";
+    out += "\n" + reliability(all) + "\n" + power(all) + "\nhidden: said\n";
     for (const auto& [truth, row] : confusionOf(all)) {
         out += "  " + padded(truth, 48);
         for (const auto& [answer, n] : row)
@@ -169,7 +191,7 @@ std::string asText(const std::vector<Judged>& all, const std::string& title) {
     out += "\ncases\n";
     for (const Judged& j : all)
         out += "  " + padded(j.name, 12) + padded(j.protocol, 4) + padded(j.strength, 8) + padded(hidden(j), 44) +
-               (j.right ? "ok    " : "MISS  ") + padded(said(j), 40) + "visible " + number(j.visible, "%.0f") +
+               (j.right ? "ok    " : "MISS  ") + padded(said(j), 40) + "detectable " + number(j.detectable, "%.1f") +
                ", P(truth) " + number(j.pTruth, "%.2f") + ", error/noise " + number(j.overNoise, "%.2f") +
                (j.overlap < 0.0 ? "" : ", IoU " + number(j.overlap, "%.2f")) +
                (j.overlapNamed < 0.0 ? "" : " (" + number(j.overlapNamed, "%.2f") + ")") +
@@ -207,7 +229,7 @@ std::string asJson(const std::vector<Judged>& all, const std::string& title) {
                          {"overlap_of_effect_windows", j.overlapNamed},
                          {"amplitude_error", j.amplitudeError},
                          {"heldout_over_noise", j.overNoise},
-                         {"visible_noise_units", j.visible},
+                         {"detectable", j.detectable},
                          {"elapsed_s", j.seconds}});
     return Json{{"title", title}, {"scores", scores}, {"cases", cases}}.dump(1) + "\n";
 }

@@ -57,6 +57,34 @@ std::string named(const Diagnosis& d) {
     return text;
 }
 
+std::string percent(double p) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%.0f %%", 100.0 * p);
+    return text;
+}
+
+/// The rivals with their probabilities: effects, and what else has a share.
+std::string undecided(const Diagnosis& d, const Evidence& e) {
+    constexpr double kWorthAWord = 0.03;
+    std::string rivals;
+    const auto add = [&](const std::string& what, double p) {
+        rivals += (rivals.empty() ? "" : ", ") + what + " " + percent(p);
+    };
+    for (std::size_t i = 0; i < d.effects.size() && i < 3; ++i)
+        if (i == 0 || d.effects[i].probability > kWorthAWord)
+            add(plainWords(d.effects[i].label), d.effects[i].probability);
+    if (d.nothing > kWorthAWord)
+        add("nothing missing", d.nothing);
+    if (d.unknown > kWorthAWord)
+        add("none of these", d.unknown);
+    std::string text =
+        "Something seems to be missing (p = " + number(e.p) + "), but these runs do not decide: " + rivals + ".";
+    if (!d.effects.empty() && d.effects.front().group.size() > 1)
+        text += " They cannot tell " + plainWords(d.effects.front().label) + " from " +
+                joined(d.effects.front().group, 1) + ".";
+    return text + (d.next ? " Next: " + d.next->run.what + "." : "");
+}
+
 } // namespace
 
 std::string plainWords(std::string label) {
@@ -102,14 +130,7 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
                                         number(d.improvedHeldOut) + " " + d.unit + " on unseen runs with a noise of " +
                                         number(d.noise.total()) + " " + d.unit + ".") +
                learnt(d);
-    std::string text = "Something is missing (p = " + number(e.p) + "), but these runs do not decide between ";
-    std::vector<std::string> rivals;
-    for (std::size_t i = 0; i < d.effects.size() && i < 3; ++i)
-        rivals.push_back(d.effects[i].label);
-    text += joined(rivals) + ".";
-    if (d.next)
-        text += " Next: " + d.next->run.what + ".";
-    return text;
+    return undecided(d, e);
 }
 
 bool alikeByNature(const Data& data, const std::string& a, const std::string& b) {

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 
 namespace supercircle::diagnosis {
 
@@ -74,6 +75,7 @@ private:
     void weighAll(Weighed& w) const;
     void groups(const Weighed& w, Evidence& evidence);
     void conclusions(const Weighed& w, Evidence& evidence);
+    [[nodiscard]] std::optional<std::size_t> rivalOfFirst() const;
     void suggest();
     void present();
 
@@ -350,25 +352,35 @@ void Work::conclusions(const Weighed& w, Evidence& e) {
     e.blind = matter > 0.0 ? blind / matter : 1.0;
 }
 
+/// What the first effect is most worth being told from: one that these runs cannot tell it from, else whatever is most
+/// probable beside it. Empty: that nothing is missing.
+std::optional<std::size_t> Work::rivalOfFirst() const {
+    const FoundEffect& first = out_.effects.front();
+    const auto inGroup = [&](std::size_t i) {
+        return std::find(first.group.begin(), first.group.end(), out_.effects[i].label) != first.group.end();
+    };
+    std::optional<std::size_t> best;
+    for (std::size_t i = 1; i < entries_.size(); ++i) // the most probable first
+        if (entries_[i].model != entries_.front().model && (!best || (inGroup(i) && !inGroup(*best))))
+            best = i;
+    if (best && !inGroup(*best) && out_.nothing > entries_[*best].probability)
+        best.reset();
+    return best;
+}
+
 void Work::suggest() {
     const bool open =
         out_.verdict != "nothing_missing" && (out_.verdict != "named" || out_.effects.front().group.size() > 1);
-    const bool hint = out_.verdict == "not_enough_information"; // the rival is that nothing is missing
-    if (!open || entries_.size() <= (hint ? 0U : 1U))
+    if (!open || entries_.empty())
         return;
     stage(0.96, "next experiment");
-    std::vector<Rival> rivals;
-    const auto add = [&](const std::string& label, const Fitted& f) {
+    const auto rival = [&](const std::string& label, const Fitted& f) {
         const double perRow = f.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
-        rivals.push_back(
-            {label, f.point, f.x, posteriorOf(Variables(evaluator_.model(), f.point), f.jacobian, perRow)});
+        return Rival{label, f.point, f.x, posteriorOf(Variables(evaluator_.model(), f.point), f.jacobian, perRow)};
     };
-    if (hint)
-        add("nothing", base_);
-    for (std::size_t i = 0; i < entries_.size() && i < 3; ++i)
-        add(out_.effects[i].label, tried_[entries_[i].model].fit);
-    out_.next = nextExperiment(evaluator_, rivals, out_.noise,
-                               hint ? std::vector<std::string>{"nothing"} : out_.effects.front().group);
+    const auto of = [&](std::size_t i) { return rival(out_.effects[i].label, tried_[entries_[i].model].fit); };
+    const auto other = rivalOfFirst();
+    out_.next = nextExperiment(evaluator_, {of(0), other ? of(*other) : rival("nothing", base_)}, out_.noise);
 }
 
 void Work::present() {

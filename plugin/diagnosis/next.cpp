@@ -101,24 +101,17 @@ private:
 
 } // namespace
 
-std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals, const Noise& noise,
-                                             const std::vector<std::string>& group) {
-    if (rivals.size() < 2 || noise.total() <= 0.0)
+std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::array<Rival, 2>& rivals,
+                                             const Noise& noise) {
+    if (noise.total() <= 0.0)
         return std::nullopt;
-    // A rival that these runs cannot tell from the first is the one that matters.
-    std::size_t other = 1;
-    for (std::size_t i = 1; i < rivals.size(); ++i)
-        if (std::find(group.begin() + 1, group.end(), rivals[i].label) != group.end()) {
-            other = i;
-            break;
-        }
     double farthest = 0.0;
     NextExperiment best;
     const std::vector<Design> designs = evaluator.model().designs();
     constexpr double kEnough =
         5.0; // noise units beyond which runs are all as good: the first one listed is the simplest
     for (std::size_t i = 0; i < designs.size() && farthest < kEnough && !evaluator.stopped(); ++i) {
-        const double d = Foretold(evaluator, i, noise).distance(rivals[0], rivals[other]);
+        const double d = Foretold(evaluator, i, noise).distance(rivals[0], rivals[1]);
         if (d > farthest) {
             farthest = d;
             best.run = designs[i];
@@ -126,7 +119,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
     }
     if (farthest <= 0.0 || evaluator.stopped())
         return std::nullopt;
-    best.separates = {rivals[0].label, rivals[other].label};
+    best.separates = {rivals[0].label, rivals[1].label};
     best.power = boost::math::cdf(boost::math::normal(), farthest - 1.6448536269514722);
     return best;
 }

@@ -13,9 +13,9 @@
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/result.h"
 
+#include <array>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace supercircle::diagnosis {
 
@@ -27,11 +27,10 @@ struct Rival {
     Eigen::MatrixXd covariance; ///< posteriorOf()
 };
 
-/// Simulates the designs with the first two rivals that are not alike (or the first two) and takes the first one that
-/// sets their predictions five units apart, else the one that does best. Its power is that of a one-sided test at 5 %
-/// between the two, Phi(d - 1.645) with d the distance. Empty if no design can be simulated, or if the evaluator was
-/// stopped.
-std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals, const Noise& noise,
-                                             const std::vector<std::string>& group);
+/// Simulates the designs with both rivals and takes the first one that sets their predictions five units apart, else
+/// the one that does best. Its power is that of a one-sided test at 5 % between the two, Phi(d - 1.645) with d the
+/// distance. Empty if no design can be simulated, or if the evaluator was stopped.
+std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::array<Rival, 2>& rivals,
+                                             const Noise& noise);
 
 } // namespace supercircle::diagnosis

@@ -172,7 +172,9 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
     d.linearMass = own.linearMass;
     d.bendingModulus = own.bendingModulus;
     // A ring between plates has four quarters, each bent like a rod of its own.
-    const int elements = std::max(1, resolution_.elements) * (ring_ ? 2 : 1);
+    int elements = std::max(1, resolution_.elements) * (ring_ ? 2 : 1);
+    if (s.clamp.where != ClampPlace::None)
+        elements = rod::elementsMeetingAt(s.clamp.arcPosition / s.length, elements);
     d.naturalCurvature.assign(static_cast<std::size_t>(elements), own.naturalCurvature);
     d.closed = ring_;
     if (failure_ = rod::validate(d); !failure_.empty()) {

@@ -14,7 +14,7 @@ namespace supercircle::replay {
 
 /// How finely a run is computed.
 struct Resolution {
-    int elements = 31;               ///< arcs per specimen
+    int elements = 31;               ///< arcs per specimen, at least (rod::elementsMeetingAt the clamp)
     double positionTolerance = 4e-7; ///< local error of a position per step, m
     double travelMax = 2e-5;         ///< longest way of the head in one step, m
     double dtMax = 0.5;              ///< longest step, s

@@ -34,6 +34,15 @@ std::string checkLengths(const RodDefinition& d) {
 
 } // namespace
 
+int elementsMeetingAt(double fraction, int atLeast) {
+    const auto off = [&](int n) { return std::abs(fraction * n - std::round(fraction * n)) / n; };
+    int best = atLeast;
+    for (int n = atLeast + 1; n <= atLeast + 3; ++n)
+        if (off(n) < off(best) - 1e-9)
+            best = n;
+    return best;
+}
+
 std::string validate(const RodDefinition& d) {
     const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
     if (d.naturalCurvature.empty())

@@ -267,16 +267,16 @@ TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]
     Store store;
     Evaluator evaluator(model, 1, {}, store);
     // The slope is open: the first run's large difference would be taken up by it.
-    auto next = nextExperiment(evaluator, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise, {"swing"});
+    auto next = nextExperiment(evaluator, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise);
     REQUIRE(next);
     CHECK(next->run.what == "apart");
     CHECK(next->power > 0.99); // a sine of 1 N, noise .1 N, 200 readings
     // It is known: the first one listed will do.
-    next = nextExperiment(evaluator, {rival("swing", 0, 1e-6), rival("other", 1, 1e-6)}, noise, {"swing"});
+    next = nextExperiment(evaluator, {rival("swing", 0, 1e-6), rival("other", 1, 1e-6)}, noise);
     REQUIRE(next);
     CHECK(next->run.what == "alike");
     // Who interrupts gets none, and soon.
     const std::atomic<bool> stop{true};
     Evaluator stopped(model, 1, {}, store, &stop);
-    CHECK_FALSE(nextExperiment(stopped, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise, {"swing"}));
+    CHECK_FALSE(nextExperiment(stopped, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise));
 }

@@ -145,3 +145,24 @@ TEST_CASE("what cannot be simulated is said", "[replay]") {
     p.specimens[0].bendingModulus = -1.0;
     CHECK(replay::simulate(e, 0, p, replay::Resolution::coarse()).failure.rfind("specimen A: ", 0) == 0);
 }
+
+TEST_CASE("a stiffness that changes along a shell held in its middle is resolved by few arcs", "[replay]") {
+    // Second order: an arc across the clamp has one curvature where two moments meet, and with 15 arcs the tips were
+    // 16 um off, a sixth of what the change of stiffness does (found on a concealed case, whose gradient was
+    // overestimated by 17 %).
+    experiment::Experiment e = baseline(101);
+    replay::Parameters p = replay::nominal(e);
+    REQUIRE(effects::add(p.effects, "stiffness_gradient:gradient=0.1").empty());
+    replay::Resolution few = replay::Resolution::coarse(), many = few;
+    many.elements = 4 * few.elements;
+    const replay::Simulated a = simulated(e, p, few), b = simulated(e, p, many);
+    REQUIRE(a.markers.y.size() == b.markers.y.size());
+    double worst = 0.0;
+    for (std::size_t m = 0; m < a.markers.y.size(); ++m) {
+        double mean = 0.0;
+        for (std::size_t k = 0; k < a.markers.time.size(); ++k)
+            mean += (a.markers.y[m][k] - b.markers.y[m][k]) / static_cast<double>(a.markers.time.size());
+        worst = std::max(worst, std::abs(mean));
+    }
+    CHECK(worst < 3e-6);
+}

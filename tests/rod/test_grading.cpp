@@ -117,3 +117,34 @@ TEST_CASE("short elements where the moment runs steeply, and second order for an
     CHECK(clampedStrip(16, 1.0) < clampedStrip(16, 3.0));
     CHECK(clampedStrip(16, 1.0) < clampedStrip(16, 0.4));
 }
+
+TEST_CASE("elements meet where a rod is held", "[grading]") {
+    CHECK(elementsMeetingAt(0.5, 31) == 32);
+    CHECK(elementsMeetingAt(0.5, 32) == 32);
+    CHECK(elementsMeetingAt(0.0, 31) == 31); // an end is always a joint
+    CHECK(elementsMeetingAt(1.0, 15) == 15);
+    CHECK(elementsMeetingAt(0.25, 15) == 16);
+    CHECK(elementsMeetingAt(0.3, 31) == 33); // 9.9 of 33: three thousandths of the length off
+
+    // Held in its middle and bent differently left and right of it, the tips are those of two arcs, exactly.
+    const double left = 10.0, right = 25.0, half = 0.045;
+    for (const int n : {15, 16}) {
+        RodDefinition d;
+        d.length = 2.0 * half;
+        const int used = elementsMeetingAt(0.5, n);
+        for (int i = 0; i < used; ++i)
+            d.naturalCurvature.push_back(2 * i < used ? left : right);
+        const RodModel model(d);
+        EquilibriumProblem problem;
+        problem.holds = {clamp(half, {0.0, 0.0}, 0.0)};
+        const Equilibrium e = solveEquilibrium(model, problem, naturalShape(model));
+        REQUIRE(e.converged());
+        Kinematics k;
+        k.evaluate(model, e.q);
+        const Vec2 first = k.point(locate(model, 0.0)), last = k.point(locate(model, d.length));
+        CHECK(std::abs(last.x() - std::sin(right * half) / right) < 1e-12);
+        CHECK(std::abs(last.y() - (1.0 - std::cos(right * half)) / right) < 1e-12);
+        CHECK(std::abs(first.x() + std::sin(left * half) / left) < 1e-12);
+        CHECK(std::abs(first.y() - (1.0 - std::cos(left * half)) / left) < 1e-12);
+    }
+}

@@ -1,9 +1,11 @@
 // prove: conceals cases (those that are not there yet), lets `supercircle diagnose` loose on each (those it has not
 // diagnosed yet), and scores what it said. Can be stopped at any time; the same command goes on.
 //
-//   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--limit N] [--jobs N] [--score]
-//         [--name NAME] [--further] [--own] [-- flags for diagnose ...]
+//   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--first N] [--limit N] [--jobs
+//   N]
+//         [--score] [--name NAME] [--further] [--own] [-- flags for diagnose ...]
 //
+// --first A --limit B: cases A to B, counted from 1 in the order of the set; several processes may share a folder.
 // --score: score what there is, diagnose nothing. --name: folder of the diagnoses (default "diagnoses"), so that the
 // same cases can be diagnosed with other flags. --further: where a diagnosis does not decide and proposes a run, the
 // run is recorded with the same hidden effect and everything is diagnosed again. --own: the program's own simulator
@@ -30,7 +32,7 @@ using namespace supercircle::oracle;
 
 struct Options {
     std::string program, out, part = "blind", name = "diagnoses", jobs = "2";
-    std::size_t limit = 1000000;
+    std::size_t first = 1, limit = 1000000;
     std::uint64_t seed = 0;
     bool scoreOnly = false, further = false, own = false;
     std::vector<std::string> flags;
@@ -159,6 +161,7 @@ int work(const Options& o) {
     std::vector<Plan> all = plans(o.part, seed);
     if (all.size() > o.limit)
         all.resize(o.limit);
+    all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(o.first - 1, all.size())));
     std::vector<Judged> judged;
     const std::string title = "Proof of the diagnosis, part \"" + o.part + "\", seed " + std::to_string(seed) +
                               (o.name == "diagnoses" ? "" : ", " + o.name);
@@ -229,6 +232,8 @@ int main(int argc, char** argv) {
             o.name = value;
         else if (key == "--jobs")
             o.jobs = value;
+        else if (key == "--first")
+            o.first = std::max<std::size_t>(1, std::strtoull(value.c_str(), nullptr, 10));
         else if (key == "--limit")
             o.limit = std::strtoull(value.c_str(), nullptr, 10);
         else if (key == "--seed")
@@ -238,8 +243,8 @@ int main(int argc, char** argv) {
     }
     if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || (o.part != "tuning" && o.part != "blind")) {
         std::fprintf(stderr,
-                     "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--limit N] [--jobs N] [--seed N]"
-                     " [--score] [--further] [--own] [--name NAME] [-- flags for diagnose ...]\n");
+                     "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--first N] [--limit N] [--jobs N]"
+                     " [--seed N] [--score] [--further] [--own] [--name NAME] [-- flags for diagnose ...]\n");
         return 2;
     }
     try {

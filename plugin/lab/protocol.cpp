@@ -48,6 +48,8 @@ void Session::play(const scene::Move& move, std::size_t number) {
     if (std::isfinite(move.until.time))
         branch = std::min(branch, std::abs(speed) * move.until.time);
     pace(speed, branch > 0.0 ? branch : scene_.report.R);
+    loading_ = move.loading;
+    release_.restart();
     phase_ = move.kind == scene::Move::Kind::Travel
                  ? (speed > 0.0 ? "load " : "unload ") + std::to_string(std::max(1, move.cycle))
                  : (move.kind == scene::Move::Kind::Hold ? "hold" : "settle");

@@ -48,7 +48,7 @@ double cpuClock() {
 
 Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options)
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
-      wallStart_(wallClock()), cpuStart_(cpuClock()) {
+      release_(0.05 * scene.report.R), wallStart_(wallClock()), cpuStart_(cpuClock()) {
     step::Settings& s = shells_.stepper().settings();
     size_ = sizeOf(scene);
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * size_;
@@ -296,6 +296,12 @@ void Session::sample() {
                           w.counters.etaMax};
     for (std::size_t i = 0; i < std::size(row); ++i)
         out_.series.columns[i].push_back(row[i]);
+    if (!loading_)
+        return;
+    energies_.clear();
+    for (const step::Rod& r : w.rods)
+        energies_.push_back(rod::bendingEnergy(r.model, r.q));
+    release_.sample(row[1], energies_);
 }
 
 void Session::keep(bool always) {

@@ -2,6 +2,7 @@
 // One run in progress: the shells, the host world, what is recorded (private to lab/).
 
 #include "plugin/include/supercircle/shells.hpp"
+#include "plugin/lab/release.h"
 #include "plugin/lab/runner.h"
 #include "plugin/player/random.h"
 #include "supercircle/effects/sensor.h"
@@ -64,6 +65,9 @@ private:
     bool sensorOn_ = false;
     bool back_ = false; ///< the machine moves back, play is on its other side
     bool inProtocol_ = false;
+    bool loading_ = false; ///< the move under way is a loading branch
+    Release release_;
+    std::vector<double> energies_; ///< scratch: of all shells, J
     double zeroTravel_ = 0.0;
     double pileHeight_ = 0.0; ///< H0, m
     double nextFrameTime_ = 0.0;

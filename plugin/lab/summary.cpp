@@ -146,6 +146,8 @@ void Session::summarise(record::Recording& out) {
         put("peak_force_R2_over_B", peak / unit);
         put("pull_force_R2_over_B", pull / unit);
         put("instant_force_N", instant); // largest of any step: rings after a snap
+        if ((scene_.report.kind == "snap" || scene_.report.kind == "stack") && B > 0.0)
+            put("largest_release_R_over_B", release_.largest() * R / B); // of one shell, while it is loaded
         if (scene_.report.kind == "snap")
             put("snap_type", std::string(peak > 1.5 * unit ? "II" : pull < 0.0 || peak > 0.0 ? "I" : "none"));
         const auto top = std::max_element(force.begin(), force.end());

@@ -45,11 +45,12 @@ struct Word {
     std::string_view key, text;
 };
 
-constexpr std::array<Word, 17> words{{{"H0_over_R", "height of the pile, H₀"},
+constexpr std::array<Word, 18> words{{{"H0_over_R", "height of the pile, H₀"},
                                       {"delta_max_over_R", "working distance, Δmax"},
                                       {"eta", "dissipated share, η"},
                                       {"snap_fits", "snap-fits"},
                                       {"largest_drop_R2_over_B", "largest drop of force (B/R²)"},
+                                      {"largest_release_R_over_B", "largest energy one shell lets go at once (B/R)"},
                                       {"simulated_s", "simulated time"},
                                       {"wall_s", "computing time"},
                                       {"penetration_max_over_h", "largest penetration"},

@@ -129,10 +129,19 @@ std::vector<Curve> trendsOf(const sweep::Definition& sweep, const sweep::Table& 
 } // namespace
 
 std::vector<std::string> headlines(const sweep::Table& table) {
-    static constexpr std::array kKnown = {"H0_over_R",    "delta_max_over_R",       "eta",
-                                          "snap_fits",    "largest_drop_R2_over_B", "energy_friction_J",
-                                          "plate_work_J", "peak_force_R2_over_B",   "pull_force_R2_over_B",
-                                          "tip_x_over_L", "tip_y_over_L",           "creep_speed_m_s"};
+    static constexpr std::array kKnown = {"H0_over_R",
+                                          "delta_max_over_R",
+                                          "eta",
+                                          "snap_fits",
+                                          "largest_drop_R2_over_B",
+                                          "largest_release_R_over_B",
+                                          "energy_friction_J",
+                                          "plate_work_J",
+                                          "peak_force_R2_over_B",
+                                          "pull_force_R2_over_B",
+                                          "tip_x_over_L",
+                                          "tip_y_over_L",
+                                          "creep_speed_m_s"};
     // Stacks are squeezed to one force: their peak says where between two samples that was.
     const bool stack = table.column("H0_over_R") < table.columns.size();
     std::vector<std::string> names;

@@ -113,7 +113,7 @@ record::Result<std::optional<ArrayJob>> findArray(const std::string& name) {
 }
 
 std::string arrayScript(const std::vector<std::string>& command, int parts, const std::string& log) {
-    std::string script = "#!/bin/sh\n#SBATCH --output=" + log + "\n#SBATCH --ntasks=1\nexec";
+    std::string script = "#!/bin/sh\n#SBATCH --output=" + quoted(log) + "\n#SBATCH --ntasks=1\nexec";
     for (const std::string& argument : command) {
         std::string text = quoted(argument);
         const auto replace = [&text](const std::string& what, const std::string& by) {

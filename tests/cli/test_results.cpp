@@ -83,8 +83,8 @@ TEST_CASE("a squeezed stack reports its cycles, and its series are theirs") {
     const Folder folder;
     const json summary = summaryOf(folder, "stack", stack("3", "1"));
     checkCommon(summary, "stack30");
-    checkKeys(summary, {"H0_over_R", "delta_max_over_R", "eta", "snap_fits", "largest_drop_R2_over_B", "peak_force_N",
-                        "peak_force_R2_over_B", "cycles"});
+    checkKeys(summary, {"H0_over_R", "delta_max_over_R", "eta", "snap_fits", "largest_drop_R2_over_B",
+                        "largest_release_R_over_B", "peak_force_N", "peak_force_R2_over_B", "cycles"});
     REQUIRE(summary["cycles"].size() == 1);
     checkKeys(summary["cycles"][0], {"delta_max_over_R", "eta", "snap_fits", "dissipated_J"});
     CHECK(summary["peak_force_N"] >= 5.0); // the plate turns back at 5 N, not before

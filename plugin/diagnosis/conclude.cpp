@@ -8,7 +8,8 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something
+constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something ...
+constexpr double kFamilyWise = 0.05; ///< ... and so is what stands out of the noise, believed or not
 
 std::string number(double v) {
     char text[32];
@@ -97,24 +98,21 @@ std::string verdictOf(const Evidence& e) {
     if (!(e.nothing >= 0.0 && e.unknown >= 0.0)) // numbers broke down: nothing may be claimed
         return "unexplained";
     if (e.nothing >= 0.5)
-        return e.blind > 0.5 || e.nothing < kSuggestive ? "not_enough_information" : "nothing_missing";
+        return e.blind > 0.5 || e.nothing < kSuggestive || e.p <= kFamilyWise ? "not_enough_information"
+                                                                              : "nothing_missing";
     if (e.unknown >= 0.5 || !e.any)
         return "unexplained";
     return e.bestGroup >= 0.9 && e.gainLow > 0.0 && e.gain > 3.0 ? "named" : "ambiguous";
 }
 
 std::string statementOf(const Diagnosis& d, const Evidence& e) {
-    if (d.verdict == "nothing_missing" && e.p <= 0.05)
-        return "Something stands out of the noise (p = " + number(e.p) + " for the largest of " +
-               std::to_string(d.mismatch.family) +
-               " statistics), but not enough to believe in extra physics: nothing is missing with a probability of " +
-               number(e.nothing) + "." + blindSpots(d);
     if (d.verdict == "nothing_missing")
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " + number(e.p) +
                " for the largest of " + std::to_string(d.mismatch.family) +
                " statistics): nothing is missing that these runs could show." + blindSpots(d);
-    if (d.verdict == "not_enough_information" && e.nothing < kSuggestive)
-        return "There is a hint that something is missing (p = " + number(e.p) + "), " +
+    if (d.verdict == "not_enough_information" && (e.nothing < kSuggestive || e.p <= kFamilyWise))
+        return "There is a hint that something is missing (p = " + number(e.p) + " for the largest of " +
+               std::to_string(d.mismatch.family) + " statistics), " +
                (d.effects.empty() ? std::string() : "most likely " + plainWords(d.effects.front().label) + ", ") +
                "too weak to decide: nothing is missing with a probability of " + number(e.nothing) + "." +
                (d.next ? " Next: " + d.next->run.what + "." : "");

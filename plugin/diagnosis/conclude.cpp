@@ -100,6 +100,8 @@ std::string verdictOf(const Evidence& e) {
     if (e.nothing >= 0.5)
         return e.blind > 0.5 || e.nothing < kSuggestive || e.p <= kFamilyWise ? "not_enough_information"
                                                                               : "nothing_missing";
+    if (e.p > kFamilyWise) // believed or not, nothing stands out of the noise
+        return "not_enough_information";
     if (e.unknown >= 0.5 || !e.any)
         return "unexplained";
     return e.bestGroup >= 0.9 && e.gainLow > 0.0 && e.gain > 3.0 ? "named" : "ambiguous";
@@ -110,12 +112,16 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " + number(e.p) +
                " for the largest of " + std::to_string(d.mismatch.family) +
                " statistics): nothing is missing that these runs could show." + blindSpots(d);
-    if (d.verdict == "not_enough_information" && (e.nothing < kSuggestive || e.p <= kFamilyWise))
-        return "There is a hint that something is missing (p = " + number(e.p) + " for the largest of " +
-               std::to_string(d.mismatch.family) + " statistics), " +
-               (d.effects.empty() ? std::string() : "most likely " + plainWords(d.effects.front().label) + ", ") +
-               "too weak to decide: nothing is missing with a probability of " + number(e.nothing) + "." +
+    if (d.verdict == "not_enough_information" && (e.nothing < kSuggestive || e.p <= kFamilyWise)) {
+        const std::string likely =
+            d.effects.empty() ? std::string() : ", most likely " + plainWords(d.effects.front().label);
+        return (e.nothing < kSuggestive ? "There is a hint that something is missing (p = "
+                                        : "Something stands out of the noise (p = ") +
+               number(e.p) + " for the largest of " + std::to_string(d.mismatch.family) + " statistics)" + likely +
+               (e.nothing < kSuggestive ? ", too weak to decide: " : ", too little to believe in extra physics: ") +
+               "nothing is missing with a probability of " + number(e.nothing) + "." +
                (d.next ? " Next: " + d.next->run.what + "." : "");
+    }
     if (d.verdict == "not_enough_information")
         return "The simulation agrees with the runs, but most effects of the catalogue could be there at a size that "
                "matters without being seen: these runs do not decide.";

@@ -95,6 +95,11 @@ constexpr double kMaterial = 0.03;
 /// this was not.
 constexpr double kMoreThanTheTrueOne = 3.0, kTooMuch = 8.0;
 
+/// A gain that chance does not give. Without an effect the gain of a forecast that lies delta away (noise units) is
+/// z delta - delta^2 / 2 with z a normal deviate, at most z^2 / 2: six needs z = 3.5, once in 4000, or in a hundred
+/// searches of forty hypotheses.
+constexpr double kBeyondChance = 6.0;
+
 } // namespace
 
 double surprise(double p) {
@@ -160,7 +165,7 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
     const auto excess = dispersionOf(nothing) - 1.0;
     for (std::size_t m = 0; m < effects.size(); ++m) {
         const auto at = static_cast<Eigen::Index>(m) + 2;
-        if (out.gainLow[m] <= 0.0)
+        if (out.gainLow[m] <= 0.0 && out.gain[m] <= kBeyondChance)
             s.col(at) = s.col(at).cwiseMin(raw.col(0));
         for (const std::size_t part : m < given.parts.size() ? given.parts[m] : std::vector<std::size_t>{})
             if (lowEnd(raw, at, static_cast<Eigen::Index>(part) + 2) <= 0.0 ||

@@ -1,11 +1,13 @@
 #include "toy.h"
 
 #include "plugin/diagnosis/box.h"
+#include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/random.h"
+#include "plugin/diagnosis/weigh.h"
 #include "plugin/diagnosis/whitening.h"
 
 #include <Eigen/Cholesky>
@@ -279,4 +281,43 @@ TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]
     const std::atomic<bool> stop{true};
     Evaluator stopped(model, 1, {}, store, &stop);
     CHECK_FALSE(nextExperiment(stopped, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise));
+}
+
+TEST_CASE("a gain that chance does not give counts, however unevenly it is spread", "[diagnosis]") {
+    // 24 blocks of 50 rows; an effect that shows in two of them and costs a little in all.
+    const auto held = [](double inTwo, double elsewhere) {
+        HeldOut h;
+        h.rows = Eigen::VectorXd::Constant(24, 50.0);
+        h.energy = Eigen::VectorXd::Constant(24, 50.0 - elsewhere);
+        h.energy.head(2).array() -= inTwo; // of two blocks, half of it counts
+        h.volume = Eigen::VectorXd::Zero(24);
+        return h;
+    };
+    const HeldOut nothing = held(0.0, 0.0);
+    Weighing given;
+    given.catalogue = 25;
+    given.p = 0.001;
+    const Weighed shown = weigh(nothing, {held(17.6, -0.3)}, given); // gains 14 in log score
+    CHECK(shown.gain[0] == Approx(14.0));
+    CHECK(shown.gainLow[0] <= 0.0); // two blocks of 24: two standard errors do not hold
+    CHECK(shown.nothing < 0.4);
+    const Weighed chance = weigh(nothing, {held(6.6, -0.3)}, given); // z = 2.4, of some forty hypotheses
+    CHECK(chance.nothing > 0.8);
+    given.p = 0.3; // and nothing stands out of the noise: the family-wise bound holds mass back
+    CHECK(weigh(nothing, {held(17.6, -0.3)}, given).nothing > 0.25);
+}
+
+TEST_CASE("something is missing only where something stands out of the noise", "[diagnosis]") {
+    Evidence e;
+    e.any = true;
+    e.p = 0.2;
+    e.nothing = 0.3;
+    e.bestGroup = 0.7;
+    CHECK(verdictOf(e) == "not_enough_information");
+    e.p = 0.01;
+    CHECK(verdictOf(e) == "ambiguous");
+    e.nothing = 0.9;
+    CHECK(verdictOf(e) == "not_enough_information"); // a hint, though hardly believed
+    e.p = 0.2;
+    CHECK(verdictOf(e) == "nothing_missing");
 }

@@ -71,9 +71,14 @@ std::string undecided(const Diagnosis& d, const Evidence& e) {
     const auto add = [&](const std::string& what, double p) {
         rivals += (rivals.empty() ? "" : ", ") + what + " " + percent(p);
     };
-    for (std::size_t i = 0; i < d.effects.size() && i < 3; ++i)
-        if (i == 0 || d.effects[i].probability > kWorthAWord)
-            add(plainWords(d.effects[i].label), d.effects[i].probability);
+    std::vector<std::string> said; // effects that act together are one rival
+    for (std::size_t i = 0; i < d.effects.size() && i < 3; ++i) {
+        const FoundEffect& f = d.effects[i];
+        if ((i > 0 && f.probability <= kWorthAWord) || std::find(said.begin(), said.end(), f.label) != said.end())
+            continue;
+        add(plainWords(f.label) + (f.with.empty() ? "" : " with " + joined(f.with)), f.probability);
+        said.insert(said.end(), f.with.begin(), f.with.end());
+    }
     if (d.nothing > kWorthAWord)
         add("nothing missing", d.nothing);
     if (d.unknown > kWorthAWord)

@@ -16,6 +16,7 @@ using rod::Vec2;
 
 constexpr double kPaperRadius = 0.0192; ///< m; the absolute settings are for shells of this size and grow with it:
                                         ///< a shell twice as large of the same material is twice as slow
+constexpr double kReleaseWay = 0.05;    ///< R, of travel in which an abrupt snap is over and a smooth one is not
 constexpr double kFreeFrame = 4e-3;     ///< s, longest step where no machine moves
 
 double wallClock() {
@@ -48,7 +49,7 @@ double cpuClock() {
 
 Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options)
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
-      release_(0.05 * scene.report.R), wallStart_(wallClock()), cpuStart_(cpuClock()) {
+      release_(kReleaseWay * scene.report.R), wallStart_(wallClock()), cpuStart_(cpuClock()) {
     step::Settings& s = shells_.stepper().settings();
     size_ = sizeOf(scene);
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * size_;

@@ -140,7 +140,7 @@ void Session::summarise(record::Recording& out) {
             put("delta_max_over_R", deltaMax);
             put("eta", area);
             put("snap_fits", static_cast<std::int64_t>(snaps));
-            put("largest_drop_R2_over_B", drop / unit); // beyond 1.5 as two shells that snap abruptly (Type II)
+            put("largest_drop_R2_over_B", drop / unit); // no sign of an abrupt snap: see release.h
         }
         put("peak_force_N", peak);
         put("peak_force_R2_over_B", peak / unit);

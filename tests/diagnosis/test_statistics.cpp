@@ -321,3 +321,25 @@ TEST_CASE("something is missing only where something stands out of the noise", "
     e.p = 0.2;
     CHECK(verdictOf(e) == "nothing_missing");
 }
+
+TEST_CASE("an undecided verdict says how probable each rival is, effects that act together as one", "[diagnosis]") {
+    Diagnosis d;
+    d.verdict = "ambiguous";
+    d.nothing = 0.1;
+    d.unknown = 0.01;
+    for (const char* label : {"sensor_drift", "planar_drag", "gravity"}) {
+        FoundEffect f;
+        f.label = label;
+        f.group = {f.label};
+        f.probability = 0.8;
+        d.effects.push_back(f);
+    }
+    d.effects[0].with = {"planar_drag"};
+    d.effects[1].with = {"sensor_drift"};
+    d.effects[2].probability = 0.09;
+    Evidence e;
+    e.p = 0.01;
+    const std::string said = statementOf(d, e);
+    CHECK(said.find("sensor drift with planar drag 80 %, gravity 9 %, nothing missing 10 %.") != std::string::npos);
+    CHECK(said.find("none of these") == std::string::npos); // 1 %
+}

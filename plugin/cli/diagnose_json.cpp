@@ -125,6 +125,7 @@ std::string diagnosisJson(const Diagnosis& d) {
           {"source", d.noise.source},
           {"white_std" + unit, d.noise.white},
           {"correlated_std" + unit, d.noise.coloured},
+          {"excess_kurtosis", d.noise.tails},
           {"marker_std_mm", 1e3 * d.noise.marker}}},
         {"mismatch", windowsOf(d.mismatch, d.channel)},
         {"mismatch_p_value", d.mismatch.p},

@@ -2,6 +2,7 @@
 
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/forms.h"
 #include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/learn.h"
@@ -371,13 +372,25 @@ std::optional<std::size_t> Work::rivalOfFirst() const {
 void Work::suggest() {
     const bool open =
         out_.verdict != "nothing_missing" && (out_.verdict != "named" || out_.effects.front().group.size() > 1);
-    if (!open || entries_.empty())
+    if (!open)
         return;
     stage(0.96, "next experiment");
     const auto rival = [&](const std::string& label, const Fitted& f) {
         const double perRow = f.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
         return Rival{label, f.point, f.x, posteriorOf(Variables(evaluator_.model(), f.point), f.jacobian, perRow)};
     };
+    if (entries_.empty()) { // nothing came near being believed: what comes nearest
+        const auto nearest = std::max_element(screened_.begin(), screened_.end(),
+                                              [](const Screened& a, const Screened& b) { return a.gain < b.gain; });
+        if (nearest == screened_.end() || nearest->gain <= 0.0)
+            return;
+        const Tried t = fitProbe(evaluator_, *misfit_, base_, *nearest, 0.0);
+        if (t.fit.failure.empty())
+            out_.next = nextExperiment(evaluator_,
+                                       {rival(candidates()[nearest->candidate].label, t.fit), rival("nothing", base_)},
+                                       out_.noise);
+        return;
+    }
     const auto of = [&](std::size_t i) { return rival(out_.effects[i].label, tried_[entries_[i].model].fit); };
     const auto other = rivalOfFirst();
     out_.next = nextExperiment(evaluator_, {of(0), other ? of(*other) : rival("nothing", base_)}, out_.noise);

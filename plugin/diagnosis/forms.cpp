@@ -5,8 +5,10 @@
 namespace supercircle::diagnosis {
 
 Tried fitProbe(Evaluator& evaluator, const Misfit& misfit, const Fitted& base, const Screened& probe, double rival) {
+    Screened sized = probe;
+    settleSize(evaluator, misfit, base, sized);
     Point start = base.point;
-    start.terms.push_back({probe.candidate, probe.values});
+    start.terms.push_back({sized.candidate, sized.values});
     FitSettings given;
     given.rival = rival;
     Tried t;

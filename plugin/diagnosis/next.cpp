@@ -16,8 +16,8 @@ using Index = Eigen::Index;
 /// A run that was not made, as two rivals foretell it.
 class Foretold {
 public:
-    Foretold(Evaluator& evaluator, std::size_t design, const Noise& noise)
-        : evaluator_(evaluator), design_(design), noise_(noise) {}
+    Foretold(Evaluator& evaluator, std::size_t design, double doubt, const Noise& noise)
+        : evaluator_(evaluator), design_(design), doubt_(doubt), noise_(noise) {}
 
     /// In units of what is not known about it; 0: it cannot be simulated.
     double distance(const Rival& a, const Rival& b) {
@@ -29,7 +29,7 @@ public:
         // What no simulation is better than, for a tenth of a leg at a time: many readings do not average it away.
         const double peak = first.force.cwiseAbs().maxCoeff(), span = first.time[first.time.size() - 1] - first.time[0];
         white_.emplace(first.time, noise_.white, noise_.coloured, noise_.memory,
-                       Eigen::VectorXd::Constant(first.force.size(), MisfitSettings{}.shareOfPeak * peak),
+                       Eigen::VectorXd::Constant(first.force.size(), doubt_ * MisfitSettings{}.shareOfPeak * peak),
                        std::clamp(0.05 * span, 0.02, 3.0));
         const Eigen::VectorXd one = white_->apply(Eigen::VectorXd::Ones(first.force.size()));
         shift_ = one / one.norm();
@@ -94,6 +94,7 @@ private:
 
     Evaluator& evaluator_;
     std::size_t design_;
+    double doubt_;
     const Noise& noise_;
     std::optional<Whitening> white_;
     Eigen::VectorXd shift_; ///< whitened constant shift, of length 1
@@ -111,7 +112,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ar
     constexpr double kEnough =
         5.0; // noise units beyond which runs are all as good: the first one listed is the simplest
     for (std::size_t i = 0; i < designs.size() && farthest < kEnough && !evaluator.stopped(); ++i) {
-        const double d = Foretold(evaluator, i, noise).distance(rivals[0], rivals[1]);
+        const double d = Foretold(evaluator, i, designs[i].doubt, noise).distance(rivals[0], rivals[1]);
         if (d > farthest) {
             farthest = d;
             best.run = designs[i];

@@ -5,10 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 namespace supercircle::diagnosis {
 
 namespace {
+
+/// Sizes that are simulated between two others where the first one disappoints, and how often anew around the best.
+constexpr int kBetween = 3, kRounds = 3;
 
 bool bothSigns(const Candidate& c) {
     return std::any_of(c.parameters.begin(), c.parameters.end(),
@@ -50,6 +55,78 @@ void explain(const Fitted& fitted, const Variables& v, const Candidate& candidat
     out.stretch = x[n];
     out.gain = std::max(0.0, without - with);
     out.values = stretched(candidate, out.values, out.stretch);
+}
+
+namespace {
+
+/// Without its ends, by equal ratios. Empty if they are one.
+std::vector<double> betweenBy(double from, double to, int count) {
+    std::vector<double> out;
+    for (int i = 1; i <= count && from != to; ++i)
+        out.push_back(from * std::pow(to / from, static_cast<double>(i) / (count + 1)));
+    return out;
+}
+
+/// Drop of |residual|^2 by a change of the simulation as it is, the fit's own numbers moved along.
+double gainOf(const Fitted& fitted, const Variables& v, const Eigen::VectorXd& change) {
+    const Eigen::MatrixXd G = fitted.jacobian.transpose() * fitted.jacobian;
+    const auto least = [&](const Eigen::VectorXd& u) {
+        const Eigen::VectorXd g = fitted.jacobian.transpose() * u;
+        const Eigen::VectorXd d = boxMinimum(G, g, v.lower - fitted.x, v.upper - fitted.x);
+        return u.squaredNorm() + d.dot(G * d) - 2.0 * g.dot(d);
+    };
+    return least(fitted.residual) - least(fitted.residual - change);
+}
+
+} // namespace
+
+void settleSize(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted, Screened& probe) {
+    if (probe.stretch == 0.0)
+        return;
+    const Candidate& candidate = evaluator.model().candidates()[probe.candidate];
+    const std::vector<double>& own = candidate.probes[probe.probe];
+    const Variables v(evaluator.model(), fitted.point);
+    std::map<double, double> gains; // by magnitude of the factor
+    const auto simulate = [&](const std::vector<double>& magnitudes) {
+        std::vector<Point> points = {fitted.point};
+        for (const double m : magnitudes) {
+            points.push_back(fitted.point);
+            points.back().terms.push_back(
+                {probe.candidate, stretched(candidate, own, std::copysign(m, probe.stretch))});
+        }
+        const auto answers = evaluator.everywhere(points, Fineness::Coarse);
+        for (std::size_t i = 0; i < magnitudes.size(); ++i) {
+            const auto change = misfit.difference(answers[i + 1], answers[0]);
+            gains[magnitudes[i]] = change ? gainOf(fitted, v, *change) : -std::numeric_limits<double>::infinity();
+        }
+    };
+    // Of equals the largest: below a threshold all sizes do nothing.
+    const auto best = [&] {
+        auto top = gains.begin();
+        for (auto at = gains.begin(); at != gains.end(); ++at)
+            top = at->second >= top->second - 1e-9 * std::abs(probe.gain) ? at : top;
+        return top;
+    };
+    const double asked = std::abs(probe.stretch);
+    simulate({asked});
+    if (best()->second >= 0.5 * probe.gain)
+        return;
+    simulate(betweenBy(0.1 * asked, asked, kBetween));
+    simulate(betweenBy(asked, 1.0, kBetween));
+    simulate({0.1 * asked, 1.0});
+    const auto nothing = [&](const auto& at) { return std::abs(at->second) < 1e-3 * probe.gain; };
+    for (int round = 0; round < kRounds && best()->second < 0.5 * probe.gain; ++round) {
+        const auto at = best();
+        if (!nothing(at) && (at == gains.begin() || !nothing(std::prev(at))))
+            break; // no threshold
+        const double here = at->first;
+        const double below = at == gains.begin() ? here : std::prev(at)->first;
+        const double above = std::next(at) == gains.end() ? here : std::next(at)->first;
+        simulate(betweenBy(below, here, kBetween));
+        simulate(betweenBy(here, above, kBetween));
+    }
+    if (best()->second > 0.0)
+        probe.values = stretched(candidate, own, std::copysign(best()->first, probe.stretch));
 }
 
 std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share) {

@@ -115,6 +115,8 @@ TEST_CASE("a faster run that is proposed starts and stops without a blow", "[dia
     const auto faster = std::find_if(designs.begin(), designs.end(),
                                      [](const Design& d) { return d.what.find("faster") != d.what.npos; });
     REQUIRE(faster != designs.end());
+    CHECK(faster + 1 == designs.end()); // what simulations are trusted least in is asked for last
+    CHECK(std::all_of(designs.begin(), faster, [&](const Design& d) { return d.doubt < faster->doubt; }));
     const experiment::Experiment smooth = designed(*loaded, static_cast<std::size_t>(faster - designs.begin()));
     const experiment::Run& ramped = smooth.runs.front();
     experiment::Experiment abrupt = smooth;

@@ -7,6 +7,7 @@
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/random.h"
+#include "plugin/diagnosis/screen.h"
 #include "plugin/diagnosis/weigh.h"
 #include "plugin/diagnosis/whitening.h"
 
@@ -43,7 +44,7 @@ Data heavyTailed(std::uint64_t seed) {
 }
 
 /// Residuals of a toy whose nominal fit is exact: pure noise.
-Localisation ofNoise(std::uint64_t seed, double shift, int draws, bool heavy = false) {
+Localisation ofNoise(std::uint64_t seed, double shift, int draws, bool heavy = false, double tails = 6.0) {
     Data data = heavy ? heavyTailed(seed) : toy::recordings(seed);
     const toy::Spring spring(data);
     const Point truth{{103.0, 0.08}, {}};
@@ -57,7 +58,7 @@ Localisation ofNoise(std::uint64_t seed, double shift, int draws, bool heavy = f
     Noise noise;
     noise.white = toy::kWhite;
     noise.coloured = heavy ? 0.0 : toy::kColoured;
-    noise.tails = heavy ? 6.0 : 0.0;
+    noise.tails = heavy ? tails : 0.0;
     noise.memory = toy::kMemory;
     MisfitSettings exact;
     exact.contactPlace = exact.shareOfPeak = 0.0;
@@ -140,8 +141,8 @@ TEST_CASE("pure noise raises an alarm in one case of twenty", "[diagnosis]") {
     CHECK(alarms <= 9);
 }
 
-TEST_CASE("heavy tails are measured, and raise no more alarms", "[diagnosis]") {
-    int alarms = 0;
+TEST_CASE("heavy tails are measured, and raise no more alarms, known or not", "[diagnosis]") {
+    int alarms = 0, unknown = 0;
     double tails = 0.0;
     constexpr int kTrials = 40;
     for (int i = 0; i < kTrials; ++i) {
@@ -151,10 +152,12 @@ TEST_CASE("heavy tails are measured, and raise no more alarms", "[diagnosis]") {
         CHECK(noise.white == Approx(toy::kWhite).epsilon(0.15));
         tails += noise.tails / kTrials;
         alarms += ofNoise(seed, 0.0, 199, true).p <= 0.05 ? 1 : 0;
+        unknown += ofNoise(seed, 0.0, 199, true, 0.0).p <= 0.05 ? 1 : 0; // taken for normal
     }
     CHECK(tails > 2.0); // samples of this size show less than the 6 of the law: its fourth moment is of rare values
     // Binomial with 5 %: 2 +- 1.4; eight or more in 0.1 % of all luck.
     CHECK(alarms <= 7);
+    CHECK(unknown <= 7);
 }
 
 TEST_CASE("pure noise raises an alarm in one case of twenty, many trials", "[diagnosis][slow]") {
@@ -219,6 +222,60 @@ TEST_CASE("a reading that jumps beside the fit does not count as a derivative", 
     const Eigen::MatrixXd careful = differentiateCarefully(evaluator, misfit, v, v.of(at), 0.2);
     CHECK((central - truth).norm() > 10.0 * truth.norm());
     CHECK((careful - truth).norm() < 1e-9 * truth.norm()); // linear but for the jump: rounding only
+}
+
+namespace {
+
+/// A spring that gives way beyond a force: nothing happens below the threshold, as with yielding. Its inner number is
+/// the reciprocal of that force.
+class GivesWay final : public Model {
+public:
+    explicit GivesWay(const Data& data) : spring_(data), data_(data) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "spring that gives way"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, Point{p.nominal, {}}, f, interrupt);
+        for (const Term& t : p.terms)
+            for (double& force : out.force)
+                force = t.values[0] > 0.0 ? std::min(force, 1.0 / t.values[0]) : force;
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    const Data& data_;
+    std::vector<Candidate> candidates_ = {
+        {"gives_way", "", "", "", {{"most", "1/N", "", 0.0, 0.0, 10.0, 0.1, Scale::Linear, true}}, {{2.0}}}};
+};
+
+} // namespace
+
+TEST_CASE("a law with a threshold is fitted from a size at which it acts", "[diagnosis]") {
+    // The force ends at 0.9 N of 1.1 N; the probe has 0.5 N, and its signature, a third as large, would fit well: but
+    // at a third of the probe the spring gives way at 1.5 N, and nothing happens.
+    Data data = toy::recordings(3);
+    const GivesWay model(data);
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force +=
+            model.simulate(r, Point{{103.0, 0.08}, {{0, {1.0 / 0.9}}}}, Fineness::Fine, nullptr).force -
+            model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Fitted base = fit(evaluator, misfit, Point{{100.0, 0.1}, {}});
+    Screened probe = screen(evaluator, misfit, base).front();
+    REQUIRE(probe.gain > 100.0);
+    REQUIRE(probe.values[0] < 1.0 / 1.1); // where nothing happens
+    const Fitted lost = fit(evaluator, misfit, Point{base.point.nominal, {{0, probe.values}}});
+    CHECK(lost.misfit > base.misfit - 1.0);
+    const double promised = probe.gain;
+    settleSize(evaluator, misfit, base, probe);
+    const Fitted found = fit(evaluator, misfit, Point{base.point.nominal, {{0, probe.values}}});
+    CHECK(found.misfit < base.misfit - promised);
+    CHECK(found.point.terms[0].values[0] == Approx(1.0 / 0.9).epsilon(0.02));
 }
 
 namespace {

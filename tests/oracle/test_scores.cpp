@@ -100,6 +100,7 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     const Concealed before = conceal(*plan), after = conceal(*plan, run);
     REQUIRE(after.failure.empty());
     REQUIRE(after.files.size() > before.files.size());
+    CHECK(after.answer.find("own_error") != std::string::npos);
     for (std::size_t i = 1; i < before.files.size(); ++i) // the first is the description, which lists the new run
         CHECK(after.files[i] == before.files[i]);
 }

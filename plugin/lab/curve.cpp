@@ -73,7 +73,11 @@ Extremes averagedExtremes(std::span<const double> time, std::span<const double> 
         const double duration = time[last] - time[first];
         if (duration <= 0.0 || std::abs(displacement[last] - displacement[first]) < window)
             continue;
-        out.peak = std::max(out.peak, impulse / duration);
+        if (impulse / duration > out.peak) {
+            out.peak = impulse / duration;
+            out.from = first;
+            out.to = last;
+        }
         out.pull = std::min(out.pull, impulse / duration);
     }
     return out;

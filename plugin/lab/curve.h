@@ -31,8 +31,9 @@ std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, std::spa
 /// Extremes of a force averaged over a short travel, as a load cell would report them. The force on a rigid machine
 /// rings for a tenth of a millisecond after a snap, to twice what the specimen ever carried.
 struct Extremes {
-    double peak = 0.0; ///< N, largest mean, at least 0
-    double pull = 0.0; ///< N, smallest mean, at most 0
+    double peak = 0.0;            ///< N, largest mean, at least 0
+    std::size_t from = 0, to = 0; ///< rows between which it is the mean; equal without a peak
+    double pull = 0.0;            ///< N, smallest mean, at most 0
 };
 /// Of one leg (time s, displacement m, monotonic; force N held since the row before); `window` in m.
 Extremes averagedExtremes(std::span<const double> time, std::span<const double> displacement,

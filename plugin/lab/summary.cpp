@@ -80,7 +80,8 @@ void Session::summarise(record::Recording& out) {
         int snaps = 0;
         double drop = 0.0;
         double deltaMax = 0.0, area = 0.0, peak = 0.0, pull = 0.0;
-        const double instant = force.empty() ? 0.0 : *std::max_element(force.begin(), force.end());
+        auto peakRow = static_cast<std::size_t>(std::max_element(force.begin(), force.end()) - force.begin());
+        const double instant = force.empty() ? 0.0 : force[peakRow];
         if (scene_.report.kind == "stack")
             peak = std::max(0.0, instant);
         for (const auto& [from, to] : legs_)
@@ -89,6 +90,8 @@ void Session::summarise(record::Recording& out) {
                     return std::span<const double>(out.series.columns[column]).subspan(from, to - from);
                 };
                 const Extremes e = averagedExtremes(part(0), part(1), part(2), averagingWindow(part(0), part(1), R));
+                if (e.peak > peak)
+                    peakRow = from + (e.from + e.to) / 2;
                 peak = std::max(peak, e.peak);
                 pull = std::min(pull, e.pull);
             }
@@ -150,10 +153,12 @@ void Session::summarise(record::Recording& out) {
             put("largest_release_R_over_B", release_.largest() * R / B); // of one shell, while it is loaded
         if (scene_.report.kind == "snap")
             put("snap_type", std::string(peak > 1.5 * unit ? "II" : pull < 0.0 || peak > 0.0 ? "I" : "none"));
-        const auto top = std::max_element(force.begin(), force.end());
-        if (top != force.end()) {
-            const auto at = static_cast<std::size_t>(top - force.begin());
-            out.events.push_back({out.series.columns[0][at], travelled[at], *top, "peak", "largest force"});
+        if (!force.empty()) {
+            const double when = out.series.columns[0][peakRow];
+            out.events.push_back({when, travelled[peakRow], peak > 0.0 ? peak : instant, "peak", "largest force"});
+            if (scene_.report.kind != "stack") // which is squeezed up to its largest force
+                for (std::size_t i = 0; i < out.frames.size() && out.frames[i].time <= when; ++i)
+                    out.keyFrames[1] = static_cast<std::int32_t>(i);
         }
     }
     if (scene_.report.kind == "cantilever" && !w.rods.empty()) {

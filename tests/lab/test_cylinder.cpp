@@ -2,6 +2,7 @@
 
 #include "tests/lab/play.h"
 
+#include <algorithm>
 #include <cstdio>
 
 using namespace supercircle;
@@ -78,6 +79,14 @@ TEST_CASE("a deep rough shell sticks, coils and unfolds abruptly", "[lab]") {
         // Static elements alone (tests/rod/test_unfolding.cpp): force within 3.3 and 0.8 %, place 4 and 0.7 % early.
         CHECK(load.f[top] == Approx(exact).epsilon(elements < 20 ? 0.04 : 0.01));
         CHECK(load.d[top] == Approx(drop).epsilon(elements < 20 ? 0.05 : 0.01));
+        // The mark and the picture of the peak show it before it unfolds, not a step of the ringing after it.
+        const double unit = number(out.recording, "peak_force_N") / number(out.recording, "peak_force_R2_over_B");
+        const auto mark = std::find_if(out.recording.events.begin(), out.recording.events.end(),
+                                       [](const record::Event& e) { return e.kind == "peak"; });
+        REQUIRE(mark != out.recording.events.end());
+        CHECK(mark->force / unit == Approx(load.f[top]).epsilon(0.02)); // averaged over 5 ms
+        const record::Frame& shown = out.recording.frames.at(static_cast<std::size_t>(out.recording.keyFrames[1]));
+        CHECK(shown.force / unit == Approx(load.f[top]).epsilon(0.05)); // pictures are 0.02 R apart or less
         checkInvariants(out.recording);
     }
 }

@@ -219,6 +219,29 @@ Eigen::MatrixXd quieted(const Eigen::MatrixXd& u) {
     return u.cwiseMax(-kLoudest).cwiseMin(kLoudest);
 }
 
+/// Whitened noise of all runs beyond the most probable one, as large as a draw of its posterior has it; where that is
+/// smaller, none. Of slow noise counts c^2 tau, its power at low frequencies.
+Eigen::VectorXd beyondProbable(const Misfit& misfit, const Noise::Possible& p, Random& random) {
+    const Noise& n = misfit.noise();
+    const auto excess = [](double square) { return std::sqrt(std::max(0.0, square)); };
+    const double white = excess(p.white * p.white - n.white * n.white);
+    const double slow = excess(p.coloured * p.coloured - n.coloured * n.coloured * n.memory / p.memory);
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(misfit.rows());
+    for (std::size_t r = 0; r < misfit.runs() && white + slow > 0.0; ++r) {
+        const RecordedRun& run = misfit.data().runs[r];
+        Eigen::VectorXd raw(run.force.size());
+        double state = random.normal();
+        for (Eigen::Index k = 0; k < raw.size(); ++k) {
+            const double keep = k > 0 ? std::exp(-(run.time[k] - run.time[k - 1]) / p.memory) : 1.0;
+            state = keep * state + std::sqrt(1.0 - keep * keep) * random.normal();
+            raw[k] = slow * state + white * random.normal();
+        }
+        out.segment(misfit.start(r), misfit.rowsOf(r)) =
+            misfit.whiten(r, raw, Eigen::VectorXd::Zero(run.markers.size()));
+    }
+    return out;
+}
+
 /// Mean and deviation of every statistic under the null.
 struct Standard {
     explicit Standard(const Eigen::MatrixXd& null, Eigen::Index shifts)
@@ -323,6 +346,10 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         for (int b = 0; b < count; ++b)
             for (Eigen::Index k = 0; k < v.rows(); ++k)
                 v(k, b) = counted[k] * (degrees > 0.0 ? random.student(degrees) : random.normal());
+        const auto& possible = misfit.noise().possible; // in the order of its grid
+        for (int b = 0; b < count && !possible.empty(); ++b)
+            v.col(b) +=
+                beyondProbable(misfit, possible[static_cast<std::size_t>(41 * (first + b)) % possible.size()], random);
         if (Q.cols() > 0)
             v -= Q * (Q.transpose() * v);
         null.middleCols(first, count) = statistics(family.all, shifts, quieted(v));

@@ -7,9 +7,10 @@
 // indicator s_w (a constant shift of the raw reading there, which a residual that was merely summed would see less of
 // behind an AR(1) whitening): Z_w = s_w' u / sd, and the energy E_w = (sum of u^2 in w), made normal by its
 // cube root (E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684) and standardised by the null's own
-// mean and deviation. Null: B draws of white noise, with heavy tails where the readings show them, projected alike; no
-// simulation. p-values by single-step max-T (P. H. Westfall, S. S. Young, "Resampling-Based Multiple Testing"
-// (1993), 2.3), of statistics in which u counts as three at most, either way.
+// mean and deviation. Null: B draws of white noise, with heavy tails where the readings show them, and of as much more
+// noise as what is known of its size allows, projected alike; no simulation. p-values by single-step max-T (P. H.
+// Westfall, S. S. Young, "Resampling-Based Multiple Testing" (1993), 2.3), of statistics in which u counts as three at
+// most, either way.
 //
 // Windows: dyadic in time in each run and each leg of its protocol (half overlapping), dyadic in displacement per
 // phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, and each coordinate

@@ -212,6 +212,23 @@ void fromRepeats(const Data& data, Noise& noise) {
         noise.runToRun = std::sqrt(std::max(0.0, sum / rows - noise.total() * noise.total()));
 }
 
+/// Equally spaced quantiles of a posterior on a grid.
+std::vector<Noise::Possible> drawn(const std::vector<Noise::Possible>& grid, const std::vector<double>& logs,
+                                   double most) {
+    constexpr int kDraws = 111;
+    double total = 0.0;
+    for (const double l : logs)
+        total += std::exp(l - most);
+    std::vector<Noise::Possible> out;
+    double before = 0.0;
+    for (std::size_t k = 0; k < grid.size(); ++k) {
+        before += std::exp(logs[k] - most) / total;
+        while (static_cast<int>(out.size()) < kDraws && before > (static_cast<double>(out.size()) + 0.5) / kDraws)
+            out.push_back(grid[k]);
+    }
+    return out;
+}
+
 /// Of poses nothing rests: white noise from fourth differences, in which a swing of ten rows and more leaves nothing
 /// (1e-3 of its amplitude at ten rows a radian), the rest of what is stated remembers.
 Noise freeNoise(const Data& data) {
@@ -245,6 +262,7 @@ Noise Noise::asWhite() const {
     Noise out = *this;
     out.white = total();
     out.coloured = 0.0;
+    out.possible.clear();
     return out;
 }
 
@@ -269,6 +287,8 @@ Noise estimateNoise(const Data& data) {
     if (anchor <= 0.0)
         return best;
     double most = -std::numeric_limits<double>::infinity();
+    std::vector<Noise::Possible> grid;
+    std::vector<double> logs;
     for (const double memory : {0.15, 0.25, 0.4})
         for (int i = -30; i <= 30; ++i)
             for (int j = -12; j <= 12; ++j) {
@@ -285,6 +305,8 @@ Noise estimateNoise(const Data& data) {
                 const double ratio = 0.08 * j / 0.5;
                 const double remembers = std::log(memory / 0.25) / 0.3;
                 l -= 0.5 * (stated * stated + ratio * ratio + remembers * remembers);
+                grid.push_back({white, coloured, memory});
+                logs.push_back(l);
                 if (l > most) {
                     most = l;
                     best.white = white;
@@ -292,6 +314,7 @@ Noise estimateNoise(const Data& data) {
                     best.memory = memory;
                 }
             }
+    best.possible = drawn(grid, logs, most);
     for (const Quiet& q : quiet)
         best.quietSeconds += q.time[q.time.size() - 1] - q.time[0];
     fromRepeats(data, best);

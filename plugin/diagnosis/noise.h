@@ -5,7 +5,9 @@
 // White part s and coloured part c (AR(1), memory tau) maximise the restricted likelihood of the resting stretches
 // (mean, slope and logarithm of time taken out: a rest may relax) times that of the robust scale of second differences
 // over all rows, whose expectation is 6 s^2 + c^2 (6 - 8 phi + 2 phi^2), with two priors: the stated total is right
-// within about 30 % (a normal of 20 % in its logarithm), and c/s lies within a factor of about 1.6 around 0.55.
+// within about 30 % (a normal of 20 % in its logarithm), and c/s lies within a factor of about 1.6 around 0.55. Rests
+// hold few memories of the coloured part, so c is known to some 25 %: what is possible beside the most probable values
+// is kept, for the null of the localisation.
 //
 // Runs that repeat another one (same drive, same rows) differ by more than their sensors: half the variance of their
 // difference, its mean and the sensor's part taken out, is the scatter from run to run. Without repeats it is unknown
@@ -17,6 +19,7 @@
 #include "plugin/diagnosis/data.h"
 
 #include <string>
+#include <vector>
 
 namespace supercircle::diagnosis {
 
@@ -30,6 +33,11 @@ struct Noise {
     double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N
     double tails = 0.0;      ///< excess kurtosis of the white part, 0: not told from a normal distribution
     std::size_t repeats = 0; ///< runs that repeat another one
+    /// What the readings leave open of the first three: equally probable draws of their posterior. Empty: nothing.
+    struct Possible {
+        double white = 0.0, coloured = 0.0, memory = 0.0;
+    };
+    std::vector<Possible> possible{};
     [[nodiscard]] double total() const;
     /// As large, without memory: what the diagnosis would work with if it did not whiten (an ablation).
     [[nodiscard]] Noise asWhite() const;

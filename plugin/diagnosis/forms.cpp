@@ -5,10 +5,8 @@
 namespace supercircle::diagnosis {
 
 Tried fitProbe(Evaluator& evaluator, const Misfit& misfit, const Fitted& base, const Screened& probe, double rival) {
-    Screened sized = probe;
-    settleSize(evaluator, misfit, base, sized);
     Point start = base.point;
-    start.terms.push_back({sized.candidate, sized.values});
+    start.terms.push_back({probe.candidate, settledValues(evaluator, misfit, base, probe)});
     FitSettings given;
     given.rival = rival;
     Tried t;

@@ -80,9 +80,10 @@ double gainOf(const Fitted& fitted, const Variables& v, const Eigen::VectorXd& c
 
 } // namespace
 
-void settleSize(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted, Screened& probe) {
+std::vector<double> settledValues(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                                  const Screened& probe) {
     if (probe.stretch == 0.0)
-        return;
+        return probe.values;
     const Candidate& candidate = evaluator.model().candidates()[probe.candidate];
     const std::vector<double>& own = candidate.probes[probe.probe];
     const Variables v(evaluator.model(), fitted.point);
@@ -110,7 +111,7 @@ void settleSize(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted
     const double asked = std::abs(probe.stretch);
     simulate({asked});
     if (best()->second >= 0.5 * probe.gain)
-        return;
+        return probe.values;
     simulate(betweenBy(0.1 * asked, asked, kBetween));
     simulate(betweenBy(asked, 1.0, kBetween));
     simulate({0.1 * asked, 1.0});
@@ -125,8 +126,7 @@ void settleSize(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted
         simulate(betweenBy(below, here, kBetween));
         simulate(betweenBy(here, above, kBetween));
     }
-    if (best()->second > 0.0)
-        probe.values = stretched(candidate, own, std::copysign(best()->first, probe.stretch));
+    return best()->second > 0.0 ? stretched(candidate, own, std::copysign(best()->first, probe.stretch)) : probe.values;
 }
 
 std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share) {

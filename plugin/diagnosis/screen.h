@@ -39,10 +39,12 @@ std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const F
 /// @param out its values are those of the probe
 void explain(const Fitted& fitted, const Variables& variables, const Candidate& candidate, Screened& out);
 
-/// Beside a fit, the size of a probe that explains most. Where the size that the signature, stretched, asks for does
-/// not keep half of what it promises, sizes between it and the probe's own are simulated: a law with a threshold does
-/// nothing below it (a yield moment that was never reached made a fit stand still where plasticity was hidden).
-void settleSize(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted, Screened& probe);
+/// The values of a probe at the size that explains most beside a fit. Where the size that the signature, stretched,
+/// asks for does not keep half of what it promises, sizes between it and the probe's own are simulated: a law with a
+/// threshold does nothing below it (a yield moment that was never reached made a fit stand still where plasticity was
+/// hidden).
+std::vector<double> settledValues(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                                  const Screened& probe);
 
 /// The values of a candidate with its amplitudes multiplied by `factor`, inside its bounds.
 std::vector<double> stretched(const Candidate& candidate, const std::vector<double>& values, double factor);

@@ -228,12 +228,11 @@ Resolution finer(double factor) {
 /// Distance of two recordings of a case, in units of its noise.
 struct Apart {
     std::vector<double> rows;
-    /// Readings farther apart than this count as that far: beside a jump they say when it comes, not how large it is.
-    static constexpr double kMost = 8.0;
-    [[nodiscard]] double rms() const {
+    /// @param most readings farther apart count as that far
+    [[nodiscard]] double rms(double most = std::numeric_limits<double>::infinity()) const {
         double squares = 0.0;
         for (const double x : rows)
-            squares += std::min(x * x, kMost * kMost);
+            squares += std::min(x * x, most * most);
         return rows.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(rows.size()));
     }
 };
@@ -258,7 +257,8 @@ struct Drawn {
 /// answer can be right or wrong there.
 Drawn drawCase(const Plan& plan) {
     constexpr int kTries = 8;
-    constexpr double kSure = 0.5; // noise units; errors that resolution halves are this large themselves
+    constexpr double kMost = 8.0; // noise units; beside a jump readings say when it comes, not how large it is
+    constexpr double kSure = 0.5; // errors that resolution halves are this large themselves
     for (int i = 0;; ++i) {
         Drawn d{{}, Draw(plan.seed + 15485863ULL * static_cast<std::uint64_t>(i)), {}};
         d.secret = drawSecret(d.draw, plan);
@@ -270,7 +270,7 @@ Drawn drawCase(const Plan& plan) {
         const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
         const Clean usual = simulate(s.description, truth, {}), coarse = simulate(s.description, truth, finer(0.5));
         const bool both = usual.failure.empty() && coarse.failure.empty();
-        s.ownError = both ? apart(usual, coarse, s.nuisance).rms() : std::numeric_limits<double>::infinity();
+        s.ownError = both ? apart(usual, coarse, s.nuisance).rms(kMost) : std::numeric_limits<double>::infinity();
         if (s.ownError <= kSure)
             return d;
         if (i + 1 == kTries) {

@@ -38,7 +38,7 @@ void writeWhole(const std::filesystem::path& file, const std::string& text);
 /// the steps and contacts of twice the stiffness against those that were recorded.
 struct Accuracy {
     std::string failure;
-    double rms = 0.0, most = 0.0; ///< over rows, no row more than eight; `most`: exceeded by a hundredth of them
+    double rms = 0.0, most = 0.0; ///< over rows; `most`: exceeded by a hundredth of them
     double markers = 0.0;         ///< rms in units of the markers' noise
 };
 Accuracy accuracyOf(const Plan& plan);

@@ -80,6 +80,7 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
     diagnosis::Settings settings;
     settings.seed = static_cast<std::uint64_t>(a.seed);
     settings.ablation = ablationOf(a.ablate);
+    settings.next = !a.noNext;
     ProgressLine line(a.quiet);
     settings.progress = [&](double fraction, const std::string& stage) { line.show(fraction, stage); };
     return diagnosis::diagnose(diagnosis::dataOf(experiment), evaluator, settings);

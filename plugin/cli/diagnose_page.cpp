@@ -50,14 +50,20 @@ std::string errorTable(const Diagnosis& d) {
                 d.unit + "</td><td>" + number(held / floor, "%.2f") + "</td></tr>";
     };
     row("without extra physics", d.baselineTraining, d.baselineHeldOut);
-    if (d.improved)
-        row("with " + escaped(diagnosis::plainWords(d.effects.front().label)), d.improvedTraining, d.improvedHeldOut);
+    if (d.improved) {
+        std::string acting = diagnosis::plainWords(d.effects.front().label);
+        for (const std::string& label : d.effects.front().with)
+            acting += " and " + diagnosis::plainWords(label);
+        row("with " + escaped(acting), d.improvedTraining, d.improvedHeldOut);
+    }
     html +=
         "</table><p>Sensor noise: " + number(floor) + " " + d.unit + ", learnt from " + escaped(d.noise.source) + ".";
     if (d.improved)
-        html += " In noise units the held-out error falls by " + number(100.0 * d.improvement, "%.0f") +
-                " % (90 % interval " + number(100.0 * d.improvementCi.low, "%.0f") + " to " +
-                number(100.0 * d.improvementCi.high, "%.0f") + " %).";
+        html += " Weighed by what a reading is worth (its noise, what that remembers, and the simulation's own error), "
+                "the held-out error falls by " +
+                number(100.0 * d.improvement, "%.0f") + " % (90 % interval " +
+                number(100.0 * d.improvementCi.low, "%.0f") + " to " + number(100.0 * d.improvementCi.high, "%.0f") +
+                " %).";
     return html + "</p>";
 }
 

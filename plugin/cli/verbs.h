@@ -70,6 +70,7 @@ struct DiagnoseArguments {
     std::int64_t seed = 1;            ///< not negative
     std::vector<std::string> without; ///< effects left out of the catalogue
     std::vector<std::string> ablate;  ///< parts of the method left out: whitening, heldout, probes, unknown
+    bool noNext = false;              ///< no next experiment is looked for
     bool quiet = false;
 };
 

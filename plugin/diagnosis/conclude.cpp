@@ -41,14 +41,24 @@ std::string learnt(const Diagnosis& d) {
     return " Learned from the runs (" + plainWords(law.label) + "): " + law.words + ".";
 }
 
-std::string named(const Diagnosis& d) {
-    const FoundEffect& e = d.effects.front();
-    std::string text = "The runs are explained by " + plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
-    if (!e.with.empty())
-        text += " together with " + joined(e.with);
+std::string withValues(const FoundEffect& e) {
+    std::string text = plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
     for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i) {
         const FittedParameter& p = e.parameters[i];
         text += (i == 0 ? ": " : ", ") + p.name + " = " + number(p.value) + (p.unit == "1" ? "" : " " + p.unit);
+    }
+    return text;
+}
+
+std::string named(const Diagnosis& d) {
+    const FoundEffect& e = d.effects.front();
+    std::string text = "The runs are explained by " + withValues(e);
+    for (const std::string& label : e.with) {
+        const auto other = std::find_if(d.effects.begin(), d.effects.end(), [&](const FoundEffect& o) {
+            return o.label == label && std::find(o.with.begin(), o.with.end(), e.label) != o.with.end();
+        });
+        // Shown by another hypothesis its values are not those that act here.
+        text += "; together with " + (other != d.effects.end() ? withValues(*other) : plainWords(label));
     }
     text += "; on runs it had not seen the error falls from " + number(d.baselineHeldOut) + " to " +
             number(d.improvedHeldOut) + " " + d.unit + " (sensor noise " + number(d.noise.total()) + " " + d.unit +

@@ -372,7 +372,7 @@ std::optional<std::size_t> Work::rivalOfFirst() const {
 void Work::suggest() {
     const bool open =
         out_.verdict != "nothing_missing" && (out_.verdict != "named" || out_.effects.front().group.size() > 1);
-    if (!open)
+    if (!open || !settings_.next)
         return;
     stage(0.96, "next experiment");
     const auto rival = [&](const std::string& label, const Fitted& f) {

@@ -22,6 +22,7 @@ struct Settings {
     std::uint64_t seed = 1;
     int draws = 999;      ///< of the null distribution
     std::size_t fits = 6; ///< effects that are fitted in full
+    bool next = true; ///< choose the next run where the question stays open, which simulates dozens that were not made
     MisfitSettings misfit;
     Ablation ablation;
     std::function<void(double fraction, const std::string& stage)> progress;

@@ -19,8 +19,9 @@ public:
     Foretold(Evaluator& evaluator, std::size_t design, double doubt, const Noise& noise)
         : evaluator_(evaluator), design_(design), doubt_(doubt), noise_(noise) {}
 
-    /// In units of what is not known about it; 0: it cannot be simulated.
-    double distance(const Rival& a, const Rival& b) {
+    /// In units of what is not known about it; 0: it cannot be simulated, or is not more than `least`, which their
+    /// plain distance shows before any derivative is taken (a dozen simulations a design).
+    double distance(const Rival& a, const Rival& b, double least) {
         const auto both = evaluator_.foretell(design_, {a.point, b.point});
         const DesignResponse &first = both[0], &second = both[1];
         if (!first.failure.empty() || !second.failure.empty() || first.force.size() != second.force.size() ||
@@ -34,7 +35,7 @@ public:
         const Eigen::VectorXd one = white_->apply(Eigen::VectorXd::Ones(first.force.size()));
         shift_ = one / one.norm();
         const Eigen::VectorXd apart = whitened(first.force - second.force);
-        if (!apart.allFinite() || apart.norm() < kLittle)
+        if (!apart.allFinite() || apart.norm() < std::max(kLittle, least))
             return 0.0;
         const Variables va(evaluator_.model(), a.point), vb(evaluator_.model(), b.point);
         Moved moved;
@@ -112,7 +113,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ar
     constexpr double kEnough =
         5.0; // noise units beyond which runs are all as good: the first one listed is the simplest
     for (std::size_t i = 0; i < designs.size() && farthest < kEnough && !evaluator.stopped(); ++i) {
-        const double d = Foretold(evaluator, i, designs[i].doubt, noise).distance(rivals[0], rivals[1]);
+        const double d = Foretold(evaluator, i, designs[i].doubt, noise).distance(rivals[0], rivals[1], farthest);
         if (d > farthest) {
             farthest = d;
             best.run = designs[i];

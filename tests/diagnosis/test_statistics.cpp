@@ -398,4 +398,13 @@ TEST_CASE("an undecided verdict says how probable each rival is, effects that ac
     const std::string said = statementOf(d, e);
     CHECK(said.find("sensor drift with planar drag 80 %, gravity 9 %, nothing missing 10 %.") != std::string::npos);
     CHECK(said.find("none of these") == std::string::npos); // 1 %
+
+    d.verdict = "named"; // values of both that act, and none of what is shown by another hypothesis
+    d.effects[0].parameters = {{"a_N", "N", 0.25, {}}};
+    d.effects[1].parameters = {{"f_N_m", "N/m", 0.5, {}}};
+    CHECK(statementOf(d, e).find(
+              "explained by sensor drift: a_N = 0.25 N; together with planar drag: f_N_m = 0.5 N/m;") !=
+          std::string::npos);
+    d.effects[1].with.clear();
+    CHECK(statementOf(d, e).find("a_N = 0.25 N; together with planar drag; on runs") != std::string::npos);
 }

@@ -1,4 +1,5 @@
 #include "tests/oracle/conceal/record.h"
+#include "tests/oracle/conceal/truth.h"
 #include "tests/oracle/prove/own.h"
 #include "tests/oracle/prove/scores.h"
 
@@ -162,6 +163,67 @@ TEST_CASE("the blind set has what a proof needs", "[oracle]") {
     CHECK(seeds.size() == all.size());
     for (const Plan& p : plans("tuning", 1))
         CHECK(seeds.count(p.seed) == 0); // nothing that was tuned on is reported on
+}
+
+TEST_CASE("what is left of an effect is what no number inside its interval explains", "[oracle]") {
+    Draw draw(11);
+    Description d = drawDescription(draw, Protocol::Arch, false, false, false);
+    d.markers.clear(); // rows are readings of the force
+    const Nuisance noise = drawNuisance(draw, d);
+    const auto forceWith = [&](const Offsets& o, const Effects& e) {
+        const Clean c = simulate(d, trueSetup(d, o, e), coarse(1));
+        REQUIRE(c.failure.empty());
+        std::vector<double> rows;
+        for (const std::vector<double>& run : c.force)
+            for (const double f : run)
+                rows.push_back(f / noise.total());
+        const auto n = static_cast<Eigen::Index>(rows.size());
+        return Eigen::VectorXd(Eigen::Map<Eigen::VectorXd>(rows.data(), n));
+    };
+    Effects gain;
+    gain.gain = 0.5; // a modulus that may be wrong by a few per cent explains a tenth of it
+    const Eigen::VectorXd plain = forceWith({}, {}), signature = forceWith({}, gain) - plain;
+    Eigen::VectorXd most =
+        Eigen::VectorXd::Zero(plain.size()); // what the numbers can do at the ends of their intervals
+    double Offsets::*const numbers[] = {&Offsets::modulus,   &Offsets::curvature, &Offsets::friction,
+                                        &Offsets::thickness, &Offsets::mass,      &Offsets::gap};
+    for (double Offsets::*const number : numbers) {
+        Eigen::VectorXd farther = Eigen::VectorXd::Zero(plain.size());
+        for (const double end : {-1.0, 1.0}) {
+            Offsets o;
+            o.*number = end;
+            farther = farther.cwiseMax((forceWith(o, {}) - plain).cwiseAbs());
+        }
+        most += farther;
+    }
+    const Absorber absorber(d, {}, noise);
+    REQUIRE(absorber.failure().empty());
+    const auto left = absorber.left(gain);
+    REQUIRE(left);
+    REQUIRE(left->readings.size() == plain.size());
+    // Derivatives stand for the numbers' whole intervals: a quarter more, and a reading's worth beside contacts.
+    const Eigen::VectorXd excess = (left->readings - signature).cwiseAbs() - 1.25 * most;
+    CHECK(excess.maxCoeff() < 1.0);
+    // Wherever the gain is beyond their reach it is marked, and nothing is where nothing is pressed.
+    const std::vector<Window> marked = absorber.windows(left->readings);
+    Eigen::Index row = 0;
+    int beyond = 0, free = 0;
+    for (const RunPlan& run : d.runs)
+        for (const double t : run.times(run.sampling)) {
+            const bool in = std::any_of(marked.begin(), marked.end(),
+                                        [&](const Window& w) { return w.run == run.file && t >= w.from && t <= w.to; });
+            if (signature[row] > 1.25 * most[row] + 3.0) {
+                ++beyond;
+                CHECK(in);
+            }
+            if (t < 0.5) {
+                ++free;
+                CHECK_FALSE(in);
+            }
+            ++row;
+        }
+    CHECK(beyond > 100);
+    CHECK(free > 10);
 }
 
 TEST_CASE("true numbers lie inside the intervals that are stated", "[oracle]") {

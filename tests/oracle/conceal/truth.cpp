@@ -143,16 +143,55 @@ std::optional<Left> Absorber::left(const Effects& effects) const {
     const Clean with = simulate(d_, trueSetup(d_, offsets_, effects), coarse(d_.nominal.specimens.size()));
     if (!with.failure.empty())
         return std::nullopt;
+    const Eigen::VectorXd signature = stack(with) - base_;
+    return Left{beyondNominal(signature), detectable(signature)};
+}
+
+double Absorber::detectable(const Eigen::VectorXd& signature) const {
     // What shows in a handful of readings beside a jump, up to hundreds of deviations in one, tells nobody anything:
     // clocks and simulators differ by as much there.
     constexpr double kMost = 8.0;
-    const Eigen::VectorXd g = (stack(with) - base_).cwiseMax(-kMost).cwiseMin(kMost), behind = whitened(g);
+    const Eigen::VectorXd behind = whitened(signature.cwiseMax(-kMost).cwiseMin(kMost));
     Eigen::MatrixXd normal = whitenedColumns_.transpose() * whitenedColumns_;
     normal.diagonal().array() += 1.0;
     const Eigen::VectorXd moved = normal.ldlt().solve(whitenedColumns_.transpose() * behind);
     // Moving the parameters costs their prior: the statistic of generalised least squares.
-    const double signal = behind.squaredNorm() - behind.dot(whitenedColumns_ * moved);
-    return Left{g - columns_ * moved, std::sqrt(std::max(0.0, signal))};
+    return std::sqrt(std::max(0.0, behind.squaredNorm() - behind.dot(whitenedColumns_ * moved)));
+}
+
+/// Huber's estimate by reweighting (P. J. Huber, E. M. Ronchetti, "Robust Statistics", 2nd ed. (2009), 7.8), each time
+/// by descent along one parameter after the other, which keeps them inside their intervals.
+Eigen::VectorXd Absorber::beyondNominal(const Eigen::VectorXd& signature) const {
+    constexpr double kJump = 8.0; // deviations; as in detectable()
+    constexpr int kRounds = 40, kSweeps = 200;
+    const Eigen::VectorXd behind = whitened(signature);
+    const double o[] = {offsets_.modulus,   offsets_.curvature, offsets_.friction,
+                        offsets_.thickness, offsets_.mass,      offsets_.gap};
+    const auto intervals = static_cast<Eigen::Index>(std::size(o));
+    Eigen::VectorXd moved = Eigen::VectorXd::Zero(columns_.cols());
+    for (int round = 0; round < kRounds; ++round) {
+        const Eigen::VectorXd weight = (behind - whitenedColumns_ * moved).unaryExpr([](double r) {
+            return std::abs(r) > kJump ? kJump / std::abs(r) : 1.0;
+        });
+        Eigen::MatrixXd normal = whitenedColumns_.transpose() * weight.asDiagonal() * whitenedColumns_;
+        const Eigen::VectorXd pull = whitenedColumns_.transpose() * weight.cwiseProduct(behind);
+        normal.diagonal().tail(normal.cols() - intervals).array() += 1.0; // zeros and clocks
+        const Eigen::VectorXd before = moved;
+        for (int sweep = 0; sweep < kSweeps; ++sweep)
+            for (Eigen::Index k = 0; k < moved.size(); ++k) {
+                if (normal(k, k) < 1e-12)
+                    continue;
+                moved[k] += (pull[k] - normal.row(k).dot(moved)) / normal(k, k);
+                if (k < intervals) // uniform, and the truth lies off its middle by o
+                    moved[k] = std::sqrt(3.0) * std::clamp(moved[k] / std::sqrt(3.0), -1.0 - o[k], 1.0 - o[k]);
+                else // a thousand readings of an effect would tear any normal prior along
+                    moved[k] = std::clamp(moved[k], -2.0, 2.0);
+            }
+        if ((moved - before).cwiseAbs().maxCoeff() < 1e-4)
+            break;
+    }
+    // Zeros and clocks are taken as they are: readings at rest do not disagree because a poor fit would shift them.
+    return signature - columns_.leftCols(intervals) * moved.head(intervals);
 }
 
 std::vector<Window> Absorber::windows(const Eigen::VectorXd& left) const {

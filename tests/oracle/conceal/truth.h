@@ -29,10 +29,12 @@ struct Window {
 
 /// What is left of an effect, all runs behind each other (force, then markers).
 struct Left {
-    Eigen::VectorXd readings; ///< in deviations of one reading
-    /// Norm of the same behind the true noise: what the best possible test for this very effect has for a signal, in
-    /// deviations of its statistic under noise. A slow effect in a thousand readings is far less than their number
-    /// suggests where the noise remembers.
+    /// What a fit without the effect cannot follow, its parameters anywhere inside their intervals, in deviations of
+    /// one reading. Readings beside a jump, which no fit should follow, pull it like a few others at most.
+    Eigen::VectorXd readings;
+    /// Norm of the signature behind the true noise, the parameters' intervals as normal priors: what the best possible
+    /// test for this very effect has for a signal, in deviations of its statistic under noise. A slow effect in a
+    /// thousand readings is far less than their number suggests where the noise remembers.
     double detectable = 0.0;
 };
 
@@ -48,6 +50,8 @@ public:
 private:
     [[nodiscard]] Eigen::VectorXd stack(const Clean& c) const;
     [[nodiscard]] Eigen::VectorXd whitened(Eigen::VectorXd stack) const;
+    [[nodiscard]] double detectable(const Eigen::VectorXd& signature) const;
+    [[nodiscard]] Eigen::VectorXd beyondNominal(const Eigen::VectorXd& signature) const;
     void addOwn();
 
     const Description& d_;

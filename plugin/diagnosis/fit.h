@@ -76,7 +76,9 @@ Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const
            const Eigen::MatrixXd& nominalJacobian = {});
 
 /// Covariance of x behind a fit: linearised, uniform priors by their variance, the misfit's dispersion (its mean square
-/// per row, if that is above 1) counted.
+/// per row, if that is above 1) counted. A normal distribution cut off at the bounds and drawn from was tried instead:
+/// where the simulation's own error pushes a fit into a corner of its box, the corner becomes certain (a gain of 0.42
+/// to 0.43 for 0.5, beside 0.37 to 0.48).
 Eigen::MatrixXd posteriorOf(const Variables& variables, const Eigen::MatrixXd& jacobian, double dispersion);
 
 /// Columns of a fit's Jacobian whose numbers no bound holds.

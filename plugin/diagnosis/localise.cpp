@@ -271,6 +271,17 @@ bool overlaps(const Window& a, const Window& b) {
     return shared > 1e-3 * std::min(a1 - a0, b1 - b0);
 }
 
+/// Whether the window lies before the head's first move, in readings whose mean there was taken for zero: a misfit
+/// elsewhere pulls the run's zero along, and the rest before anything happens stands out of the noise for it.
+bool beforeAnything(const Window& w, const Data& data) {
+    if (data.zeroWindow <= 0.0 || w.axis != "time" || w.arcFraction >= 0.0)
+        return false;
+    return std::any_of(data.runs.begin(), data.runs.end(), [&](const RecordedRun& run) {
+        return run.name == w.run && !run.legs.empty() && run.legs.front().phase == Phase::Hold &&
+               w.timeTo <= run.legs.front().to;
+    });
+}
+
 /// Windows that say more than any they overlap, the largest first. Windows over all runs only say what those of single
 /// runs are too weak to say.
 std::vector<Window> selected(std::vector<Window> all) {
@@ -390,6 +401,11 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     const double most = largestOf(t);
     const double bound = static_cast<double>(out.family) * std::erfc(std::min(most, 35.0) / std::sqrt(2.0));
     out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, bound) : out.p;
+    // Not shown, unless nothing else is.
+    const auto before = std::stable_partition(found.begin(), found.end(),
+                                              [&](const Window& w) { return !beforeAnything(w, misfit.data()); });
+    if (before != found.begin())
+        found.erase(before, found.end());
     out.significant = selected(std::move(found));
     return out;
 }

@@ -183,6 +183,28 @@ TEST_CASE("a shift is found where it is", "[diagnosis]") {
     CHECK(overlap > 0.4 * together); // windows are dyadic
 }
 
+TEST_CASE("the rest whose mean was taken for zero is not where something is missing", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    RecordedRun& slow = data.runs.front();
+    for (Eigen::Index k = 0; k < slow.force.size(); ++k)
+        slow.force[k] += slow.time[k] > 1.0 ? 0.1 : 0.0; // ten noise units from the first move on
+    const toy::Spring model(data);
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const auto there = evaluator.everywhere({Point{{103.0, 0.08}, {}}}, Fineness::Fine).front();
+    const auto shownAtRest = [&](double zeroWindow) {
+        data.zeroWindow = zeroWindow;
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        const Localisation l = localise(misfit, *misfit.residual(there), {}, 1, 199, {});
+        CHECK(l.p < 0.01);
+        CHECK_FALSE(l.significant.empty());
+        return std::count_if(l.significant.begin(), l.significant.end(),
+                             [](const Window& w) { return w.axis == "time" && w.timeTo <= 1.0; });
+    };
+    CHECK(shownAtRest(0.0) > 0); // the zero of the run follows its many readings
+    CHECK(shownAtRest(0.5) == 0);
+}
+
 namespace {
 
 /// A spring one of whose readings jumps by 5 N where the stiffness passes a value, as by a snap that comes later.

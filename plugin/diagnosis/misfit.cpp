@@ -118,7 +118,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
 
 Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine,
                const std::vector<Response>& coarse, const MisfitSettings& settings)
-    : data_(data), noise_(noise), landing_(settings.landing), start_{0} {
+    : data_(data), noise_(noise), start_{0} {
     const double peak = data.free ? 0.0 : data.peakForce(); // the equations of free bodies are solved exactly
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
@@ -131,14 +131,15 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
         part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
         part.shrink = shrinking(part.own);
-        addLandings(run, part);
+        addPlaces(run, settings.markerPlace, part);
+        addLandings(run, settings.landing, part);
         parts_.push_back(std::move(part));
         start_.push_back(start_.back() + run.rows());
     }
 }
 
 /// Marker rows behind each recorded snap, up to the next one.
-void Misfit::addLandings(const RecordedRun& run, Part& part) {
+void Misfit::addLandings(const RecordedRun& run, double deviation, Part& part) {
     std::vector<double> snaps = part.errors.snaps;
     std::sort(snaps.begin(), snaps.end());
     constexpr double kSame = 1.0; // s: the recorded and the simulated snap are one event
@@ -152,7 +153,19 @@ void Misfit::addLandings(const RecordedRun& run, Part& part) {
             continue; // begins with the later of the two
         const Eigen::Index from = rowAfter(snaps[i]), to = i + 1 < snaps.size() ? rowAfter(snaps[i + 1]) : seen;
         for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && to > from; ++c)
-            part.landed.emplace_back(c * seen + from, c * seen + to);
+            part.shifts.push_back({c * seen + from, c * seen + to, deviation});
+    }
+}
+
+/// Marker rows of each leg.
+void Misfit::addPlaces(const RecordedRun& run, double deviation, Part& part) {
+    const Eigen::Index seen = run.markerTime.size();
+    for (Eigen::Index from = 0, to = 0; from < seen; from = to) {
+        while (to < seen &&
+               run.markerLeg[static_cast<std::size_t>(to)] == run.markerLeg[static_cast<std::size_t>(from)])
+            ++to;
+        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
+            part.shifts.push_back({c * seen + from, c * seen + to, deviation});
     }
 }
 
@@ -170,18 +183,18 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& force, cons
     for (Eigen::Index k = 0; k < run.markers.size() && k < markers.size(); ++k)
         if (std::isfinite(part.errors.markers[k]))
             out[run.force.size() + k] = markers[k] / part.errors.markers[k];
-    for (const auto& [from, to] : part.landed) {
+    for (const auto& [from, to, deviation] : part.shifts) {
         double n2 = 0.0, along = 0.0;
         for (Eigen::Index k = from; k < to; ++k)
             if (std::isfinite(part.errors.markers[k])) {
-                const double n = landing_ / part.errors.markers[k];
+                const double n = deviation / part.errors.markers[k];
                 n2 += n * n;
                 along += n * out[run.force.size() + k];
             }
         const double shrink = n2 > 0.0 ? along * (1.0 - 1.0 / std::sqrt(1.0 + n2)) / n2 : 0.0;
         for (Eigen::Index k = from; k < to; ++k)
             if (std::isfinite(part.errors.markers[k]))
-                out[run.force.size() + k] -= shrink * landing_ / part.errors.markers[k];
+                out[run.force.size() + k] -= shrink * deviation / part.errors.markers[k];
     }
     return out;
 }

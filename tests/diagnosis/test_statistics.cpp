@@ -183,6 +183,38 @@ TEST_CASE("a shift is found where it is", "[diagnosis]") {
     CHECK(overlap > 0.4 * together); // windows are dyadic
 }
 
+TEST_CASE("markers may lie beside their simulated places, another way in each leg", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    data.runs.resize(1);
+    data.statedMarkerNoise = 3e-5;
+    data.markerNames = {"m0"};
+    data.arcFraction = {0.5};
+    RecordedRun& run = data.runs.front();
+    run.markerCount = 1;
+    run.markerTime = run.time;
+    run.markerLeg = run.leg;
+    const Eigen::Index n = run.time.size();
+    run.markers = Eigen::VectorXd::Zero(2 * n);
+    const std::vector<Response> there = {{{}, Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(2 * n)}};
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    Eigen::VectorXd shifted = Eigen::VectorXd::Zero(2 * n), shaken = shifted;
+    double rows = 0.0;
+    for (Eigen::Index k = 0; k < n; ++k)
+        if (run.leg[static_cast<std::size_t>(k)] == 1) { // the first way down, x
+            shifted[k] = 1e-5;
+            shaken[k] = (k % 2 == 0 ? 1e-5 : -1e-5);
+            rows += 1.0;
+        }
+    REQUIRE(rows > 100.0);
+    const auto size = [&](const Eigen::VectorXd& markers) {
+        return misfit.whiten(0, Eigen::VectorXd::Zero(n), markers).norm();
+    };
+    // Two thirds of the deviation that a place is known to, and no more however many rows share it.
+    CHECK(size(shifted) == Approx(1e-5 / MisfitSettings{}.markerPlace).epsilon(0.05));
+    CHECK(size(shaken) ==
+          Approx(std::sqrt(rows) * 1e-5 / std::hypot(3e-5, MisfitSettings{}.markerPlace)).epsilon(0.01));
+}
+
 TEST_CASE("the rest whose mean was taken for zero is not where something is missing", "[diagnosis]") {
     Data data = toy::recordings(3);
     RecordedRun& slow = data.runs.front();

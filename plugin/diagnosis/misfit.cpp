@@ -131,7 +131,7 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
         part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
         part.shrink = shrinking(part.own);
-        addPlaces(run, settings.markerPlace, part);
+        addPlaces(run, settings.markerShift, part);
         addLandings(run, settings.landing, part);
         parts_.push_back(std::move(part));
         start_.push_back(start_.back() + run.rows());

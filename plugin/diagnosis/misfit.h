@@ -32,7 +32,8 @@ namespace supercircle::diagnosis {
 struct MisfitSettings {
     double contactPlace = 3e-6;  ///< to which contact places agree, m
     double shareOfPeak = 1e-3;   ///< accuracy of a fine simulation, share of the peak force
-    double markerPlace = 1.5e-5; ///< of a simulated marker, m
+    double markerPlace = 1.5e-5; ///< of a simulated marker, m, in single rows
+    double markerShift = 5e-6;   ///< and in what they share over a leg
     double clock = 0.1;          ///< rows by which clocks of reading and drive may differ
     double landing = 1e-4;       ///< to which the place after a snap is known, m
     double snapBefore = 0.1;     ///< s left out ahead of a snap

@@ -209,10 +209,10 @@ TEST_CASE("markers may lie beside their simulated places, another way in each le
     const auto size = [&](const Eigen::VectorXd& markers) {
         return misfit.whiten(0, Eigen::VectorXd::Zero(n), markers).norm();
     };
-    // Two thirds of the deviation that a place is known to, and no more however many rows share it.
-    CHECK(size(shifted) == Approx(1e-5 / MisfitSettings{}.markerPlace).epsilon(0.05));
-    CHECK(size(shaken) ==
-          Approx(std::sqrt(rows) * 1e-5 / std::hypot(3e-5, MisfitSettings{}.markerPlace)).epsilon(0.01));
+    // A shift is as large as in their mean, whose deviation is that of the place and of so many rows.
+    const double one = std::hypot(3e-5, MisfitSettings{}.markerPlace), shift = MisfitSettings{}.markerShift;
+    CHECK(size(shifted) == Approx(1e-5 / std::sqrt(shift * shift + one * one / rows)).epsilon(0.001));
+    CHECK(size(shaken) == Approx(std::sqrt(rows) * 1e-5 / one).epsilon(0.01));
 }
 
 TEST_CASE("the rest whose mean was taken for zero is not where something is missing", "[diagnosis]") {

@@ -205,6 +205,7 @@ void contacts(Writer& w, const Sizes& s) {
     w.form("contact_compliance").amplitude("normal_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
     w.amplitude("tangential_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
     w.probe({0.0, 5e-3 * s.travel / s.force}).probe({5e-3 * s.travel / s.force, 0.0});
+    w.probe({0.0, 0.05 * s.travel / s.force}); // feet that hardly slip: a search from a tenth of it ends far below
     w.form("planar_drag").amplitude("f_N_m", 0.0, 10.0 * s.force / s.length, 0.03 * s.force / s.length);
     w.probe({0.1 * s.force / s.length}).probe({0.3 * s.force / s.length});
     w.form("gravity").amplitude("x_m_s2", -15.0, 15.0, 0.5).amplitude("y_m_s2", -25.0, 25.0, 1.0);

@@ -282,12 +282,18 @@ bool beforeAnything(const Window& w, const Data& data) {
     });
 }
 
+/// Leaves those that do not pass out, unless none does.
+template <class Passes>
+void prefer(std::vector<Window>& all, const Passes& passes) {
+    const auto others = std::stable_partition(all.begin(), all.end(), passes);
+    if (others != all.begin())
+        all.erase(others, all.end());
+}
+
 /// Windows that say more than any they overlap, the largest first. Windows over all runs only say what those of single
 /// runs are too weak to say.
 std::vector<Window> selected(std::vector<Window> all) {
-    const auto overRuns = std::stable_partition(all.begin(), all.end(), [](const Window& w) { return w.run != "all"; });
-    if (overRuns != all.begin())
-        all.erase(overRuns, all.end());
+    prefer(all, [](const Window& w) { return w.run != "all"; });
     std::stable_sort(all.begin(), all.end(),
                      [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
     // A large misfit that changes its sign fills whole runs; in which phases it sits is said by windows inside one.
@@ -401,11 +407,7 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     const double most = largestOf(t);
     const double bound = static_cast<double>(out.family) * std::erfc(std::min(most, 35.0) / std::sqrt(2.0));
     out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, bound) : out.p;
-    // Not shown, unless nothing else is.
-    const auto before = std::stable_partition(found.begin(), found.end(),
-                                              [&](const Window& w) { return !beforeAnything(w, misfit.data()); });
-    if (before != found.begin())
-        found.erase(before, found.end());
+    prefer(found, [&](const Window& w) { return !beforeAnything(w, misfit.data()); });
     out.significant = selected(std::move(found));
     return out;
 }

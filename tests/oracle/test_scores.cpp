@@ -183,11 +183,9 @@ TEST_CASE("what is left of an effect is what no number inside its interval expla
     Effects gain;
     gain.gain = 0.5; // a modulus that may be wrong by a few per cent explains a tenth of it
     const Eigen::VectorXd plain = forceWith({}, {}), signature = forceWith({}, gain) - plain;
-    Eigen::VectorXd most =
-        Eigen::VectorXd::Zero(plain.size()); // what the numbers can do at the ends of their intervals
-    double Offsets::*const numbers[] = {&Offsets::modulus,   &Offsets::curvature, &Offsets::friction,
-                                        &Offsets::thickness, &Offsets::mass,      &Offsets::gap};
-    for (double Offsets::*const number : numbers) {
+    // What the numbers can do at the ends of their intervals.
+    Eigen::VectorXd most = Eigen::VectorXd::Zero(plain.size());
+    for (double Offsets::*const number : kOffsets) {
         Eigen::VectorXd farther = Eigen::VectorXd::Zero(plain.size());
         for (const double end : {-1.0, 1.0}) {
             Offsets o;

@@ -219,8 +219,8 @@ Description drawDescription(Draw& draw, Protocol protocol, bool weightless, bool
 
 Offsets drawOffsets(Draw& draw) {
     Offsets o;
-    for (double* x : {&o.modulus, &o.curvature, &o.friction, &o.thickness, &o.mass, &o.gap})
-        *x = draw.uniform(-1.0, 1.0);
+    for (double Offsets::*const offset : kOffsets)
+        o.*offset = draw.uniform(-1.0, 1.0);
     return o;
 }
 

@@ -63,13 +63,11 @@ Absorber::Absorber(const Description& d, const Offsets& offsets, const Nuisance&
     if (!failure_.empty())
         return;
     base_ = stack(base);
-    double Offsets::*members[] = {&Offsets::modulus,   &Offsets::curvature, &Offsets::friction,
-                                  &Offsets::thickness, &Offsets::mass,      &Offsets::gap};
-    columns_.resize(base_.size(), std::size(members));
-    for (std::size_t k = 0; k < std::size(members); ++k) {
+    columns_.resize(base_.size(), std::size(kOffsets));
+    for (std::size_t k = 0; k < std::size(kOffsets); ++k) {
         Offsets o = offsets;
-        const double step = o.*members[k] > 0.0 ? -0.3 : 0.3;
-        o.*members[k] += step;
+        const double step = o.*kOffsets[k] > 0.0 ? -0.3 : 0.3;
+        o.*kOffsets[k] += step;
         const Clean moved = simulate(d, trueSetup(d, o, {}), coarse(d.nominal.specimens.size()));
         if (!moved.failure.empty()) {
             failure_ = moved.failure;
@@ -165,9 +163,14 @@ Eigen::VectorXd Absorber::beyondNominal(const Eigen::VectorXd& signature) const 
     constexpr double kJump = 8.0; // deviations; as in detectable()
     constexpr int kRounds = 40, kSweeps = 200;
     const Eigen::VectorXd behind = whitened(signature);
-    const double o[] = {offsets_.modulus,   offsets_.curvature, offsets_.friction,
-                        offsets_.thickness, offsets_.mass,      offsets_.gap};
-    const auto intervals = static_cast<Eigen::Index>(std::size(o));
+    // Zeros and clocks: a thousand readings of an effect would tear any normal prior along.
+    Eigen::VectorXd most = Eigen::VectorXd::Constant(columns_.cols(), 2.0), least = -most;
+    const auto intervals = static_cast<Eigen::Index>(std::size(kOffsets));
+    for (Eigen::Index k = 0; k < intervals; ++k) { // uniform, and the truth lies off their middles
+        const double middle = -(offsets_.*kOffsets[k]);
+        least[k] = std::sqrt(3.0) * (middle - 1.0);
+        most[k] = std::sqrt(3.0) * (middle + 1.0);
+    }
     Eigen::VectorXd moved = Eigen::VectorXd::Zero(columns_.cols());
     for (int round = 0; round < kRounds; ++round) {
         const Eigen::VectorXd weight = (behind - whitenedColumns_ * moved).unaryExpr([](double r) {
@@ -178,15 +181,10 @@ Eigen::VectorXd Absorber::beyondNominal(const Eigen::VectorXd& signature) const 
         normal.diagonal().tail(normal.cols() - intervals).array() += 1.0; // zeros and clocks
         const Eigen::VectorXd before = moved;
         for (int sweep = 0; sweep < kSweeps; ++sweep)
-            for (Eigen::Index k = 0; k < moved.size(); ++k) {
-                if (normal(k, k) < 1e-12)
-                    continue;
-                moved[k] += (pull[k] - normal.row(k).dot(moved)) / normal(k, k);
-                if (k < intervals) // uniform, and the truth lies off its middle by o
-                    moved[k] = std::sqrt(3.0) * std::clamp(moved[k] / std::sqrt(3.0), -1.0 - o[k], 1.0 - o[k]);
-                else // a thousand readings of an effect would tear any normal prior along
-                    moved[k] = std::clamp(moved[k], -2.0, 2.0);
-            }
+            for (Eigen::Index k = 0; k < moved.size(); ++k)
+                if (normal(k, k) > 1e-12)
+                    moved[k] =
+                        std::clamp(moved[k] + (pull[k] - normal.row(k).dot(moved)) / normal(k, k), least[k], most[k]);
         if ((moved - before).cwiseAbs().maxCoeff() < 1e-4)
             break;
     }

@@ -36,6 +36,9 @@ std::string writeDescription(const Description& d);
 struct Offsets {
     double modulus = 0.0, curvature = 0.0, friction = 0.0, thickness = 0.0, mass = 0.0, gap = 0.0;
 };
+/// All of them, in the order they are drawn in.
+inline constexpr double Offsets::*kOffsets[] = {&Offsets::modulus,   &Offsets::curvature, &Offsets::friction,
+                                                &Offsets::thickness, &Offsets::mass,      &Offsets::gap};
 Setup trueSetup(const Description& d, const Offsets& o, const Effects& effects);
 
 } // namespace supercircle::oracle

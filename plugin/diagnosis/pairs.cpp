@@ -1,5 +1,7 @@
 #include "plugin/diagnosis/pairs.h"
 
+#include "plugin/diagnosis/forms.h"
+
 #include <algorithm>
 #include <set>
 
@@ -50,13 +52,8 @@ std::vector<Tried> fitPairs(Evaluator& evaluator, const Misfit& misfit, const st
             ++taken;
             if (!known.emplace(std::min(first, second), std::max(first, second)).second)
                 continue;
-            Tried t;
-            t.candidates = {singles[i].candidates.front(), s.candidate};
-            Point start = singles[i].fit.point;
-            start.terms.push_back({s.candidate, s.values});
-            FitSettings given;
-            given.rival = least;
-            t.fit = fit(evaluator, misfit, start, given, singles[i].fit.jacobian);
+            Tried t = fitProbe(evaluator, misfit, singles[i].fit, s, least);
+            t.candidates.insert(t.candidates.begin(), singles[i].candidates.front());
             if (!t.fit.failure.empty())
                 continue;
             least = least > 0.0 ? std::min(least, t.fit.misfit) : t.fit.misfit;

@@ -8,6 +8,7 @@
 #include "plugin/diagnosis/learn.h"
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/present.h"
+#include "plugin/diagnosis/profile.h"
 #include "plugin/diagnosis/search.h"
 #include "plugin/diagnosis/weigh.h"
 
@@ -70,6 +71,7 @@ private:
     void look();
     void summarise();
     void tryHypotheses();
+    [[nodiscard]] std::vector<std::pair<double, double>> intervalsOf(const Fitted& fitted, double probability);
     void conclude();
     void enter(const Weighed& w);
     void shareAlike();
@@ -292,6 +294,17 @@ void Work::weighAll(Weighed& w) const {
         leaveUnknownOut(w);
 }
 
+/// What is probable is worth some runs, what is more so is worth some more.
+std::vector<std::pair<double, double>> Work::intervalsOf(const Fitted& f, double probability) {
+    const Variables v(evaluator_.model(), f.point);
+    const double dispersion = misfitPerRow(*misfit_, f);
+    if (probability < 0.05 || evaluator_.stopped())
+        return linearIntervals(v, f, f.jacobian, dispersion);
+    const Eigen::MatrixXd careful = differentiateCarefully(evaluator_, *misfit_, v, f.x, 0.2);
+    return probability < 0.3 ? linearIntervals(v, f, careful, dispersion)
+                             : profileIntervals(evaluator_, *misfit_, f, careful, dispersion);
+}
+
 void Work::conclude() {
     stage(0.92, "weighing");
     Weighed w;
@@ -302,15 +315,14 @@ void Work::conclude() {
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;
-    std::map<std::size_t, Eigen::MatrixXd> careful; // intervals of what is probable are worth some runs
+    std::map<std::size_t, std::vector<std::pair<double, double>>> intervals; // by model
     for (const Entry& entry : entries_) {
         const Fitted& fitted = tried_[entry.model].fit;
-        const bool worth = (out_.effects.empty() || entry.probability > 0.05) && !evaluator_.stopped();
-        if (worth && careful.count(entry.model) == 0)
-            careful[entry.model] = differentiateCarefully(evaluator_, *misfit_,
-                                                          Variables(evaluator_.model(), fitted.point), fitted.x, 0.2);
-        FoundEffect f = presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term,
-                                      worth ? careful[entry.model] : fitted.jacobian);
+        if (intervals.count(entry.model) == 0)
+            intervals[entry.model] =
+                intervalsOf(fitted, out_.effects.empty() ? std::max(0.06, entry.probability) : entry.probability);
+        FoundEffect f =
+            presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term, intervals[entry.model]);
         f.probability = std::min(1.0, entry.probability);
         f.gain = w.gain[entry.model];
         f.gainError = w.gainError[entry.model];
@@ -332,7 +344,7 @@ void Work::conclude() {
 void Work::conclusions(const Weighed& w, Evidence& e) {
     out_.baselineTraining = forceRmse(*misfit_, base_.responses);
     out_.baselineHeldOut = baseHeld_.forceRmse;
-    out_.baselinePerRow = base_.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
+    out_.baselinePerRow = misfitPerRow(*misfit_, base_);
     if (e.any) {
         const Tried& best = tried_[best_];
         e.gain = w.gain[best_];
@@ -376,8 +388,8 @@ void Work::suggest() {
         return;
     stage(0.96, "next experiment");
     const auto rival = [&](const std::string& label, const Fitted& f) {
-        const double perRow = f.misfit / static_cast<double>(std::max<Index>(1, misfit_->present()));
-        return Rival{label, f.point, f.x, posteriorOf(Variables(evaluator_.model(), f.point), f.jacobian, perRow)};
+        return Rival{label, f.point, f.x,
+                     posteriorOf(Variables(evaluator_.model(), f.point), f.jacobian, misfitPerRow(*misfit_, f))};
     };
     if (entries_.empty()) { // nothing came near being believed: what comes nearest
         const auto nearest = std::max_element(screened_.begin(), screened_.end(),

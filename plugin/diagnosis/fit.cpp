@@ -134,6 +134,25 @@ Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfi
     return out;
 }
 
+bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, Fitted& f) {
+    f.point = v.at(f.x);
+    f.responses = evaluator.everywhere({f.point}, Fineness::Fine).front();
+    for (const Response& r : f.responses)
+        if (!r.failure.empty())
+            f.failure = r.failure;
+    const auto residual = misfit.residual(f.responses);
+    if (!residual)
+        return false;
+    f.residual = *residual;
+    f.misfit = f.residual.squaredNorm();
+    f.cost = f.misfit + f.x.dot(v.penalty * f.x);
+    return true;
+}
+
+void learnFrom(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change) {
+    jacobian += (change - jacobian * step) * step.transpose() / step.squaredNorm();
+}
+
 namespace {
 
 std::vector<Eigen::Index> range(Eigen::Index from, Eigen::Index to) {
@@ -172,20 +191,7 @@ public:
     }
 
 private:
-    bool evaluate(Fitted& f) {
-        f.point = v_.at(f.x);
-        f.responses = evaluator_.everywhere({f.point}, Fineness::Fine).front();
-        for (const Response& r : f.responses)
-            if (!r.failure.empty())
-                f.failure = r.failure;
-        const auto residual = misfit_.residual(f.responses);
-        if (!residual)
-            return false;
-        f.residual = *residual;
-        f.misfit = f.residual.squaredNorm();
-        f.cost = f.misfit + f.x.dot(v_.penalty * f.x);
-        return true;
-    }
+    bool evaluate(Fitted& f) const { return supercircle::diagnosis::evaluate(evaluator_, misfit_, v_, f); }
 
     void iterate() {
         ++now_.iterations;
@@ -219,8 +225,7 @@ private:
         const double gain = now_.cost - trial.cost;
         const bool hopeless = now_.iterations >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
         trial.jacobian = std::move(now_.jacobian);
-        const Eigen::VectorXd change = now_.residual - trial.residual; // of the simulation
-        trial.jacobian += (change - trial.jacobian * step) * step.transpose() / step.squaredNorm();
+        learnFrom(trial.jacobian, step, now_.residual - trial.residual);
         damping_ = std::max(1e-6, gain > 0.5 * foreseen ? damping_ / 10.0 : damping_);
         now_ = std::move(trial);
         if (settings_.rival > 0.0 && hopeless)

@@ -60,6 +60,12 @@ struct FitSettings {
     bool grow = true; ///< free runs from their beginnings on (grow.h)
 };
 
+/// Simulates at f.x and fills in all but Jacobian and history; false if that cannot be compared with the recordings.
+bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, Fitted& f);
+
+/// Broyden's update. @param change of the simulation, whitened, by the step
+void learnFrom(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change);
+
 /// d(whitened simulation)/dx by central differences (one-sided at bounds), coarse. Columns that cannot be simulated
 /// are zero. `only`: which columns; the others are left as in `into`.
 void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, const Eigen::VectorXd& x,

@@ -7,8 +7,12 @@ namespace supercircle::diagnosis {
 
 using Index = Eigen::Index;
 
+double misfitPerRow(const Misfit& misfit, const Fitted& fitted) {
+    return fitted.misfit / static_cast<double>(std::max<Index>(1, misfit.present()));
+}
+
 FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& t, std::size_t shown,
-                          const Eigen::MatrixXd& jacobian) {
+                          const std::vector<std::pair<double, double>>& intervals) {
     const std::vector<Candidate>& candidates = model.candidates();
     const Candidate& c = candidates[t.candidates[shown]];
     FoundEffect e;
@@ -18,10 +22,8 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
     e.law = c.law;
     e.trainingRmse = forceRmse(misfit, t.fit.responses);
     e.heldOutRmse = t.held.forceRmse;
-    e.misfitPerRow = t.fit.misfit / static_cast<double>(std::max<Index>(1, misfit.present()));
+    e.misfitPerRow = misfitPerRow(misfit, t.fit);
     const Variables v(model, t.fit.point);
-    const Eigen::MatrixXd covariance = posteriorOf(v, jacobian, e.misfitPerRow);
-    constexpr double k90 = 1.6448536269514722; // of a normal distribution
     Index first = v.nominal;
     for (std::size_t term = 0; term < t.candidates.size(); ++term) {
         const auto n = static_cast<Index>(candidates[t.candidates[term]].parameters.size());
@@ -29,11 +31,11 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
             e.with.push_back(candidates[t.candidates[term]].label);
         for (Index k = first; k < first + n && term == shown; ++k) {
             const Scalar& s = v.scalar(k);
-            const double half = k90 * std::sqrt(std::max(0.0, covariance(k, k)));
+            const auto& [low, high] = intervals[static_cast<std::size_t>(k - v.nominal)];
             const auto at = [&](double x) {
                 return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
             };
-            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(t.fit.x[k] - half), at(t.fit.x[k] + half)}};
+            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(low), at(high)}};
             if (p.ci90.low > p.ci90.high)
                 std::swap(p.ci90.low, p.ci90.high);
             e.parameters.push_back(p);

@@ -4,13 +4,18 @@
 #include "plugin/diagnosis/result.h"
 #include "plugin/diagnosis/tried.h"
 
+#include <utility>
+#include <vector>
+
 namespace supercircle::diagnosis {
 
 /// One effect of a hypothesis (its term `shown`): fitted values with 90 % intervals, errors. Probability, gain and
 /// group are the caller's.
-/// @param jacobian d(whitened simulation)/dx at the fit, for the intervals
+/// @param intervals of the numbers of all its terms, in x (profile.h)
 FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& tried, std::size_t shown,
-                          const Eigen::MatrixXd& jacobian);
+                          const std::vector<std::pair<double, double>>& intervals);
+
+double misfitPerRow(const Misfit& misfit, const Fitted& fitted);
 
 /// Stated and fitted nominal parameters.
 std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nominal);

@@ -6,6 +6,7 @@
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/profile.h"
 #include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/screen.h"
 #include "plugin/diagnosis/weigh.h"
@@ -329,6 +330,103 @@ TEST_CASE("a law with a threshold is fitted from a size at which it acts", "[dia
         fit(evaluator, misfit, Point{base.point.nominal, {{0, settledValues(evaluator, misfit, base, probe)}}});
     CHECK(found.misfit < base.misfit - probe.gain);
     CHECK(found.point.terms[0].values[0] == Approx(1.0 / 0.9).epsilon(0.02));
+}
+
+namespace {
+
+/// A spring with a law of two numbers that do each other's work: a (1 - exp(-x / b)), of which little more than a / b
+/// shows where x stays below b.
+class Saturating final : public Model {
+public:
+    explicit Saturating(const Data& data) : spring_(data), data_(data) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "saturating spring"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, Point{p.nominal, {}}, f, interrupt);
+        for (const Term& t : p.terms)
+            out.force.array() +=
+                t.values[0] *
+                (1.0 - (-data_.runs[r].displacement.array() / outer(Scale::Logarithm, t.values[1])).exp());
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    const Data& data_;
+    std::vector<Candidate> candidates_ = {{"saturates",
+                                           "",
+                                           "",
+                                           "",
+                                           {{"a", "N", "", 0.0, 0.0, 50.0, 0.5, Scale::Linear, true},
+                                            {"b", "m", "", inner(Scale::Logarithm, 0.01), inner(Scale::Logarithm, 1e-3),
+                                             inner(Scale::Logarithm, 0.3), 0.5, Scale::Logarithm, false}},
+                                           {{2.0, inner(Scale::Logarithm, 0.01)}}}};
+};
+
+/// Smallest misfit with a held, over b on a fine grid and the nominal numbers in their box: a linear problem each.
+double leastWith(const Saturating& model, const Misfit& misfit, double a) {
+    const auto at = [&](const Point& p) {
+        std::vector<Response> out;
+        for (std::size_t r = 0; r < misfit.runs(); ++r)
+            out.push_back(model.simulate(r, p, Fineness::Fine, nullptr));
+        return out;
+    };
+    const std::vector<Scalar>& n = model.nominal();
+    double least = std::numeric_limits<double>::infinity();
+    for (double b = 2e-3; b < 0.3; b *= 1.01) {
+        const std::vector<double> law = {a, inner(Scale::Logarithm, b)};
+        const auto here = at({{n[0].value, n[1].value}, {{0, law}}});
+        Eigen::MatrixXd J(misfit.rows(), 2);
+        J.col(0) = *misfit.difference(at({{n[0].upper, n[1].value}, {{0, law}}}), here);
+        J.col(1) = *misfit.difference(at({{n[0].value, n[1].upper}, {{0, law}}}), here);
+        const Eigen::VectorXd u = *misfit.residual(here), one = Eigen::VectorXd::Ones(2);
+        least = std::min(least, (u - J * boxMinimum(J.transpose() * J, J.transpose() * u, -one, one)).squaredNorm());
+    }
+    return least;
+}
+
+} // namespace
+
+TEST_CASE("an interval follows the valley of two numbers that do each other's work", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const Saturating model(data);
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force +=
+            model
+                .simulate(r, Point{{103.0, 0.08}, {{0, {0.6, inner(Scale::Logarithm, 0.01)}}}}, Fineness::Fine, nullptr)
+                .force -
+            model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const Point stated{{100.0, 0.1}, {}};
+    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Fitted found = fit(evaluator, misfit, Point{stated.nominal, {{0, {0.5, inner(Scale::Logarithm, 0.01)}}}});
+    const Variables v(model, found.point);
+    const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
+    const double perRow = found.misfit / static_cast<double>(misfit.present()), dispersion = std::max(1.0, perRow);
+    const auto linear = linearIntervals(v, found, J, perRow),
+               profiled = profileIntervals(evaluator, misfit, found, J, perRow);
+    const auto a = [&](double x) { return v.scalar(2).value + x * v.scalar(2).step; };
+    const double least = leastWith(model, misfit, a(found.x[2]));
+    const auto outside = [&](double x) { return leastWith(model, misfit, a(x)) - least > 2.706 * dispersion; };
+    const auto endTowards = [&](double far) {
+        double in = found.x[2], out = far;
+        REQUIRE(outside(out));
+        for (int i = 0; i < 7; ++i)
+            (outside(0.5 * (in + out)) ? out : in) = 0.5 * (in + out);
+        return a(0.5 * (in + out));
+    };
+    const double low = endTowards(v.lower[2] + 0.1), high = endTowards(found.x[2] + 4.0), width = high - low;
+    INFO("truth " << low << " to " << high << ", linear " << a(linear[0].first) << " to " << a(linear[0].second)
+                  << ", profile " << a(profiled[0].first) << " to " << a(profiled[0].second));
+    // Ends are closed in on to a tenth of their distance, of which the search for them stops anywhere.
+    CHECK(std::abs(a(profiled[0].first) - low) < 0.1 * width);
+    CHECK(std::abs(a(profiled[0].second) - high) < 0.1 * width);
+    CHECK(std::abs(a(linear[0].first) - low) > 0.2 * width); // the valley is bent
+    CHECK(std::abs(a(linear[0].second) - high) > 0.2 * width);
 }
 
 namespace {

@@ -1,0 +1,36 @@
+#pragma once
+// Intervals of what was fitted, by profiles of the likelihood.
+//
+// Two numbers of a law often do each other's work: depth and width of a defect, static friction and the way to get
+// there, force and range of adhesion. The fit is as good along a valley, and where the valley is bent an interval that
+// follows its tangent ends at its walls: of such laws 9 of 16 intervals of 90 % held the truth in a blind set, of all
+// others 20 of 27. A profile goes along the valley: one number is moved and held, all others are fitted again, until
+// the misfit has grown by what 90 % allow. A dozen fits a number, most of which end after two steps. Where a profile
+// comes upon a better fit than the one it started from, the interval is counted from that.
+//
+// Tried instead: draws from the linearised posterior cut off at the bounds (where the simulation's own error pushes a
+// fit into a corner of its box, the corner becomes certain).
+//
+// Source: D. J. Venzon, S. H. Moolgavkar, "A method for computing profile-likelihood-based confidence intervals",
+// Appl. Statist. 37 (1988) 87.
+
+#include "plugin/diagnosis/fit.h"
+
+#include <utility>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+/// Ends of the 90 % intervals of the numbers behind the nominal ones, in x, by the linearised posterior.
+/// @param jacobian d(whitened simulation)/dx at the fit
+/// @param dispersion the misfit's mean square per row
+std::vector<std::pair<double, double>> linearIntervals(const Variables& variables, const Fitted& fitted,
+                                                       const Eigen::MatrixXd& jacobian, double dispersion);
+
+/// The same by profiles, first steps by the linearised posterior. A fit that cannot be made (a simulation fails, the
+/// diagnosis is stopped) leaves that end where the linear one is.
+std::vector<std::pair<double, double>> profileIntervals(Evaluator& evaluator, const Misfit& misfit,
+                                                        const Fitted& fitted, const Eigen::MatrixXd& jacobian,
+                                                        double dispersion);
+
+} // namespace supercircle::diagnosis

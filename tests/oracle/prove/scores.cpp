@@ -116,7 +116,8 @@ std::string power(const std::vector<Judged>& all) {
 
 std::vector<Score> scoresOf(const std::vector<Judged>& all) {
     Share strong, weak, falseAlarm, named, group, first, pairs, unexplained, unexplainedOrOpen, covered;
-    std::vector<double> overlaps, overlapsNamed, amplitudes, noise, knowing, brier, places, seconds;
+    std::vector<double> overlaps, overlapsStrong, overlapsNamed, amplitudes, amplitudesStrong, noise, knowing, brier,
+        places, seconds;
     for (const Judged& j : all) {
         const bool hides = j.kind != "nothing", one = j.kind == "single";
         if (hides)
@@ -142,8 +143,10 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
                 to.push_back(v);
         };
         put(overlaps, j.overlap);
+        put(overlapsStrong, j.strength == "weak" ? -1.0 : j.overlap);
         put(overlapsNamed, j.overlapNamed);
         put(amplitudes, one ? j.amplitudeError : -1.0);
+        put(amplitudesStrong, one && j.strength != "weak" ? j.amplitudeError : -1.0);
         put(places, j.placeError);
         put(noise, one && j.right ? j.overNoise : -1.0);
         put(knowing, one && j.detected ? j.overKnowing : -1.0);
@@ -158,9 +161,11 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
             of("detected singles: first label itself right", first, "", 0.0),
             of("detected pairs: first-named group is one of the two", pairs, "", 0.0),
             of("overlap of marked and true windows, median IoU", median(overlaps), ">= 0.65", 0.65, false),
+            of("the same, strong effects", median(overlapsStrong), "", 0.0, false),
             of("the same where an effect is named, of the windows in which it shows", median(overlapsNamed), ">= 0.65",
                0.65, false),
             of("relative error of the amplitude, median", median(amplitudes), "<= 0.10", 0.10, true),
+            of("the same, strong effects", median(amplitudesStrong), "", 0.0, true),
             of("90 % intervals that hold the truth", covered, "0.85 - 0.95", 0.85),
             of("place on the specimen, median error of the arc fraction", median(places), "", 0.0, true),
             of("held-out error over noise floor, median", median(noise), "<= 1.15", 1.15, true),

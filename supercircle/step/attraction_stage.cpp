@@ -286,6 +286,7 @@ double pullError(const World& world, const std::vector<RodWork>& rods, double dt
         return 0.0;
     const Surroundings around(world, atEnd(rods, world), stage.motion, dt);
     double sum = 0.0, wrong = 0.0, floor = 0.0;
+    std::vector<bool> still(stage.pulls.size(), false); // near
     std::size_t next = 0;
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
         const effects::Attraction& a = world.rods[i].effects.attraction;
@@ -298,18 +299,22 @@ double pullError(const World& world, const std::vector<RodWork>& rods, double dt
                 return p.rodA < static_cast<int>(i) || (p.rodA == static_cast<int>(i) && p.point < k);
             };
             while (next < stage.pulls.size() && before(stage.pulls[next]))
-                wrong += stage.pulls[next++].force; // no longer near
+                ++next;
             for (std::size_t m = next; m < stage.pulls.size(); ++m) {
                 const AttractionWork& p = stage.pulls[m];
                 if (p.rodA != static_cast<int>(i) || p.point != k)
                     break;
-                if (p.rodB == near.rodB && p.bodyB == near.bodyB)
+                if (p.rodB == near.rodB && p.bodyB == near.bodyB) {
                     linear = p.force + p.stiffness * (dt * p.rowA.dot(rods[i].v) - p.wayA);
+                    still[m] = true;
+                }
             }
             sum += force;
             wrong += std::abs(force - linear);
         });
     }
+    for (std::size_t m = 0; m < still.size(); ++m)
+        wrong += still[m] ? 0.0 : stage.pulls[m].force;
     // Linearised from both sides, a pair of rods is right only in the mean of its sides; the rest is second order.
     return wrong / (kTolerance * sum + floor);
 }

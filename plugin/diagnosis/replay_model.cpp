@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace supercircle::diagnosis {
 
@@ -265,7 +266,10 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
 }
 
 std::string ReplayModel::identity() const {
-    std::string id = experiment_.file + "\n" + simulatorStamp() + "\n";
+    std::error_code lost; // a file that is gone keeps the name it was read by
+    std::filesystem::path file = std::filesystem::absolute(experiment_.file, lost);
+    file = lost ? file : std::filesystem::weakly_canonical(file, lost);
+    std::string id = (lost ? experiment_.file : file.string()) + "\n" + simulatorStamp() + "\n";
     if (experiment_.scene)
         id += experiment_.scene->text + "\n";
     const auto add = [&](double v) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <string>
 
@@ -77,6 +78,15 @@ TEST_CASE("every effect of the catalogue is a candidate, absent where its amplit
     for (const effects::Effect& effect : effects::catalog())
         CHECK(labels.count(effect.name) == (replay::acts(e, effect.key) ? 1 : 0));
     CHECK(menuFor(e, {"plasticity"}).candidates.size() < menu.candidates.size());
+}
+
+TEST_CASE("kept runs belong to an experiment, however the path to it is written", "[diagnosis]") {
+    experiment::Experiment e = strip(), same = e, other = e;
+    e.file = "experiments/a/experiment.json";
+    same.file = (std::filesystem::current_path() / "experiments/b/../a/experiment.json").string();
+    other.file = "experiments/b/experiment.json";
+    CHECK(ReplayModel(e).identity() == ReplayModel(same).identity());
+    CHECK(ReplayModel(e).identity() != ReplayModel(other).identity());
 }
 
 TEST_CASE("nominal parameters are the stated intervals and an ordinary give", "[diagnosis]") {

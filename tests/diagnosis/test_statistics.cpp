@@ -6,6 +6,7 @@
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/pairs.h"
 #include "plugin/diagnosis/profile.h"
 #include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/screen.h"
@@ -293,8 +294,12 @@ public:
                                     const std::atomic<bool>* interrupt) const override {
         Response out = spring_.simulate(r, Point{p.nominal, {}}, f, interrupt);
         for (const Term& t : p.terms)
-            for (double& force : out.force)
-                force = t.values[0] > 0.0 ? std::min(force, 1.0 / t.values[0]) : force;
+            if (t.candidate == 0)
+                for (double& force : out.force)
+                    force = t.values[0] > 0.0 ? std::min(force, 1.0 / t.values[0]) : force;
+        for (const Term& t : p.terms)
+            if (t.candidate == 1) // of the sensor: behind everything
+                out.force += t.values[0] * data_.runs[r].time;
         return out;
     }
 
@@ -302,7 +307,8 @@ private:
     toy::Spring spring_;
     const Data& data_;
     std::vector<Candidate> candidates_ = {
-        {"gives_way", "", "", "", {{"most", "1/N", "", 0.0, 0.0, 10.0, 0.1, Scale::Linear, true}}, {{2.0}}}};
+        {"gives_way", "", "", "", {{"most", "1/N", "", 0.0, 0.0, 10.0, 0.1, Scale::Linear, true}}, {{2.0}}},
+        {"drift", "", "", "", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-2, Scale::Linear, true}}, {{0.05}}}};
 };
 
 } // namespace
@@ -330,6 +336,30 @@ TEST_CASE("a law with a threshold is fitted from a size at which it acts", "[dia
         fit(evaluator, misfit, Point{base.point.nominal, {{0, settledValues(evaluator, misfit, base, probe)}}});
     CHECK(found.misfit < base.misfit - probe.gain);
     CHECK(found.point.terms[0].values[0] == Approx(1.0 / 0.9).epsilon(0.02));
+}
+
+TEST_CASE("the second of two effects starts from a size at which it acts", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const GivesWay model(data);
+    const std::vector<Term> hidden = {{1, {0.1}}, {0, {1.0 / 0.9}}};
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force += model.simulate(r, Point{{103.0, 0.08}, hidden}, Fineness::Fine, nullptr).force -
+                              model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Fitted base = fit(evaluator, misfit, Point{{100.0, 0.1}, {}});
+    const std::vector<Screened> probes = screen(evaluator, misfit, base);
+    Tried drift;
+    drift.candidates = {1};
+    drift.fit = fit(evaluator, misfit, Point{base.point.nominal, {{1, {0.05}}}});
+    const std::vector<Tried> pairs = fitPairs(evaluator, misfit, probes, {drift});
+    REQUIRE(pairs.size() == 1);
+    CHECK(pairs[0].candidates == std::vector<std::size_t>{1, 0});
+    CHECK(pairs[0].fit.misfit < 1.2 * static_cast<double>(misfit.present())); // noise; the drift alone leaves more
+    CHECK(drift.fit.misfit > 1.5 * static_cast<double>(misfit.present()));
+    CHECK(pairs[0].fit.point.terms[1].values[0] == Approx(1.0 / 0.9).epsilon(0.02));
 }
 
 namespace {

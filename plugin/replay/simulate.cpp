@@ -116,7 +116,7 @@ public:
             rig_.move(drive.displacement.front(), 1.0, {});
         trace_.addForce(clock_, rig_.force());
         trace_.addMarkers(rig_, e_, clock_);
-        lastDisplacement_ = rig_.displacement();
+        lastDisplacement_ = pressedAt_ = rig_.displacement();
         pressing_ = rig_.force();
         double late = 0.0; // of the leg before: it came to rest that much behind its end, s
         for (std::size_t i = 0; i < e_.specimens.size();
@@ -147,15 +147,23 @@ private:
     }
     [[nodiscard]] bool rigid() const { return give_ <= 0.0 && apparatus_.slack <= 0.0; }
 
-    /// The force that compresses what is in series, smoothed over 2 um of travel (which shifts d by nanometres),
-    /// without the spikes with which an inextensible strip meets the floor: 60 to 1000 N for a microsecond or two,
-    /// hundreds of times the load under which it buckles. What is in series would have taken them up.
+    /// The force that compresses what is in series and the place of the head where it does, both smoothed over 2 um of
+    /// travel, without the spikes with which an inextensible strip meets the floor: 60 to 1000 N for a microsecond or
+    /// two, hundreds of times the load under which it buckles. What is in series would have taken them up. Smoothed
+    /// alike they stay points of one curve; the load cell, in series too, reads this force. A strip that touches gains
+    /// a newton within a micrometre of the head's travel but, at 400 N/m, 2.5 mm of the drive's: read unsmoothed, its
+    /// force ran ahead of the clock by a millimetre.
     void press() {
         constexpr double kSmooth = 2e-6; // m
-        const double moved = std::abs(rig_.displacement() - lastDisplacement_);
+        const double way = rig_.displacement() - lastDisplacement_;
         lastDisplacement_ = rig_.displacement();
-        if (std::abs(rig_.force()) < impact_)
-            pressing_ += (rig_.force() - pressing_) * -std::expm1(-moved / kSmooth);
+        const Rig::MeanForce& mean = rig_.meanForce();
+        const double force = mean.known ? mean.force : rig_.force();
+        if (std::abs(force) >= impact_)
+            return;
+        const double share = -std::expm1(-std::abs(way) / kSmooth);
+        pressing_ += share * (force - pressing_);
+        pressedAt_ += share * (rig_.displacement() - (mean.known ? 0.5 * way : 0.0) - pressedAt_);
     }
 
     /// Comes to rest around time t1, evenly slower. A drive that stopped at once would shake the specimen: the inertia
@@ -187,7 +195,10 @@ private:
             const bool byDisplacement = !rigid() && speed != 0.0;
             const double now = byDisplacement ? t0 + (position() - from) / speed : t0 + rig_.time() - begin;
             const double before = std::exchange(clock_, std::clamp(now, clock_, t1));
-            readForce(0.5 * (before + clock_));
+            if (byDisplacement)
+                readPressing(t0 + (position() - rig_.displacement() + pressedAt_ - from) / speed);
+            else
+                readForce(0.5 * (before + clock_));
             trace_.addMarkers(rig_, e_, clock_);
             bendMost_ = std::max(bendMost_, rig_.bend());
             if (options_.progress)
@@ -200,7 +211,7 @@ private:
         started_ = false;
         if (rigid() || speed == 0.0) {
             rig_.move(to - from, t1 - t0, observe);
-            finishLeg();
+            finishLeg(rig_.force());
             return;
         }
         // The way left shrinks as the force grows: what is left is gone in parts, so that the head never overshoots.
@@ -212,7 +223,7 @@ private:
             rig_.move(kPart * left, kPart * left / speed, observe);
         }
         clock_ = stopped_ ? clock_ : t1;
-        finishLeg();
+        finishLeg(pressing_);
     }
 
     /// The first step of a leg changes the velocity at once; its inertia, m v / dt, is a matter of the step size and no
@@ -225,14 +236,20 @@ private:
         trace_.addForce(mean.known ? middle : clock_, mean.known ? mean.force : rig_.force());
     }
 
+    /// Of a head that moves with something in series, at the time when it presses so.
+    void readPressing(double at) {
+        started_ = true;
+        means_ = 0;
+        trace_.addForce(std::clamp(at, trace_.forceTime.back(), clock_), pressing_);
+    }
+
     /// The force at the very end of a leg, where its slope may turn: carried on from the last two means.
-    void finishLeg() {
+    void finishLeg(double end) {
         if (clock_ > trace_.time.back())
             trace_.addMarkers(rig_, e_, clock_);
         const double t2 = trace_.forceTime.back(), f2 = trace_.force.back();
         if (clock_ <= t2)
             return;
-        double end = rig_.force();
         if (const std::size_t n = trace_.force.size(); means_ >= 2 && t2 > trace_.forceTime[n - 2])
             end = f2 + (f2 - trace_.force[n - 2]) * (clock_ - t2) / (t2 - trace_.forceTime[n - 2]);
         trace_.addForce(clock_, end);
@@ -248,6 +265,7 @@ private:
     bool started_ = false;          ///< the leg has had its first step
     int means_ = 0;                 ///< readings in a row that are means
     double pressing_ = 0.0;         ///< N
+    double pressedAt_ = 0.0;        ///< head where it was pressing so, m
     double lastDisplacement_ = 0.0; ///< m
     double impact_ = 0.0;           ///< N, forces beyond it are impacts
     bool stopped_ = false;

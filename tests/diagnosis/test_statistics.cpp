@@ -45,6 +45,13 @@ Data heavyTailed(std::uint64_t seed) {
     return data;
 }
 
+/// Adds what an effect changes to recordings of the toy.
+void hide(Data& data, const Model& model, const std::vector<Term>& effects) {
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force += model.simulate(r, Point{{103.0, 0.08}, effects}, Fineness::Fine, nullptr).force -
+                              model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+}
+
 /// Residuals of a toy whose nominal fit is exact: pure noise.
 Localisation ofNoise(std::uint64_t seed, double shift, int draws, bool heavy = false, double tails = 6.0) {
     Data data = heavy ? heavyTailed(seed) : toy::recordings(seed);
@@ -318,10 +325,7 @@ TEST_CASE("a law with a threshold is fitted from a size at which it acts", "[dia
     // at a third of the probe the spring gives way at 1.5 N, and nothing happens.
     Data data = toy::recordings(3);
     const GivesWay model(data);
-    for (std::size_t r = 0; r < data.runs.size(); ++r)
-        data.runs[r].force +=
-            model.simulate(r, Point{{103.0, 0.08}, {{0, {1.0 / 0.9}}}}, Fineness::Fine, nullptr).force -
-            model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+    hide(data, model, {{0, {1.0 / 0.9}}});
     Store store;
     Evaluator evaluator(model, data.runs.size(), {}, store);
     const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
@@ -341,10 +345,7 @@ TEST_CASE("a law with a threshold is fitted from a size at which it acts", "[dia
 TEST_CASE("the second of two effects starts from a size at which it acts", "[diagnosis]") {
     Data data = toy::recordings(3);
     const GivesWay model(data);
-    const std::vector<Term> hidden = {{1, {0.1}}, {0, {1.0 / 0.9}}};
-    for (std::size_t r = 0; r < data.runs.size(); ++r)
-        data.runs[r].force += model.simulate(r, Point{{103.0, 0.08}, hidden}, Fineness::Fine, nullptr).force -
-                              model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+    hide(data, model, {{1, {0.1}}, {0, {1.0 / 0.9}}});
     Store store;
     Evaluator evaluator(model, data.runs.size(), {}, store);
     const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
@@ -422,12 +423,7 @@ double leastWith(const Saturating& model, const Misfit& misfit, double a) {
 TEST_CASE("an interval follows the valley of two numbers that do each other's work", "[diagnosis]") {
     Data data = toy::recordings(3);
     const Saturating model(data);
-    for (std::size_t r = 0; r < data.runs.size(); ++r)
-        data.runs[r].force +=
-            model
-                .simulate(r, Point{{103.0, 0.08}, {{0, {0.6, inner(Scale::Logarithm, 0.01)}}}}, Fineness::Fine, nullptr)
-                .force -
-            model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+    hide(data, model, {{0, {0.6, inner(Scale::Logarithm, 0.01)}}});
     Store store;
     Evaluator evaluator(model, data.runs.size(), {}, store);
     const Point stated{{100.0, 0.1}, {}};

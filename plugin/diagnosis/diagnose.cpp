@@ -71,7 +71,7 @@ private:
     void look();
     void summarise();
     void tryHypotheses();
-    [[nodiscard]] std::vector<std::pair<double, double>> intervalsOf(const Fitted& fitted, double probability);
+    [[nodiscard]] std::vector<Interval> intervalsOf(const Entry& entry);
     void conclude();
     void enter(const Weighed& w);
     void shareAlike();
@@ -294,15 +294,17 @@ void Work::weighAll(Weighed& w) const {
         leaveUnknownOut(w);
 }
 
-/// What is probable is worth some runs, what is more so is worth some more.
-std::vector<std::pair<double, double>> Work::intervalsOf(const Fitted& f, double probability) {
+/// The first effect and what is probable are worth some runs, what is more probable some more.
+std::vector<Interval> Work::intervalsOf(const Entry& entry) {
+    const Fitted& f = tried_[entry.model].fit;
     const Variables v(evaluator_.model(), f.point);
     const double dispersion = misfitPerRow(*misfit_, f);
-    if (probability < 0.05 || evaluator_.stopped())
+    const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
+    if (!worth || evaluator_.stopped())
         return linearIntervals(v, f, f.jacobian, dispersion);
     const Eigen::MatrixXd careful = differentiateCarefully(evaluator_, *misfit_, v, f.x, 0.2);
-    return probability < 0.3 ? linearIntervals(v, f, careful, dispersion)
-                             : profileIntervals(evaluator_, *misfit_, f, careful, dispersion);
+    return entry.probability < 0.3 ? linearIntervals(v, f, careful, dispersion)
+                                   : profileIntervals(evaluator_, *misfit_, f, careful, dispersion);
 }
 
 void Work::conclude() {
@@ -315,12 +317,10 @@ void Work::conclude() {
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;
-    std::map<std::size_t, std::vector<std::pair<double, double>>> intervals; // by model
+    std::map<std::size_t, std::vector<Interval>> intervals; // by model
     for (const Entry& entry : entries_) {
-        const Fitted& fitted = tried_[entry.model].fit;
         if (intervals.count(entry.model) == 0)
-            intervals[entry.model] =
-                intervalsOf(fitted, out_.effects.empty() ? std::max(0.06, entry.probability) : entry.probability);
+            intervals[entry.model] = intervalsOf(entry);
         FoundEffect f =
             presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term, intervals[entry.model]);
         f.probability = std::min(1.0, entry.probability);

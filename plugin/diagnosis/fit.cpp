@@ -275,6 +275,10 @@ Eigen::MatrixXd posteriorOf(const Variables& v, const Eigen::MatrixXd& jacobian,
     return precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
 }
 
+double misfitPerRow(const Misfit& misfit, const Fitted& f) {
+    return f.misfit / static_cast<double>(std::max<Eigen::Index>(1, misfit.present()));
+}
+
 Eigen::MatrixXd freeColumns(const Model& model, const Fitted& f) {
     const Variables v(model, f.point);
     std::vector<Eigen::Index> free;

@@ -87,6 +87,9 @@ Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const
 /// to 0.43 for 0.5, beside 0.37 to 0.48).
 Eigen::MatrixXd posteriorOf(const Variables& variables, const Eigen::MatrixXd& jacobian, double dispersion);
 
+/// Mean square of a fit's whitened residual.
+double misfitPerRow(const Misfit& misfit, const Fitted& fitted);
+
 /// Columns of a fit's Jacobian whose numbers no bound holds.
 Eigen::MatrixXd freeColumns(const Model& model, const Fitted& fitted);
 

@@ -7,12 +7,8 @@ namespace supercircle::diagnosis {
 
 using Index = Eigen::Index;
 
-double misfitPerRow(const Misfit& misfit, const Fitted& fitted) {
-    return fitted.misfit / static_cast<double>(std::max<Index>(1, misfit.present()));
-}
-
 FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& t, std::size_t shown,
-                          const std::vector<std::pair<double, double>>& intervals) {
+                          const std::vector<Interval>& intervals) {
     const std::vector<Candidate>& candidates = model.candidates();
     const Candidate& c = candidates[t.candidates[shown]];
     FoundEffect e;

@@ -4,7 +4,6 @@
 #include "plugin/diagnosis/result.h"
 #include "plugin/diagnosis/tried.h"
 
-#include <utility>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -13,9 +12,7 @@ namespace supercircle::diagnosis {
 /// group are the caller's.
 /// @param intervals of the numbers of all its terms, in x (profile.h)
 FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& tried, std::size_t shown,
-                          const std::vector<std::pair<double, double>>& intervals);
-
-double misfitPerRow(const Misfit& misfit, const Fitted& fitted);
+                          const std::vector<Interval>& intervals);
 
 /// Stated and fitted nominal parameters.
 std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nominal);

@@ -137,25 +137,24 @@ private:
 
 } // namespace
 
-std::vector<std::pair<double, double>> linearIntervals(const Variables& v, const Fitted& fitted,
-                                                       const Eigen::MatrixXd& jacobian, double dispersion) {
+std::vector<Interval> linearIntervals(const Variables& v, const Fitted& fitted, const Eigen::MatrixXd& jacobian,
+                                      double dispersion) {
     const Eigen::MatrixXd covariance = posteriorOf(v, jacobian, dispersion);
-    std::vector<std::pair<double, double>> out;
+    std::vector<Interval> out;
     for (Index k = v.nominal; k < v.size(); ++k) {
         const double half = k90 * std::sqrt(std::max(0.0, covariance(k, k)));
-        out.emplace_back(std::max(v.lower[k], fitted.x[k] - half), std::min(v.upper[k], fitted.x[k] + half));
+        out.push_back({std::max(v.lower[k], fitted.x[k] - half), std::min(v.upper[k], fitted.x[k] + half)});
     }
     return out;
 }
 
-std::vector<std::pair<double, double>> profileIntervals(Evaluator& evaluator, const Misfit& misfit,
-                                                        const Fitted& fitted, const Eigen::MatrixXd& jacobian,
-                                                        double dispersion) {
+std::vector<Interval> profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                                       const Eigen::MatrixXd& jacobian, double dispersion) {
     const Variables v(evaluator.model(), fitted.point);
     Fitted best = fitted;
     best.jacobian = jacobian;
     const Eigen::MatrixXd covariance = posteriorOf(v, jacobian, dispersion);
-    std::vector<std::pair<double, double>> out = linearIntervals(v, fitted, jacobian, dispersion);
+    std::vector<Interval> out = linearIntervals(v, fitted, jacobian, dispersion);
     double least = fitted.misfit;
     for (Index k = v.nominal; k < v.size(); ++k) {
         auto& [low, high] = out[static_cast<std::size_t>(k - v.nominal)];

@@ -15,8 +15,8 @@
 // Appl. Statist. 37 (1988) 87.
 
 #include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/result.h"
 
-#include <utility>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -24,13 +24,12 @@ namespace supercircle::diagnosis {
 /// Ends of the 90 % intervals of the numbers behind the nominal ones, in x, by the linearised posterior.
 /// @param jacobian d(whitened simulation)/dx at the fit
 /// @param dispersion the misfit's mean square per row
-std::vector<std::pair<double, double>> linearIntervals(const Variables& variables, const Fitted& fitted,
-                                                       const Eigen::MatrixXd& jacobian, double dispersion);
+std::vector<Interval> linearIntervals(const Variables& variables, const Fitted& fitted, const Eigen::MatrixXd& jacobian,
+                                      double dispersion);
 
 /// The same by profiles, first steps by the linearised posterior. A fit that cannot be made (a simulation fails, the
 /// diagnosis is stopped) leaves that end where the linear one is.
-std::vector<std::pair<double, double>> profileIntervals(Evaluator& evaluator, const Misfit& misfit,
-                                                        const Fitted& fitted, const Eigen::MatrixXd& jacobian,
-                                                        double dispersion);
+std::vector<Interval> profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                                       const Eigen::MatrixXd& jacobian, double dispersion);
 
 } // namespace supercircle::diagnosis

@@ -17,14 +17,20 @@ effects::Model modelOf(std::initializer_list<const char*> texts) {
     return effects::modelFor(settings, "all");
 }
 
-/// A shell dropped on its tips on a floor, with the model; 0.12 s.
-step::World dropped(const effects::Model* model, double tilt = 0.3) {
-    FakeHost host;
+/// A shell with its tips above a floor.
+step::World aboveFloor(FakeHost& host, double tilt, const rod::Vec2& velocity) {
     host.g = {0.0, -kG};
     host.addGround(1, 0.35);
     step::World w;
     w.gravity = {0.0, -kG};
-    put(w, paperShell(), {0.0, 0.045}, M_PI + tilt, 0.35, {0.05, -0.2});
+    put(w, paperShell(), {0.0, 0.045}, M_PI + tilt, 0.35, velocity);
+    return w;
+}
+
+/// The same dropped, with the model; 0.12 s.
+step::World dropped(const effects::Model* model, double tilt = 0.3) {
+    FakeHost host;
+    step::World w = aboveFloor(host, tilt, {0.05, -0.2});
     if (model)
         step::setEffects(w, 0, *model);
     step::Stepper stepper{step::Settings{}};
@@ -102,11 +108,7 @@ TEST_CASE(
 
 TEST_CASE("an adhesive shell at rest takes one linearisation a step, however many of its places are near") {
     FakeHost host;
-    host.g = {0.0, -kG};
-    host.addGround(1, 0.35);
-    step::World w;
-    w.gravity = {0.0, -kG};
-    put(w, paperShell(), {0.0, 0.045}, M_PI, 0.35);
+    step::World w = aboveFloor(host, 0.0, {0.0, 0.0});
     step::setEffects(w, 0, modelOf({"adhesion:F_a_N_m=0.5", "adhesion:range_m=0.002"}));
     step::Stepper stepper{step::Settings{}};
     for (int i = 0; i < 200; ++i)
@@ -121,11 +123,7 @@ TEST_CASE("an adhesive shell at rest takes one linearisation a step, however man
 
 TEST_CASE("a world with effects is restored from its copy and goes on bit for bit") {
     FakeHost host;
-    host.g = {0.0, -kG};
-    host.addGround(1, 0.35);
-    step::World w;
-    w.gravity = {0.0, -kG};
-    put(w, paperShell(), {0.0, 0.045}, M_PI + 0.3, 0.35, {0.05, -0.2});
+    step::World w = aboveFloor(host, 0.3, {0.05, -0.2});
     step::setEffects(w, 0,
                      modelOf({"plasticity:My_over_B_1_m=1", "planar_drag:f_N_m=0.02",
                               "static_friction_excess:mu_s_over_mu_k=1.5", "adhesion:F_a_N_m=0.5"}));

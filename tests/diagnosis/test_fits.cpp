@@ -1,0 +1,235 @@
+// Fits on springs in closed form: derivatives beside jumps, laws with a threshold, pairs, intervals along bent valleys.
+
+#include "toy.h"
+
+#include "plugin/diagnosis/box.h"
+#include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/pairs.h"
+#include "plugin/diagnosis/profile.h"
+#include "plugin/diagnosis/screen.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+using namespace supercircle::diagnosis;
+
+namespace {
+
+/// Adds what an effect changes to recordings of the toy.
+void hide(Data& data, const Model& model, const std::vector<Term>& effects) {
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force += model.simulate(r, Point{{103.0, 0.08}, effects}, Fineness::Fine, nullptr).force -
+                              model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+}
+
+} // namespace
+
+namespace {
+
+/// A spring one of whose readings jumps by 5 N where the stiffness passes a value, as by a snap that comes later.
+class Snapping final : public Model {
+public:
+    Snapping(const Data& data, double at) : spring_(data), at_(at) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
+    [[nodiscard]] std::string identity() const override { return "snapping spring"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, p, f, interrupt);
+        out.force[out.force.size() / 3] += p.nominal[0] > at_ ? 5.0 : 0.0;
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    double at_;
+};
+
+} // namespace
+
+TEST_CASE("a reading that jumps beside the fit does not count as a derivative", "[diagnosis]") {
+    const Data data = toy::recordings(3);
+    const Snapping model(data, 103.5);
+    const toy::Spring smooth(data);
+    Store store, other;
+    Evaluator evaluator(model, data.runs.size(), {}, store), plain(smooth, data.runs.size(), {}, other);
+    const Point at{{103.0, 0.08}, {}};
+    const auto there = plain.everywhere({at}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Variables v(model, at);
+    Eigen::MatrixXd truth, central;
+    differentiate(plain, misfit, v, v.of(at), 0.2, {0, 1}, truth);
+    differentiate(evaluator, misfit, v, v.of(at), 0.2, {0, 1}, central);
+    const Eigen::MatrixXd careful = differentiateCarefully(evaluator, misfit, v, v.of(at), 0.2);
+    CHECK((central - truth).norm() > 10.0 * truth.norm());
+    CHECK((careful - truth).norm() < 1e-9 * truth.norm()); // linear but for the jump: rounding only
+}
+
+namespace {
+
+/// A spring that gives way beyond a force: nothing happens below the threshold, as with yielding. Its inner number is
+/// the reciprocal of that force.
+class GivesWay final : public Model {
+public:
+    explicit GivesWay(const Data& data) : spring_(data), data_(data) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "spring that gives way"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, Point{p.nominal, {}}, f, interrupt);
+        for (const Term& t : p.terms)
+            if (t.candidate == 0)
+                for (double& force : out.force)
+                    force = t.values[0] > 0.0 ? std::min(force, 1.0 / t.values[0]) : force;
+        for (const Term& t : p.terms)
+            if (t.candidate == 1) // of the sensor: behind everything
+                out.force += t.values[0] * data_.runs[r].time;
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    const Data& data_;
+    std::vector<Candidate> candidates_ = {
+        {"gives_way", "", "", "", {{"most", "1/N", "", 0.0, 0.0, 10.0, 0.1, Scale::Linear, true}}, {{2.0}}},
+        {"drift", "", "", "", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-2, Scale::Linear, true}}, {{0.05}}}};
+};
+
+} // namespace
+
+TEST_CASE("a law with a threshold is fitted from a size at which it acts", "[diagnosis]") {
+    // The force ends at 0.9 N of 1.1 N; the probe has 0.5 N, and its signature, a third as large, would fit well: but
+    // at a third of the probe the spring gives way at 1.5 N, and nothing happens.
+    Data data = toy::recordings(3);
+    const GivesWay model(data);
+    hide(data, model, {{0, {1.0 / 0.9}}});
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Fitted base = fit(evaluator, misfit, Point{{100.0, 0.1}, {}});
+    const Screened probe = screen(evaluator, misfit, base).front();
+    REQUIRE(probe.gain > 100.0);
+    REQUIRE(probe.values[0] < 1.0 / 1.1); // where nothing happens
+    const Fitted lost = fit(evaluator, misfit, Point{base.point.nominal, {{0, probe.values}}});
+    CHECK(lost.misfit > base.misfit - 1.0);
+    const Fitted found =
+        fit(evaluator, misfit, Point{base.point.nominal, {{0, settledValues(evaluator, misfit, base, probe)}}});
+    CHECK(found.misfit < base.misfit - probe.gain);
+    CHECK(found.point.terms[0].values[0] == Approx(1.0 / 0.9).epsilon(0.02));
+}
+
+TEST_CASE("the second of two effects starts from a size at which it acts", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const GivesWay model(data);
+    hide(data, model, {{1, {0.1}}, {0, {1.0 / 0.9}}});
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Fitted base = fit(evaluator, misfit, Point{{100.0, 0.1}, {}});
+    const std::vector<Screened> probes = screen(evaluator, misfit, base);
+    Tried drift;
+    drift.candidates = {1};
+    drift.fit = fit(evaluator, misfit, Point{base.point.nominal, {{1, {0.05}}}});
+    const std::vector<Tried> pairs = fitPairs(evaluator, misfit, probes, {drift});
+    REQUIRE(pairs.size() == 1);
+    CHECK(pairs[0].candidates == std::vector<std::size_t>{1, 0});
+    CHECK(pairs[0].fit.misfit < 1.2 * static_cast<double>(misfit.present())); // noise; the drift alone leaves more
+    CHECK(drift.fit.misfit > 1.5 * static_cast<double>(misfit.present()));
+    CHECK(pairs[0].fit.point.terms[1].values[0] == Approx(1.0 / 0.9).epsilon(0.02));
+}
+
+namespace {
+
+/// A spring with a law of two numbers that do each other's work: a (1 - exp(-x / b)), of which little more than a / b
+/// shows where x stays below b.
+class Saturating final : public Model {
+public:
+    explicit Saturating(const Data& data) : spring_(data), data_(data) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "saturating spring"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, Point{p.nominal, {}}, f, interrupt);
+        for (const Term& t : p.terms)
+            out.force.array() +=
+                t.values[0] *
+                (1.0 - (-data_.runs[r].displacement.array() / outer(Scale::Logarithm, t.values[1])).exp());
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    const Data& data_;
+    std::vector<Candidate> candidates_ = {{"saturates",
+                                           "",
+                                           "",
+                                           "",
+                                           {{"a", "N", "", 0.0, 0.0, 50.0, 0.5, Scale::Linear, true},
+                                            {"b", "m", "", inner(Scale::Logarithm, 0.01), inner(Scale::Logarithm, 1e-3),
+                                             inner(Scale::Logarithm, 0.3), 0.5, Scale::Logarithm, false}},
+                                           {{2.0, inner(Scale::Logarithm, 0.01)}}}};
+};
+
+/// Smallest misfit with a held, over b on a fine grid and the nominal numbers in their box: a linear problem each.
+double leastWith(const Saturating& model, const Misfit& misfit, double a) {
+    const auto at = [&](const Point& p) {
+        std::vector<Response> out;
+        for (std::size_t r = 0; r < misfit.runs(); ++r)
+            out.push_back(model.simulate(r, p, Fineness::Fine, nullptr));
+        return out;
+    };
+    const std::vector<Scalar>& n = model.nominal();
+    double least = std::numeric_limits<double>::infinity();
+    for (double b = 2e-3; b < 0.3; b *= 1.01) {
+        const std::vector<double> law = {a, inner(Scale::Logarithm, b)};
+        const auto here = at({{n[0].value, n[1].value}, {{0, law}}});
+        Eigen::MatrixXd J(misfit.rows(), 2);
+        J.col(0) = *misfit.difference(at({{n[0].upper, n[1].value}, {{0, law}}}), here);
+        J.col(1) = *misfit.difference(at({{n[0].value, n[1].upper}, {{0, law}}}), here);
+        const Eigen::VectorXd u = *misfit.residual(here), one = Eigen::VectorXd::Ones(2);
+        least = std::min(least, (u - J * boxMinimum(J.transpose() * J, J.transpose() * u, -one, one)).squaredNorm());
+    }
+    return least;
+}
+
+} // namespace
+
+TEST_CASE("an interval follows the valley of two numbers that do each other's work", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const Saturating model(data);
+    hide(data, model, {{0, {0.6, inner(Scale::Logarithm, 0.01)}}});
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const Point stated{{100.0, 0.1}, {}};
+    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Fitted found = fit(evaluator, misfit, Point{stated.nominal, {{0, {0.5, inner(Scale::Logarithm, 0.01)}}}});
+    const Variables v(model, found.point);
+    const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
+    const double perRow = found.misfit / static_cast<double>(misfit.present()), dispersion = std::max(1.0, perRow);
+    const auto linear = linearIntervals(v, found, J, perRow),
+               profiled = profileIntervals(evaluator, misfit, found, J, perRow);
+    const auto a = [&](double x) { return v.scalar(2).value + x * v.scalar(2).step; };
+    const double least = leastWith(model, misfit, a(found.x[2]));
+    const auto outside = [&](double x) { return leastWith(model, misfit, a(x)) - least > 2.706 * dispersion; };
+    const auto endTowards = [&](double far) {
+        double in = found.x[2], out = far;
+        REQUIRE(outside(out));
+        for (int i = 0; i < 7; ++i)
+            (outside(0.5 * (in + out)) ? out : in) = 0.5 * (in + out);
+        return a(0.5 * (in + out));
+    };
+    const double low = endTowards(v.lower[2] + 0.1), high = endTowards(found.x[2] + 4.0), width = high - low;
+    INFO("truth " << low << " to " << high << ", linear " << a(linear[0].low) << " to " << a(linear[0].high)
+                  << ", profile " << a(profiled[0].low) << " to " << a(profiled[0].high));
+    // Ends are closed in on to a tenth of their distance, of which the search for them stops anywhere.
+    CHECK(std::abs(a(profiled[0].low) - low) < 0.1 * width);
+    CHECK(std::abs(a(profiled[0].high) - high) < 0.1 * width);
+    CHECK(std::abs(a(linear[0].low) - low) > 0.2 * width); // the valley is bent
+    CHECK(std::abs(a(linear[0].high) - high) > 0.2 * width);
+}

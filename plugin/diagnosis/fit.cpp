@@ -118,18 +118,20 @@ Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfi
     }
     const auto answers = evaluator.everywhere(points, Fineness::Coarse);
     const std::vector<Response>& here = answers.front();
+    if (!misfit.residual(here))
+        return Eigen::MatrixXd::Zero(misfit.rows(), v.size());
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(misfit.rows(), v.size());
     for (Eigen::Index c = 0; c < v.size(); ++c) {
         const auto& above = answers[2 * static_cast<std::size_t>(c) + 1];
         const auto& below = answers[2 * static_cast<std::size_t>(c) + 2];
         const double toUp = up[c] - x[c], toDown = x[c] - down[c];
-        std::vector<Response> moved = here; // by one unit, readings before they are whitened: whitening spreads a jump
-        for (std::size_t r = 0; r < here.size(); ++r) {
-            moved[r].force += nearerToZero(above[r].force, here[r].force, below[r].force, toUp, toDown);
-            moved[r].markers += nearerToZero(above[r].markers, here[r].markers, below[r].markers, toUp, toDown);
-        }
-        if (const auto change = misfit.difference(moved, here))
-            out.col(c) = *change;
+        Eigen::VectorXd column(misfit.rows()); // slopes before they are whitened: whitening spreads a jump
+        for (std::size_t r = 0; r < here.size(); ++r)
+            column.segment(misfit.start(r), misfit.rowsOf(r)) =
+                misfit.whiten(r, nearerToZero(misfit.departure(r, below[r]), misfit.departure(r, here[r]),
+                                              misfit.departure(r, above[r]), toDown, toUp));
+        if (column.allFinite())
+            out.col(c) = column;
     }
     return out;
 }

@@ -66,25 +66,20 @@ Grouping groupingOf(const Misfit& misfit) {
     const bool byRun = misfit.runs() > 1;
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RecordedRun& run = misfit.data().runs[r];
-        const RowErrors& errors = misfit.errors(r);
-        const Index n = run.force.size();
         // Cycles of a single run: a new one begins with each loading.
         std::vector<int> cycle;
         for (const Leg& leg : run.legs)
             cycle.push_back((cycle.empty() ? 0 : cycle.back()) + (leg.phase == Phase::Loading ? 1 : 0));
         std::map<std::pair<int, bool>, int> blocks;
         for (Index k = 0; k < misfit.rowsOf(r); ++k) {
-            const bool force = k < n;
-            const double e = force ? errors.force[k] : errors.markers[k - n];
-            const int leg = force ? run.leg[static_cast<std::size_t>(k)]
-                                  : run.markerLeg[static_cast<std::size_t>((k - n) % run.markerTime.size())];
-            if (!std::isfinite(e)) {
+            const int leg = misfit.leg(r, k);
+            if (!misfit.counts(r, k)) {
                 g.fold.push_back(-1);
                 g.block.push_back(-1);
                 continue;
             }
             g.fold.push_back(byRun ? static_cast<int>(r) : std::max(0, cycle[static_cast<std::size_t>(leg)] - 1));
-            const auto at = blocks.emplace(std::pair(leg, force), g.blocks);
+            const auto at = blocks.emplace(std::pair(leg, misfit.isMarker(r, k)), g.blocks);
             g.blocks += at.second ? 1 : 0;
             g.block.push_back(at.first->second);
         }
@@ -101,14 +96,15 @@ double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, c
     double sum = 0.0, rows = 0.0;
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RecordedRun& run = misfit.data().runs[r];
-        if (simulated[r].force.size() != run.force.size())
+        const Eigen::VectorXd departure = misfit.departure(r, simulated[r]);
+        if (departure.size() == 0)
             continue;
         std::vector<double> d;
         double mean = 0.0;
         for (Index k = 0; k < run.force.size(); ++k)
             if (std::isfinite(misfit.errors(r).force[k]) &&
                 (grouping == nullptr || grouping->fold[static_cast<std::size_t>(misfit.start(r) + k)] == fold)) {
-                d.push_back(run.force[k] - simulated[r].force[k]);
+                d.push_back(departure[k]);
                 mean += d.back();
             }
         mean /= std::max<double>(1.0, static_cast<double>(d.size()));

@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/localise.h"
 
+#include "plugin/diagnosis/jumps.h"
 #include "plugin/diagnosis/random.h"
 
 #include <Eigen/QR>
@@ -26,6 +27,7 @@ public:
         for (std::size_t r = 0; r < misfit.runs(); ++r) {
             byTime(r);
             markers(r);
+            jumps(r);
         }
         std::vector<std::size_t> every(misfit.runs());
         for (std::size_t r = 0; r < every.size(); ++r)
@@ -174,6 +176,20 @@ private:
                 }
     }
 
+    /// How far its jumps lie from where they should.
+    void jumps(std::size_t r) {
+        const RecordedRun& run = misfit_.data().runs[r];
+        Eigen::Index row = misfit_.start(r) + run.rows();
+        for (const replay::Landmark& jump : misfit_.jumps(r)) {
+            Spot c;
+            const Leg& leg = run.legs[static_cast<std::size_t>(legOf(run, jump.time))];
+            c.window = {run.name,          name(leg.phase),   "time", "force", jump.time - 0.1, jump.time + 0.3,
+                        jump.displacement, jump.displacement, -1.0};
+            c.rows = {row++};
+            all.push_back(std::move(c));
+        }
+    }
+
     const Misfit& misfit_;
 };
 
@@ -184,10 +200,9 @@ Eigen::VectorXd shiftOf(const Misfit& misfit, const Spot& c) {
         raw[c.rows[i]] = c.sign.size() > 0 ? c.sign[static_cast<Eigen::Index>(i)] : 1.0;
     Eigen::VectorXd out = Eigen::VectorXd::Zero(misfit.rows());
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
-        const Eigen::Index n = misfit.data().runs[r].force.size();
         const auto part = raw.segment(misfit.start(r), misfit.rowsOf(r));
         if (part.squaredNorm() > 0.0)
-            out.segment(misfit.start(r), misfit.rowsOf(r)) = misfit.whiten(r, part.head(n), part.tail(part.size() - n));
+            out.segment(misfit.start(r), misfit.rowsOf(r)) = misfit.whiten(r, part);
     }
     return out;
 }
@@ -229,15 +244,14 @@ Eigen::VectorXd beyondProbable(const Misfit& misfit, const Noise::Possible& p, R
     Eigen::VectorXd out = Eigen::VectorXd::Zero(misfit.rows());
     for (std::size_t r = 0; r < misfit.runs() && white + slow > 0.0; ++r) {
         const RecordedRun& run = misfit.data().runs[r];
-        Eigen::VectorXd raw(run.force.size());
+        Eigen::VectorXd raw = Eigen::VectorXd::Zero(misfit.rowsOf(r));
         double state = random.normal();
-        for (Eigen::Index k = 0; k < raw.size(); ++k) {
+        for (Eigen::Index k = 0; k < run.force.size(); ++k) {
             const double keep = k > 0 ? std::exp(-(run.time[k] - run.time[k - 1]) / p.memory) : 1.0;
             state = keep * state + std::sqrt(1.0 - keep * keep) * random.normal();
             raw[k] = slow * state + white * random.normal();
         }
-        out.segment(misfit.start(r), misfit.rowsOf(r)) =
-            misfit.whiten(r, raw, Eigen::VectorXd::Zero(run.markers.size()));
+        out.segment(misfit.start(r), misfit.rowsOf(r)) = misfit.whiten(r, raw);
     }
     return out;
 }
@@ -347,10 +361,8 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     const Eigen::Index m = shifts.cols();
     Eigen::VectorXd counted = Eigen::VectorXd::Zero(misfit.rows()); // rows that are missing stay 0 in the null too
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
-        const RowErrors& e = misfit.errors(r);
         for (Eigen::Index k = 0; k < misfit.rowsOf(r); ++k)
-            counted[misfit.start(r) + k] =
-                std::isfinite(k < e.force.size() ? e.force[k] : e.markers[k - e.force.size()]) ? 1.0 : 0.0;
+            counted[misfit.start(r) + k] = misfit.counts(r, k) ? 1.0 : 0.0;
     }
     const double tails = misfit.noise().tails;
     const double degrees = tails > 0.0 ? 4.0 + 6.0 / tails : 0.0; // Student's t with this kurtosis

@@ -215,7 +215,7 @@ void contacts(Writer& w, const Sizes& s) {
 void apparatus(Writer& w, const Sizes& s) {
     const double stiff = s.force / (0.02 * s.travel);
     w.form("machine_compliance").amplitude("k_N_m", 0.02 * stiff, 1e12, 3.0 * stiff, Scale::Reciprocal);
-    w.probe({5.0 * stiff}).probe({stiff});
+    w.probe({5.0 * stiff}).probe({stiff}).probe({0.1 * stiff}); // the last gives way by a fifth of the travel
     w.form("backlash", "taken up at reversals").with("law", 0);
     w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).probe({1e-2 * s.travel}).probe({3e-2 * s.travel});
     w.form("backlash", "taken up by the force").with("law", 1);

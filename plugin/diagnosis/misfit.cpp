@@ -1,6 +1,6 @@
 #include "plugin/diagnosis/misfit.h"
 
-#include "plugin/replay/compare.h"
+#include "plugin/diagnosis/jumps.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -35,10 +35,7 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const M
     const experiment::Readings readings{listOf(run.time), listOf(run.displacement), listOf(force)};
     const double dt = spacing(run);
     for (const replay::Landmark& jump : replay::findLandmarks(readings, s.snapShare)) {
-        // A jump at a turning point of the drive is friction or viscosity turning round, known to a row.
-        const bool turns = std::any_of(run.legs.begin(), run.legs.end(), [&](const Leg& leg) {
-            return jump.time > leg.from - 2.0 * dt && jump.time < leg.from + 0.1 + 2.0 * dt;
-        });
+        const bool turns = atTurningPoint(run, jump.time);
         if (!turns)
             out.snaps.push_back(jump.time);
         const double before = turns ? 1.5 * dt : s.snapBefore, after = turns ? 1.5 * dt : s.snapAfter;
@@ -89,6 +86,14 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     const bool known = fine.failure.empty() && fine.force.size() == n;
     const bool both = known && coarse.failure.empty() && coarse.force.size() == n;
     const double dt = spacing(run);
+    Eigen::VectorXd apart;
+    if (both) {
+        apart = fine.force - coarse.force;
+        const auto p = jumpsOf(run, fine, s.snapShare), q = jumpsOf(run, coarse, s.snapShare);
+        for (const auto& [i, j] : sameJumps(run, p, q, s.jumpFarthest))
+            bridge(apart, run.time, out.force, std::min(p[i].time, q[j].time) - s.snapBefore,
+                   std::max(p[i].time, q[j].time) + s.snapAfter);
+    }
     const auto reach = std::max<Eigen::Index>(2, static_cast<Eigen::Index>(out.memory / dt));
     for (Eigen::Index k = 0; k < n && known; ++k) {
         const Leg& leg = run.legs[static_cast<std::size_t>(run.leg[static_cast<std::size_t>(k)])];
@@ -97,7 +102,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
         double grid = 0.0;
         if (both) {
             const Eigen::Index a = std::max<Eigen::Index>(0, k - reach), b = std::min(n, k + reach + 1);
-            grid = (fine.force - coarse.force).segment(a, b - a).norm() / std::sqrt(static_cast<double>(b - a)) / 3.0;
+            grid = apart.segment(a, b - a).norm() / std::sqrt(static_cast<double>(b - a)) / 3.0;
         }
         out.force[k] = std::sqrt(out.force[k] * out.force[k] + place * place + grid * grid);
     }
@@ -118,7 +123,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
 
 Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine,
                const std::vector<Response>& coarse, const MisfitSettings& settings)
-    : data_(data), noise_(noise), start_{0} {
+    : data_(data), noise_(noise), settings_(settings), start_{0} {
     const double peak = data.free ? 0.0 : data.peakForce(); // the equations of free bodies are solved exactly
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
@@ -126,6 +131,7 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.errors = rowErrors(run, noise, fine[r], coarse[r], peak, settings);
         part.force =
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
+        addJumps(run, fine[r], coarse[r], part);
         const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, spacing(run)) : noise.total();
         part.own.resize(run.force.size(), 2);
         part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
@@ -133,8 +139,8 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.shrink = shrinking(part.own);
         addPlaces(run, settings.markerShift, part);
         addLandings(run, settings.landing, part);
+        start_.push_back(start_.back() + run.rows() + static_cast<Eigen::Index>(part.jumps.size()));
         parts_.push_back(std::move(part));
-        start_.push_back(start_.back() + run.rows());
     }
 }
 
@@ -169,18 +175,63 @@ void Misfit::addPlaces(const RecordedRun& run, double deviation, Part& part) {
     }
 }
 
-Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& force, const Eigen::VectorXd& markers) const {
+void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Response& coarse, Part& part) const {
+    part.jumps = jumpsOf(run, run.force, settings_.snapShare);
+    const double travel = run.displacement.maxCoeff() - run.displacement.minCoeff();
+    for (const replay::Landmark& jump : part.jumps) {
+        const double speed = std::abs(run.legs[static_cast<std::size_t>(legOf(run, jump.time))].speed);
+        part.jumpErrors.push_back(std::hypot(spacing(run) / std::sqrt(12.0), settings_.jumpPlace * travel / speed));
+    }
+    if (fine.force.size() != run.force.size() || coarse.force.size() != run.force.size())
+        return;
+    const auto a = jumpsOf(run, fine, settings_.snapShare), b = jumpsOf(run, coarse, settings_.snapShare);
+    const auto numerical = sameJumps(run, a, b, settings_.jumpFarthest);
+    for (const auto& [i, j] : sameJumps(run, part.jumps, a, settings_.jumpFarthest))
+        for (const auto& [f, c] : numerical)
+            if (f == j)
+                part.jumpErrors[i] = std::hypot(part.jumpErrors[i], (a[f].time - b[c].time) / 3.0);
+}
+
+Eigen::VectorXd Misfit::departure(std::size_t r, const Response& s) const {
+    const RecordedRun& run = data_.runs[r];
+    const Part& part = parts_[r];
+    if (!s.failure.empty() || s.force.size() != run.force.size() || s.markers.size() != run.markers.size())
+        return {};
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(rowsOf(r));
+    out.head(run.force.size()) = run.force - s.force;
+    out.segment(run.force.size(), run.markers.size()) = run.markers - s.markers;
+    if (part.jumps.empty())
+        return out;
+    const auto simulated = jumpsOf(run, s, settings_.snapShare);
+    const Eigen::Index seen = run.markerTime.size();
+    for (const auto& [i, j] : sameJumps(run, part.jumps, simulated, settings_.jumpFarthest)) {
+        const double t0 = part.jumps[i].time, t1 = simulated[j].time;
+        out[run.rows() + static_cast<Eigen::Index>(i)] = t0 - t1;
+        const double from = std::min(t0, t1) - settings_.snapBefore, to = std::max(t0, t1) + settings_.snapAfter;
+        bridge(out.head(run.force.size()), run.time, part.errors.force, from, to);
+        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && seen > 0; ++c)
+            bridge(out.segment(run.force.size() + c * seen, seen), run.markerTime,
+                   part.errors.markers.segment(c * seen, seen), from, to);
+    }
+    return out;
+}
+
+Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& departure) const {
     const Part& part = parts_[r];
     const RecordedRun& run = data_.runs[r];
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(run.rows());
-    Eigen::VectorXd present = force;
+    const auto markers = departure.segment(run.force.size(), run.markers.size());
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(rowsOf(r));
+    for (std::size_t i = 0; i < part.jumps.size(); ++i)
+        out[run.rows() + static_cast<Eigen::Index>(i)] =
+            departure[run.rows() + static_cast<Eigen::Index>(i)] / part.jumpErrors[i];
+    Eigen::VectorXd present = departure.head(run.force.size());
     for (Eigen::Index k = 0; k < present.size(); ++k)
         if (!std::isfinite(part.errors.force[k]))
             present[k] = 0.0; // is not looked at
     Eigen::VectorXd u = part.force.apply(present);
     u -= part.own * (part.shrink * (part.own.transpose() * u));
     out.head(run.force.size()) = u;
-    for (Eigen::Index k = 0; k < run.markers.size() && k < markers.size(); ++k)
+    for (Eigen::Index k = 0; k < run.markers.size(); ++k)
         if (std::isfinite(part.errors.markers[k]))
             out[run.force.size() + k] = markers[k] / part.errors.markers[k];
     for (const auto& [from, to, deviation] : part.shifts) {
@@ -202,31 +253,40 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& force, cons
 std::optional<Eigen::VectorXd> Misfit::residual(const std::vector<Response>& simulated) const {
     Eigen::VectorXd out(rows());
     for (std::size_t r = 0; r < runs(); ++r) {
-        const RecordedRun& run = data_.runs[r];
-        const Response& s = simulated[r];
-        if (!s.failure.empty() || s.force.size() != run.force.size() || s.markers.size() != run.markers.size())
+        const Eigen::VectorXd d = departure(r, simulated[r]);
+        if (d.size() != rowsOf(r))
             return std::nullopt;
-        out.segment(start(r), rowsOf(r)) = whiten(r, run.force - s.force, run.markers - s.markers);
+        out.segment(start(r), rowsOf(r)) = whiten(r, d);
     }
     return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
 }
 
 std::optional<Eigen::VectorXd> Misfit::difference(const std::vector<Response>& a,
                                                   const std::vector<Response>& b) const {
-    Eigen::VectorXd out(rows());
-    for (std::size_t r = 0; r < runs(); ++r) {
-        if (!a[r].failure.empty() || !b[r].failure.empty() || a[r].force.size() != b[r].force.size() ||
-            a[r].markers.size() != b[r].markers.size())
-            return std::nullopt;
-        out.segment(start(r), rowsOf(r)) = whiten(r, a[r].force - b[r].force, a[r].markers - b[r].markers);
-    }
-    return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
+    const auto of = residual(b), from = residual(a); // both are what was recorded minus what was simulated
+    return of && from ? std::optional<Eigen::VectorXd>(*of - *from) : std::nullopt;
+}
+
+bool Misfit::counts(std::size_t r, Eigen::Index row) const {
+    const RowErrors& e = parts_[r].errors;
+    return isForce(r, row)    ? std::isfinite(e.force[row])
+           : isMarker(r, row) ? std::isfinite(e.markers[row - e.force.size()])
+                              : true;
+}
+
+int Misfit::leg(std::size_t r, Eigen::Index row) const {
+    const RecordedRun& run = data_.runs[r];
+    if (isForce(r, row))
+        return run.leg[static_cast<std::size_t>(row)];
+    if (isMarker(r, row))
+        return run.markerLeg[static_cast<std::size_t>((row - run.force.size()) % run.markerTime.size())];
+    return legOf(run, parts_[r].jumps[static_cast<std::size_t>(row - run.rows())].time);
 }
 
 Eigen::Index Misfit::presentIn(std::size_t r) const {
-    Eigen::Index n = parts_[r].force.present();
-    for (const double e : parts_[r].errors.markers)
-        n += std::isfinite(e) ? 1 : 0;
+    Eigen::Index n = 0;
+    for (Eigen::Index k = 0; k < rowsOf(r); ++k)
+        n += counts(r, k) ? 1 : 0;
     return n;
 }
 

@@ -5,8 +5,8 @@
 // - the simulation's own error: a third of the difference between the coarse and the fine simulation (a halved element
 //   quarters the error), the force's slope times the few micrometres to which contact places agree, and a share of the
 //   peak (the limits measured for this simulator);
-// - snaps: there a curve's rows mean nothing, they are missing (Mask). Where the machine itself turns round, only the
-//   rows beside the turning point are;
+// - snaps: there a curve's rows mean nothing, they are missing. Where the machine itself turns round, only the rows
+//   beside the turning point are. Where a jump of the force happens is a row of its own (jumps.h);
 // - the force zero: the mean of the first stretch was subtracted from noise, which shifts the whole run; and its clock,
 //   which agrees with the drive's to a tenth of a row. They are normal variables with known priors, integrated out by
 //   shrinking their directions N: (1 + N N')^(-1/2) = 1 - N S N';
@@ -21,6 +21,7 @@
 #include "plugin/diagnosis/model.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/whitening.h"
+#include "plugin/replay/compare.h"
 
 #include <Eigen/Core>
 #include <optional>
@@ -39,6 +40,8 @@ struct MisfitSettings {
     double snapBefore = 0.1;     ///< s left out ahead of a snap
     double snapAfter = 0.3;      ///< and behind it
     double snapShare = 0.15;     ///< of the force range within two rows
+    double jumpPlace = 2e-3;     ///< to which a simulated jump's place is known, share of the travel
+    double jumpFarthest = 0.2;   ///< share of a leg by which one event may lie apart in two curves
 };
 
 /// Rows that do not count, and the simulation's error in the others.
@@ -57,14 +60,17 @@ public:
     Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine, const std::vector<Response>& coarse,
            const MisfitSettings& settings = {});
 
+    /// Recorded minus simulated of one run, as measured: force, N, markers, m, and jumps, s. Force and markers between
+    /// a recorded and a simulated jump that are one are bridged. Empty if the simulation failed or did not reach the
+    /// end.
+    [[nodiscard]] Eigen::VectorXd departure(std::size_t run, const Response& simulated) const;
     /// Recorded minus simulated of all runs, whitened; empty if a simulation failed or did not reach the end.
     [[nodiscard]] std::optional<Eigen::VectorXd> residual(const std::vector<Response>& simulated) const;
     /// Whitened a - b.
     [[nodiscard]] std::optional<Eigen::VectorXd> difference(const std::vector<Response>& a,
                                                             const std::vector<Response>& b) const;
-    /// Of any raw pair of vectors of one run.
-    [[nodiscard]] Eigen::VectorXd whiten(std::size_t run, const Eigen::VectorXd& force,
-                                         const Eigen::VectorXd& markers) const;
+    /// Of any departure of one run.
+    [[nodiscard]] Eigen::VectorXd whiten(std::size_t run, const Eigen::VectorXd& departure) const;
 
     [[nodiscard]] const Data& data() const { return data_; }
     [[nodiscard]] const Noise& noise() const { return noise_; }
@@ -76,8 +82,14 @@ public:
     [[nodiscard]] Eigen::Index present() const;
     [[nodiscard]] Eigen::Index presentIn(std::size_t run) const;
     [[nodiscard]] const RowErrors& errors(std::size_t run) const { return parts_[run].errors; }
-    /// Row of the stack to channel and time: markers come behind the force.
+    /// Rows of a run are those of its force, of its markers and of its jumps, in this order.
     [[nodiscard]] bool isForce(std::size_t run, Eigen::Index row) const { return row < data_.runs[run].force.size(); }
+    [[nodiscard]] bool isMarker(std::size_t run, Eigen::Index row) const {
+        return !isForce(run, row) && row < data_.runs[run].rows();
+    }
+    [[nodiscard]] bool counts(std::size_t run, Eigen::Index row) const;
+    [[nodiscard]] int leg(std::size_t run, Eigen::Index row) const; ///< of the drive
+    [[nodiscard]] const std::vector<replay::Landmark>& jumps(std::size_t run) const { return parts_[run].jumps; }
 
 private:
     struct Part {
@@ -91,12 +103,16 @@ private:
             double deviation = 0.0;        ///< of their shift, m
         };
         std::vector<Shared> shifts;
+        std::vector<replay::Landmark> jumps;
+        std::vector<double> jumpErrors; ///< of their times, s
     };
+    void addJumps(const RecordedRun& run, const Response& fine, const Response& coarse, Part& part) const;
     static void addLandings(const RecordedRun& run, double deviation, Part& part);
     static void addPlaces(const RecordedRun& run, double deviation, Part& part);
 
     const Data& data_;
     Noise noise_;
+    MisfitSettings settings_;
     std::vector<Part> parts_;
     std::vector<Eigen::Index> start_;
 };

@@ -81,6 +81,8 @@ struct Response {
     std::string failure;
     Eigen::VectorXd force;   ///< N, at the recording's times
     Eigen::VectorXd markers; ///< m: x of marker 0 over time, its y, x of marker 1, ...
+    /// When the force jumped, s, finer than the readings tell; may be empty.
+    Eigen::VectorXd jumps{};
 };
 
 /// A run that was not made but could be.

@@ -6,6 +6,7 @@
 #include "plugin/diagnosis/designs.h"
 #include "plugin/diagnosis/store.h"
 #include "plugin/record/text.h"
+#include "plugin/replay/compare.h"
 #include "plugin/replay/parameters.h"
 #include "plugin/replay/simulate.h"
 
@@ -253,6 +254,7 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
     const experiment::Run& recorded = experiment_.runs[run];
     out.force =
         experiment::channel(experiment_).perUnit * vectorOf(filled(s.readings.force, recorded.readings.time.size()));
+    out.jumps = vectorOf(replay::jumpTimes(s));
     const std::size_t seen = recorded.markers.time.size();
     const std::size_t markers = seen > 0 ? experiment_.markers.size() : 0;
     out.markers.resize(static_cast<Eigen::Index>(2 * markers * seen));

@@ -10,7 +10,7 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-constexpr char kMagic[] = "supercircle diagnosis store 1\n";
+constexpr char kMagic[] = "supercircle diagnosis store 2\n";
 
 /// FNV-1a, G. Fowler, L. C. Noll, K.-P. Vo.
 std::uint64_t checkSum(const std::string& text) {
@@ -81,6 +81,7 @@ std::string entryOf(const std::string& key, const Response& r) {
     put(body, r.failure);
     put(body, r.force);
     put(body, r.markers);
+    put(body, r.jumps);
     std::string entry;
     put(entry, body);
     put(entry, checkSum(body));
@@ -119,6 +120,7 @@ std::string Store::open(const std::string& path, const std::string& identity) {
             r.failure = inside.words();
             r.force = inside.vector();
             r.markers = inside.vector();
+            r.jumps = inside.vector();
             if (!inside.good)
                 break;
             known_.emplace(key, std::move(r));

@@ -133,6 +133,30 @@ std::vector<Landmark> findLandmarks(const Readings& r, double share) {
     return found;
 }
 
+std::vector<double> jumpTimes(const Simulated& simulated) {
+    std::vector<double> times;
+    const Readings& r = simulated.readings;
+    const Readings& fine = simulated.trace;
+    const double dt =
+        r.time.size() > 1 ? (r.time.back() - r.time.front()) / static_cast<double>(r.time.size() - 1) : 0.0;
+    for (const Landmark& mark : findLandmarks(r)) {
+        const double half = 0.5 * (mark.before + mark.after);
+        double nearest = dt, time = mark.time;
+        for (std::size_t k = 1; k < fine.time.size(); ++k) {
+            const double a = fine.force[k - 1] - half, b = fine.force[k] - half;
+            if (a == b || a * b > 0.0 || (b > a) != (mark.after > mark.before))
+                continue;
+            const double at = fine.time[k - 1] + a / (a - b) * (fine.time[k] - fine.time[k - 1]);
+            if (std::abs(at - mark.time) < nearest) {
+                nearest = std::abs(at - mark.time);
+                time = at;
+            }
+        }
+        times.push_back(time);
+    }
+    return times;
+}
+
 std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vector<Landmark>& a,
                                                                 const std::vector<Landmark>& b, double farthest) {
     std::vector<std::pair<std::size_t, std::size_t>> pairs;

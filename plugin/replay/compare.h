@@ -27,6 +27,9 @@ struct Landmark {
 /// factor of three. In the order of time.
 std::vector<Landmark> findLandmarks(const experiment::Readings& readings, double share = 0.15);
 
+/// When a simulation passed the middle of each jump that its readings show, by its own steps, s.
+std::vector<double> jumpTimes(const Simulated& simulated);
+
 /// Pairs (index into a, index into b) of jumps of the same direction, nearest in time first, at most `farthest` seconds
 /// apart; in the order of a.
 std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vector<Landmark>& a,

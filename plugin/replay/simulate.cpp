@@ -181,7 +181,7 @@ private:
                 return stopped_;
             });
             clock_ = std::max(clock_, end);
-            trace_.addForce(clock_, rig_.force());
+            trace_.addForce(clock_, rigid() ? rig_.force() : pressing_); // which has no impacts
             trace_.addMarkers(rig_, e_, clock_);
         }
     }

@@ -207,7 +207,9 @@ TEST_CASE("markers may lie beside their simulated places, another way in each le
         }
     REQUIRE(rows > 100.0);
     const auto size = [&](const Eigen::VectorXd& markers) {
-        return misfit.whiten(0, Eigen::VectorXd::Zero(n), markers).norm();
+        Eigen::VectorXd departure(3 * n);
+        departure << Eigen::VectorXd::Zero(n), markers;
+        return misfit.whiten(0, departure).norm();
     };
     // A shift is as large as in their mean, whose deviation is that of the place and of so many rows.
     const double one = std::hypot(3e-5, MisfitSettings{}.markerPlace), shift = MisfitSettings{}.markerShift;

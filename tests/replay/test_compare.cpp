@@ -39,6 +39,22 @@ TEST_CASE("smooth curves have no landmarks", "[replay]") {
     CHECK(replay::findLandmarks(r).empty());
 }
 
+TEST_CASE("a simulation's jump is timed by its own steps, not by its readings", "[replay]") {
+    replay::Simulated s;
+    s.readings = ramp(6.013); // every 20 ms
+    for (int i = 0; i <= 10000; ++i) {
+        const double t = 1e-3 * i;
+        s.trace.time.push_back(t);
+        s.trace.displacement.push_back(1e-3 * t);
+        s.trace.force.push_back(t < 6.0125 ? t / 6.013 : 0.2);
+    }
+    const std::vector<double> times = replay::jumpTimes(s);
+    REQUIRE(times.size() == 1);
+    CHECK(times[0] == Approx(6.0125).margin(5e-4)); // half a step
+    s.trace = {};
+    CHECK(replay::jumpTimes(s) == std::vector<double>{replay::findLandmarks(s.readings)[0].time});
+}
+
 TEST_CASE("errors leave a window around matched jumps out", "[replay]") {
     experiment::Run run;
     run.readings = ramp(6.01);

@@ -1,0 +1,138 @@
+// Jumps of the force as observations of their place, on a spring with a latch that springs open at a place.
+
+#include "toy.h"
+
+#include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/jumps.h"
+#include "plugin/diagnosis/noise.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+namespace replay = supercircle::replay;
+using namespace supercircle::diagnosis;
+
+namespace {
+
+constexpr double kDrop = 0.5, kTravel = 0.01; // N, m
+
+/// The toy's spring, whose force falls by half a newton for the rest of the run where it first passes a place.
+class Latch final : public Model {
+public:
+    explicit Latch(const Data& data) : data_(data), spring_(data), nominal_(spring_.nominal()) {
+        nominal_.push_back({"place", "m", "", 6e-3, 4e-3, 8e-3, 1e-3, Scale::Linear, false});
+    }
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
+    [[nodiscard]] std::string identity() const override { return "spring with a latch"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, p, f, interrupt);
+        const Leg& down = data_.runs[r].legs[1];
+        const double open = down.from + p.nominal[2] / down.speed; // s
+        for (Eigen::Index k = 0; k < out.force.size(); ++k)
+            out.force[k] -= data_.runs[r].time[k] > open ? kDrop : 0.0;
+        out.jumps = Eigen::VectorXd::Constant(1, open);
+        return out;
+    }
+
+private:
+    const Data& data_;
+    toy::Spring spring_;
+    std::vector<Scalar> nominal_;
+};
+
+Data latched(std::uint64_t seed, double place) {
+    Data data = toy::recordings(seed);
+    const Latch model(data);
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force +=
+            model.simulate(r, Point{{103.0, 0.08, place}, {}}, Fineness::Fine, nullptr).force -
+            model.simulate(r, Point{{103.0, 0.08, 1.0}, {}}, Fineness::Fine, nullptr).force; // beyond the travel
+    return data;
+}
+
+std::vector<Response> at(const Data& data, const Point& p) {
+    const Latch model(data);
+    std::vector<Response> all;
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        all.push_back(model.simulate(r, p, Fineness::Fine, nullptr));
+    return all;
+}
+
+} // namespace
+
+TEST_CASE("a jump that comes late is one observation, not one in every row it is late by", "[diagnosis]") {
+    const Point truth{{103.0, 0.08, 6.437e-3}, {}};
+    Data data = latched(3, 6.437e-3);
+    const auto exact = at(data, truth);
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force = exact[r].force; // no noise
+    Noise noise;
+    noise.white = 0.01;
+    const Misfit misfit(data, noise, exact, exact, {});
+    const std::size_t slow = 0; // 1 mm/s, 25 readings/s: 1 mm takes 25 rows
+    REQUIRE(misfit.jumps(slow).size() == 1);
+    Eigen::VectorXd there = misfit.departure(slow, exact[slow]);
+    // A recorded jump lies somewhere between two readings.
+    CHECK(std::abs(there[there.size() - 1]) <= 0.5 / 25.0 + 1e-12);
+    const auto late = at(data, Point{{103.0, 0.08, 7.437e-3}, {}});
+    const Eigen::VectorXd d = misfit.departure(slow, late[slow]);
+    CHECK(d[d.size() - 1] - there[there.size() - 1] == Approx(-1.0).epsilon(1e-9)); // s
+    // Its error: of a uniform distribution between two readings, and of the simulated place.
+    const double error = std::hypot(1.0 / 25.0 / std::sqrt(12.0), MisfitSettings{}.jumpPlace * kTravel / 1e-3);
+    const Eigen::VectorXd u = misfit.whiten(slow, d);
+    CHECK(u.norm() == Approx(std::abs(d[d.size() - 1]) / error).epsilon(1e-3)); // the mean spacing of the rows
+    CHECK(u.head(u.size() - 1).cwiseAbs().maxCoeff() < 1e-9);                   // equal before and behind: rounding
+    CHECK(misfit.counts(slow, u.size() - 1));
+    CHECK(misfit.leg(slow, u.size() - 1) == 1);
+
+    SECTION("a simulation without the jump is wrong in every row") {
+        const auto never = at(data, Point{{103.0, 0.08, 1.0}, {}});
+        const Eigen::VectorXd n = misfit.departure(slow, never[slow]);
+        CHECK(n[n.size() - 1] == 0.0);
+        CHECK(misfit.whiten(slow, n).norm() > 10.0 * u.norm()); // though u is 44 of its deviations
+    }
+    SECTION("jumps of other legs, and too far away, are other events") {
+        std::vector<replay::Landmark> a(1), b(1);
+        const Leg& down = data.runs[slow].legs[1];
+        a[0].time = down.from + 0.5;
+        b[0].time = a[0].time + 0.9 * 0.2 * (down.to - down.from);
+        CHECK(sameJumps(data.runs[slow], a, b, 0.2).size() == 1);
+        b[0].time = a[0].time + 1.1 * 0.2 * (down.to - down.from);
+        CHECK(sameJumps(data.runs[slow], a, b, 0.2).empty());
+        a[0].time = down.to - 0.1;
+        b[0].time = down.to + 0.1;
+        CHECK(sameJumps(data.runs[slow], a, b, 0.2).empty());
+    }
+}
+
+TEST_CASE("a bridge is a straight line between what counts on either side", "[diagnosis]") {
+    const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(11, 0.0, 10.0);
+    Eigen::VectorXd errors = Eigen::VectorXd::Ones(11), d = 2.0 * time;
+    errors[3] = std::numeric_limits<double>::infinity();
+    d[3] = 77.0;
+    d.segment(4, 3).setConstant(1e3);
+    bridge(d, time, errors, 3.5, 6.5);
+    CHECK(d[3] == 77.0);
+    for (const Eigen::Index k : {4, 5, 6})
+        CHECK(d[k] == Approx(2.0 * time[k]).epsilon(1e-12)); // from 0, 1, 2 and 7, 8, 9
+    d.tail(6).setConstant(1e3);
+    bridge(d, time, errors, 4.5, 20.0); // nothing behind it: as before it
+    CHECK(d[10] == Approx((2.0 * time[1] + 2.0 * time[2] + 2.0 * time[4]) / 3.0));
+}
+
+TEST_CASE("a fit is led by where a jump happens, and a forecast knows how far that is uncertain", "[diagnosis]") {
+    constexpr double kPlace = 6.437e-3;
+    const Data data = latched(11, kPlace);
+    const Latch model(data);
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const Diagnosis d = diagnose(data, evaluator, toy::exact(1));
+    INFO(d.verdict << ": nothing " << d.nothing << ", p " << d.mismatch.p);
+    CHECK(d.verdict == "nothing_missing");
+    CHECK(d.nothing > 0.5);
+    // Known to .02 mm of simulation and a fraction of a row (.04, .08 and .2 mm) in three runs; three times that.
+    CHECK(d.nominal.back().fitted == Approx(kPlace).margin(6e-5));
+}

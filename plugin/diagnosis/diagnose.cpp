@@ -336,6 +336,7 @@ void Work::conclude() {
     groups(w, e);
     conclusions(w, e);
     out_.verdict = verdictOf(e);
+    out_.improved = out_.improved && out_.verdict != "nothing_missing"; // what came nearest would only mislead
     present();
     suggest();
     out_.statement = statementOf(out_, e);
@@ -416,7 +417,7 @@ void Work::present() {
         shown.push_back(&tried_[entry.model].fit);
     }
     out_.similarity = presentSimilarity(*misfit_, base_, shown);
-    out_.runs = presentCurves(*misfit_, base_, any_ ? &tried_[best_].fit : nullptr);
+    out_.runs = presentCurves(*misfit_, base_, out_.improved ? &tried_[best_].fit : nullptr);
 }
 
 } // namespace

@@ -99,7 +99,7 @@ struct Diagnosis {
     std::vector<LearnedLaw> learned;  ///< best first
     double nothing = 0.0, unknown = 0.0;
     double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
-    bool improved = false; ///< whether the last two mean something
+    bool improved = false; ///< whether the last two mean something: not where nothing is missing
     double improvement = 0.0;
     Interval improvementCi{};
     double baselinePerRow = 0.0; ///< chi^2 / rows

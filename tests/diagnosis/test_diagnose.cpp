@@ -31,6 +31,9 @@ TEST_CASE("where nothing is missing nothing is named", "[diagnosis]") {
     const Diagnosis d = run(data, spring);
     CHECK(d.verdict == "nothing_missing");
     CHECK(d.nothing > 0.5);
+    CHECK_FALSE(d.improved); // though effects were tried
+    for (const RunCurves& run : d.runs)
+        CHECK((run.improved.empty() && run.shows.empty()));
     CHECK(d.baselinePerRow == Approx(1.0).margin(0.15)); // 900 rows: 5 % of luck, and the noise's own uncertainty
 }
 

@@ -98,10 +98,17 @@ double commanded(const Run& run, double t) {
 }
 
 /// Plays the commanded motion. With something soft in series the commanded motion is head plus give, d = x + c F, and
-/// it is d that keeps time: the head is moved at the commanded speed and the clock is read off d. That is exact for
-/// slow motion, implicit (stiff specimens do no harm), and where a snap lets d jump back the clock stands still.
+/// while the drive moves it is d that keeps time: the clock is read off d. That is implicit (stiff specimens do no
+/// harm), and where a snap lets d jump back the clock stands still. The head's speed is that of the drive less what the
+/// spring takes up, as found a twentieth of the leg before, so that what depends on rates sees the right ones.
+///
+/// Where the drive brakes and while it rests d is given and x follows: a part of what is missing, 1 / (1 + c K), with
+/// the stiffness K that the specimen showed last. Moved by all of it, a specimen that sticks (c K > 1) threw the head
+/// to and fro, farther each time: an arch that was held by a machine of 1000 N/m lost a quarter of its force at once
+/// and never relaxed.
 class Player {
     static constexpr double kBraking = 5e-3; ///< s, in which the drive comes to rest
+    static constexpr double kSettle = 2e-4;  ///< s, see press()
 
 public:
     Player(Rig& rig, const Experiment& e, const Run& run, double give, const effects::ApparatusModel& apparatus,
@@ -147,23 +154,70 @@ private:
     }
     [[nodiscard]] bool rigid() const { return give_ <= 0.0 && apparatus_.slack <= 0.0; }
 
+    /// A mean force is work over way: of a head that follows a resting drive the way is next to none, and what the
+    /// specimen lost meanwhile has other causes.
+    [[nodiscard]] bool meanCounts() const { return rig_.meanForce().known && !following_; }
+
     /// The force that compresses what is in series and the place of the head where it does, both smoothed over 2 um of
     /// travel, without the spikes with which an inextensible strip meets the floor: 60 to 1000 N for a microsecond or
     /// two, hundreds of times the load under which it buckles. What is in series would have taken them up. Smoothed
     /// alike they stay points of one curve; the load cell, in series too, reads this force. A strip that touches gains
     /// a newton within a micrometre of the head's travel but, at 400 N/m, 2.5 mm of the drive's: read unsmoothed, its
-    /// force ran ahead of the clock by a millimetre.
+    /// force ran ahead of the clock by a millimetre. Where the head follows a drive that rests it hardly travels: there
+    /// time smooths too.
     void press() {
         constexpr double kSmooth = 2e-6; // m
         const double way = rig_.displacement() - lastDisplacement_;
         lastDisplacement_ = rig_.displacement();
-        const Rig::MeanForce& mean = rig_.meanForce();
-        const double force = mean.known ? mean.force : rig_.force();
+        const bool known = meanCounts();
+        const double force = known ? rig_.meanForce().force : rig_.force();
         if (std::abs(force) >= impact_)
             return;
-        const double share = -std::expm1(-std::abs(way) / kSmooth);
+        const double time = std::exchange(lastTime_, rig_.time());
+        const double settled = following_ ? (rig_.time() - time) / kSettle : 0.0;
+        const double share = -std::expm1(-std::abs(way) / kSmooth - settled);
         pressing_ += share * (force - pressing_);
-        pressedAt_ += share * (rig_.displacement() - (mean.known ? 0.5 * way : 0.0) - pressedAt_);
+        pressedAt_ += share * (rig_.displacement() - (known ? 0.5 * way : 0.0) - pressedAt_);
+    }
+
+    /// How much farther the drive moves than the head: 1 + c K.
+    [[nodiscard]] double ratio() const {
+        const double f = std::hypot(pressing_, apparatus_.slackForce);
+        const double play = apparatus_.slack > 0.0
+                                ? 0.5 * apparatus_.slack * apparatus_.slackForce * apparatus_.slackForce / (f * f * f)
+                                : 0.0;
+        return 1.0 + (give_ + play) * stiffness_;
+    }
+
+    /// What the specimen's force grew by while the head moved on.
+    void learnStiffness(double force, double displacement, double farEnough) {
+        const double moved = rig_.displacement() - displacement, grown = pressing_ - force;
+        if (std::abs(moved) > farEnough)
+            stiffness_ = std::max(0.0, grown / moved);
+    }
+
+    /// Moves the head so that the drive shows `goal` after `duration`.
+    void followTo(double goal, double duration, const std::function<bool()>& observe) {
+        constexpr double kNear = 1e-7, kFar = 2e-8; // m, of the drive, of the head
+        const double open = goal - position();
+        const double force = pressing_, displacement = rig_.displacement();
+        following_ = !rigid();
+        rig_.move(rigid() ? open : std::abs(open) > kNear ? open / ratio() : 0.0, duration, observe);
+        following_ = false;
+        learnStiffness(force, displacement, kFar);
+    }
+
+    /// The drive rests at `to`; what relaxes takes the head along.
+    void rest(double to, double duration, const std::function<bool()>& observe) {
+        constexpr double kFirst = 2e-3, kGrowth = 1.3, kLongest = 0.25; // s, 1, s
+        double done = 0.0;
+        for (double piece = kFirst; done < duration && !stopped_ && rig_.failure().empty();
+             piece = std::min(kGrowth * piece, kLongest)) {
+            const bool last = duration - done < 1.5 * piece;
+            const double next = last ? duration - done : piece;
+            followTo(to, next, observe);
+            done = last ? duration : done + next;
+        }
     }
 
     /// Comes to rest around time t1, evenly slower. A drive that stopped at once would shake the specimen: the inertia
@@ -175,7 +229,7 @@ private:
             const double left = duration * (1.0 - static_cast<double>(k) / kPieces); // s
             const double goal = to - 0.5 * speed * left * left / duration;
             const double end = t1 + 0.5 * duration - left;
-            rig_.move(goal - position(), duration / kPieces, [&] {
+            followTo(goal, duration / kPieces, [&] {
                 press();
                 stopped_ = options_.interrupt != nullptr && options_.interrupt->load();
                 return stopped_;
@@ -209,18 +263,26 @@ private:
         };
         means_ = 0;
         started_ = false;
+        lastTime_ = rig_.time();
         if (rigid() || speed == 0.0) {
-            rig_.move(to - from, t1 - t0, observe);
+            if (rigid())
+                rig_.move(to - from, t1 - t0, observe);
+            else
+                rest(to, t1 - t0, observe);
             finishLeg(rig_.force());
             return;
         }
         // The way left shrinks as the force grows: what is left is gone in parts, so that the head never overshoots.
-        constexpr double kNear = 1e-7, kPart = 0.8; // m, 1
-        for (int i = 0; i < 40 && !arrived && !stopped_ && rig_.failure().empty(); ++i) {
+        // It is never slower than half the drive: where a specimen suddenly gives way, it would not arrive.
+        constexpr double kNear = 1e-7, kPart = 0.8, kOfLeg = 0.05; // m, 1, 1
+        for (int i = 0; i < 400 && !arrived && !stopped_ && rig_.failure().empty(); ++i) {
             const double left = to - position();
             if (left * speed <= kNear * std::abs(speed))
                 break;
-            rig_.move(kPart * left, kPart * left / speed, observe);
+            const double way = std::copysign(std::min(kPart * std::abs(left), kOfLeg * std::abs(to - from)), left);
+            const double force = pressing_, displacement = rig_.displacement();
+            rig_.move(way / std::min(2.0, ratio()), way / speed, observe);
+            learnStiffness(force, displacement, 1e-6);
         }
         clock_ = stopped_ ? clock_ : t1;
         finishLeg(pressing_);
@@ -231,9 +293,9 @@ private:
     void readForce(double middle) {
         if (!std::exchange(started_, true))
             return;
-        const Rig::MeanForce& mean = rig_.meanForce();
-        means_ = mean.known ? means_ + 1 : 0;
-        trace_.addForce(mean.known ? middle : clock_, mean.known ? mean.force : rig_.force());
+        const bool known = meanCounts();
+        means_ = known ? means_ + 1 : 0;
+        trace_.addForce(known ? middle : clock_, known ? rig_.meanForce().force : rig_.force());
     }
 
     /// Of a head that moves with something in series, at the time when it presses so.
@@ -267,6 +329,9 @@ private:
     double pressing_ = 0.0;         ///< N
     double pressedAt_ = 0.0;        ///< head where it was pressing so, m
     double lastDisplacement_ = 0.0; ///< m
+    double lastTime_ = 0.0;         ///< of the set-up, s
+    double stiffness_ = 0.0;        ///< of the specimen, N/m, as it answered last
+    bool following_ = false;        ///< the drive brakes or rests
     double impact_ = 0.0;           ///< N, forces beyond it are impacts
     bool stopped_ = false;
     double bendMost_ = 0.0; ///< 1/m

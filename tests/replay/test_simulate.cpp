@@ -91,6 +91,37 @@ TEST_CASE("something soft in series shifts the curve by c F", "[replay]") {
     }
 }
 
+TEST_CASE("while a soft machine holds, the head follows what relaxes", "[replay]") {
+    // d = x + c F also where the drive rests: as F falls, x grows. A rigid machine that is led along x(t) = d(t) - c
+    // F(t) of the soft one must read the same F.
+    experiment::Experiment e = baseline(106);
+    experiment::Run& run = e.runs[0];
+    run.driveTime = {0.0, 1.0, 6.0, 16.0, 21.0, 22.0};
+    run.driveDisplacement = {0.0, 0.0, 5e-3, 5e-3, 0.0, 0.0};
+    run.readings = {};
+    run.markers = {};
+    run.samplingRate = 50.0;
+    replay::Parameters p = replay::nominal(e);
+    for (const char* text : {"viscoelastic_bending:law=standard_linear_solid", "viscoelastic_bending:branch_over_B=0.5",
+                             "viscoelastic_bending:tau_s=1.0"})
+        REQUIRE(effects::add(p.effects, text).empty());
+    p.seriesCompliance = 1e-3; // m/N
+    const replay::Simulated soft = simulated(e, p);
+    experiment::Experiment led = e;
+    led.runs[0].driveTime = soft.readings.time;
+    led.runs[0].driveDisplacement.clear();
+    for (std::size_t k = 0; k < soft.readings.time.size(); ++k)
+        led.runs[0].driveDisplacement.push_back(soft.readings.displacement[k] -
+                                                p.seriesCompliance * soft.readings.force[k]);
+    p.seriesCompliance = 0.0;
+    const replay::Simulated rigid = simulated(led, p);
+    for (const double t : {3.0, 5.5, 6.5, 8.0, 12.0, 15.5, 17.0, 19.0})
+        CHECK(std::abs(forceAt(soft, t) - forceAt(rigid, t)) < 1.5e-3); // 0.2 % of the peak: steps and 15 arcs
+    // It relaxes by a tenth, over seconds, though it is still being pressed on.
+    CHECK(forceAt(soft, 6.0) - forceAt(soft, 6.1) < 0.01);
+    CHECK(forceAt(soft, 15.5) == Approx(0.91 * forceAt(soft, 6.0)).margin(0.02));
+}
+
 TEST_CASE("a strip pressed lengthwise by a soft machine follows the machine's line", "[replay]") {
     // Below its critical load the strip hardly shortens (1 N within 0.1 mm), so that the machine takes the way up: a
     // force that is read before or behind the machine's give leaves the line by as much as a millimetre.

@@ -94,6 +94,10 @@ RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, d
 
 } // namespace
 
+const Leg& RecordedRun::legAt(double t) const {
+    return legs[static_cast<std::size_t>(diagnosis::legAt(legs, t))];
+}
+
 const char* name(Phase phase) {
     return phase == Phase::Loading     ? "loading"
            : phase == Phase::Unloading ? "unloading"

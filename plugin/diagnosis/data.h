@@ -33,6 +33,12 @@ struct RecordedRun {
     std::size_t markerCount = 0; ///< markers.size() = 2 markerCount markerTime.size()
 
     [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size(); }
+    /// Of the force's rows, s.
+    [[nodiscard]] double spacing() const {
+        return time.size() > 1 ? (time[time.size() - 1] - time[0]) / static_cast<double>(time.size() - 1) : 1.0;
+    }
+    /// The leg of the drive at a time; there must be one.
+    [[nodiscard]] const Leg& legAt(double t) const;
     [[nodiscard]] Phase phase(Eigen::Index row) const {
         return legs[static_cast<std::size_t>(leg[static_cast<std::size_t>(row)])].phase;
     }

@@ -32,7 +32,8 @@ void Evaluator::checkStore(const Question& question) {
     if (!known)
         return;
     const Response again = model_.simulate(question.run, question.point, question.fineness, interrupt_);
-    if (!stopped() && (again.force.size() != known->force.size() || again.force != known->force))
+    if (!stopped() && (again.force.size() != known->force.size() || again.force != known->force ||
+                       again.jumps.size() != known->jumps.size() || again.jumps != known->jumps))
         store_.forget();
 }
 

@@ -90,14 +90,15 @@ void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& 
 
 namespace {
 
-/// Of the slopes to either side the smaller one; of one that does not exist (a bound, a run that failed) the other.
-Eigen::VectorXd nearerToZero(const Eigen::VectorXd& above, const Eigen::VectorXd& here, const Eigen::VectorXd& below,
-                             double toUp, double toDown) {
-    const bool up = toUp > 0.0 && above.size() == here.size(), down = toDown > 0.0 && below.size() == here.size();
-    if (!up && !down)
-        return Eigen::VectorXd::Zero(here.size());
-    const Eigen::VectorXd a = up ? Eigen::VectorXd((above - here) / toUp) : Eigen::VectorXd((here - below) / toDown);
-    const Eigen::VectorXd b = down ? Eigen::VectorXd((here - below) / toDown) : a;
+/// Of the slopes to either side the smaller one, reading by reading; of one that does not exist (a bound, a run that
+/// failed) the other.
+Eigen::VectorXd nearerToZero(const Departure& up, double toUp, const Departure& down, double toDown,
+                             Eigen::Index rows) {
+    const bool above = toUp > 0.0 && up.rows.size() == rows, below = toDown > 0.0 && down.rows.size() == rows;
+    if (!above && !below)
+        return Eigen::VectorXd::Zero(rows);
+    const Eigen::VectorXd a = above ? Eigen::VectorXd(up.rows / toUp) : Eigen::VectorXd(down.rows / toDown);
+    const Eigen::VectorXd b = below ? Eigen::VectorXd(down.rows / toDown) : a;
     return a.binaryExpr(b, [](double p, double q) { return std::abs(p) < std::abs(q) ? p : q; });
 }
 
@@ -118,8 +119,6 @@ Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfi
     }
     const auto answers = evaluator.everywhere(points, Fineness::Coarse);
     const std::vector<Response>& here = answers.front();
-    if (!misfit.residual(here))
-        return Eigen::MatrixXd::Zero(misfit.rows(), v.size());
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(misfit.rows(), v.size());
     for (Eigen::Index c = 0; c < v.size(); ++c) {
         const auto& above = answers[2 * static_cast<std::size_t>(c) + 1];
@@ -128,8 +127,8 @@ Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfi
         Eigen::VectorXd column(misfit.rows()); // slopes before they are whitened: whitening spreads a jump
         for (std::size_t r = 0; r < here.size(); ++r)
             column.segment(misfit.start(r), misfit.rowsOf(r)) =
-                misfit.whiten(r, nearerToZero(misfit.departure(r, below[r]), misfit.departure(r, here[r]),
-                                              misfit.departure(r, above[r]), toDown, toUp));
+                misfit.whiten(r, nearerToZero(misfit.change(r, above[r], here[r]), toUp,
+                                              misfit.change(r, here[r], below[r]), toDown, misfit.rowsOf(r)));
         if (column.allFinite())
             out.col(c) = column;
     }

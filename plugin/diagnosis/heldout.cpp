@@ -59,6 +59,22 @@ void cutInto(Grouping& g, int parts) {
     g.folds = g.blocks = parts;
 }
 
+/// A jump belongs to where the force jumps.
+void joinForce(Grouping& g, const Misfit& misfit, std::size_t r, Index row) {
+    const RecordedRun& run = misfit.data().runs[r];
+    const double at = misfit.jumps(r)[static_cast<std::size_t>(row - run.rows())].time;
+    Index nearest = -1;
+    for (Index k = 0; k < run.force.size(); ++k)
+        if (misfit.counts(r, k) && (nearest < 0 || std::abs(run.time[k] - at) < std::abs(run.time[nearest] - at)))
+            nearest = k;
+    if (nearest < 0)
+        return;
+    const auto from = static_cast<std::size_t>(misfit.start(r) + nearest),
+               to = static_cast<std::size_t>(misfit.start(r) + row);
+    g.fold[to] = g.fold[from];
+    g.block[to] = g.block[from];
+}
+
 } // namespace
 
 Grouping groupingOf(const Misfit& misfit) {
@@ -86,8 +102,12 @@ Grouping groupingOf(const Misfit& misfit) {
     }
     for (const int f : g.fold)
         g.folds = std::max(g.folds, f + 1);
-    if (g.folds < 2)
+    if (g.folds < 2) {
         cutInto(g, 5);
+        for (std::size_t r = 0; r < misfit.runs(); ++r)
+            for (Index k = misfit.data().runs[r].rows(); k < misfit.rowsOf(r); ++k)
+                joinForce(g, misfit, r, k);
+    }
     return g;
 }
 
@@ -96,15 +116,15 @@ double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, c
     double sum = 0.0, rows = 0.0;
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RecordedRun& run = misfit.data().runs[r];
-        const Eigen::VectorXd departure = misfit.departure(r, simulated[r]);
-        if (departure.size() == 0)
+        const Departure departure = misfit.departure(r, simulated[r]);
+        if (departure.rows.size() == 0)
             continue;
         std::vector<double> d;
         double mean = 0.0;
         for (Index k = 0; k < run.force.size(); ++k)
-            if (std::isfinite(misfit.errors(r).force[k]) &&
+            if (std::isfinite(misfit.errors(r).force[k]) && !departure.hidden[static_cast<std::size_t>(k)] &&
                 (grouping == nullptr || grouping->fold[static_cast<std::size_t>(misfit.start(r) + k)] == fold)) {
-                d.push_back(departure[k]);
+                d.push_back(departure.rows[k]);
                 mean += d.back();
             }
         mean /= std::max<double>(1.0, static_cast<double>(d.size()));

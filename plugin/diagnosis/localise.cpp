@@ -20,7 +20,7 @@ struct Spot {
     Eigen::VectorXd sign; ///< of each row, for opposite shifts; empty: all +1
 };
 
-/// Collects windows; those with fewer than four rows that count are none.
+/// Collects windows; those with fewer than four rows that count are none, but for the jumps' own.
 class Family {
 public:
     explicit Family(const Misfit& misfit) : misfit_(misfit) {
@@ -182,9 +182,16 @@ private:
         Eigen::Index row = misfit_.start(r) + run.rows();
         for (const replay::Landmark& jump : misfit_.jumps(r)) {
             Spot c;
-            const Leg& leg = run.legs[static_cast<std::size_t>(legOf(run, jump.time))];
-            c.window = {run.name,          name(leg.phase),   "time", "force", jump.time - 0.1, jump.time + 0.3,
-                        jump.displacement, jump.displacement, -1.0};
+            const MisfitSettings& s = misfit_.settings();
+            c.window = {run.name,
+                        name(run.legAt(jump.time).phase),
+                        "time",
+                        "force",
+                        jump.time - s.snapBefore,
+                        jump.time + s.snapAfter,
+                        jump.displacement,
+                        jump.displacement,
+                        -1.0};
             c.rows = {row++};
             all.push_back(std::move(c));
         }
@@ -213,6 +220,8 @@ Eigen::VectorXd shiftOf(const Misfit& misfit, const Spot& c) {
 /// from readings that have kinks wherever friction turns. Which of the windows that pass are shown is decided by
 /// statistics in which readings count in full.
 constexpr double kLoudest = 3.0;
+/// So does the place of a jump, which is no reading of a sensor; beyond this two simulators may differ.
+constexpr double kLoudestJump = 6.0;
 
 /// Statistics of residuals, a column each: shifts and signatures first, then energies.
 Eigen::MatrixXd statistics(const std::vector<Spot>& family, const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& u) {
@@ -230,8 +239,10 @@ Eigen::MatrixXd statistics(const std::vector<Spot>& family, const Eigen::MatrixX
     return t;
 }
 
-Eigen::MatrixXd quieted(const Eigen::MatrixXd& u) {
-    return u.cwiseMax(-kLoudest).cwiseMin(kLoudest);
+/// @param loudest of each row
+Eigen::MatrixXd quieted(const Eigen::MatrixXd& u, const Eigen::VectorXd& loudest) {
+    const Eigen::MatrixXd most = loudest.replicate(1, u.cols());
+    return u.cwiseMax(-most).cwiseMin(most);
 }
 
 /// Whitened noise of all runs beyond the most probable one, as large as a draw of its posterior has it; where that is
@@ -360,10 +371,12 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     }
     const Eigen::Index m = shifts.cols();
     Eigen::VectorXd counted = Eigen::VectorXd::Zero(misfit.rows()); // rows that are missing stay 0 in the null too
-    for (std::size_t r = 0; r < misfit.runs(); ++r) {
-        for (Eigen::Index k = 0; k < misfit.rowsOf(r); ++k)
+    Eigen::VectorXd loudest(misfit.rows());
+    for (std::size_t r = 0; r < misfit.runs(); ++r)
+        for (Eigen::Index k = 0; k < misfit.rowsOf(r); ++k) {
             counted[misfit.start(r) + k] = misfit.counts(r, k) ? 1.0 : 0.0;
-    }
+            loudest[misfit.start(r) + k] = misfit.isJump(r, k) ? kLoudestJump : kLoudest;
+        }
     const double tails = misfit.noise().tails;
     const double degrees = tails > 0.0 ? 4.0 + 6.0 / tails : 0.0; // Student's t with this kurtosis
     Random random(seed);
@@ -374,14 +387,15 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         Eigen::MatrixXd v(misfit.rows(), count);
         for (int b = 0; b < count; ++b)
             for (Eigen::Index k = 0; k < v.rows(); ++k)
-                v(k, b) = counted[k] * (degrees > 0.0 ? random.student(degrees) : random.normal());
+                v(k, b) =
+                    counted[k] * (degrees > 0.0 && loudest[k] == kLoudest ? random.student(degrees) : random.normal());
         const auto& possible = misfit.noise().possible; // in the order of its grid
         for (int b = 0; b < count && !possible.empty(); ++b)
             v.col(b) +=
                 beyondProbable(misfit, possible[static_cast<std::size_t>(41 * (first + b)) % possible.size()], random);
         if (Q.cols() > 0)
             v -= Q * (Q.transpose() * v);
-        null.middleCols(first, count) = statistics(family.all, shifts, quieted(v));
+        null.middleCols(first, count) = statistics(family.all, shifts, quieted(v, loudest));
         loud.middleCols(first, count) = statistics(family.all, shifts, v);
     }
     const Standard standard(null, m), standardLoud(loud, m);
@@ -400,7 +414,7 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     out.family = static_cast<std::size_t>(m + n);
     out.critical = largest[static_cast<std::size_t>(std::ceil(0.95 * (draws + 1))) - 1];
     const Eigen::VectorXd u = project(residual);
-    const Eigen::VectorXd t = standard(statistics(family.all, shifts, quieted(u))),
+    const Eigen::VectorXd t = standard(statistics(family.all, shifts, quieted(u, loudest))),
                           full = standardLoud(statistics(family.all, shifts, u));
     std::vector<Window> found;
     for (Eigen::Index i = 0; i < n; ++i) {

@@ -13,9 +13,9 @@
 // most, either way.
 //
 // Windows: dyadic in time in each run and each leg of its protocol (half overlapping), dyadic in displacement per
-// phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, and each coordinate
-// of each marker over time. The signatures of the catalogue's effects belong to the same family: one critical value
-// says whether anything is missing, wherever it was looked for.
+// phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, each coordinate of
+// each marker over time, and the place of each jump. The signatures of the catalogue's effects belong to the same
+// family: one critical value says whether anything is missing, wherever it was looked for.
 //
 // Report: of the windows of one run and channel the one with the largest statistic, then the largest of those that do
 // not overlap it, and so on (likelihood ratio selection: X. J. Jeng, T. T. Cai, H. Li, J. Am. Stat. Assoc. 105 (2010)

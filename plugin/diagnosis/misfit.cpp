@@ -1,7 +1,5 @@
 #include "plugin/diagnosis/misfit.h"
 
-#include "plugin/diagnosis/jumps.h"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -17,12 +15,6 @@ std::vector<double> listOf(const Eigen::VectorXd& v) {
     return {v.data(), v.data() + v.size()};
 }
 
-double spacing(const RecordedRun& run) {
-    return run.time.size() > 1
-               ? (run.time[run.time.size() - 1] - run.time[0]) / static_cast<double>(run.time.size() - 1)
-               : 1.0;
-}
-
 /// Steepest change of the simulated force from one row to the next within two rows, N.
 double steepest(const Eigen::VectorXd& force, Eigen::Index k) {
     double most = 0.0;
@@ -33,7 +25,7 @@ double steepest(const Eigen::VectorXd& force, Eigen::Index k) {
 
 void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const MisfitSettings& s, RowErrors& out) {
     const experiment::Readings readings{listOf(run.time), listOf(run.displacement), listOf(force)};
-    const double dt = spacing(run);
+    const double dt = run.spacing();
     for (const replay::Landmark& jump : replay::findLandmarks(readings, s.snapShare)) {
         const bool turns = atTurningPoint(run, jump.time);
         if (!turns)
@@ -47,6 +39,19 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const M
                 for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
                     out.markers[c * run.markerTime.size() + k] = kMissing;
     }
+}
+
+/// What lies between jumps of one simulation and those of another.
+Stretches betweenJumps(const RecordedRun& run, const Response& a, const Response& b, const MisfitSettings& s) {
+    const auto p = simulatedJumps(run, a, s.snapShare), q = simulatedJumps(run, b, s.snapShare);
+    const std::vector<int> partner = sameJumps(run, p, q, s.jumpFarthest);
+    Stretches between;
+    for (std::size_t i = 0; i < p.size(); ++i)
+        if (partner[i] >= 0) {
+            const double other = q[static_cast<std::size_t>(partner[i])].time;
+            between.emplace_back(std::min(p[i].time, other) - s.snapBefore, std::max(p[i].time, other) + s.snapAfter);
+        }
+    return between;
 }
 
 /// Change of the force when the clock runs a row ahead, N; 0 where it means nothing.
@@ -85,14 +90,11 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     out.memory = std::isfinite(shortest) ? std::clamp(0.1 * shortest, 0.02, 3.0) : 1.0;
     const bool known = fine.failure.empty() && fine.force.size() == n;
     const bool both = known && coarse.failure.empty() && coarse.force.size() == n;
-    const double dt = spacing(run);
+    const double dt = run.spacing();
     Eigen::VectorXd apart;
     if (both) {
         apart = fine.force - coarse.force;
-        const auto p = jumpsOf(run, fine, s.snapShare), q = jumpsOf(run, coarse, s.snapShare);
-        for (const auto& [i, j] : sameJumps(run, p, q, s.jumpFarthest))
-            bridge(apart, run.time, out.force, std::min(p[i].time, q[j].time) - s.snapBefore,
-                   std::max(p[i].time, q[j].time) + s.snapAfter);
+        bridge(apart, run.time, out.force, rowsIn(betweenJumps(run, fine, coarse, s), run.time));
     }
     const auto reach = std::max<Eigen::Index>(2, static_cast<Eigen::Index>(out.memory / dt));
     for (Eigen::Index k = 0; k < n && known; ++k) {
@@ -132,7 +134,7 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.force =
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
         addJumps(run, fine[r], coarse[r], part);
-        const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, spacing(run)) : noise.total();
+        const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, run.spacing()) : noise.total();
         part.own.resize(run.force.size(), 2);
         part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
         part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
@@ -176,43 +178,110 @@ void Misfit::addPlaces(const RecordedRun& run, double deviation, Part& part) {
 }
 
 void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Response& coarse, Part& part) const {
-    part.jumps = jumpsOf(run, run.force, settings_.snapShare);
-    const double travel = run.displacement.maxCoeff() - run.displacement.minCoeff();
-    for (const replay::Landmark& jump : part.jumps) {
-        const double speed = std::abs(run.legs[static_cast<std::size_t>(legOf(run, jump.time))].speed);
-        part.jumpErrors.push_back(std::hypot(spacing(run) / std::sqrt(12.0), settings_.jumpPlace * travel / speed));
-    }
-    if (fine.force.size() != run.force.size() || coarse.force.size() != run.force.size())
+    const MisfitSettings& s = settings_;
+    part.jumps = recordedJumps(run, s.snapShare, s.jumpNoise * noise_.total());
+    const auto n = static_cast<Eigen::Index>(part.jumps.size());
+    if (n == 0)
         return;
-    const auto a = jumpsOf(run, fine, settings_.snapShare), b = jumpsOf(run, coarse, settings_.snapShare);
-    const auto numerical = sameJumps(run, a, b, settings_.jumpFarthest);
-    for (const auto& [i, j] : sameJumps(run, part.jumps, a, settings_.jumpFarthest))
-        for (const auto& [f, c] : numerical)
-            if (f == j)
-                part.jumpErrors[i] = std::hypot(part.jumpErrors[i], (a[f].time - b[c].time) / 3.0);
+    Eigen::VectorXd own = Eigen::VectorXd::Constant(n, run.spacing() / std::sqrt(12.0)), shared(n); // s
+    const double travel = run.displacement.maxCoeff() - run.displacement.minCoeff();
+    for (Eigen::Index i = 0; i < n; ++i)
+        shared[i] = s.jumpPlace * travel / std::abs(run.legAt(part.jumps[static_cast<std::size_t>(i)].time).speed);
+    if (fine.force.size() == run.force.size() && coarse.force.size() == run.force.size()) {
+        const auto a = simulatedJumps(run, fine, 0.5 * s.snapShare), b = simulatedJumps(run, coarse, 0.5 * s.snapShare);
+        const auto inFine = sameJumps(run, part.jumps, a, s.jumpFarthest),
+                   inCoarse = sameJumps(run, a, b, s.jumpFarthest);
+        for (std::size_t i = 0; i < part.jumps.size(); ++i)
+            if (const int f = inFine[i]; f >= 0 && inCoarse[static_cast<std::size_t>(f)] >= 0) {
+                const double other = b[static_cast<std::size_t>(inCoarse[static_cast<std::size_t>(f)])].time;
+                double& error = own[static_cast<Eigen::Index>(i)];
+                error = std::hypot(error, (a[static_cast<std::size_t>(f)].time - other) / 3.0);
+            }
+    }
+    Eigen::MatrixXd covariance = own.cwiseAbs2().asDiagonal();
+    const auto rises = [&](Eigen::Index i) {
+        const replay::Landmark& jump = part.jumps[static_cast<std::size_t>(i)];
+        return jump.after > jump.before;
+    };
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index k = 0; k < n; ++k)
+            covariance(i, k) += rises(i) == rises(k) ? shared[i] * shared[k] : 0.0;
+    part.jumpFactor = covariance.llt().matrixL();
 }
 
-Eigen::VectorXd Misfit::departure(std::size_t r, const Response& s) const {
+bool Misfit::complete(std::size_t r, const Response& s) const {
+    return s.failure.empty() && s.force.size() == data_.runs[r].force.size() &&
+           s.markers.size() == data_.runs[r].markers.size();
+}
+
+Misfit::Places Misfit::placesOf(std::size_t r, const Response& s) const {
     const RecordedRun& run = data_.runs[r];
-    const Part& part = parts_[r];
-    if (!s.failure.empty() || s.force.size() != run.force.size() || s.markers.size() != run.markers.size())
-        return {};
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(rowsOf(r));
-    out.head(run.force.size()) = run.force - s.force;
-    out.segment(run.force.size(), run.markers.size()) = run.markers - s.markers;
-    if (part.jumps.empty())
+    const std::vector<replay::Landmark>& recorded = parts_[r].jumps;
+    Places out;
+    if (recorded.empty())
         return out;
-    const auto simulated = jumpsOf(run, s, settings_.snapShare);
-    const Eigen::Index seen = run.markerTime.size();
-    for (const auto& [i, j] : sameJumps(run, part.jumps, simulated, settings_.jumpFarthest)) {
-        const double t0 = part.jumps[i].time, t1 = simulated[j].time;
-        out[run.rows() + static_cast<Eigen::Index>(i)] = t0 - t1;
-        const double from = std::min(t0, t1) - settings_.snapBefore, to = std::max(t0, t1) + settings_.snapAfter;
-        bridge(out.head(run.force.size()), run.time, part.errors.force, from, to);
-        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && seen > 0; ++c)
-            bridge(out.segment(run.force.size() + c * seen, seen), run.markerTime,
-                   part.errors.markers.segment(c * seen, seen), from, to);
+    // Half as large ones too: a partner must not come and go where it just reaches the size.
+    const auto simulated = simulatedJumps(run, s, 0.5 * settings_.snapShare);
+    const std::vector<int> partner = sameJumps(run, recorded, simulated, settings_.jumpFarthest);
+    for (std::size_t i = 0; i < recorded.size(); ++i) {
+        const double t = recorded[i].time;
+        if (partner[i] < 0) {
+            out.time.push_back(t + reachOf(run, t, settings_.jumpFarthest));
+            continue;
+        }
+        out.time.push_back(simulated[static_cast<std::size_t>(partner[i])].time);
+        out.between.emplace_back(std::min(t, out.time.back()) - settings_.snapBefore,
+                                 std::max(t, out.time.back()) + settings_.snapAfter);
     }
+    return out;
+}
+
+void Misfit::bridgeAll(std::size_t r, const Stretches& between, Departure& d) const {
+    const RecordedRun& run = data_.runs[r];
+    const RowErrors& errors = parts_[r].errors;
+    d.hidden.assign(static_cast<std::size_t>(d.rows.size()), false);
+    if (between.empty())
+        return;
+    const auto one = [&](Eigen::Index from, const Eigen::VectorXd& time, const Eigen::VectorXd& error) {
+        const std::vector<bool> hidden = rowsIn(between, time);
+        bridge(d.rows.segment(from, time.size()), time, error, hidden);
+        for (Eigen::Index k = 0; k < time.size(); ++k)
+            d.hidden[static_cast<std::size_t>(from + k)] =
+                hidden[static_cast<std::size_t>(k)] && std::isfinite(error[k]);
+    };
+    one(0, run.time, errors.force);
+    const Eigen::Index seen = run.markerTime.size();
+    for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && seen > 0; ++c)
+        one(run.force.size() + c * seen, run.markerTime, errors.markers.segment(c * seen, seen));
+}
+
+Departure Misfit::departure(std::size_t r, const Response& s) const {
+    const RecordedRun& run = data_.runs[r];
+    if (!complete(r, s))
+        return {};
+    Departure out;
+    out.rows.resize(rowsOf(r));
+    const Places places = placesOf(r, s);
+    out.rows.head(run.rows()) << run.force - s.force, run.markers - s.markers;
+    for (std::size_t i = 0; i < places.time.size(); ++i)
+        out.rows[run.rows() + static_cast<Eigen::Index>(i)] = parts_[r].jumps[i].time - places.time[i];
+    bridgeAll(r, places.between, out);
+    return out;
+}
+
+Departure Misfit::change(std::size_t r, const Response& a, const Response& b) const {
+    const RecordedRun& run = data_.runs[r];
+    if (!complete(r, a) || !complete(r, b))
+        return {};
+    Departure out;
+    out.rows.resize(rowsOf(r));
+    Places p = placesOf(r, a);
+    const Places q = placesOf(r, b);
+    out.rows.head(run.rows()) << a.force - b.force, a.markers - b.markers;
+    for (std::size_t i = 0; i < p.time.size(); ++i) // as the others: a minus b
+        out.rows[run.rows() + static_cast<Eigen::Index>(i)] = p.time[i] - q.time[i];
+    p.between.insert(p.between.end(), q.between.begin(), q.between.end());
+    bridgeAll(r, p.between, out);
     return out;
 }
 
@@ -221,9 +290,8 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& departure) 
     const RecordedRun& run = data_.runs[r];
     const auto markers = departure.segment(run.force.size(), run.markers.size());
     Eigen::VectorXd out = Eigen::VectorXd::Zero(rowsOf(r));
-    for (std::size_t i = 0; i < part.jumps.size(); ++i)
-        out[run.rows() + static_cast<Eigen::Index>(i)] =
-            departure[run.rows() + static_cast<Eigen::Index>(i)] / part.jumpErrors[i];
+    if (const auto jumps = static_cast<Eigen::Index>(part.jumps.size()); jumps > 0)
+        out.tail(jumps) = part.jumpFactor.triangularView<Eigen::Lower>().solve(departure.tail(jumps));
     Eigen::VectorXd present = departure.head(run.force.size());
     for (Eigen::Index k = 0; k < present.size(); ++k)
         if (!std::isfinite(part.errors.force[k]))
@@ -253,18 +321,28 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& departure) 
 std::optional<Eigen::VectorXd> Misfit::residual(const std::vector<Response>& simulated) const {
     Eigen::VectorXd out(rows());
     for (std::size_t r = 0; r < runs(); ++r) {
-        const Eigen::VectorXd d = departure(r, simulated[r]);
-        if (d.size() != rowsOf(r))
+        const Departure d = departure(r, simulated[r]);
+        if (d.rows.size() != rowsOf(r))
             return std::nullopt;
-        out.segment(start(r), rowsOf(r)) = whiten(r, d);
+        auto own = out.segment(start(r), rowsOf(r));
+        own = whiten(r, d.rows);
+        for (Eigen::Index k = 0; k < own.size(); ++k)
+            if (d.hidden[static_cast<std::size_t>(k)])
+                own[k] = (k % 2 == 0 ? 1.0 : -1.0) * std::hypot(own[k], 1.0); // no shift
     }
     return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
 }
 
 std::optional<Eigen::VectorXd> Misfit::difference(const std::vector<Response>& a,
                                                   const std::vector<Response>& b) const {
-    const auto of = residual(b), from = residual(a); // both are what was recorded minus what was simulated
-    return of && from ? std::optional<Eigen::VectorXd>(*of - *from) : std::nullopt;
+    Eigen::VectorXd out(rows());
+    for (std::size_t r = 0; r < runs(); ++r) {
+        const Departure d = change(r, a[r], b[r]);
+        if (d.rows.size() != rowsOf(r))
+            return std::nullopt;
+        out.segment(start(r), rowsOf(r)) = whiten(r, d.rows);
+    }
+    return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
 }
 
 bool Misfit::counts(std::size_t r, Eigen::Index row) const {
@@ -280,7 +358,8 @@ int Misfit::leg(std::size_t r, Eigen::Index row) const {
         return run.leg[static_cast<std::size_t>(row)];
     if (isMarker(r, row))
         return run.markerLeg[static_cast<std::size_t>((row - run.force.size()) % run.markerTime.size())];
-    return legOf(run, parts_[r].jumps[static_cast<std::size_t>(row - run.rows())].time);
+    const Leg& leg = run.legAt(parts_[r].jumps[static_cast<std::size_t>(row - run.rows())].time);
+    return static_cast<int>(&leg - run.legs.data());
 }
 
 Eigen::Index Misfit::presentIn(std::size_t r) const {

@@ -18,10 +18,10 @@
 //   and was called adhesion, gravity or misalignment.
 
 #include "plugin/diagnosis/data.h"
+#include "plugin/diagnosis/jumps.h"
 #include "plugin/diagnosis/model.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/whitening.h"
-#include "plugin/replay/compare.h"
 
 #include <Eigen/Core>
 #include <optional>
@@ -40,7 +40,8 @@ struct MisfitSettings {
     double snapBefore = 0.1;     ///< s left out ahead of a snap
     double snapAfter = 0.3;      ///< and behind it
     double snapShare = 0.15;     ///< of the force range within two rows
-    double jumpPlace = 2e-3;     ///< to which a simulated jump's place is known, share of the travel
+    double jumpPlace = 2e-3;     ///< to which a simulated jump's place is known, share of the travel, alike in a run
+    double jumpNoise = 6.0;      ///< deviations of the noise that a recorded jump has at least
     double jumpFarthest = 0.2;   ///< share of a leg by which one event may lie apart in two curves
 };
 
@@ -54,22 +55,29 @@ struct RowErrors {
 RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& coarse,
                     double peakForce, const MisfitSettings& settings);
 
+/// One run's readings minus others', as measured: force, N, markers, m, and times of jumps, s.
+struct Departure {
+    Eigen::VectorXd rows;     ///< empty: a simulation failed or did not reach the end
+    std::vector<bool> hidden; ///< rows between a recorded jump and the simulated one that it is: bridged
+};
+
 class Misfit {
 public:
     /// @param fine, coarse simulations near the recordings, per run
     Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine, const std::vector<Response>& coarse,
            const MisfitSettings& settings = {});
 
-    /// Recorded minus simulated of one run, as measured: force, N, markers, m, and jumps, s. Force and markers between
-    /// a recorded and a simulated jump that are one are bridged. Empty if the simulation failed or did not reach the
-    /// end.
-    [[nodiscard]] Eigen::VectorXd departure(std::size_t run, const Response& simulated) const;
-    /// Recorded minus simulated of all runs, whitened; empty if a simulation failed or did not reach the end.
+    /// Recorded minus simulated of one run.
+    [[nodiscard]] Departure departure(std::size_t run, const Response& simulated) const;
+    /// a minus b of two simulations of one run; what either hides is bridged.
+    [[nodiscard]] Departure change(std::size_t run, const Response& a, const Response& b) const;
+    /// Recorded minus simulated of all runs, whitened; empty if a simulation failed or did not reach the end. A hidden
+    /// row counts as one noise unit: what says nothing is not worth anything either.
     [[nodiscard]] std::optional<Eigen::VectorXd> residual(const std::vector<Response>& simulated) const;
     /// Whitened a - b.
     [[nodiscard]] std::optional<Eigen::VectorXd> difference(const std::vector<Response>& a,
                                                             const std::vector<Response>& b) const;
-    /// Of any departure of one run.
+    /// Of the rows of any departure of one run.
     [[nodiscard]] Eigen::VectorXd whiten(std::size_t run, const Eigen::VectorXd& departure) const;
 
     [[nodiscard]] const Data& data() const { return data_; }
@@ -89,7 +97,9 @@ public:
     }
     [[nodiscard]] bool counts(std::size_t run, Eigen::Index row) const;
     [[nodiscard]] int leg(std::size_t run, Eigen::Index row) const; ///< of the drive
+    [[nodiscard]] bool isJump(std::size_t run, Eigen::Index row) const { return row >= data_.runs[run].rows(); }
     [[nodiscard]] const std::vector<replay::Landmark>& jumps(std::size_t run) const { return parts_[run].jumps; }
+    [[nodiscard]] const MisfitSettings& settings() const { return settings_; }
 
 private:
     struct Part {
@@ -104,8 +114,16 @@ private:
         };
         std::vector<Shared> shifts;
         std::vector<replay::Landmark> jumps;
-        std::vector<double> jumpErrors; ///< of their times, s
+        Eigen::MatrixXd jumpFactor; ///< L L' = covariance of their times, s
     };
+    /// Where a simulation has the recorded jumps, s (as late as may be: has none), and what lies between.
+    struct Places {
+        std::vector<double> time;
+        Stretches between;
+    };
+    [[nodiscard]] Places placesOf(std::size_t run, const Response& simulated) const;
+    [[nodiscard]] bool complete(std::size_t run, const Response& simulated) const;
+    void bridgeAll(std::size_t run, const Stretches& between, Departure& d) const;
     void addJumps(const RecordedRun& run, const Response& fine, const Response& coarse, Part& part) const;
     static void addLandings(const RecordedRun& run, double deviation, Part& part);
     static void addPlaces(const RecordedRun& run, double deviation, Part& part);

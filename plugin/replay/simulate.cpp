@@ -103,9 +103,11 @@ double commanded(const Run& run, double t) {
 /// spring takes up, as found a twentieth of the leg before, so that what depends on rates sees the right ones.
 ///
 /// Where the drive brakes and while it rests d is given and x follows: a part of what is missing, 1 / (1 + c K), with
-/// the stiffness K that the specimen showed last. Moved by all of it, a specimen that sticks (c K > 1) threw the head
-/// to and fro, farther each time: an arch that was held by a machine of 1000 N/m lost a quarter of its force at once
-/// and never relaxed.
+/// the stiffness K of the specimen. Moved by all of it, a specimen that sticks (c K > 1) threw the head to and fro,
+/// farther each time: an arch that was held by a machine of 1000 N/m lost a quarter of its force at once and never
+/// relaxed. While the head follows, K is not what force over way shows (the force falls as the head goes on, because
+/// the specimen relaxes): it is raised where a move went too far, and pieces of a rest are as short as what is missing
+/// after each is small.
 class Player {
     static constexpr double kBraking = 5e-3; ///< s, in which the drive comes to rest
     static constexpr double kSettle = 2e-4;  ///< s, see press()
@@ -169,11 +171,11 @@ private:
         constexpr double kSmooth = 2e-6; // m
         const double way = rig_.displacement() - lastDisplacement_;
         lastDisplacement_ = rig_.displacement();
+        const double time = std::exchange(lastTime_, rig_.time());
         const bool known = meanCounts();
         const double force = known ? rig_.meanForce().force : rig_.force();
         if (std::abs(force) >= impact_)
             return;
-        const double time = std::exchange(lastTime_, rig_.time());
         const double settled = following_ ? (rig_.time() - time) / kSettle : 0.0;
         const double share = -std::expm1(-std::abs(way) / kSmooth - settled);
         pressing_ += share * (force - pressing_);
@@ -189,13 +191,6 @@ private:
         return 1.0 + (give_ + play) * stiffness_;
     }
 
-    /// What the specimen's force grew by while the head moved on.
-    void learnStiffness(double force, double displacement, double farEnough) {
-        const double moved = rig_.displacement() - displacement, grown = pressing_ - force;
-        if (std::abs(moved) > farEnough)
-            stiffness_ = std::max(0.0, grown / moved);
-    }
-
     /// Moves the head so that the drive shows `goal` after `duration`.
     void followTo(double goal, double duration, const std::function<bool()>& observe) {
         constexpr double kNear = 1e-7, kFar = 2e-8; // m, of the drive, of the head
@@ -204,19 +199,22 @@ private:
         following_ = !rigid();
         rig_.move(rigid() ? open : std::abs(open) > kNear ? open / ratio() : 0.0, duration, observe);
         following_ = false;
-        learnStiffness(force, displacement, kFar);
+        const double moved = rig_.displacement() - displacement;
+        if ((goal - position()) * open < 0.0 && std::abs(moved) > kFar)
+            stiffness_ = std::max(stiffness_, (pressing_ - force) / moved);
     }
 
     /// The drive rests at `to`; what relaxes takes the head along.
     void rest(double to, double duration, const std::function<bool()>& observe) {
-        constexpr double kFirst = 2e-3, kGrowth = 1.3, kLongest = 0.25; // s, 1, s
+        constexpr double kShortest = 2e-3, kLongest = 0.5, kNear = 5e-7; // s, s, m of the drive
         double done = 0.0;
-        for (double piece = kFirst; done < duration && !stopped_ && rig_.failure().empty();
-             piece = std::min(kGrowth * piece, kLongest)) {
+        for (double piece = kShortest; done < duration && !stopped_ && rig_.failure().empty();) {
             const bool last = duration - done < 1.5 * piece;
             const double next = last ? duration - done : piece;
             followTo(to, next, observe);
             done = last ? duration : done + next;
+            piece =
+                std::abs(to - position()) < kNear ? std::min(1.3 * piece, kLongest) : std::max(0.7 * piece, kShortest);
         }
     }
 
@@ -269,20 +267,21 @@ private:
                 rig_.move(to - from, t1 - t0, observe);
             else
                 rest(to, t1 - t0, observe);
-            finishLeg(rig_.force());
+            finishLeg(rigid() ? rig_.force() : pressing_);
             return;
         }
         // The way left shrinks as the force grows: what is left is gone in parts, so that the head never overshoots.
-        // It is never slower than half the drive: where a specimen suddenly gives way, it would not arrive.
-        constexpr double kNear = 1e-7, kPart = 0.8, kOfLeg = 0.05; // m, 1, 1
+        // It is never slower than a twentieth of the drive: where a specimen suddenly gives way, it would not arrive.
+        constexpr double kNear = 1e-7, kPart = 0.8, kOfLeg = 0.05, kSlowest = 20.0; // m, 1, 1, 1
         for (int i = 0; i < 400 && !arrived && !stopped_ && rig_.failure().empty(); ++i) {
             const double left = to - position();
             if (left * speed <= kNear * std::abs(speed))
                 break;
             const double way = std::copysign(std::min(kPart * std::abs(left), kOfLeg * std::abs(to - from)), left);
             const double force = pressing_, displacement = rig_.displacement();
-            rig_.move(way / std::min(2.0, ratio()), way / speed, observe);
-            learnStiffness(force, displacement, 1e-6);
+            rig_.move(way / std::min(kSlowest, ratio()), way / speed, observe);
+            if (const double moved = rig_.displacement() - displacement; std::abs(moved) > kNear)
+                stiffness_ = std::max(0.0, (pressing_ - force) / moved);
         }
         clock_ = stopped_ ? clock_ : t1;
         finishLeg(pressing_);
@@ -295,7 +294,9 @@ private:
             return;
         const bool known = meanCounts();
         means_ = known ? means_ + 1 : 0;
-        trace_.addForce(known ? middle : clock_, known ? rig_.meanForce().force : rig_.force());
+        trace_.addForce(known ? middle : clock_, known        ? rig_.meanForce().force
+                                                 : following_ ? pressing_
+                                                              : rig_.force());
     }
 
     /// Of a head that moves with something in series, at the time when it presses so.

@@ -4,8 +4,10 @@
 
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/jumps.h"
+#include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/noise.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -74,37 +76,63 @@ TEST_CASE("a jump that comes late is one observation, not one in every row it is
     const Misfit misfit(data, noise, exact, exact, {});
     const std::size_t slow = 0; // 1 mm/s, 25 readings/s: 1 mm takes 25 rows
     REQUIRE(misfit.jumps(slow).size() == 1);
-    Eigen::VectorXd there = misfit.departure(slow, exact[slow]);
+    const Eigen::VectorXd there = misfit.departure(slow, exact[slow]).rows;
     // A recorded jump lies somewhere between two readings.
     CHECK(std::abs(there[there.size() - 1]) <= 0.5 / 25.0 + 1e-12);
     const auto late = at(data, Point{{103.0, 0.08, 7.437e-3}, {}});
-    const Eigen::VectorXd d = misfit.departure(slow, late[slow]);
+    const Departure late1 = misfit.departure(slow, late[slow]);
+    const Eigen::VectorXd& d = late1.rows;
     CHECK(d[d.size() - 1] - there[there.size() - 1] == Approx(-1.0).epsilon(1e-9)); // s
     // Its error: of a uniform distribution between two readings, and of the simulated place.
-    const double error = std::hypot(1.0 / 25.0 / std::sqrt(12.0), MisfitSettings{}.jumpPlace * kTravel / 1e-3);
+    const double error =
+        std::hypot(data.runs[slow].spacing() / std::sqrt(12.0), MisfitSettings{}.jumpPlace * kTravel / 1e-3);
     const Eigen::VectorXd u = misfit.whiten(slow, d);
-    CHECK(u.norm() == Approx(std::abs(d[d.size() - 1]) / error).epsilon(1e-3)); // the mean spacing of the rows
-    CHECK(u.head(u.size() - 1).cwiseAbs().maxCoeff() < 1e-9);                   // equal before and behind: rounding
+    CHECK(u[u.size() - 1] == Approx(d[d.size() - 1] / error).epsilon(1e-9));
+    CHECK(u.head(u.size() - 1).cwiseAbs().maxCoeff() < 1e-9); // equal before and behind: rounding
     CHECK(misfit.counts(slow, u.size() - 1));
     CHECK(misfit.leg(slow, u.size() - 1) == 1);
+    // Rows that say nothing are worth nothing: one unit each.
+    const auto hidden = std::count(late1.hidden.begin(), late1.hidden.end(), true);
+    CHECK(hidden >= 24); // 1 s, .4 s of which is left out anyway, on either side of it
+    const Eigen::VectorXd charged = misfit.residual(late)->head(misfit.rowsOf(slow));
+    CHECK(charged.squaredNorm() == Approx(u.squaredNorm() + static_cast<double>(hidden)).epsilon(1e-9));
+    CHECK(misfit.difference(late, late)->norm() == 0.0);
+    CHECK((*misfit.difference(late, exact))[misfit.rowsOf(slow) - 1] == Approx(1.0 / error).epsilon(1e-9));
 
     SECTION("a simulation without the jump is wrong in every row") {
         const auto never = at(data, Point{{103.0, 0.08, 1.0}, {}});
-        const Eigen::VectorXd n = misfit.departure(slow, never[slow]);
-        CHECK(n[n.size() - 1] == 0.0);
-        CHECK(misfit.whiten(slow, n).norm() > 10.0 * u.norm()); // though u is 44 of its deviations
+        const Eigen::VectorXd n = misfit.departure(slow, never[slow]).rows;
+        const double leg = data.runs[slow].legs[1].to - data.runs[slow].legs[1].from;
+        CHECK(n[n.size() - 1] == Approx(-MisfitSettings{}.jumpFarthest * leg).epsilon(1e-9)); // as late as may be
+        CHECK(misfit.whiten(slow, n).norm() > 2.0 * u.norm());
     }
     SECTION("jumps of other legs, and too far away, are other events") {
+        const RecordedRun& run = data.runs[slow];
         std::vector<replay::Landmark> a(1), b(1);
-        const Leg& down = data.runs[slow].legs[1];
+        const Leg& down = run.legs[1];
         a[0].time = down.from + 0.5;
         b[0].time = a[0].time + 0.9 * 0.2 * (down.to - down.from);
-        CHECK(sameJumps(data.runs[slow], a, b, 0.2).size() == 1);
+        CHECK(sameJumps(run, a, b, 0.2) == std::vector<int>{0});
         b[0].time = a[0].time + 1.1 * 0.2 * (down.to - down.from);
-        CHECK(sameJumps(data.runs[slow], a, b, 0.2).empty());
+        CHECK(sameJumps(run, a, b, 0.2) == std::vector<int>{-1});
         a[0].time = down.to - 0.1;
         b[0].time = down.to + 0.1;
-        CHECK(sameJumps(data.runs[slow], a, b, 0.2).empty());
+        CHECK(sameJumps(run, a, b, 0.2) == std::vector<int>{-1});
+    }
+    SECTION("pairs keep their order, directions too, and none is spent on another leg") {
+        const RecordedRun& run = data.runs[slow];
+        const Leg &down = run.legs[1], &up = run.legs[3];
+        const auto jumps = [](std::initializer_list<double> times, bool rise = false) {
+            std::vector<replay::Landmark> all;
+            for (const double t : times)
+                all.push_back({t, 0.0, rise ? 0.0 : 1.0, rise ? 1.0 : 0.0});
+            return all;
+        };
+        const double t = down.from + 3.0;
+        CHECK(sameJumps(run, jumps({t, t + 1.0}), jumps({t + 0.6, t + 1.6}), 0.2) == std::vector<int>{0, 1});
+        CHECK(sameJumps(run, jumps({t}), jumps({t + 0.1}, true), 0.2) == std::vector<int>{-1});
+        CHECK(sameJumps(run, jumps({up.from + 0.5}), jumps({down.to - 0.1, up.from + 1.5}), 0.2) ==
+              std::vector<int>{1});
     }
 }
 
@@ -114,13 +142,35 @@ TEST_CASE("a bridge is a straight line between what counts on either side", "[di
     errors[3] = std::numeric_limits<double>::infinity();
     d[3] = 77.0;
     d.segment(4, 3).setConstant(1e3);
-    bridge(d, time, errors, 3.5, 6.5);
+    bridge(d, time, errors, rowsIn({{3.5, 6.5}}, time));
     CHECK(d[3] == 77.0);
     for (const Eigen::Index k : {4, 5, 6})
         CHECK(d[k] == Approx(2.0 * time[k]).epsilon(1e-12)); // from 0, 1, 2 and 7, 8, 9
     d.tail(6).setConstant(1e3);
-    bridge(d, time, errors, 4.5, 20.0); // nothing behind it: as before it
+    bridge(d, time, errors, rowsIn({{4.5, 20.0}}, time)); // nothing behind it: as before it
     CHECK(d[10] == Approx((2.0 * time[1] + 2.0 * time[2] + 2.0 * time[4]) / 3.0));
+}
+
+TEST_CASE("bridges of neighbours do not lean on each other", "[diagnosis]") {
+    // 1.4 N too much from 2.5 to 5.5 and from 6.5 to 8.5; the row between counts and is right.
+    const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(13, 0.0, 12.0), errors = Eigen::VectorXd::Ones(13);
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(13);
+    d.segment(3, 3).setConstant(1.4);
+    d.segment(7, 2).setConstant(1.4);
+    bridge(d, time, errors, rowsIn({{2.5, 5.5}, {6.5, 8.5}}, time));
+    CHECK(d.cwiseAbs().maxCoeff() < 1e-12);
+}
+
+TEST_CASE("a jump that nothing reconciles with the simulation stands out", "[diagnosis]") {
+    Data data = latched(11, 6.437e-3);
+    const Data elsewhere = latched(11, 6.737e-3); // .3 mm, in one run only: 13 deviations
+    data.runs[0] = elsewhere.runs[0];
+    const auto exact = at(data, Point{{103.0, 0.08, 6.437e-3}, {}});
+    const Misfit misfit(data, estimateNoise(data), exact, exact, {});
+    const Localisation l = localise(misfit, *misfit.residual(exact), {}, 1, 199);
+    CHECK(l.p <= 0.01);
+    REQUIRE_FALSE(l.significant.empty());
+    CHECK(l.significant.front().timeFrom == Approx(1.0 + 6.737 - 0.1).margin(0.05));
 }
 
 TEST_CASE("a fit is led by where a jump happens, and a forecast knows how far that is uncertain", "[diagnosis]") {

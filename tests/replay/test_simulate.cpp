@@ -105,7 +105,8 @@ TEST_CASE("while a soft machine holds, the head follows what relaxes", "[replay]
     for (const char* text : {"viscoelastic_bending:law=standard_linear_solid", "viscoelastic_bending:branch_over_B=0.5",
                              "viscoelastic_bending:tau_s=1.0"})
         REQUIRE(effects::add(p.effects, text).empty());
-    p.seriesCompliance = 1e-3; // m/N
+    // The arch shows 150 N/m while its feet slide and ten times that while they stick.
+    p.seriesCompliance = GENERATE(1e-3, 4e-3); // m/N
     const replay::Simulated soft = simulated(e, p);
     experiment::Experiment led = e;
     led.runs[0].driveTime = soft.readings.time;
@@ -113,13 +114,15 @@ TEST_CASE("while a soft machine holds, the head follows what relaxes", "[replay]
     for (std::size_t k = 0; k < soft.readings.time.size(); ++k)
         led.runs[0].driveDisplacement.push_back(soft.readings.displacement[k] -
                                                 p.seriesCompliance * soft.readings.force[k]);
-    p.seriesCompliance = 0.0;
+    const double compliance = std::exchange(p.seriesCompliance, 0.0);
+    INFO(compliance << " m/N");
     const replay::Simulated rigid = simulated(led, p);
     for (const double t : {3.0, 5.5, 6.5, 8.0, 12.0, 15.5, 17.0, 19.0})
-        CHECK(std::abs(forceAt(soft, t) - forceAt(rigid, t)) < 1.5e-3); // 0.2 % of the peak: steps and 15 arcs
-    // It relaxes by a tenth, over seconds, though it is still being pressed on.
+        CHECK(std::abs(forceAt(soft, t) - forceAt(rigid, t)) <
+              3e-3); // 0.4 % of the peak: steps, 15 arcs, 20 ms between led places
+    // It relaxes over seconds, less than a rigid machine would see, because it is still being pressed on.
     CHECK(forceAt(soft, 6.0) - forceAt(soft, 6.1) < 0.01);
-    CHECK(forceAt(soft, 15.5) == Approx(0.91 * forceAt(soft, 6.0)).margin(0.02));
+    CHECK(forceAt(soft, 6.0) - forceAt(soft, 15.5) > 0.03);
 }
 
 TEST_CASE("a strip pressed lengthwise by a soft machine follows the machine's line", "[replay]") {

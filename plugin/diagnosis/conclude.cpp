@@ -122,7 +122,9 @@ std::string verdictOf(const Evidence& e) {
     return e.bestGroup >= 0.9 && e.gainLow > 0.0 && e.gain > 3.0 ? "named" : "ambiguous";
 }
 
-std::string statementOf(const Diagnosis& d, const Evidence& e) {
+namespace {
+
+std::string judged(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "nothing_missing")
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " + number(e.p) +
                " for the largest of " + std::to_string(d.mismatch.family) +
@@ -150,6 +152,16 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
                                         number(d.noise.total()) + " " + d.unit + ".") +
                learnt(d);
     return undecided(d, e);
+}
+
+} // namespace
+
+std::string statementOf(const Diagnosis& d, const Evidence& e) {
+    const std::string text = judged(d, e);
+    if (d.noise.swing <= 0.0)
+        return text;
+    return text + " At rest the reading swings by " + number(d.noise.swing) + " " + d.unit + " with a period of " +
+           number(d.noise.swingPeriod) + " s: whatever does that, no specimen does.";
 }
 
 bool alikeByNature(const Data& data, const std::string& a, const std::string& b) {

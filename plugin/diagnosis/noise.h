@@ -13,6 +13,9 @@
 // difference, its mean and the sensor's part taken out, is the scatter from run to run. Without repeats it is unknown
 // and taken as zero; the source says so.
 //
+// Where a sine in the rests makes them so much more probable that there is no doubt, it is taken out first: a
+// disturbance that never rests would count as noise, and hide itself.
+//
 // Source: restricted likelihood: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320; scale by the median of absolute
 // values: P. J. Huber, E. M. Ronchetti, "Robust Statistics", 2nd ed. (2009), 5.1.
 
@@ -33,6 +36,8 @@ struct Noise {
     double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N
     double tails = 0.0;      ///< excess kurtosis of the white part, 0: not told from a normal distribution
     std::size_t repeats = 0; ///< runs that repeat another one
+    /// What rests show beyond noise, a sine of the reading: no part of it. N, s; 0: none.
+    double swing = 0.0, swingPeriod = 0.0;
     /// What the readings leave open of the first three: equally probable draws of their posterior. Empty: nothing.
     struct Possible {
         double white = 0.0, coloured = 0.0, memory = 0.0;

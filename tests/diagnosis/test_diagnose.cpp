@@ -1,5 +1,7 @@
 #include "toy.h"
 
+#include "plugin/diagnosis/noise.h"
+
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/weigh.h"
@@ -110,6 +112,39 @@ TEST_CASE("an effect that is not in the catalogue is not given another's name", 
     const Diagnosis d = run(data, without);
     CHECK(d.verdict == "unexplained");
     CHECK(d.mismatch.p <= 0.05);
+}
+
+TEST_CASE("a disturbance that never rests is no noise", "[diagnosis]") {
+    // 20 mN with a period of 1.3 s, twice the noise. Rests last 1, 2 and 1 s; taken for noise it hid itself.
+    Data data = toy::recordings(15);
+    double phase = 0.3;
+    for (RecordedRun& run : data.runs) {
+        run.force.array() += 0.02 * (2.0 * M_PI / 1.3 * run.time.array() + phase).sin();
+        phase += 2.0; // of each run its own
+    }
+    const Noise noise = estimateNoise(data);
+    CHECK(noise.swingPeriod == Approx(1.3).epsilon(0.03));
+    CHECK(noise.swing == Approx(0.02).epsilon(0.25)); // trends take a part of what 4 s of rest show
+    CHECK(noise.total() == Approx(std::hypot(toy::kWhite, toy::kColoured)).epsilon(0.25));
+    const toy::Spring spring(data);
+    const Diagnosis d = run(data, spring);
+    CHECK(d.verdict == "unexplained");
+    CHECK_THAT(d.statement, Catch::Contains("with a period of 1.3"));
+}
+
+TEST_CASE("noise does not swing, nor does what relaxes", "[diagnosis]") {
+    for (std::uint64_t seed = 401; seed < 431; ++seed) {
+        Data data = toy::recordings(seed);
+        if (seed % 2 == 0)
+            for (RecordedRun& run : data.runs) // thirty noise units, within half a second, where the head stops
+                for (const Leg& leg : run.legs)
+                    if (leg.phase == Phase::Hold)
+                        for (Eigen::Index k = 0; k < run.time.size(); ++k)
+                            if (run.time[k] >= leg.from && run.time[k] <= leg.to && leg.from > 0.0)
+                                run.force[k] += 0.3 * std::exp(-(run.time[k] - leg.from) / 0.5);
+        CAPTURE(seed);
+        CHECK(estimateNoise(data).swing == 0.0);
+    }
 }
 
 TEST_CASE("the weights and the verdict are one statement", "[diagnosis]") {

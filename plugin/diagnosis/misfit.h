@@ -40,7 +40,7 @@ struct MisfitSettings {
     double snapBefore = 0.1;     ///< s left out ahead of a snap
     double snapAfter = 0.3;      ///< and behind it
     double snapShare = 0.15;     ///< of the force range within two rows
-    double jumpPlace = 2e-3;     ///< to which a simulated jump's place is known, share of the travel, alike in a run
+    double jumpPlace = 5e-3;     ///< to which a simulated jump's place is known, share of the travel, alike in a run
     double jumpNoise = 6.0;      ///< deviations of the noise that a recorded jump has at least
     double jumpFarthest = 0.2;   ///< share of a leg by which one event may lie apart in two curves
 };

@@ -43,8 +43,8 @@ struct Solution {
 /// All pairs with mean = wanted on the line y = py, ascending in x.
 [[nodiscard]] std::vector<Solution> solve(const Surface& surface, double wanted, double py);
 
-/// Spread of single stacks of `shells` shells, from that of stacks of `measuredAt`: 1/sqrt(N) (paper, Methods), at best:
-/// stacks of 10 to 100 shells at one force scatter by N^-0.3 (H0, eta) and N^0 (Delta_max), docs/paper.md.
+/// Spread of single stacks of `shells` shells, from that of stacks of `measuredAt`: 1/sqrt(N) (paper, Methods), at
+/// best: stacks of 10 to 100 shells at one force scatter by N^-0.3 (H0, eta) and N^0 (Delta_max), docs/paper.md.
 [[nodiscard]] double spreadAt(double spread, double measuredAt, double shells);
 
 } // namespace supercircle::sweep

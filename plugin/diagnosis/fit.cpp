@@ -145,7 +145,7 @@ bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, Fi
     if (!residual)
         return false;
     f.residual = *residual;
-    f.misfit = f.residual.squaredNorm();
+    f.misfit = f.residual.squaredNorm() + misfit.charge(f.responses).sum();
     f.cost = f.misfit + f.x.dot(v.penalty * f.x);
     return true;
 }
@@ -226,7 +226,8 @@ private:
         const double gain = now_.cost - trial.cost;
         const bool hopeless = now_.iterations >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
         trial.jacobian = std::move(now_.jacobian);
-        learnFrom(trial.jacobian, step, now_.residual - trial.residual);
+        if (const auto change = misfit_.difference(trial.responses, now_.responses))
+            learnFrom(trial.jacobian, step, *change);
         damping_ = std::max(1e-6, gain > 0.5 * foreseen ? damping_ / 10.0 : damping_);
         now_ = std::move(trial);
         if (settings_.rival > 0.0 && hopeless)

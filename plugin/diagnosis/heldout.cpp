@@ -146,9 +146,10 @@ HeldOut inSample(const Misfit& misfit, const Grouping& g, const Fitted& fitted) 
     HeldOut out;
     out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
     out.error = Eigen::VectorXd::Zero(misfit.rows());
+    const Eigen::VectorXd charge = misfit.charge(fitted.responses);
     for (Index k = 0; k < misfit.rows(); ++k)
         if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0) {
-            out.energy[b] += fitted.residual[k] * fitted.residual[k];
+            out.energy[b] += fitted.residual[k] * fitted.residual[k] + charge[k];
             out.rows[b] += 1.0;
             out.error[k] = fitted.residual[k];
         }
@@ -168,7 +169,7 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
         const Eigen::VectorXd held = maskOf(g, f);
         const Eigen::VectorXd train = Eigen::VectorXd::Ones(held.size()) - held;
         const Eigen::MatrixXd G = J.transpose() * train.asDiagonal() * J;
-        Eigen::VectorXd x = fitted.x, r = fitted.residual;
+        Eigen::VectorXd x = fitted.x, r = fitted.residual, charge = misfit.charge(fitted.responses);
         std::vector<Response> responses = fitted.responses;
         for (int correction = 0; correction < 2; ++correction) {
             const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
@@ -180,8 +181,13 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
             auto there = evaluator.everywhere({v.at(to)}, Fineness::Fine).front();
             const auto residual = misfit.residual(there);
             // A step that the training rows themselves reject is not taken.
-            if (!residual || train.cwiseProduct(*residual).squaredNorm() > train.cwiseProduct(r).squaredNorm() + 1.0)
+            if (!residual)
                 break;
+            const Eigen::VectorXd hides = misfit.charge(there);
+            if (train.cwiseProduct(*residual).squaredNorm() + train.dot(hides) >
+                train.cwiseProduct(r).squaredNorm() + train.dot(charge) + 1.0)
+                break;
+            charge = hides;
             x = to;
             r = *residual;
             responses = std::move(there);
@@ -194,7 +200,7 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
         const double rows = held.sum();
         for (Index k = 0; k < e.size(); ++k)
             if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0 && held[k] > 0.0) {
-                out.energy[b] += e[k] * e[k];
+                out.energy[b] += e[k] * e[k] + charge[k];
                 out.volume[b] += logDet / rows;
                 out.rows[b] += 1.0;
                 out.error[k] = e[k];

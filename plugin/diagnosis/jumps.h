@@ -11,8 +11,8 @@
 // at (bridge), and how far the two lie apart is a row of its own with its own error: the recorded one lies somewhere
 // between two readings, and with true parameters two simulators of different kinds agree to .2 rows in 150 jumps of 60
 // concealed experiments, in five (strips that slip off) to a row, .5 to 1 % of the travel. That second error is one of
-// the simulator, the same in every cycle of a run. A simulation without the jump is as far off as one may be: were it
-// free, softening a snap until it is none would pay.
+// the simulator, the same for one event in every cycle of a run. A simulation without the jump is as far off as one may
+// be: were it free, softening a snap until it is none would pay.
 
 #include "plugin/diagnosis/data.h"
 #include "plugin/diagnosis/model.h"

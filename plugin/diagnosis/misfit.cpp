@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace supercircle::diagnosis {
 
@@ -199,13 +200,21 @@ void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Respon
             }
     }
     Eigen::MatrixXd covariance = own.cwiseAbs2().asDiagonal();
-    const auto rises = [&](Eigen::Index i) {
-        const replay::Landmark& jump = part.jumps[static_cast<std::size_t>(i)];
-        return jump.after > jump.before;
-    };
+    // The same event in another cycle: as many jumps of its direction lie before it in a leg of its phase.
+    std::vector<std::tuple<Phase, bool, int>> event;
+    for (std::size_t i = 0; i < part.jumps.size(); ++i) {
+        const replay::Landmark& jump = part.jumps[i];
+        const Leg& leg = run.legAt(jump.time);
+        const bool rises = jump.after > jump.before;
+        int before = 0;
+        for (std::size_t k = 0; k < i; ++k)
+            before += &run.legAt(part.jumps[k].time) == &leg && (part.jumps[k].after > part.jumps[k].before) == rises;
+        event.emplace_back(leg.phase, rises, before);
+    }
     for (Eigen::Index i = 0; i < n; ++i)
         for (Eigen::Index k = 0; k < n; ++k)
-            covariance(i, k) += rises(i) == rises(k) ? shared[i] * shared[k] : 0.0;
+            if (event[static_cast<std::size_t>(i)] == event[static_cast<std::size_t>(k)])
+                covariance(i, k) += shared[i] * shared[k];
     part.jumpFactor = covariance.llt().matrixL();
 }
 
@@ -225,8 +234,14 @@ Misfit::Places Misfit::placesOf(std::size_t r, const Response& s) const {
     const std::vector<int> partner = sameJumps(run, recorded, simulated, settings_.jumpFarthest);
     for (std::size_t i = 0; i < recorded.size(); ++i) {
         const double t = recorded[i].time;
-        if (partner[i] < 0) {
-            out.time.push_back(t + reachOf(run, t, settings_.jumpFarthest));
+        out.there.push_back(partner[i] >= 0);
+        if (partner[i] < 0) { // as far as may be, to the side of one that it might have been
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const replay::Landmark& other : simulated)
+                if ((other.after > other.before) == (recorded[i].after > recorded[i].before) &&
+                    std::abs(other.time - t) < std::abs(nearest - t))
+                    nearest = other.time;
+            out.time.push_back(t + std::copysign(reachOf(run, t, settings_.jumpFarthest), nearest - t));
             continue;
         }
         out.time.push_back(simulated[static_cast<std::size_t>(partner[i])].time);
@@ -278,8 +293,8 @@ Departure Misfit::change(std::size_t r, const Response& a, const Response& b) co
     Places p = placesOf(r, a);
     const Places q = placesOf(r, b);
     out.rows.head(run.rows()) << a.force - b.force, a.markers - b.markers;
-    for (std::size_t i = 0; i < p.time.size(); ++i) // as the others: a minus b
-        out.rows[run.rows() + static_cast<Eigen::Index>(i)] = p.time[i] - q.time[i];
+    for (std::size_t i = 0; i < p.time.size(); ++i) // what comes or goes between them is no derivative
+        out.rows[run.rows() + static_cast<Eigen::Index>(i)] = p.there[i] == q.there[i] ? p.time[i] - q.time[i] : 0.0;
     p.between.insert(p.between.end(), q.between.begin(), q.between.end());
     bridgeAll(r, p.between, out);
     return out;
@@ -324,13 +339,19 @@ std::optional<Eigen::VectorXd> Misfit::residual(const std::vector<Response>& sim
         const Departure d = departure(r, simulated[r]);
         if (d.rows.size() != rowsOf(r))
             return std::nullopt;
-        auto own = out.segment(start(r), rowsOf(r));
-        own = whiten(r, d.rows);
-        for (Eigen::Index k = 0; k < own.size(); ++k)
-            if (d.hidden[static_cast<std::size_t>(k)])
-                own[k] = (k % 2 == 0 ? 1.0 : -1.0) * std::hypot(own[k], 1.0); // no shift
+        out.segment(start(r), rowsOf(r)) = whiten(r, d.rows);
     }
     return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
+}
+
+Eigen::VectorXd Misfit::charge(const std::vector<Response>& simulated) const {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(rows());
+    for (std::size_t r = 0; r < runs(); ++r) {
+        const std::vector<bool> hidden = departure(r, simulated[r]).hidden;
+        for (std::size_t k = 0; k < hidden.size(); ++k)
+            out[start(r) + static_cast<Eigen::Index>(k)] = hidden[k] ? 1.0 : 0.0;
+    }
+    return out;
 }
 
 std::optional<Eigen::VectorXd> Misfit::difference(const std::vector<Response>& a,

@@ -71,9 +71,11 @@ public:
     [[nodiscard]] Departure departure(std::size_t run, const Response& simulated) const;
     /// a minus b of two simulations of one run; what either hides is bridged.
     [[nodiscard]] Departure change(std::size_t run, const Response& a, const Response& b) const;
-    /// Recorded minus simulated of all runs, whitened; empty if a simulation failed or did not reach the end. A hidden
-    /// row counts as one noise unit: what says nothing is not worth anything either.
+    /// Recorded minus simulated of all runs, whitened; empty if a simulation failed or did not reach the end.
     [[nodiscard]] std::optional<Eigen::VectorXd> residual(const std::vector<Response>& simulated) const;
+    /// 1 in rows that a simulation hides, 0 elsewhere: what is added to their squares, because what says nothing is not
+    /// worth anything either. Not part of the residual, whose sign leads a search.
+    [[nodiscard]] Eigen::VectorXd charge(const std::vector<Response>& simulated) const;
     /// Whitened a - b.
     [[nodiscard]] std::optional<Eigen::VectorXd> difference(const std::vector<Response>& a,
                                                             const std::vector<Response>& b) const;
@@ -119,6 +121,7 @@ private:
     /// Where a simulation has the recorded jumps, s (as late as may be: has none), and what lies between.
     struct Places {
         std::vector<double> time;
+        std::vector<bool> there;
         Stretches between;
     };
     [[nodiscard]] Places placesOf(std::size_t run, const Response& simulated) const;

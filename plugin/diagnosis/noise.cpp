@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace supercircle::diagnosis {
 
@@ -220,7 +222,9 @@ double Noise::ofMean(double span, double dt) const {
         return 0.0;
     const double x = span / memory;
     const double slow = 2.0 / x * (1.0 - (1.0 - std::exp(-x)) / x); // variance of the mean of an AR(1), continuous
-    return std::sqrt(white * white * dt / span + coloured * coloured * slow);
+    const double phase = swingPeriod > 0.0 ? M_PI * span / swingPeriod : 1.0;
+    const double swung = 0.5 * swing * swing * std::pow(std::sin(phase) / phase, 2);
+    return std::sqrt(white * white * dt / span + coloured * coloured * slow + swung);
 }
 
 namespace {
@@ -228,6 +232,7 @@ namespace {
 /// The most probable size, and how probable it is.
 struct Sized {
     Noise noise;
+    std::optional<Data> still; ///< without what swings
     double logLikelihood = -std::numeric_limits<double>::infinity();
 };
 
@@ -275,7 +280,7 @@ Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, Sized plain
     const double price = 15.0 + 3.0 * (2.0 * static_cast<double>(data.runs.size()) + 1.0);
     const double white = std::max(plain.noise.white, 1e-300);
     const Swing swing = largestSwing(data, rests, white, 0.55 * white, 0.25);
-    if (swing.period <= 0.0)
+    if (swing.explained < 2.0 * price)
         return plain;
     Data still = data;
     for (std::size_t r = 0; r < still.runs.size(); ++r)
@@ -286,6 +291,7 @@ Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, Sized plain
         return plain;
     other.noise.swingPeriod = swing.period;
     other.noise.swing = swing.amplitude();
+    other.still = std::move(still);
     return other;
 }
 
@@ -295,13 +301,14 @@ Noise estimateNoise(const Data& data) {
     if (data.free)
         return freeNoise(data);
     const std::vector<Rest> rests = restsOf(data);
-    Noise best = withoutSwing(data, rests, sizeOf(rests, roughnessOf(data), data.statedForceNoise)).noise;
+    const Sized sized = withoutSwing(data, rests, sizeOf(rests, roughnessOf(data), data.statedForceNoise));
+    Noise best = sized.noise;
     best.marker = markerNoiseOf(data);
     if (best.total() <= 0.0)
         return best;
     for (const Rest& q : rests)
         best.quietSeconds += q.time[q.time.size() - 1] - q.time[0];
-    fromRepeats(data, best);
+    fromRepeats(sized.still ? *sized.still : data, best);
     char words[280];
     std::snprintf(
         words, sizeof words,

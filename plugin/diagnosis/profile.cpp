@@ -87,8 +87,8 @@ private:
         to.x = f.x + step;
         if (!evaluate(evaluator_, misfit_, v_, to))
             return false;
-        if (step.squaredNorm() > 0.0)
-            learnFrom(f.jacobian, step, f.residual - to.residual);
+        if (const auto change = misfit_.difference(to.responses, f.responses); change && step.squaredNorm() > 0.0)
+            learnFrom(f.jacobian, step, *change);
         to.jacobian = f.jacobian;
         return true;
     }

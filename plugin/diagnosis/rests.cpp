@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace supercircle::diagnosis {
@@ -23,9 +24,15 @@ struct Plain {
 
     Plain(const Rest& r, double white, double coloured, double memory)
         : rest(&r), whitening(r.time, white, coloured, memory) {
-        Eigen::MatrixXd x(r.trends.rows(), r.trends.cols());
-        for (Index c = 0; c < x.cols(); ++c)
+        const bool relaxes = r.trends.cols() > 1;
+        Eigen::MatrixXd x(r.trends.rows(), r.trends.cols() + (relaxes ? 3 : 0));
+        for (Index c = 0; c < r.trends.cols(); ++c)
             x.col(c) = whitening.apply(r.trends.col(c));
+        if (relaxes)
+            for (const Index c : {0, 1, 2}) {
+                const double time = std::array<double, 3>{0.3, 1.0, 3.0}[static_cast<std::size_t>(c)]; // s
+                x.col(r.trends.cols() + c) = whitening.apply((-(r.time.array() - r.time[0]) / time).exp());
+            }
         basis = Eigen::HouseholderQR<Eigen::MatrixXd>(x).householderQ() * Eigen::MatrixXd::Identity(x.rows(), x.cols());
         force = free(r.force);
     }
@@ -116,11 +123,12 @@ Swing largestSwing(const Data& data, const std::vector<Rest>& rests, double whit
         dt = std::max(dt, run.spacing());
     }
     Swing best;
-    double most = 0.0;
     if (longest <= 0.0)
         return best;
     constexpr double kPeriods = 2.0, kRows = 5.0, kOversampling = 4.0;
-    for (double f = kPeriods / longest; f < 1.0 / (kRows * dt); f += 1.0 / (kOversampling * span)) {
+    constexpr int kMost = 1500; // frequencies
+    double f = kPeriods / longest;
+    for (int i = 0; i < kMost && f < 1.0 / (kRows * dt); ++i, f += 1.0 / (kOversampling * span)) {
         std::vector<Eigen::Matrix2d> gram(data.runs.size(), Eigen::Matrix2d::Zero());
         std::vector<Eigen::Vector2d> product(data.runs.size(), Eigen::Vector2d::Zero());
         for (const Plain& p : plain) {
@@ -131,22 +139,20 @@ Swing largestSwing(const Data& data, const std::vector<Rest>& rests, double whit
             gram[p.rest->run] += x.transpose() * x;
             product[p.rest->run] += x.transpose() * p.force;
         }
-        Swing swing{1.0 / f, std::vector<double>(data.runs.size(), 0.0), std::vector<double>(data.runs.size(), 0.0)};
-        double explained = 0.0;
+        const std::vector<double> none(data.runs.size(), 0.0);
+        Swing swing{1.0 / f, none, none};
         for (std::size_t r = 0; r < data.runs.size(); ++r) {
             const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(gram[r]);
             // What a run's trends imitate says nothing of its phase.
             if (eigen.eigenvalues()[0] < 0.05 * eigen.eigenvalues()[1] || eigen.eigenvalues()[1] <= 0.0)
                 continue;
             const Eigen::Vector2d c = gram[r].ldlt().solve(product[r]);
-            explained += c.dot(product[r]);
+            swing.explained += c.dot(product[r]);
             swing.cosine[r] = c[0];
             swing.sine[r] = c[1];
         }
-        if (explained > most) {
-            most = explained;
+        if (swing.explained > best.explained)
             best = std::move(swing);
-        }
     }
     return best;
 }

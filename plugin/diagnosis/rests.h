@@ -25,11 +25,13 @@ double restrictedLogLikelihood(const Rest& rest, double white, double coloured, 
 struct Swing {
     double period = 0.0;                    ///< s; 0: none
     std::vector<double> cosine, sine;       ///< of each run, N, over the run's own time
+    double explained = 0.0;                 ///< of the rests\' squared deviations, noise units
     [[nodiscard]] double amplitude() const; ///< N, root mean square over the runs that rest
     [[nodiscard]] double at(std::size_t run, double time) const;
 };
 
-/// The sine that explains most of what rests show beyond such noise; they must last two of its periods.
+/// The sine that explains most of what rests show beyond such noise and beyond relaxations of 0.3, 1 and 3 s, which
+/// come again in every cycle; a run must rest for two of its periods.
 Swing largestSwing(const Data& data, const std::vector<Rest>& rests, double white, double coloured, double memory);
 
 } // namespace supercircle::diagnosis

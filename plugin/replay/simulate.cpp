@@ -193,15 +193,19 @@ private:
 
     /// Moves the head so that the drive shows `goal` after `duration`.
     void followTo(double goal, double duration, const std::function<bool()>& observe) {
-        constexpr double kNear = 1e-7, kFar = 2e-8; // m, of the drive, of the head
+        constexpr double kNear = 1e-7, kFar = 2e-8, kForgets = 0.9; // m of the drive, m of the head, 1
         const double open = goal - position();
         const double force = pressing_, displacement = rig_.displacement();
         following_ = !rigid();
         rig_.move(rigid() ? open : std::abs(open) > kNear ? open / ratio() : 0.0, duration, observe);
         following_ = false;
         const double moved = rig_.displacement() - displacement;
-        if ((goal - position()) * open < 0.0 && std::abs(moved) > kFar)
+        if (std::abs(moved) <= kFar)
+            return;
+        if ((goal - position()) * open < 0.0)
             stiffness_ = std::max(stiffness_, (pressing_ - force) / moved);
+        else
+            stiffness_ *= kForgets; // one kick must not slow the head for ever
     }
 
     /// The drive rests at `to`; what relaxes takes the head along.
@@ -280,7 +284,8 @@ private:
             const double way = std::copysign(std::min(kPart * std::abs(left), kOfLeg * std::abs(to - from)), left);
             const double force = pressing_, displacement = rig_.displacement();
             rig_.move(way / std::min(kSlowest, ratio()), way / speed, observe);
-            if (const double moved = rig_.displacement() - displacement; std::abs(moved) > kNear)
+            const double enough = std::min(kNear, 0.2 * std::abs(way) / kSlowest);
+            if (const double moved = rig_.displacement() - displacement; std::abs(moved) > enough)
                 stiffness_ = std::max(0.0, (pressing_ - force) / moved);
         }
         clock_ = stopped_ ? clock_ : t1;

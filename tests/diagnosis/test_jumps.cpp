@@ -94,8 +94,7 @@ TEST_CASE("a jump that comes late is one observation, not one in every row it is
     // Rows that say nothing are worth nothing: one unit each.
     const auto hidden = std::count(late1.hidden.begin(), late1.hidden.end(), true);
     CHECK(hidden >= 24); // 1 s, .4 s of which is left out anyway, on either side of it
-    const Eigen::VectorXd charged = misfit.residual(late)->head(misfit.rowsOf(slow));
-    CHECK(charged.squaredNorm() == Approx(u.squaredNorm() + static_cast<double>(hidden)).epsilon(1e-9));
+    CHECK(misfit.charge(late).head(misfit.rowsOf(slow)).sum() == static_cast<double>(hidden));
     CHECK(misfit.difference(late, late)->norm() == 0.0);
     CHECK((*misfit.difference(late, exact))[misfit.rowsOf(slow) - 1] == Approx(1.0 / error).epsilon(1e-9));
 
@@ -105,6 +104,14 @@ TEST_CASE("a jump that comes late is one observation, not one in every row it is
         const double leg = data.runs[slow].legs[1].to - data.runs[slow].legs[1].from;
         CHECK(n[n.size() - 1] == Approx(-MisfitSettings{}.jumpFarthest * leg).epsilon(1e-9)); // as late as may be
         CHECK(misfit.whiten(slow, n).norm() > 2.0 * u.norm());
+    }
+    SECTION("a jump that comes or goes is no derivative") {
+        const auto never = at(data, Point{{103.0, 0.08, 1.0}, {}});
+        const Eigen::VectorXd gone = misfit.change(slow, exact[slow], never[slow]).rows;
+        CHECK(gone[gone.size() - 1] == 0.0);
+        const auto early = at(data, Point{{103.0, 0.08, 4.0e-3}, {}}); // out of reach, on the other side
+        const Eigen::VectorXd e = misfit.departure(slow, early[slow]).rows;
+        CHECK(e[e.size() - 1] > 1.0);
     }
     SECTION("jumps of other legs, and too far away, are other events") {
         const RecordedRun& run = data.runs[slow];

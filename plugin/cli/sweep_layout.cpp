@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <iterator>
 #include <numeric>
 
 namespace supercircle::cli {
@@ -40,25 +41,53 @@ std::string quantityLabel(const std::string& key) {
     return report::plainName(key) + (unit.empty() ? "" : " (" + unit + ")");
 }
 
+namespace {
+
+/// What tells a group from the others; of more than two parameters that vary, those that are not the first group's.
+std::string labelOf(const sweep::Definition& sweep, const std::vector<SweepGroup>& groups, std::size_t g) {
+    const auto value = [&](std::size_t group, std::size_t i) { return sweep.sets[groups[group].sets.front()][i]; };
+    std::vector<std::size_t> varying, told;
+    for (std::size_t i = 0; i < sweep.names.size(); ++i) {
+        bool varies = groups.size() == 1;
+        for (std::size_t k = 1; k < groups.size(); ++k)
+            varies = varies || value(k, i) != value(0, i);
+        if (sweep.names[i] != sweep.x && varies)
+            varying.push_back(i);
+    }
+    constexpr std::size_t kMost = 2;
+    if (varying.size() > kMost && g == 0)
+        return "first set";
+    std::copy_if(varying.begin(), varying.end(), std::back_inserter(told),
+                 [&](std::size_t i) { return varying.size() <= kMost || value(g, i) != value(0, i); });
+    std::string label;
+    for (const std::size_t i : told)
+        label += (label.empty() ? "" : ", ") + parameterLabel(sweep.names[i]) + " = " + shortNumber(value(g, i));
+    return label;
+}
+
+} // namespace
+
 std::vector<SweepGroup> groupsOf(const sweep::Definition& sweep) {
     std::vector<SweepGroup> groups;
+    std::vector<std::vector<double>> others; // values of all but the abscissa, of each group
     for (std::size_t set = 0; set < sweep.sets.size(); ++set) {
-        std::string label;
+        std::vector<double> values;
         double x = 0.0;
         for (std::size_t i = 0; i < sweep.names.size(); ++i)
             if (sweep.names[i] == sweep.x)
                 x = sweep.sets[set][i];
             else
-                label += (label.empty() ? "" : ", ") + parameterLabel(sweep.names[i]) + " = " +
-                         shortNumber(sweep.sets[set][i]);
-        auto at = std::find_if(groups.begin(), groups.end(), [&](const SweepGroup& g) { return g.label == label; });
-        if (at == groups.end()) {
-            groups.push_back({label, kColours[groups.size() % kColours.size()], {}, {}});
-            at = groups.end() - 1;
+                values.push_back(sweep.sets[set][i]);
+        const auto at = static_cast<std::size_t>(std::find(others.begin(), others.end(), values) - others.begin());
+        if (at == groups.size()) {
+            groups.push_back({"", kColours[groups.size() % kColours.size()], {}, {}});
+            others.push_back(values);
         }
-        at->x.push_back(x);
-        at->sets.push_back(set);
+        groups[at].x.push_back(x);
+        groups[at].sets.push_back(set);
     }
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        groups[g].label = labelOf(sweep, groups, g);
     for (SweepGroup& g : groups) {
         std::vector<std::size_t> order(g.x.size());
         std::iota(order.begin(), order.end(), std::size_t{0});

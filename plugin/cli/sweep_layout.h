@@ -10,7 +10,7 @@
 namespace supercircle::cli {
 
 struct SweepGroup {
-    std::string label; ///< "μ = 0.35"; empty if nothing else varies
+    std::string label; ///< "μ = 0.35", what differs from the first of many; empty if nothing else varies
     report::Colour colour;
     std::vector<double> x;         ///< ascending
     std::vector<std::size_t> sets; ///< beside x

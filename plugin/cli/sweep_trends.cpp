@@ -91,13 +91,31 @@ void drawCurves(Canvas& canvas, const Rect& area, const std::vector<Curve>& curv
                   3.0 * (static_cast<double>(i) - 0.5 * static_cast<double>(curves.size() - 1)));
 }
 
-void drawLegend(Canvas& canvas, const std::vector<Curve>& curves, double x, double y) {
+constexpr double kLegendRow = 18.0;
+
+/// Places of the entries beside `left`, in rows that end before `right`.
+std::vector<Point> legendPlaces(const std::vector<Curve>& curves, double left, double right, double y) {
+    std::vector<Point> places;
+    double x = left;
     for (const Curve& c : curves) {
-        if (c.label.empty())
+        const double width = 46.0 + report::textWidth(c.label, theme::labelSize);
+        if (!c.label.empty() && x > left && x + width - 18.0 > right) {
+            x = left;
+            y += kLegendRow;
+        }
+        places.push_back({x, y});
+        x += c.label.empty() ? 0.0 : width;
+    }
+    return places;
+}
+
+void drawLegend(Canvas& canvas, const std::vector<Curve>& curves, const std::vector<Point>& places) {
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+        const auto [x, y] = places[i];
+        if (curves[i].label.empty())
             continue;
-        canvas.line({x, y - 4.0}, {x + 22.0, y - 4.0}, {c.colour, 2.4});
-        canvas.text({x + 28.0, y}, c.label, {theme::labelSize, theme::ink});
-        x += 46.0 + report::textWidth(c.label, theme::labelSize);
+        canvas.line({x, y - 4.0}, {x + 22.0, y - 4.0}, {curves[i].colour, 2.4});
+        canvas.text({x + 28.0, y}, curves[i].label, {theme::labelSize, theme::ink});
     }
 }
 
@@ -168,15 +186,17 @@ SweepFigure trendFigure(const sweep::Definition& sweep, const sweep::Table& tabl
     figure.title = quantityLabel(quantity) + (only.empty() ? "" : ", " + only);
     figure.caption = "Mean with its standard error (thick) and the spread of single runs, 1.4826 MAD (thin).";
     figure.width = 620.0;
-    figure.height = 430.0;
-    figure.draw = [curves = trendsOf(sweep, table, quantity, only), x = parameterLabel(sweep.x),
-                   y = quantityLabel(quantity),
+    const std::vector<Curve> curves = trendsOf(sweep, table, quantity, only);
+    const std::vector<Point> places = legendPlaces(curves, 80.0, 610.0, 24.0);
+    const double top = 16.0 + (places.empty() ? 24.0 : places.back().y);
+    figure.height = 390.0 + top;
+    figure.draw = [curves, places, top, x = parameterLabel(sweep.x), y = quantityLabel(quantity),
                    height = quantity == "H0_over_R" && asManyAsInThePaper(sweep)](Canvas& canvas) {
         PlotStyle style;
         style.x = {x, 1.0};
         style.y = {y, 1.0};
-        drawLegend(canvas, curves, 80.0, 24.0);
-        drawCurves(canvas, {80.0, 40.0, 520.0, 330.0}, curves, style,
+        drawLegend(canvas, curves, places);
+        drawCurves(canvas, {80.0, top, 520.0, 330.0}, curves, style,
                    height ? kHexagonal : std::numeric_limits<double>::quiet_NaN(),
                    "hexagonal packing of circles, 2 + 6√3");
     };
@@ -239,7 +259,7 @@ SweepFigure cyclesFigure(const sweep::Definition& sweep, const sweep::Table& tab
     for (const Curve& c : panels.front().curves)
         most = std::max(most, c.marks.size());
     figure.draw = [panels, most](Canvas& canvas) {
-        drawLegend(canvas, panels.front().curves, 80.0, 24.0);
+        drawLegend(canvas, panels.front().curves, legendPlaces(panels.front().curves, 80.0, 1170.0, 24.0));
         for (std::size_t p = 0; p < panels.size(); ++p) {
             PlotStyle style;
             style.x = {"cycle", 1.0};

@@ -165,11 +165,12 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
     const Eigen::MatrixXd& J = fitted.jacobian;
     const Eigen::MatrixXd prior = priorOf(v) + v.penalty;
     double squares = 0.0, count = 0.0;
+    const Eigen::VectorXd fittedCharge = misfit.charge(fitted.responses);
     for (int f = 0; f < g.folds; ++f) {
         const Eigen::VectorXd held = maskOf(g, f);
         const Eigen::VectorXd train = Eigen::VectorXd::Ones(held.size()) - held;
         const Eigen::MatrixXd G = J.transpose() * train.asDiagonal() * J;
-        Eigen::VectorXd x = fitted.x, r = fitted.residual, charge = misfit.charge(fitted.responses);
+        Eigen::VectorXd x = fitted.x, r = fitted.residual, charge = fittedCharge;
         std::vector<Response> responses = fitted.responses;
         for (int correction = 0; correction < 2; ++correction) {
             const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);

@@ -42,16 +42,25 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const M
     }
 }
 
+/// What says nothing where a jump happens at one time or another.
+std::pair<double, double> around(double t0, double t1, const MisfitSettings& s) {
+    return {std::min(t0, t1) - s.snapBefore, std::max(t0, t1) + s.snapAfter};
+}
+
+/// Jumps of a simulation, half as large as those of a recording too: a partner must not come and go where it just
+/// reaches the size.
+std::vector<replay::Landmark> jumpsOf(const RecordedRun& run, const Response& simulated, const MisfitSettings& s) {
+    return simulatedJumps(run, simulated, 0.5 * s.snapShare);
+}
+
 /// What lies between jumps of one simulation and those of another.
 Stretches betweenJumps(const RecordedRun& run, const Response& a, const Response& b, const MisfitSettings& s) {
-    const auto p = simulatedJumps(run, a, s.snapShare), q = simulatedJumps(run, b, s.snapShare);
+    const auto p = jumpsOf(run, a, s), q = jumpsOf(run, b, s);
     const std::vector<int> partner = sameJumps(run, p, q, s.jumpFarthest);
     Stretches between;
     for (std::size_t i = 0; i < p.size(); ++i)
-        if (partner[i] >= 0) {
-            const double other = q[static_cast<std::size_t>(partner[i])].time;
-            between.emplace_back(std::min(p[i].time, other) - s.snapBefore, std::max(p[i].time, other) + s.snapAfter);
-        }
+        if (partner[i] >= 0)
+            between.push_back(around(p[i].time, q[static_cast<std::size_t>(partner[i])].time, s));
     return between;
 }
 
@@ -189,7 +198,7 @@ void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Respon
     for (Eigen::Index i = 0; i < n; ++i)
         shared[i] = s.jumpPlace * travel / std::abs(run.legAt(part.jumps[static_cast<std::size_t>(i)].time).speed);
     if (fine.force.size() == run.force.size() && coarse.force.size() == run.force.size()) {
-        const auto a = simulatedJumps(run, fine, 0.5 * s.snapShare), b = simulatedJumps(run, coarse, 0.5 * s.snapShare);
+        const auto a = jumpsOf(run, fine, s), b = jumpsOf(run, coarse, s);
         const auto inFine = sameJumps(run, part.jumps, a, s.jumpFarthest),
                    inCoarse = sameJumps(run, a, b, s.jumpFarthest);
         for (std::size_t i = 0; i < part.jumps.size(); ++i)
@@ -229,8 +238,7 @@ Misfit::Places Misfit::placesOf(std::size_t r, const Response& s) const {
     Places out;
     if (recorded.empty())
         return out;
-    // Half as large ones too: a partner must not come and go where it just reaches the size.
-    const auto simulated = simulatedJumps(run, s, 0.5 * settings_.snapShare);
+    const auto simulated = jumpsOf(run, s, settings_);
     const std::vector<int> partner = sameJumps(run, recorded, simulated, settings_.jumpFarthest);
     for (std::size_t i = 0; i < recorded.size(); ++i) {
         const double t = recorded[i].time;
@@ -245,8 +253,7 @@ Misfit::Places Misfit::placesOf(std::size_t r, const Response& s) const {
             continue;
         }
         out.time.push_back(simulated[static_cast<std::size_t>(partner[i])].time);
-        out.between.emplace_back(std::min(t, out.time.back()) - settings_.snapBefore,
-                                 std::max(t, out.time.back()) + settings_.snapAfter);
+        out.between.push_back(around(t, out.time.back(), settings_));
     }
     return out;
 }
@@ -294,7 +301,7 @@ Departure Misfit::change(std::size_t r, const Response& a, const Response& b) co
     const Places q = placesOf(r, b);
     out.rows.head(run.rows()) << a.force - b.force, a.markers - b.markers;
     for (std::size_t i = 0; i < p.time.size(); ++i) // what comes or goes between them is no derivative
-        out.rows[run.rows() + static_cast<Eigen::Index>(i)] = p.there[i] == q.there[i] ? p.time[i] - q.time[i] : 0.0;
+        out.rows[run.rows() + static_cast<Eigen::Index>(i)] = p.there[i] && q.there[i] ? p.time[i] - q.time[i] : 0.0;
     p.between.insert(p.between.end(), q.between.begin(), q.between.end());
     bridgeAll(r, p.between, out);
     return out;

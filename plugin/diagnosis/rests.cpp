@@ -15,6 +15,26 @@ namespace {
 
 using Index = Eigen::Index;
 
+Eigen::MatrixXd whitened(const Whitening& w, const Eigen::MatrixXd& columns) {
+    Eigen::MatrixXd out(columns.rows(), columns.cols());
+    for (Index c = 0; c < out.cols(); ++c)
+        out.col(c) = w.apply(columns.col(c));
+    return out;
+}
+
+/// The trends of a rest and, behind a motion, what relaxes within 0.3, 1 and 3 s.
+Eigen::MatrixXd relaxations(const Rest& r) {
+    constexpr std::array kTimes = {0.3, 1.0, 3.0};
+    const Index given = r.trends.cols();
+    if (given == 1)
+        return r.trends;
+    Eigen::MatrixXd out(r.trends.rows(), given + static_cast<Index>(kTimes.size()));
+    out.leftCols(given) = r.trends;
+    for (std::size_t i = 0; i < kTimes.size(); ++i)
+        out.col(given + static_cast<Index>(i)) = (-(r.time.array() - r.time[0]) / kTimes[i]).exp();
+    return out;
+}
+
 /// A rest, whitened and freed from its trends.
 struct Plain {
     const Rest* rest = nullptr;
@@ -24,15 +44,7 @@ struct Plain {
 
     Plain(const Rest& r, double white, double coloured, double memory)
         : rest(&r), whitening(r.time, white, coloured, memory) {
-        const bool relaxes = r.trends.cols() > 1;
-        Eigen::MatrixXd x(r.trends.rows(), r.trends.cols() + (relaxes ? 3 : 0));
-        for (Index c = 0; c < r.trends.cols(); ++c)
-            x.col(c) = whitening.apply(r.trends.col(c));
-        if (relaxes)
-            for (const Index c : {0, 1, 2}) {
-                const double time = std::array<double, 3>{0.3, 1.0, 3.0}[static_cast<std::size_t>(c)]; // s
-                x.col(r.trends.cols() + c) = whitening.apply((-(r.time.array() - r.time[0]) / time).exp());
-            }
+        const Eigen::MatrixXd x = whitened(whitening, relaxations(r));
         basis = Eigen::HouseholderQR<Eigen::MatrixXd>(x).householderQ() * Eigen::MatrixXd::Identity(x.rows(), x.cols());
         force = free(r.force);
     }
@@ -83,9 +95,7 @@ std::vector<Rest> restsOf(const Data& data) {
 double restrictedLogLikelihood(const Rest& rest, double white, double coloured, double memory) {
     const Whitening w(rest.time, white, coloured, memory);
     const Eigen::VectorXd u = w.apply(rest.force);
-    Eigen::MatrixXd x(rest.trends.rows(), rest.trends.cols());
-    for (Index c = 0; c < x.cols(); ++c)
-        x.col(c) = w.apply(rest.trends.col(c));
+    const Eigen::MatrixXd x = whitened(w, rest.trends);
     const Eigen::LLT<Eigen::MatrixXd> gram(x.transpose() * x);
     const Eigen::VectorXd xu = x.transpose() * u;
     const double left = u.squaredNorm() - xu.dot(gram.solve(xu));

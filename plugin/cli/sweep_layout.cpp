@@ -43,6 +43,22 @@ std::string quantityLabel(const std::string& key) {
 
 namespace {
 
+/// Whether a parameter follows the abscissa (a box that widens with the number of shells): it makes no groups.
+bool followsAbscissa(const sweep::Definition& sweep, std::size_t parameter) {
+    const auto x =
+        static_cast<std::size_t>(std::find(sweep.names.begin(), sweep.names.end(), sweep.x) - sweep.names.begin());
+    if (x == sweep.names.size() || x == parameter)
+        return false;
+    bool varies = false;
+    for (const std::vector<double>& a : sweep.sets)
+        for (const std::vector<double>& b : sweep.sets) {
+            if (a[x] == b[x] && a[parameter] != b[parameter])
+                return false;
+            varies = varies || a[parameter] != b[parameter];
+        }
+    return varies;
+}
+
 /// What tells a group from the others; of more than two parameters that vary, those that are not the first group's.
 std::string labelOf(const sweep::Definition& sweep, const std::vector<SweepGroup>& groups, std::size_t g) {
     const auto value = [&](std::size_t group, std::size_t i) { return sweep.sets[groups[group].sets.front()][i]; };
@@ -51,7 +67,7 @@ std::string labelOf(const sweep::Definition& sweep, const std::vector<SweepGroup
         bool varies = groups.size() == 1;
         for (std::size_t k = 1; k < groups.size(); ++k)
             varies = varies || value(k, i) != value(0, i);
-        if (sweep.names[i] != sweep.x && varies)
+        if (sweep.names[i] != sweep.x && varies && !followsAbscissa(sweep, i))
             varying.push_back(i);
     }
     constexpr std::size_t kMost = 2;
@@ -62,21 +78,30 @@ std::string labelOf(const sweep::Definition& sweep, const std::vector<SweepGroup
     std::string label;
     for (const std::size_t i : told)
         label += (label.empty() ? "" : ", ") + parameterLabel(sweep.names[i]) + " = " + shortNumber(value(g, i));
-    return label;
+    std::string following; // said once, lest the abscissa gets all the credit
+    for (std::size_t i = 0; i < sweep.names.size(); ++i)
+        if (g == 0 && followsAbscissa(sweep, i))
+            following += (following.empty() ? "" : ", ") + report::plainName(sweep.names[i]);
+    if (!following.empty())
+        following += " along with " + parameterLabel(sweep.x);
+    return label + (label.empty() || following.empty() ? "" : ", ") + following;
 }
 
 } // namespace
 
 std::vector<SweepGroup> groupsOf(const sweep::Definition& sweep) {
     std::vector<SweepGroup> groups;
-    std::vector<std::vector<double>> others; // values of all but the abscissa, of each group
+    std::vector<std::vector<double>> others; // values of all but the abscissa and what follows it, of each group
+    std::vector<char> follows;
+    for (std::size_t i = 0; i < sweep.names.size(); ++i)
+        follows.push_back(followsAbscissa(sweep, i) ? 1 : 0);
     for (std::size_t set = 0; set < sweep.sets.size(); ++set) {
         std::vector<double> values;
         double x = 0.0;
         for (std::size_t i = 0; i < sweep.names.size(); ++i)
             if (sweep.names[i] == sweep.x)
                 x = sweep.sets[set][i];
-            else
+            else if (follows[i] == 0)
                 values.push_back(sweep.sets[set][i]);
         const auto at = static_cast<std::size_t>(std::find(others.begin(), others.end(), values) - others.begin());
         if (at == groups.size()) {

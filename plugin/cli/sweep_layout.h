@@ -16,7 +16,7 @@ struct SweepGroup {
     std::vector<std::size_t> sets; ///< beside x
 };
 
-/// In the order in which groups appear in the sweep.
+/// In the order in which groups appear in the sweep. What varies with the abscissa alone makes no group.
 std::vector<SweepGroup> groupsOf(const sweep::Definition& sweep);
 
 /// "Φ / 2π" for phi_bar, "μ" for mu, words for the rest.

@@ -28,27 +28,64 @@ namespace theme = report::theme;
 
 constexpr Colour kWorkingDistance = Colour::hex(0x3f9b5b), kShare = Colour::hex(0x3b76c2); // the paper's green and blue
 
-/// Panels in rows (groups) and columns (abscissa).
+constexpr double kTitleLine = 14.0; ///< px
+
+/// What a panel shows: the abscissa's value, then the group's; broken between values where one line is too short.
+std::vector<std::string> titleOf(const SweepGroup& g, std::size_t i, const std::string& x, double width, double size) {
+    std::string rest = (x.empty() ? "" : parameterLabel(x) + " = " + shortNumber(g.x[i]));
+    rest += (rest.empty() || g.label.empty() ? "" : ", ") + g.label;
+    std::vector<std::string> lines = {""};
+    while (!rest.empty()) {
+        const std::size_t comma = rest.find(", ");
+        const std::string value = rest.substr(0, comma);
+        rest = comma == std::string::npos ? "" : rest.substr(comma + 2);
+        std::string& line = lines.back();
+        const std::string longer = line.empty() ? value : line + ", " + value;
+        if (line.empty() || report::textWidth(longer, size) <= width)
+            line = longer;
+        else
+            lines.push_back(value);
+    }
+    return lines;
+}
+
+/// Panels in rows (groups) and columns (abscissa), each below its title.
 struct Panels {
     std::vector<SweepGroup> groups;
+    std::vector<std::vector<std::vector<std::string>>> titles; ///< lines, by group and point
     std::size_t columns = 0;
-    double width = 0.0, height = 0.0; ///< of a cell, px
+    double width = 0.0, height = 0.0; ///< of a panel, px
+    double size = 0.0;                ///< of the titles' letters
+    double head = 0.0;                ///< what titles take of more than a line
 
-    Panels(const sweep::Definition& sweep, double cellWidth, double cellHeight)
-        : groups(groupsOf(sweep)), width(cellWidth), height(cellHeight) {
-        for (const SweepGroup& g : groups)
+    Panels(const sweep::Definition& sweep, double cellWidth, double cellHeight, double letters)
+        : groups(groupsOf(sweep)), width(cellWidth), height(cellHeight), size(letters) {
+        for (const SweepGroup& g : groups) {
             columns = std::max(columns, g.sets.size());
+            titles.emplace_back();
+            for (std::size_t i = 0; i < g.sets.size(); ++i) {
+                titles.back().push_back(titleOf(g, i, sweep.x, width - 66.0, size));
+                head = std::max(head, kTitleLine * (static_cast<double>(titles.back().back().size()) - 1.0));
+            }
+        }
     }
+    /// Without the lines of the title above its last one.
     [[nodiscard]] Rect cell(std::size_t row, std::size_t column) const {
-        return {8.0 + width * static_cast<double>(column), 8.0 + height * static_cast<double>(row), width, height};
+        return {8.0 + width * static_cast<double>(column), 8.0 + head + (height + head) * static_cast<double>(row),
+                width, height};
+    }
+    /// Centred on the axes, whose middle lies `aside` of the panel's.
+    void drawTitle(Canvas& canvas, std::size_t row, std::size_t column, double aside) const {
+        const std::vector<std::string>& lines = titles[row][column];
+        const Rect at = cell(row, column);
+        for (std::size_t k = 0; k < lines.size(); ++k)
+            canvas.text(
+                {at.x + 0.5 * at.width + aside, at.y + 13.0 - kTitleLine * static_cast<double>(lines.size() - 1 - k)},
+                lines[k], {size, theme::ink, Anchor::Middle});
     }
     [[nodiscard]] double totalWidth() const { return width * static_cast<double>(columns) + 16.0; }
-    [[nodiscard]] double totalHeight() const { return height * static_cast<double>(groups.size()) + 16.0; }
+    [[nodiscard]] double totalHeight() const { return (height + head) * static_cast<double>(groups.size()) + 16.0; }
 };
-
-std::string titleOf(const SweepGroup& g, std::size_t i, const std::string& x) {
-    return (x.empty() ? "" : parameterLabel(x) + " = " + shortNumber(g.x[i])) + (g.label.empty() ? "" : ", " + g.label);
-}
 
 void drawHistogram(Canvas& canvas, const Rect& cell, const std::vector<double>& values, const Colour& colour) {
     const sweep::Statistics s = sweep::statisticsOf(values);
@@ -95,7 +132,7 @@ void drawHistogram(Canvas& canvas, const Rect& cell, const std::vector<double>& 
     canvas.text({area.right(), area.y + 4.0}, "n " + std::to_string(s.n) + p, {10.5, theme::muted, Anchor::End});
 }
 
-/// Displacements in mm, forces in N. Single steps after a snap ring far beyond what the specimen carries: one point in
+/// Displacements and forces. Single steps after a snap ring far beyond what the specimen carries: one point in
 /// a thousand may lie outside.
 std::pair<Range, Range> rangesOf(const std::vector<sweep::RunResult>& runs) {
     double distance = 0.0, turn = 0.0;
@@ -103,7 +140,7 @@ std::pair<Range, Range> rangesOf(const std::vector<sweep::RunResult>& runs) {
     for (const sweep::RunResult& run : runs)
         for (const sweep::Leg& leg : run.curve) {
             for (const double d : leg.displacement)
-                distance = std::max(distance, 1e3 * d);
+                distance = std::max(distance, d);
             forces.insert(forces.end(), leg.force.begin(), leg.force.end());
             turn = std::max(turn, leg.force.empty() ? 0.0 : leg.force.back());
         }
@@ -117,19 +154,17 @@ std::pair<Range, Range> rangesOf(const std::vector<sweep::RunResult>& runs) {
 void drawLegs(Canvas& canvas, const Plot& plot, const sweep::RunResult& run, bool bold) {
     const std::size_t cycles = std::max<std::size_t>(1, run.curve.size() / 2);
     for (std::size_t i = 0; i < run.curve.size(); ++i) {
-        std::vector<double> mm = run.curve[i].displacement;
-        for (double& d : mm)
-            d *= 1e3;
         const double age = cycles > 1 ? static_cast<double>(i / 2) / static_cast<double>(cycles - 1) : 0.0;
         const Colour colour = i % 2 == 0 ? theme::loading : theme::unloading; // later cycles fade
-        plot.drawLine(canvas, mm, run.curve[i].force, {colour.alpha(bold ? 1.0 - 0.65 * age : 0.16), bold ? 1.7 : 0.9});
+        plot.drawLine(canvas, run.curve[i].displacement, run.curve[i].force,
+                      {colour.alpha(bold ? 1.0 - 0.65 * age : 0.16), bold ? 1.7 : 0.9});
     }
 }
 
 } // namespace
 
 SweepFigure histogramFigure(const sweep::Definition& sweep, const sweep::Table& table, const std::string& quantity) {
-    const Panels panels(sweep, 196.0, 156.0);
+    const Panels panels(sweep, 196.0, 156.0, theme::tickSize);
     std::vector<std::vector<std::vector<double>>> values;
     for (const SweepGroup& g : panels.groups) {
         values.emplace_back();
@@ -143,13 +178,11 @@ SweepFigure histogramFigure(const sweep::Definition& sweep, const sweep::Table& 
                      "that runs are Gaussian (one panel in twenty falls below 0.05 even if all are).";
     figure.width = panels.totalWidth();
     figure.height = panels.totalHeight();
-    figure.draw = [panels, values, x = sweep.x,
-                   colour = quantity == "eta" ? kShare : kWorkingDistance](Canvas& canvas) {
+    figure.draw = [panels, values, colour = quantity == "eta" ? kShare : kWorkingDistance](Canvas& canvas) {
         for (std::size_t row = 0; row < panels.groups.size(); ++row)
             for (std::size_t i = 0; i < panels.groups[row].sets.size(); ++i) {
                 const Rect cell = panels.cell(row, i);
-                canvas.text({cell.x + 0.5 * cell.width + 8.0, cell.y + 13.0}, titleOf(panels.groups[row], i, x),
-                            {theme::tickSize, theme::ink, Anchor::Middle});
+                panels.drawTitle(canvas, row, i, 11.0);
                 drawHistogram(canvas, cell, values[row][i], colour);
             }
     };
@@ -158,7 +191,7 @@ SweepFigure histogramFigure(const sweep::Definition& sweep, const sweep::Table& 
 
 SweepFigure forceFigure(const sweep::Definition& sweep, const std::vector<std::vector<sweep::RunResult>>& curves) {
     const bool few = curves.size() <= 4;
-    const Panels panels(sweep, few ? 440.0 : 300.0, few ? 340.0 : 240.0);
+    const Panels panels(sweep, few ? 440.0 : 300.0, few ? 340.0 : 240.0, theme::labelSize);
     SweepFigure figure;
     figure.name = "force_curves";
     figure.title = "Force against displacement";
@@ -170,21 +203,22 @@ SweepFigure forceFigure(const sweep::Definition& sweep, const std::vector<std::v
     });
     if (!any)
         return {};
-    figure.draw = [panels, curves, x = sweep.x](Canvas& canvas) {
+    figure.draw = [panels, curves](Canvas& canvas) {
         for (std::size_t row = 0; row < panels.groups.size(); ++row)
             for (std::size_t i = 0; i < panels.groups[row].sets.size(); ++i) {
                 const std::vector<sweep::RunResult>& runs = curves[panels.groups[row].sets[i]];
                 const auto [distance, force] = rangesOf(runs);
                 const Rect cell = panels.cell(row, i);
-                canvas.text({cell.x + 0.5 * cell.width + 30.0, cell.y + 14.0}, titleOf(panels.groups[row], i, x),
-                            {theme::labelSize, theme::ink, Anchor::Middle});
+                panels.drawTitle(canvas, row, i, 25.0);
                 if (!(distance.hi > 0.0) || !(force.span() > 0.0))
                     continue;
                 const Plot plot({cell.x + 62.0, cell.y + 24.0, cell.width - 74.0, cell.height - 74.0},
                                 {0.0, 1.03 * distance.hi}, report::padded(force, 0.04));
                 PlotStyle style;
-                style.x = {"displacement (mm)", 1.0};
-                style.y = {"force (N)", 1.0};
+                const report::Unit length = report::readableUnit(distance.hi, "m");
+                const report::Unit newton = report::readableUnit(std::max(-force.lo, force.hi), "N");
+                style.x = {"displacement (" + length.text + ")", length.factor};
+                style.y = {"force (" + newton.text + ")", newton.factor};
                 style.xTicks = 6;
                 style.yTicks = 6;
                 plot.drawFrame(canvas, style);

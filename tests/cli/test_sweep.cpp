@@ -126,6 +126,19 @@ TEST_CASE("the page holds its pictures, and tables have the promised columns") {
     CHECK_THAT(contentOf(folder / "out/timings.csv"), Contains("wall_s"));
 }
 
+TEST_CASE("a parameter that follows the abscissa makes no lines of its own, and the legend names it") {
+    const Folder folder;
+    const std::string file = folder.write("sweep.json", R"({"schema": "supercircle-sweep/1", "scene": ")" +
+                                                            test::scene("shell_on_cylinder") +
+                                                            R"(", "grid": {"mu": [0.1, 0.35]},
+        "cases": [{"phi_bar": 0.65, "elements": 8}, {"phi_bar": 0.75, "elements": 10}],
+        "fixed": {"speed": 0.05}, "report": {"x": "phi_bar"}})");
+    REQUIRE(sweepInto(file, folder / "out", {}).code == 0);
+    const std::string page = contentOf(folder / "out/report.html");
+    CHECK_THAT(page, Contains("μ = 0.35") && Contains("elements along with Φ / 2π"));
+    CHECK_THAT(page, !Contains("elements = 10"));
+}
+
 TEST_CASE("runs that fail are exit 3, listed with seed and command, and do not stop the others") {
     const Folder folder;
     // Far faster than sound in the shell: it is taken out of the motion, and then there is no experiment.

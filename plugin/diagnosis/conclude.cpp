@@ -1,5 +1,7 @@
 #include "plugin/diagnosis/conclude.h"
 
+#include "plugin/diagnosis/weigh.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -119,7 +121,8 @@ std::string verdictOf(const Evidence& e) {
         return "not_enough_information";
     if (e.unknown >= 0.5 || !e.any)
         return "unexplained";
-    return e.bestGroup >= 0.9 && e.gainLow > 0.0 && e.gain > 3.0 ? "named" : "ambiguous";
+    const bool gains = (e.gainLow > 0.0 && e.gain > 3.0) || e.gain > kBeyondChance;
+    return e.bestGroup >= 0.9 && gains ? "named" : "ambiguous";
 }
 
 namespace {

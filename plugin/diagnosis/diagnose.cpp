@@ -75,6 +75,7 @@ private:
     void conclude();
     void enter(const Weighed& w);
     void shareAlike();
+    void rankEntries(const Weighed& w);
     void weighAll(Weighed& w) const;
     void groups(const Weighed& w, Evidence& evidence);
     void conclusions(const Weighed& w, Evidence& evidence);
@@ -169,6 +170,18 @@ void Work::look() {
     screened_ = screen(evaluator_, *misfit_, base_, settings_.ablation.probes ? 1e-3 : 1.0);
 }
 
+/// How many times the size that matters, the first probe's, a probe has; 1 if it measures something else.
+double timesFirstProbe(const Candidate& c, std::size_t probe) {
+    double times = 0.0;
+    for (std::size_t i = 0; i < c.parameters.size(); ++i)
+        if (const Scalar& s = c.parameters[i]; s.amplitude) {
+            const double first = std::abs(c.probes.front()[i] - s.value), own = std::abs(c.probes[probe][i] - s.value);
+            if (first > 0.0)
+                times = std::max(times, own / first);
+        }
+    return times > 0.0 ? times : 1.0;
+}
+
 void Work::summarise() {
     std::map<std::string, SeenEffect> byLabel;
     std::vector<std::string> order;
@@ -183,10 +196,11 @@ void Work::summarise() {
         }
         if (!s.simulated || s.size <= 1e-6)
             continue;
-        if (s.visible(out_.mismatch.critical) < seen.visible) {
-            seen.visible = s.visible(out_.mismatch.critical);
+        const double times = timesFirstProbe(candidates()[s.candidate], s.probe);
+        if (const double visible = times * s.visible(out_.mismatch.critical); visible < seen.visible) {
+            seen.visible = visible;
             seen.absorbed = 1.0 - std::min(1.0, s.own / s.size);
-            seen.reading = s.size;
+            seen.reading = s.size / times;
         }
         seen.gain = std::max(seen.gain, s.gain);
     }
@@ -200,29 +214,33 @@ void Work::groups(const Weighed& w, Evidence& evidence) {
     for (std::size_t a = 0; a < entries_.size(); ++a) {
         FoundEffect& e = out_.effects[a];
         e.group = {e.label};
-        double together = e.probability;
         for (std::size_t b = 0; b < entries_.size(); ++b) {
             if (a == b || std::find(e.with.begin(), e.with.end(), entries_[b].label) != e.with.end())
                 continue;
             const Tried &s = tried_[entries_[a].model], &t = tried_[entries_[b].model];
             const auto apart = misfit_->difference(s.fit.responses, t.fit.responses);
             if ((apart && alike(s.held, t.held, apart->norm(), w.dispersion)) ||
-                alikeByNature(data_, e.label, entries_[b].label)) {
+                alikeByNature(data_, e.label, entries_[b].label))
                 e.group.push_back(out_.effects[b].label);
-                together += out_.effects[b].probability;
-            }
         }
-        if (a == 0)
-            evidence.bestGroup = std::min(1.0, together);
+    }
+    if (entries_.empty())
+        return;
+    const std::vector<std::string>& group = out_.effects.front().group;
+    for (std::size_t i = 0; i < tried_.size(); ++i) { // a pair of two of the group is one hypothesis
+        const std::vector<std::size_t>& acting = tried_[i].candidates;
+        if (!tried_[i].learned && std::any_of(acting.begin(), acting.end(), [&](std::size_t c) {
+                return std::find(group.begin(), group.end(), candidates()[c].label) != group.end();
+            }))
+            evidence.bestGroup += w.effects[i];
     }
 }
 
-/// Labels with the probability of every hypothesis that contains them, and the best one to show them by.
+/// Labels with the probability of every hypothesis that contains them, and the best one to show each by.
 void Work::enter(const Weighed& w) {
     const auto better = [&](std::size_t a, std::size_t b) {
         return w.effects[a] != w.effects[b] ? w.effects[a] > w.effects[b] : w.gain[a] > w.gain[b];
     };
-    std::map<std::string, double> alone; // gain of the label by itself, to order those that act together
     for (std::size_t i = 0; i < tried_.size(); ++i) {
         if (tried_[i].learned) {
             LearnedLaw law = describe(evaluator_.model(), *misfit_, tried_[i]);
@@ -233,13 +251,8 @@ void Work::enter(const Weighed& w) {
             out_.learned.push_back(std::move(law));
             continue;
         }
-        if (!any_ || better(i, best_))
-            best_ = i;
-        any_ = true;
         for (std::size_t term = 0; term < tried_[i].candidates.size(); ++term) {
             const std::string& label = candidates()[tried_[i].candidates[term]].label;
-            if (tried_[i].candidates.size() == 1)
-                alone[label] = std::max(alone.emplace(label, w.gain[i]).first->second, w.gain[i]);
             const auto at =
                 std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.label == label; });
             if (at == entries_.end()) {
@@ -253,14 +266,6 @@ void Work::enter(const Weighed& w) {
             }
         }
     }
-    const auto own = [&](const std::string& label) {
-        const auto at = alone.find(label);
-        return at != alone.end() ? at->second : -1e300;
-    };
-    std::stable_sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
-        return std::abs(a.probability - b.probability) > 1e-3 ? a.probability > b.probability
-                                                              : own(a.label) > own(b.label);
-    });
     std::stable_sort(out_.learned.begin(), out_.learned.end(), [](const LearnedLaw& a, const LearnedLaw& b) {
         return a.probability != b.probability ? a.probability > b.probability : a.gain > b.gain;
     });
@@ -273,6 +278,25 @@ void Work::shareAlike() {
             if (alikeByNature(data_, entries_[a].label, entries_[b].label))
                 entries_[a].probability = entries_[b].probability =
                     0.5 * (entries_[a].probability + entries_[b].probability);
+}
+
+/// The most probable label first; of labels that act together the one that explains more by itself. What the first is
+/// shown by is what the curves show.
+void Work::rankEntries(const Weighed& w) {
+    const auto own = [&](const std::string& label) {
+        double most = -1e300;
+        for (std::size_t i = 0; i < tried_.size(); ++i)
+            if (!tried_[i].learned && tried_[i].candidates.size() == 1 &&
+                candidates()[tried_[i].candidates.front()].label == label)
+                most = std::max(most, w.gain[i]);
+        return most;
+    };
+    std::stable_sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
+        return std::abs(a.probability - b.probability) > 1e-3 ? a.probability > b.probability
+                                                              : own(a.label) > own(b.label);
+    });
+    any_ = !entries_.empty();
+    best_ = any_ ? entries_.front().model : 0;
 }
 
 void Work::weighAll(Weighed& w) const {
@@ -314,6 +338,7 @@ void Work::conclude() {
     out_.nothing = w.nothing;
     enter(w);
     shareAlike();
+    rankEntries(w);
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;

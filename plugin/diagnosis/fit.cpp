@@ -176,8 +176,7 @@ public:
             now_.failure = now_.failure.empty() ? "the start cannot be simulated" : now_.failure;
             return now_;
         }
-        const bool fits = nominalJacobian.rows() == misfit_.rows() &&
-                          (nominalJacobian.cols() == v_.nominal || nominalJacobian.cols() == v_.size());
+        const bool fits = nominalJacobian.rows() == misfit_.rows() && nominalJacobian.cols() <= v_.size();
         const Eigen::Index given = fits ? nominalJacobian.cols() : 0;
         now_.jacobian.setZero(misfit_.rows(), v_.size());
         if (given > 0)
@@ -185,7 +184,8 @@ public:
         if (given < v_.size())
             differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(given, v_.size()),
                           now_.jacobian);
-        fresh_ = given < v_.size() || v_.size() == v_.nominal;
+        // Of two effects the first one's columns come from its own search, which has learnt them on the way.
+        fresh_ = given <= v_.nominal || v_.size() == v_.nominal;
         while (now_.iterations < settings_.iterations && !now_.converged && !evaluator_.stopped())
             iterate();
         return now_;

@@ -77,7 +77,8 @@ void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& 
 Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& variables,
                                        const Eigen::VectorXd& x, double difference);
 
-/// @param nominalJacobian derivatives by the nominal parameters (or by all), taken before; empty: take them
+/// @param nominalJacobian derivatives by the first parameters (nominal ones, the first effect's), taken before; empty:
+/// take them
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings = {},
            const Eigen::MatrixXd& nominalJacobian = {});
 

@@ -158,6 +158,7 @@ HeldOut inSample(const Misfit& misfit, const Grouping& g, const Fitted& fitted) 
 }
 
 HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
+    constexpr double kPromises = 0.1; // a step that lowers the misfit by less is not worth its simulations
     HeldOut out;
     const Variables v(evaluator.model(), fitted.point);
     out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
@@ -176,8 +177,11 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
             const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
             // What the rest does not see stays where it is.
             const Eigen::MatrixXd damped = G + 1e-3 * prior + v.penalty;
-            const Eigen::VectorXd step = boxMinimum(damped, J.transpose() * train.cwiseProduct(r) - v.penalty * x,
-                                                    (v.lower - x).cwiseMax(-far), (v.upper - x).cwiseMin(far));
+            const Eigen::VectorXd downhill = J.transpose() * train.cwiseProduct(r) - v.penalty * x;
+            const Eigen::VectorXd step =
+                boxMinimum(damped, downhill, (v.lower - x).cwiseMax(-far), (v.upper - x).cwiseMin(far));
+            if (2.0 * downhill.dot(step) - step.dot(damped * step) < kPromises)
+                break;
             const Eigen::VectorXd to = x + step;
             auto there = evaluator.everywhere({v.at(to)}, Fineness::Fine).front();
             const auto residual = misfit.residual(there);

@@ -100,15 +100,7 @@ private:
             for (int piece = 0; piece < (1 << level); ++piece) {
                 const double from = most * piece / (1 << level), to = most * (piece + 1) / (1 << level);
                 Spot c;
-                c.window = {runs.size() > 1 ? "all" : misfit_.data().runs[runs.front()].name,
-                            name(phase),
-                            "displacement",
-                            "force",
-                            0.0,
-                            0.0,
-                            from,
-                            to,
-                            -1.0};
+                c.window = {"all", name(phase), "displacement", "force", 0.0, 0.0, from, to, -1.0};
                 for (const std::size_t r : runs)
                     collect(r, phase, from, to, c);
                 add(std::move(c));
@@ -283,6 +275,69 @@ struct Standard {
     Eigen::VectorXd mean, deviation;
 };
 
+/// Statistics that are judged together: the largest of each draw of the null.
+class Largest {
+public:
+    void add(double t) { all_.push_back(t); }
+    void sort() {
+        sorted_ = all_;
+        std::sort(sorted_.begin(), sorted_.end());
+    }
+    [[nodiscard]] double p(double t) const { // what was recorded counts as one more draw
+        const auto above = sorted_.end() - std::lower_bound(sorted_.begin(), sorted_.end(), t);
+        return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(sorted_.size()));
+    }
+    [[nodiscard]] double ofDraw(std::size_t b) const { return p(all_[b]); }
+    /// What has this p.
+    [[nodiscard]] double at(double p) const {
+        const double n = static_cast<double>(sorted_.size());
+        const double rank = std::clamp(std::ceil((1.0 - p) * (n + 1.0) - 1e-9), 1.0, n);
+        return sorted_[static_cast<std::size_t>(rank) - 1];
+    }
+
+private:
+    std::vector<double> all_, sorted_;
+};
+
+/// Two families, windows and signatures, and the p of the smaller of their two p. Some 90 signatures know what they
+/// look for; beside thousands of windows in one maximum they had to reach 4.2 deviations where 3.6 are enough.
+struct Families {
+    Families(const Eigen::MatrixXd& standardised, Eigen::Index windows, Eigen::Index shifts) {
+        for (Eigen::Index b = 0; b < standardised.cols(); ++b) {
+            byWindow.add(largestWindow(standardised.col(b), windows, shifts));
+            if (shifts > windows)
+                bySignature.add(largestSignature(standardised.col(b), windows, shifts));
+        }
+        byWindow.sort();
+        bySignature.sort();
+        for (Eigen::Index b = 0; b < standardised.cols(); ++b) {
+            const auto draw = static_cast<std::size_t>(b);
+            smaller.push_back(shifts > windows ? std::min(byWindow.ofDraw(draw), bySignature.ofDraw(draw))
+                                               : byWindow.ofDraw(draw));
+        }
+        std::sort(smaller.begin(), smaller.end());
+    }
+    static double largestWindow(const Eigen::VectorXd& t, Eigen::Index windows, Eigen::Index shifts) {
+        return std::max(t.head(windows).cwiseAbs().maxCoeff(), t.tail(t.size() - shifts).maxCoeff());
+    }
+    static double largestSignature(const Eigen::VectorXd& t, Eigen::Index windows, Eigen::Index shifts) {
+        return t.segment(windows, shifts - windows).cwiseAbs().maxCoeff();
+    }
+    /// Family-wise, of a p within one family.
+    [[nodiscard]] double overall(double p) const {
+        const auto below = std::upper_bound(smaller.begin(), smaller.end(), p + 1e-12) - smaller.begin();
+        return (1.0 + static_cast<double>(below)) / (1.0 + static_cast<double>(smaller.size()));
+    }
+    /// The p within one family that has this p overall.
+    [[nodiscard]] double within(double p) const {
+        const double count = std::floor(p * (1.0 + static_cast<double>(smaller.size()))) - 1.0;
+        return smaller[static_cast<std::size_t>(
+            std::clamp(count - 1.0, 0.0, static_cast<double>(smaller.size()) - 1.0))];
+    }
+    Largest byWindow, bySignature;
+    std::vector<double> smaller;
+};
+
 /// Whether two windows are of one kind, so that they can be compared.
 bool sameKind(const Window& a, const Window& b) {
     return a.run == b.run && a.channel == b.channel && a.axis == b.axis && (a.axis == "time" || a.phase == b.phase);
@@ -399,40 +454,35 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         loud.middleCols(first, count) = statistics(family.all, shifts, v);
     }
     const Standard standard(null, m), standardLoud(loud, m);
-    const auto largestOf = [&](const Eigen::VectorXd& t) {
-        return std::max(t.head(m).cwiseAbs().maxCoeff(), t.tail(n).maxCoeff());
-    };
-    std::vector<double> largest;
     for (int b = 0; b < draws; ++b)
-        largest.push_back(largestOf(standard(null.col(b))));
-    std::sort(largest.begin(), largest.end());
-    const auto pOf = [&](double t) {
-        const auto above = largest.end() - std::lower_bound(largest.begin(), largest.end(), t);
-        return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(draws));
-    };
+        null.col(b) = standard(null.col(b));
+    const Families families(null, n, m);
     Localisation out;
     out.family = static_cast<std::size_t>(m + n);
-    out.critical = largest[static_cast<std::size_t>(std::ceil(0.95 * (draws + 1))) - 1];
+    out.critical = (m > n ? families.bySignature : families.byWindow).at(families.within(0.05));
     const Eigen::VectorXd u = project(residual);
     const Eigen::VectorXd t = standard(statistics(family.all, shifts, quieted(u, loudest))),
                           full = standardLoud(statistics(family.all, shifts, u));
     std::vector<Window> found;
     for (Eigen::Index i = 0; i < n; ++i) {
         Window w = family.all[static_cast<std::size_t>(i)].window;
-        w.p = pOf(std::max(std::abs(t[i]), t[m + i]));
+        w.p = families.overall(families.byWindow.p(std::max(std::abs(t[i]), t[m + i])));
         w.shift = std::abs(full[i]) >= full[m + i];
         w.z = w.shift ? full[i] : full[m + i];
         out.p = std::min(out.p, w.p);
         if (w.p <= 0.05)
             found.push_back(w);
     }
-    for (Eigen::Index i = n; i < m; ++i) {
-        out.signature.push_back(t[i]);
-        out.p = std::min(out.p, pOf(std::abs(t[i])));
+    const auto bound = [](Eigen::Index count, double deviate) { // Bonferroni's, of normal deviates
+        return static_cast<double>(count) * std::erfc(std::min(deviate, 35.0) / std::sqrt(2.0));
+    };
+    double tail = bound(2 * n, Families::largestWindow(t, n, m));
+    if (m > n) {
+        const double largest = Families::largestSignature(t, n, m);
+        out.p = std::min(out.p, families.overall(families.bySignature.p(largest)));
+        tail = 2.0 * std::min(tail, bound(m - n, largest));
     }
-    const double most = largestOf(t);
-    const double bound = static_cast<double>(out.family) * std::erfc(std::min(most, 35.0) / std::sqrt(2.0));
-    out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, bound) : out.p;
+    out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, tail) : out.p;
     prefer(found, [&](const Window& w) { return !beforeAnything(w, misfit.data()); });
     out.significant = selected(std::move(found));
     return out;

@@ -14,8 +14,9 @@
 //
 // Windows: dyadic in time in each run and each leg of its protocol (half overlapping), dyadic in displacement per
 // phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, each coordinate of
-// each marker over time, and the place of each jump. The signatures of the catalogue's effects belong to the same
-// family: one critical value says whether anything is missing, wherever it was looked for.
+// each marker over time, and the place of each jump. The signatures of the catalogue's effects are a family of their
+// own, because there are few of them: p is that of the smaller of the two families' p, by its own distribution under
+// the null (min-p), and says whether anything is missing, wherever it was looked for.
 //
 // Report: of the windows of one run and channel the one with the largest statistic, then the largest of those that do
 // not overlap it, and so on (likelihood ratio selection: X. J. Jeng, T. T. Cai, H. Li, J. Am. Stat. Assoc. 105 (2010)
@@ -47,11 +48,10 @@ struct Localisation {
     double p = 1.0; ///< of the largest statistic
     /// The same, carried on by Bonferroni's bound where it lies beyond all draws.
     double tail = 1.0;
-    double critical = 0.0; ///< of |statistic| at 5 %, family-wise
+    double critical = 0.0; ///< of a signature's |statistic| (without any: of a window's) at 5 %, family-wise
     /// Largest first, disjoint.
     std::vector<Window> significant;
-    std::size_t family = 0;        ///< statistics that were looked at
-    std::vector<double> signature; ///< standardised, of the given signatures
+    std::size_t family = 0; ///< statistics that were looked at
 };
 
 /// @param free columns of the Jacobian that are not held by a bound

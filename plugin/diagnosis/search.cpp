@@ -56,6 +56,7 @@ private:
     void tryLabel(const Probes& probes);
     void tryMore();
     void tryForms(double dispersion);
+    [[nodiscard]] bool pairsCanCount(double dispersion) const;
     void tryPairs();
     void tryLearned(double left);
     void rank(double dispersion);
@@ -88,7 +89,7 @@ std::vector<Probes> Search::promising() const {
     return ranked;
 }
 
-/// Of each of an effect's two best forms the best probe, and one more.
+/// Of each of an effect's two best forms the best probe, or of one form the two best; of free scenes all forms.
 Probes Search::startsOf(const Probes& probes) const {
     const Screened& first = *probes.front();
     Probes starts = {&first};
@@ -143,7 +144,7 @@ void Search::tryMore() {
         if (out_.left.p <= 0.01 && share(out_.tried.front()) > kLeftOver)
             tryForms(dispersion);
         left = share(out_.tried.front());
-        if (out_.left.p <= 0.01) {
+        if (out_.left.p <= 0.01 && pairsCanCount(dispersion)) {
             const std::size_t singles = out_.tried.size();
             tryPairs();
             for (std::size_t i = singles; i < out_.tried.size(); ++i)
@@ -167,6 +168,14 @@ void Search::tryForms(double dispersion) {
     }
     rank(dispersion);
     out_.left = leftBy(g_.evaluator.model(), g_.misfit, out_.tried.front().fit, g_.settings);
+}
+
+/// Whether what the best single effect leaves beyond pure noise, all of it, would make a pair material.
+bool Search::pairsCanCount(double dispersion) const {
+    const HeldOut& best = out_.tried.front().held;
+    const double rows = best.rows.sum(), floor = rows - 2.0 * std::sqrt(2.0 * rows);
+    const double gain = best.score(dispersion).sum() - g_.baseHeld.score(dispersion).sum();
+    return 0.5 * (best.energy.sum() - floor) / dispersion > kMaterial * gain;
 }
 
 void Search::tryPairs() {

@@ -86,19 +86,13 @@ bool alike(const HeldOut& a, const HeldOut& b, double distance, double dispersio
 
 namespace {
 
-/// Two simulators' common differences are worth this share of what an effect explains: a second effect or a learned law
-/// that adds less is not believed.
-constexpr double kMaterial = 0.03;
-
 /// Noise variances beyond the noise itself. Twice its size in all: effects that are there leave up to 1.4 times (the
 /// training cases, by a simulator of another kind), one that imitated wear 2.1. Three times: whatever was explained,
 /// this was not.
 constexpr double kMoreThanTheTrueOne = 3.0, kTooMuch = 8.0;
 
-/// A gain that chance does not give. Without an effect the gain of a forecast that lies delta away (noise units) is
-/// z delta - delta^2 / 2 with z a normal deviate, at most z^2 / 2: six needs z = 3.5, once in 4000, or in a hundred
-/// searches of forty hypotheses.
-constexpr double kBeyondChance = 6.0;
+/// Prior probability that nothing is missing, that what is missing is in no catalogue; the catalogue shares the rest.
+constexpr double kNothing = 0.3, kUnknown = 0.1;
 
 } // namespace
 
@@ -144,18 +138,18 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
     std::vector<Eigen::VectorXd> scores = {nothing.score(out.dispersion),
                                            unknownScore(nothing, out.dispersion, std::min(1.0, least), given.tails)};
     const double catalogue = static_cast<double>(std::max<std::size_t>(1, given.catalogue));
-    std::vector<double> prior = {0.3, 0.1};
+    std::vector<double> prior = {kNothing, kUnknown};
     std::size_t named = 0;
     for (std::size_t i = 0; i < effects.size(); ++i) {
         scores.push_back(effects[i].score(out.dispersion));
-        prior.push_back(i < given.prior.size() ? given.prior[i] : 0.6 / catalogue);
+        prior.push_back(i < given.prior.size() ? given.prior[i] : (1.0 - kNothing - kUnknown) / catalogue);
         named += i < given.parts.size() && !given.parts[i].empty() ? 0 : 1;
         const Paired p = paired(scores.back(), scores.front());
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);
     }
     // Effects that were not worth a fit do not foretell better than nothing does; their prior stays with it.
-    prior[0] += 0.6 * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
+    prior[0] += (1.0 - kNothing - kUnknown) * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
     Random random(given.seed);
     constexpr int kDraws = 2000;
     Eigen::MatrixXd s = drawScores(scores, random, kDraws);
@@ -192,16 +186,16 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
         double top = -std::numeric_limits<double>::infinity(); // what does not count may score higher, and overflow
         for (Eigen::Index m = 0; m < mass.size(); ++m)
             top = counts(m) ? std::max(top, s(d, m)) : top;
-        double something = 0.0, share = 0.0;
+        double something = 0.0;
         for (Eigen::Index m = 0; m < mass.size(); ++m) {
             mass[m] = counts(m) ? prior[static_cast<std::size_t>(m)] * std::exp(s(d, m) - top) : 0.0;
             something += m > 0 ? mass[m] : 0.0;
-            share += m > 0 ? prior[static_cast<std::size_t>(m)] : 0.0;
         }
-        // The mean evidence for "something", in units of that for "nothing".
-        const double factor = std::log(std::max(something / share, 1e-300)) - (s(d, 0) - top);
+        // The mean evidence for "something", which has all of the prior that "nothing" has not: p has paid for the
+        // whole search, and what was not worth a fit is not paid for again.
+        const double factor = std::log(std::max(something / (1.0 - kNothing), 1e-300)) - (s(d, 0) - top);
         if (factor > most)
-            mass[0] = std::max(mass[0], prior[0] * something / share * std::exp(-most));
+            mass[0] = std::max(mass[0], kNothing / (1.0 - kNothing) * something * std::exp(-most));
         mass /= mass.sum();
         for (std::size_t m = 0; m < sum.size(); ++m)
             sum[m] += mass[static_cast<Eigen::Index>(m)] / kDraws;

@@ -14,8 +14,11 @@
 // shows in few blocks has a large standard error because it is there: weak ones had gains of 9 to 14 with errors of 6
 // to 11, and "nothing" .9), and all hypotheses together gain at most the
 // Bayes factor that the family-wise p-value allows, 1 / (-e p ln p) for p < 1/e, else 1 (T. Sellke, M. J. Bayarri, J.
-// O. Berger, Am. Stat. 55 (2001) 62). Without the first rule a control's best rival, fitted to two simulators' common
-// differences, reached .85 beside a verdict of nothing missing.
+// O. Berger, Am. Stat. 55 (2001) 62), over the odds of 7 to 3 that something is missing: p has paid for the whole
+// search, and effects that were not worth a fit, whose prior counts as "nothing"'s among the scores, are not paid for
+// again (a weak effect of p = .02 had "nothing" at .6 beside one hypothesis worth a fit and .4 beside six). Without the
+// first rule a control's best rival, fitted to two simulators' common differences, reached .85 beside a verdict of
+// nothing missing.
 //
 // A best model that is itself rejected on unseen rows (it leaves more than noise could, noiseBound(), and a tenth of
 // what there was to explain beyond that; or four noise variances, whatever there was) cannot beat "none of these": a
@@ -37,6 +40,15 @@
 #include <vector>
 
 namespace supercircle::diagnosis {
+
+/// Two simulators' common differences are worth this share of what an effect explains: a second effect or a learned law
+/// that adds less is not believed.
+constexpr double kMaterial = 0.03;
+
+/// A gain that chance does not give. Without an effect the gain of a forecast that lies delta away (noise units) is
+/// z delta - delta^2 / 2 with z a normal deviate, at most z^2 / 2: six needs z = 3.5, once in 4000, or in a hundred
+/// searches of forty hypotheses.
+constexpr double kBeyondChance = 6.0;
 
 struct Weighed {
     /// 2.3 % quantile of the gain over the bootstrap's draws: two standard errors below it where gains are normal.

@@ -60,14 +60,15 @@ bool followsAbscissa(const sweep::Definition& sweep, std::size_t parameter) {
 }
 
 /// What tells a group from the others; of more than two parameters that vary, those that are not the first group's.
-std::string labelOf(const sweep::Definition& sweep, const std::vector<SweepGroup>& groups, std::size_t g) {
+std::string labelOf(const sweep::Definition& sweep, const std::vector<char>& follows,
+                    const std::vector<SweepGroup>& groups, std::size_t g) {
     const auto value = [&](std::size_t group, std::size_t i) { return sweep.sets[groups[group].sets.front()][i]; };
     std::vector<std::size_t> varying, told;
     for (std::size_t i = 0; i < sweep.names.size(); ++i) {
         bool varies = groups.size() == 1;
         for (std::size_t k = 1; k < groups.size(); ++k)
             varies = varies || value(k, i) != value(0, i);
-        if (sweep.names[i] != sweep.x && varies && !followsAbscissa(sweep, i))
+        if (sweep.names[i] != sweep.x && varies && follows[i] == 0)
             varying.push_back(i);
     }
     constexpr std::size_t kMost = 2;
@@ -80,7 +81,7 @@ std::string labelOf(const sweep::Definition& sweep, const std::vector<SweepGroup
         label += (label.empty() ? "" : ", ") + parameterLabel(sweep.names[i]) + " = " + shortNumber(value(g, i));
     std::string following; // said once, lest the abscissa gets all the credit
     for (std::size_t i = 0; i < sweep.names.size(); ++i)
-        if (g == 0 && followsAbscissa(sweep, i))
+        if (g == 0 && follows[i] != 0)
             following += (following.empty() ? "" : ", ") + report::plainName(sweep.names[i]);
     if (!following.empty())
         following += " along with " + parameterLabel(sweep.x);
@@ -112,7 +113,7 @@ std::vector<SweepGroup> groupsOf(const sweep::Definition& sweep) {
         groups[at].sets.push_back(set);
     }
     for (std::size_t g = 0; g < groups.size(); ++g)
-        groups[g].label = labelOf(sweep, groups, g);
+        groups[g].label = labelOf(sweep, follows, groups, g);
     for (SweepGroup& g : groups) {
         std::vector<std::size_t> order(g.x.size());
         std::iota(order.begin(), order.end(), std::size_t{0});

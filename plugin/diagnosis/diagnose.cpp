@@ -170,18 +170,6 @@ void Work::look() {
     screened_ = screen(evaluator_, *misfit_, base_, settings_.ablation.probes ? 1e-3 : 1.0);
 }
 
-/// How many times the size that matters, the first probe's, a probe has; 1 if it measures something else.
-double timesFirstProbe(const Candidate& c, std::size_t probe) {
-    double times = 0.0;
-    for (std::size_t i = 0; i < c.parameters.size(); ++i)
-        if (const Scalar& s = c.parameters[i]; s.amplitude) {
-            const double first = std::abs(c.probes.front()[i] - s.value), own = std::abs(c.probes[probe][i] - s.value);
-            if (first > 0.0)
-                times = std::max(times, own / first);
-        }
-    return times > 0.0 ? times : 1.0;
-}
-
 void Work::summarise() {
     std::map<std::string, SeenEffect> byLabel;
     std::vector<std::string> order;
@@ -196,11 +184,10 @@ void Work::summarise() {
         }
         if (!s.simulated || s.size <= 1e-6)
             continue;
-        const double times = timesFirstProbe(candidates()[s.candidate], s.probe);
-        if (const double visible = times * s.visible(out_.mismatch.critical); visible < seen.visible) {
+        if (const double visible = s.visible(out_.mismatch.critical); visible < seen.visible) {
             seen.visible = visible;
             seen.absorbed = 1.0 - std::min(1.0, s.own / s.size);
-            seen.reading = s.size / times;
+            seen.reading = s.size / s.times;
         }
         seen.gain = std::max(seen.gain, s.gain);
     }
@@ -303,12 +290,12 @@ void Work::weighAll(Weighed& w) const {
     std::vector<HeldOut> held;
     Weighing given;
     given.catalogue = out_.seen.size();
-    const double share = 0.6 / static_cast<double>(std::max<std::size_t>(1, given.catalogue));
+    const double share = kCatalogue / static_cast<double>(std::max<std::size_t>(1, given.catalogue));
     for (const Tried& t : tried_) {
         held.push_back(t.held);
         given.parts.push_back(t.parts);
-        // Two causes at once are ten times rarer than one; a learned law shares what "none of these" has.
-        given.prior.push_back(t.learned ? 0.05 : t.candidates.size() > 1 ? 0.1 * share : share);
+        // Two causes at once are ten times rarer than one; a learned law has half of what "none of these" has.
+        given.prior.push_back(t.learned ? 0.5 * kUnknown : t.candidates.size() > 1 ? 0.1 * share : share);
     }
     given.p = out_.mismatch.tail;
     given.tails = out_.noise.tails;

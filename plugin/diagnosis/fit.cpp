@@ -171,16 +171,16 @@ public:
         now_.x = v_.of(start);
     }
 
-    Fitted run(const Eigen::MatrixXd& nominalJacobian) {
+    Fitted run(const Eigen::MatrixXd& known) {
         if (!evaluate(now_)) {
             now_.failure = now_.failure.empty() ? "the start cannot be simulated" : now_.failure;
             return now_;
         }
-        const bool fits = nominalJacobian.rows() == misfit_.rows() && nominalJacobian.cols() <= v_.size();
-        const Eigen::Index given = fits ? nominalJacobian.cols() : 0;
+        const bool fits = known.rows() == misfit_.rows() && known.cols() <= v_.size();
+        const Eigen::Index given = fits ? known.cols() : 0;
         now_.jacobian.setZero(misfit_.rows(), v_.size());
         if (given > 0)
-            now_.jacobian.leftCols(given) = nominalJacobian;
+            now_.jacobian.leftCols(given) = known;
         if (given < v_.size())
             differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(given, v_.size()),
                           now_.jacobian);
@@ -262,10 +262,10 @@ private:
 } // namespace
 
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings,
-           const Eigen::MatrixXd& nominalJacobian) {
+           const Eigen::MatrixXd& known) {
     const bool grow = settings.grow && misfit.data().free;
     return Search(evaluator, misfit, grow ? grown(evaluator, misfit, start, settings) : start, settings)
-        .run(grow ? Eigen::MatrixXd() : nominalJacobian);
+        .run(grow ? Eigen::MatrixXd() : known);
 }
 
 Eigen::MatrixXd posteriorOf(const Variables& v, const Eigen::MatrixXd& jacobian, double dispersion) {

@@ -77,10 +77,10 @@ void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& 
 Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& variables,
                                        const Eigen::VectorXd& x, double difference);
 
-/// @param nominalJacobian derivatives by the first parameters (nominal ones, the first effect's), taken before; empty:
+/// @param known derivatives by the first parameters (nominal ones, the first effect's), taken before; empty:
 /// take them
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings = {},
-           const Eigen::MatrixXd& nominalJacobian = {});
+           const Eigen::MatrixXd& known = {});
 
 /// Covariance of x behind a fit: linearised, uniform priors by their variance, the misfit's dispersion (its mean square
 /// per row, if that is above 1) counted. A normal distribution cut off at the bounds and drawn from was tried instead:

@@ -275,67 +275,45 @@ struct Standard {
     Eigen::VectorXd mean, deviation;
 };
 
-/// Statistics that are judged together: the largest of each draw of the null.
-class Largest {
+/// What the draws of the null have, each one number; large ones are rare.
+class Draws {
 public:
-    void add(double t) { all_.push_back(t); }
-    void sort() {
-        sorted_ = all_;
-        std::sort(sorted_.begin(), sorted_.end());
-    }
-    [[nodiscard]] double p(double t) const { // what was recorded counts as one more draw
+    explicit Draws(std::vector<double> all) : sorted_(std::move(all)) { std::sort(sorted_.begin(), sorted_.end()); }
+    /// Of a number as large as t; what was recorded counts as one more draw.
+    [[nodiscard]] double p(double t) const {
         const auto above = sorted_.end() - std::lower_bound(sorted_.begin(), sorted_.end(), t);
         return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(sorted_.size()));
     }
-    [[nodiscard]] double ofDraw(std::size_t b) const { return p(all_[b]); }
-    /// What has this p.
-    [[nodiscard]] double at(double p) const {
+    /// The number beyond which a share p of the draws lies.
+    [[nodiscard]] double critical(double p) const {
         const double n = static_cast<double>(sorted_.size());
-        const double rank = std::clamp(std::ceil((1.0 - p) * (n + 1.0) - 1e-9), 1.0, n);
-        return sorted_[static_cast<std::size_t>(rank) - 1];
+        return sorted_[static_cast<std::size_t>(std::clamp(std::ceil((1.0 - p) * (n + 1.0)), 1.0, n)) - 1];
     }
 
 private:
-    std::vector<double> all_, sorted_;
+    std::vector<double> sorted_;
 };
 
-/// Two families, windows and signatures, and the p of the smaller of their two p. Some 90 signatures know what they
-/// look for; beside thousands of windows in one maximum they had to reach 4.2 deviations where 3.6 are enough.
+/// Windows and signatures, each with the largest statistic of every draw, and of both the smaller p. Some 90 signatures
+/// know what they look for; beside thousands of windows in one maximum they had to reach 4.2 deviations where 3.6 are
+/// enough. Without signatures the windows are all there is.
 struct Families {
-    Families(const Eigen::MatrixXd& standardised, Eigen::Index windows, Eigen::Index shifts) {
-        for (Eigen::Index b = 0; b < standardised.cols(); ++b) {
-            byWindow.add(largestWindow(standardised.col(b), windows, shifts));
-            if (shifts > windows)
-                bySignature.add(largestSignature(standardised.col(b), windows, shifts));
-        }
-        byWindow.sort();
-        bySignature.sort();
-        for (Eigen::Index b = 0; b < standardised.cols(); ++b) {
-            const auto draw = static_cast<std::size_t>(b);
-            smaller.push_back(shifts > windows ? std::min(byWindow.ofDraw(draw), bySignature.ofDraw(draw))
-                                               : byWindow.ofDraw(draw));
-        }
-        std::sort(smaller.begin(), smaller.end());
+    Families(const std::vector<double>& largestWindows, const std::vector<double>& largestSignatures)
+        : windows(largestWindows), signatures(largestSignatures), both(rarer(largestWindows, largestSignatures)) {}
+    /// Family-wise, of a p within one of the two.
+    [[nodiscard]] double overall(double p) const { return both.p(-p); }
+    /// p within one of the two at which the family-wise one is this.
+    [[nodiscard]] double within(double p) const { return -both.critical(p); }
+    Draws windows, signatures;
+
+private:
+    [[nodiscard]] Draws rarer(const std::vector<double>& w, const std::vector<double>& s) const {
+        std::vector<double> out;
+        for (std::size_t b = 0; b < w.size(); ++b)
+            out.push_back(-std::min(windows.p(w[b]), s.empty() ? 1.0 : signatures.p(s[b])));
+        return Draws(std::move(out));
     }
-    static double largestWindow(const Eigen::VectorXd& t, Eigen::Index windows, Eigen::Index shifts) {
-        return std::max(t.head(windows).cwiseAbs().maxCoeff(), t.tail(t.size() - shifts).maxCoeff());
-    }
-    static double largestSignature(const Eigen::VectorXd& t, Eigen::Index windows, Eigen::Index shifts) {
-        return t.segment(windows, shifts - windows).cwiseAbs().maxCoeff();
-    }
-    /// Family-wise, of a p within one family.
-    [[nodiscard]] double overall(double p) const {
-        const auto below = std::upper_bound(smaller.begin(), smaller.end(), p + 1e-12) - smaller.begin();
-        return (1.0 + static_cast<double>(below)) / (1.0 + static_cast<double>(smaller.size()));
-    }
-    /// The p within one family that has this p overall.
-    [[nodiscard]] double within(double p) const {
-        const double count = std::floor(p * (1.0 + static_cast<double>(smaller.size()))) - 1.0;
-        return smaller[static_cast<std::size_t>(
-            std::clamp(count - 1.0, 0.0, static_cast<double>(smaller.size()) - 1.0))];
-    }
-    Largest byWindow, bySignature;
-    std::vector<double> smaller;
+    Draws both; ///< -p: rare is large
 };
 
 /// Whether two windows are of one kind, so that they can be compared.
@@ -454,19 +432,28 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         loud.middleCols(first, count) = statistics(family.all, shifts, v);
     }
     const Standard standard(null, m), standardLoud(loud, m);
-    for (int b = 0; b < draws; ++b)
-        null.col(b) = standard(null.col(b));
-    const Families families(null, n, m);
+    const auto largestWindow = [&](const Eigen::VectorXd& t) {
+        return std::max(t.head(n).cwiseAbs().maxCoeff(), t.tail(n).maxCoeff());
+    };
+    const auto largestSignature = [&](const Eigen::VectorXd& t) { return t.segment(n, m - n).cwiseAbs().maxCoeff(); };
+    std::vector<double> ofWindows, ofSignatures;
+    for (int b = 0; b < draws; ++b) {
+        const Eigen::VectorXd t = standard(null.col(b));
+        ofWindows.push_back(largestWindow(t));
+        if (m > n)
+            ofSignatures.push_back(largestSignature(t));
+    }
+    const Families families(ofWindows, ofSignatures);
     Localisation out;
     out.family = static_cast<std::size_t>(m + n);
-    out.critical = (m > n ? families.bySignature : families.byWindow).at(families.within(0.05));
+    out.critical = (m > n ? families.signatures : families.windows).critical(families.within(0.05));
     const Eigen::VectorXd u = project(residual);
     const Eigen::VectorXd t = standard(statistics(family.all, shifts, quieted(u, loudest))),
                           full = standardLoud(statistics(family.all, shifts, u));
     std::vector<Window> found;
     for (Eigen::Index i = 0; i < n; ++i) {
         Window w = family.all[static_cast<std::size_t>(i)].window;
-        w.p = families.overall(families.byWindow.p(std::max(std::abs(t[i]), t[m + i])));
+        w.p = families.overall(families.windows.p(std::max(std::abs(t[i]), t[m + i])));
         w.shift = std::abs(full[i]) >= full[m + i];
         w.z = w.shift ? full[i] : full[m + i];
         out.p = std::min(out.p, w.p);
@@ -476,10 +463,10 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     const auto bound = [](Eigen::Index count, double deviate) { // Bonferroni's, of normal deviates
         return static_cast<double>(count) * std::erfc(std::min(deviate, 35.0) / std::sqrt(2.0));
     };
-    double tail = bound(2 * n, Families::largestWindow(t, n, m));
+    double tail = bound(2 * n, largestWindow(t));
     if (m > n) {
-        const double largest = Families::largestSignature(t, n, m);
-        out.p = std::min(out.p, families.overall(families.bySignature.p(largest)));
+        const double largest = largestSignature(t);
+        out.p = std::min(out.p, families.overall(families.signatures.p(largest)));
         tail = 2.0 * std::min(tail, bound(m - n, largest));
     }
     out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, tail) : out.p;

@@ -129,6 +129,22 @@ std::vector<double> settledValues(Evaluator& evaluator, const Misfit& misfit, co
     return best()->second > 0.0 ? stretched(candidate, own, std::copysign(best()->first, probe.stretch)) : probe.values;
 }
 
+namespace {
+
+/// How many times the size that matters, the first probe's, a probe has; 1 if it measures something else.
+double timesFirst(const Candidate& c, std::size_t probe) {
+    double times = 0.0;
+    for (std::size_t i = 0; i < c.parameters.size(); ++i)
+        if (const Scalar& s = c.parameters[i]; s.amplitude) {
+            const double first = std::abs(c.probes.front()[i] - s.value), own = std::abs(c.probes[probe][i] - s.value);
+            if (first > 0.0)
+                times = std::max(times, own / first);
+        }
+    return times > 0.0 ? times : 1.0;
+}
+
+} // namespace
+
 std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share) {
     const std::vector<Candidate>& candidates = evaluator.model().candidates();
     std::vector<Point> points = {nominal.point};
@@ -139,6 +155,7 @@ std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const F
             s.candidate = c;
             s.probe = p;
             s.values = candidates[c].probes[p];
+            s.times = timesFirst(candidates[c], p);
             all.push_back(s);
             points.push_back(nominal.point);
             points.back().terms.push_back({c, share == 1.0 ? s.values : stretched(candidates[c], s.values, share)});

@@ -7,7 +7,8 @@
 // probe and J the nominal Jacobian, the gain is
 //     min |u - J d|^2 - min |u - J d - a s|^2    over d inside the stated intervals and a >= 0 (either sign where the
 // effect has one). The size seen with 80 % power is (c + 0.84) / |(I - QQ') s| of the probe, c the critical value of
-// the whole search. This only chooses what is fitted; a screen alone confuses effects.
+// the whole search; it is given in units of the effect's first probe. This only chooses what is fitted; a screen alone
+// confuses effects.
 
 #include "plugin/diagnosis/fit.h"
 
@@ -23,11 +24,12 @@ struct Screened {
     double gain = 0.0;          ///< drop of |residual|^2
     double size = 0.0;          ///< |s| of the probe
     double own = 0.0;           ///< |(I - QQ') s|: what the nominal parameters cannot absorb
+    double times = 1.0;         ///< the probe in units of a size that matters, the candidate's first probe
     bool simulated = false;
     Eigen::VectorXd signature; ///< whitened change of all readings; empty: not simulated
-    /// In units of the probe; infinite: never.
+    /// In units of a size that matters; infinite: never.
     [[nodiscard]] double visible(double critical) const {
-        return own > 1e-9 ? (critical + 0.84) / own : std::numeric_limits<double>::infinity();
+        return own > 1e-9 ? times * (critical + 0.84) / own : std::numeric_limits<double>::infinity();
     }
 };
 

@@ -91,9 +91,6 @@ namespace {
 /// this was not.
 constexpr double kMoreThanTheTrueOne = 3.0, kTooMuch = 8.0;
 
-/// Prior probability that nothing is missing, that what is missing is in no catalogue; the catalogue shares the rest.
-constexpr double kNothing = 0.3, kUnknown = 0.1;
-
 } // namespace
 
 double surprise(double p) {
@@ -142,14 +139,14 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
     std::size_t named = 0;
     for (std::size_t i = 0; i < effects.size(); ++i) {
         scores.push_back(effects[i].score(out.dispersion));
-        prior.push_back(i < given.prior.size() ? given.prior[i] : (1.0 - kNothing - kUnknown) / catalogue);
+        prior.push_back(i < given.prior.size() ? given.prior[i] : kCatalogue / catalogue);
         named += i < given.parts.size() && !given.parts[i].empty() ? 0 : 1;
         const Paired p = paired(scores.back(), scores.front());
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);
     }
     // Effects that were not worth a fit do not foretell better than nothing does; their prior stays with it.
-    prior[0] += (1.0 - kNothing - kUnknown) * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
+    prior[0] += kCatalogue * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
     Random random(given.seed);
     constexpr int kDraws = 2000;
     Eigen::MatrixXd s = drawScores(scores, random, kDraws);

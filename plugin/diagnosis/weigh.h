@@ -41,6 +41,9 @@
 
 namespace supercircle::diagnosis {
 
+/// Prior probability that nothing is missing, that what is missing is in no catalogue; the catalogue shares the rest.
+constexpr double kNothing = 0.3, kUnknown = 0.1, kCatalogue = 1.0 - kNothing - kUnknown;
+
 /// Two simulators' common differences are worth this share of what an effect explains: a second effect or a learned law
 /// that adds less is not believed.
 constexpr double kMaterial = 0.03;
@@ -66,7 +69,7 @@ struct Weighing {
     std::size_t catalogue = 1; ///< number of labels there are, also those that were not fitted
     double p = 0.0;            ///< family-wise, of the nominal fit
     double tails = 0.0;        ///< excess kurtosis of the noise
-    std::vector<double> prior; ///< of each effect; empty: shares of 0.6
+    std::vector<double> prior; ///< of each effect; empty: shares of kCatalogue
     /// Of each effect: those it must beat by two standard errors to count at all (the parts of a pair, the best named
     /// effect for a learned law).
     std::vector<std::vector<std::size_t>> parts;

@@ -107,7 +107,7 @@ bool Work::nominal() {
     for (const Scalar& s : evaluator_.model().nominal())
         stated.nominal.push_back(s.value);
     Point at = stated;
-    evaluator_.checkStore({0, stated, Fineness::Coarse});
+    evaluator_.checkStore(stated, Fineness::Coarse);
     // The second round weighs rows by what the simulation looks like where it fits.
     for (int round = 0; round < 2; ++round) {
         const auto fine = evaluator_.everywhere({at}, Fineness::Fine).front();
@@ -294,6 +294,7 @@ void Work::weighAll(Weighed& w) const {
     for (const Tried& t : tried_) {
         held.push_back(t.held);
         given.parts.push_back(t.parts);
+        given.outside.push_back(t.learned ? 1 : 0);
         // Two causes at once are ten times rarer than one; a learned law has half of what "none of these" has.
         given.prior.push_back(t.learned ? 0.5 * kUnknown : t.candidates.size() > 1 ? 0.1 * share : share);
     }

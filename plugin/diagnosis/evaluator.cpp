@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/evaluator.h"
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 
@@ -25,15 +26,24 @@ std::string keyOf(const Question& q) {
     return key;
 }
 
+bool same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return a.size() == b.size() && (a.array() == b.array() || (a.array().isNaN() && b.array().isNaN())).all();
+}
+
 } // namespace
 
-void Evaluator::checkStore(const Question& question) {
-    const auto known = store_.find(keyOf(question));
-    if (!known)
-        return;
-    const Response again = model_.simulate(question.run, question.point, question.fineness, interrupt_);
-    if (!stopped() && (again.force.size() != known->force.size() || again.force != known->force ||
-                       again.jumps.size() != known->jumps.size() || again.jumps != known->jumps))
+void Evaluator::checkStore(const Point& point, Fineness fineness) {
+    std::vector<char> differs(runs_, 0);
+    spread(runs_, [&](std::size_t r) {
+        const Question question{r, model_.simulated(point), fineness};
+        const auto known = store_.find(keyOf(question));
+        if (!known || stopped())
+            return;
+        const Response again = model_.simulate(r, question.point, fineness, interrupt_);
+        differs[r] = again.failure != known->failure || !same(again.force, known->force) ||
+                     !same(again.markers, known->markers) || !same(again.jumps, known->jumps);
+    });
+    if (!stopped() && std::any_of(differs.begin(), differs.end(), [](char d) { return d != 0; }))
         store_.forget();
 }
 

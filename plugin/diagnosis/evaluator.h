@@ -35,9 +35,9 @@ public:
     /// A run that was not made, at each point; they are not kept. `failure` says "interrupted" where it was.
     std::vector<DesignResponse> foretell(std::size_t design, const std::vector<Point>& points);
 
-    /// Simulates a run that the store knows once more. Where the readings differ the store is of another program, and
-    /// it is emptied.
-    void checkStore(const Question& question);
+    /// Simulates what the store knows of a point once more, each run. Where readings differ the store is of another
+    /// program or experiment, and it is emptied.
+    void checkStore(const Point& point, Fineness fineness);
 
     [[nodiscard]] const Model& model() const { return model_; }
     [[nodiscard]] std::size_t runs() const { return runs_; }

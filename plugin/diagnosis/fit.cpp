@@ -185,8 +185,11 @@ public:
             differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(given, v_.size()),
                           now_.jacobian);
         // Of two effects the first one's columns come from its own search, which has learnt them on the way.
-        fresh_ = given <= v_.nominal || v_.size() == v_.nominal;
-        while (now_.iterations < settings_.iterations && !now_.converged && !evaluator_.stopped())
+        if (given > v_.nominal && v_.size() > v_.nominal)
+            age_ = Age::Learnt;
+        constexpr int kMoreTrials = 8; // steps that fail cost simulations, but not the way that is left
+        while (!done_ && now_.iterations < settings_.iterations && trials_ < settings_.iterations + kMoreTrials &&
+               !evaluator_.stopped())
             iterate();
         return now_;
     }
@@ -195,7 +198,7 @@ private:
     bool evaluate(Fitted& f) const { return supercircle::diagnosis::evaluate(evaluator_, misfit_, v_, f); }
 
     void iterate() {
-        ++now_.iterations;
+        ++trials_;
         Eigen::MatrixXd G = now_.jacobian.transpose() * now_.jacobian + v_.penalty;
         const Eigen::VectorXd g = now_.jacobian.transpose() * now_.residual - v_.penalty * now_.x;
         const double typical = std::max(1e-12, G.diagonal().mean());
@@ -213,40 +216,54 @@ private:
         }
         Fitted trial;
         trial.x = to;
-        trial.iterations = now_.iterations;
-        const bool good = evaluate(trial) && trial.cost < now_.cost;
-        if (!good) {
-            damping_ *= 10.0;
-            if (damping_ > 1e4 || ++rejected_ % 2 == 0)
-                finishOrRefresh();
-            return;
-        }
+        if (evaluate(trial) && trial.cost < now_.cost)
+            accept(std::move(trial), step, foreseen);
+        else
+            reject();
+    }
+
+    /// Damping of .001, .01 and .1 shortens a step by nothing, 1 and 9 %: what failed would fail again.
+    void reject() {
+        damping_ = std::max(10.0 * damping_, 0.3);
+        const int most = age_ == Age::Fresh ? 4 : 2;
+        if (++rejected_ >= most || damping_ > 1e4)
+            finishOrRefresh();
+    }
+
+    void accept(Fitted&& trial, const Eigen::VectorXd& step, double foreseen) {
         rejected_ = 0;
-        fresh_ = false;
+        age_ = Age::Learnt;
+        trial.iterations = now_.iterations + 1;
         const double gain = now_.cost - trial.cost;
-        const bool hopeless = now_.iterations >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
+        const bool hopeless = trials_ >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
         trial.jacobian = std::move(now_.jacobian);
         if (const auto change = misfit_.difference(trial.responses, now_.responses))
             learnFrom(trial.jacobian, step, *change);
         damping_ = std::max(1e-6, gain > 0.5 * foreseen ? damping_ / 10.0 : damping_);
         now_ = std::move(trial);
         if (settings_.rival > 0.0 && hopeless)
-            now_.converged = true;
-        else if (gain < settings_.enough)
-            finishOrRefresh();
+            done_ = true;
+        else if (gain < settings_.enough || (gain < 0.5 * foreseen && refreshes_ < settings_.refreshes))
+            finishOrRefresh(); // far less than was foreseen: the derivatives are not those of this place
     }
 
-    /// At a dead end of an old Jacobian a new one may know the way on.
+    /// At a dead end of old derivatives new ones may know the way on: those by the effect's numbers first, which have
+    /// moved most, and where they do not help the nominal ones.
     void finishOrRefresh() {
         const bool behind = settings_.rival > 0.0 && now_.misfit > 3.0 * settings_.rival;
-        if (fresh_ || behind || refreshes_ >= settings_.refreshes) {
-            now_.converged = true;
+        const bool own = age_ == Age::Learnt && v_.size() > v_.nominal && refreshes_ < settings_.refreshes;
+        const bool rest = !own && age_ != Age::Fresh && rests_ < settings_.rests;
+        if (behind || (!own && !rest)) {
+            done_ = true;
             return;
         }
-        ++refreshes_;
-        fresh_ = true;
+        const bool all = rest && age_ == Age::Learnt;
+        ++(own ? refreshes_ : rests_);
+        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference,
+                      own ? range(v_.nominal, v_.size()) : range(0, all ? v_.size() : v_.nominal), now_.jacobian);
+        age_ = own ? Age::Own : Age::Fresh;
+        rejected_ = 0;
         damping_ = std::min(damping_, 1e-2);
-        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(0, v_.size()), now_.jacobian);
     }
 
     Evaluator& evaluator_;
@@ -255,8 +272,10 @@ private:
     Variables v_;
     Fitted now_;
     double damping_ = 1e-3;
-    int rejected_ = 0, refreshes_ = 0;
-    bool fresh_ = true;
+    int trials_ = 0, rejected_ = 0, refreshes_ = 0, rests_ = 0;
+    /// Of the derivatives: taken here all of them, only those by the effect's numbers, or learnt from steps.
+    enum class Age : std::uint8_t { Fresh, Own, Learnt } age_ = Age::Fresh;
+    bool done_ = false;
 };
 
 } // namespace

@@ -46,15 +46,15 @@ struct Fitted {
     std::vector<Response> responses;
     double misfit = 0.0; ///< |residual|^2
     double cost = 0.0;   ///< the same with the penalty
-    int iterations = 0;
-    bool converged = false;
+    int iterations = 0;  ///< steps that were taken
 };
 
 struct FitSettings {
-    int iterations = 14;
+    int iterations = 20;     ///< steps that are taken, at most
     double enough = 0.3;     ///< a smaller gain of misfit ends it
     double difference = 0.2; ///< of x, for derivatives
-    int refreshes = 2;
+    int refreshes = 2;       ///< of the derivatives by the effect's numbers ...
+    int rests = 1;           ///< ... and by the nominal ones (by all where they are alone)
     /// Misfit of a rival: a search that is above three times this after five iterations and creeps is given up.
     double rival = 0.0;
     bool grow = true; ///< free runs from their beginnings on (grow.h)

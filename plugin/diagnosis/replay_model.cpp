@@ -272,6 +272,7 @@ std::string ReplayModel::identity() const {
     std::filesystem::path file = std::filesystem::absolute(experiment_.file, lost);
     file = lost ? file : std::filesystem::weakly_canonical(file, lost);
     std::string id = (lost ? experiment_.file : file.string()) + "\n" + simulatorStamp() + "\n";
+    id += experiment_.text + '\n'; // geometry, clamps, markers' places: all that is declared
     if (experiment_.scene)
         id += experiment_.scene->text + "\n";
     const auto add = [&](double v) {
@@ -284,12 +285,12 @@ std::string ReplayModel::identity() const {
         add(s.step);
     }
     for (const experiment::Run& run : experiment_.runs) {
-        id += '\n' + run.file + ' ';
-        add(static_cast<double>(run.readings.time.size()));
-        for (const double v : run.driveTime)
-            add(v);
-        for (const double v : run.driveDisplacement)
-            add(v);
+        id += '\n' + run.file;
+        for (const std::vector<double>* column :
+             {&run.readings.time, &run.driveTime, &run.driveDisplacement, &run.markers.time}) {
+            id += '\n';
+            std::for_each(column->begin(), column->end(), add);
+        }
     }
     for (const Candidate& c : menu_.candidates) {
         id += '\n' + c.label + '/' + c.form;

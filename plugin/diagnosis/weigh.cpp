@@ -140,7 +140,9 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
     for (std::size_t i = 0; i < effects.size(); ++i) {
         scores.push_back(effects[i].score(out.dispersion));
         prior.push_back(i < given.prior.size() ? given.prior[i] : kCatalogue / catalogue);
-        named += i < given.parts.size() && !given.parts[i].empty() ? 0 : 1;
+        const bool combined = i < given.parts.size() && !given.parts[i].empty(),
+                   outside = i < given.outside.size() && given.outside[i] != 0;
+        named += combined || outside ? 0 : 1;
         const Paired p = paired(scores.back(), scores.front());
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);

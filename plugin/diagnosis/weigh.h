@@ -73,6 +73,7 @@ struct Weighing {
     /// Of each effect: those it must beat by two standard errors to count at all (the parts of a pair, the best named
     /// effect for a learned law).
     std::vector<std::vector<std::size_t>> parts;
+    std::vector<char> outside; ///< of each effect, whether it is in no catalogue (a learned law); empty: none is
     std::uint64_t seed = 1;
 };
 /// All of them usable(), as many blocks as `nothing`.

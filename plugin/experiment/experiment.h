@@ -154,6 +154,7 @@ struct Sensors {
 
 struct Experiment {
     std::string file; ///< where it was read
+    std::string text; ///< what stood there; empty: not from a file
     Protocol protocol = Protocol::ShellOnRigidCylinder;
     std::string description;
     Point gravity{0.0, -9.81}; ///< as declared, m/s^2

@@ -365,6 +365,7 @@ std::optional<Experiment> loadText(const std::string& text, const std::string& f
         Context context{*document, found, none};
         experiment.emplace();
         experiment->file = file;
+        experiment->text = text;
         readTop(context, *experiment);
     }
     if (scene::anyError(found))

@@ -312,19 +312,37 @@ TEST_CASE("kept runs come back bit for bit, torn ones do not", "[diagnosis]") {
 }
 
 TEST_CASE("runs kept by another program are not believed", "[diagnosis]") {
-    const Data data = toy::recordings(17);
-    const toy::Spring spring(data);
-    Store store;
-    Evaluator evaluator(spring, data.runs.size(), {}, store);
-    const Question question{0, {{100.0, 0.1}, {}}, Fineness::Coarse};
-    evaluator.ask({question});
-    evaluator.checkStore(question);
-    const Data longer = toy::recordings(17, {}, 0.0, 40.0);
-    const toy::Spring other(longer);
-    Evaluator later(other, data.runs.size(), {}, store);
-    CHECK(evaluator.ask({question}).front().force.size() == data.runs[0].force.size());
-    later.checkStore(question);
-    CHECK(later.ask({question}).front().force.size() == longer.runs[0].force.size());
+    /// A spring whose last run has a marker, elsewhere in another program.
+    struct Marked final : Model {
+        toy::Spring spring;
+        double at;
+        Marked(const Data& data, double place) : spring(data), at(place) {}
+        [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring.nominal(); }
+        [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring.candidates(); }
+        [[nodiscard]] std::string identity() const override { return "spring"; }
+        [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                        const std::atomic<bool>* interrupt) const override {
+            Response out = spring.simulate(r, p, f, interrupt);
+            if (r == 2)
+                out.markers = Eigen::Vector4d(at, std::nan(""), 0.0, 0.0);
+            return out;
+        }
+    };
+    const Data data = toy::recordings(17), longer = toy::recordings(17, {}, 0.0, 40.0);
+    REQUIRE(data.runs.size() == 3);
+    const Marked here(data, 0.25), elsewhere(data, 0.5), slower(longer, 0.25);
+    const Point point{{100.0, 0.1}, {}};
+    const Question last{2, point, Fineness::Coarse};
+    const auto checked = [&](const Model& later) {
+        Store store;
+        Evaluator(here, 3, {}, store).everywhere({point}, Fineness::Coarse);
+        Evaluator again(later, 3, {}, store);
+        again.checkStore(point, Fineness::Coarse);
+        return again.ask({last}).front();
+    };
+    CHECK(checked(here).markers[0] == 0.25);
+    CHECK(checked(elsewhere).markers[0] == 0.5);
+    CHECK(checked(slower).force.size() == longer.runs[2].force.size());
 }
 
 TEST_CASE("intervals of 90 % cover the truth nine times of ten", "[diagnosis][slow]") {

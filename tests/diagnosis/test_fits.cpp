@@ -199,6 +199,33 @@ double leastWith(const Saturating& model, const Misfit& misfit, double a) {
 
 } // namespace
 
+TEST_CASE("a search finds its way along a bent valley from nearly everywhere", "[diagnosis]") {
+    int lost = 0, all = 0;
+    for (const double b : {1e-3, 5e-3})
+        for (const double a : {0.6, 2.0, 5.0}) {
+            Data data = toy::recordings(1);
+            const Saturating model(data);
+            hide(data, model, {{0, {a, inner(Scale::Logarithm, b)}}});
+            Store store;
+            Evaluator evaluator(model, data.runs.size(), {}, store);
+            const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
+            const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+            const Fitted base = fit(evaluator, misfit, Point{{100.0, 0.1}, {}});
+            std::vector<double> ends;
+            for (const double force : {0.1, 0.6, 3.0})
+                for (const double length : {1.2e-3, 5e-3, 0.03, 0.2}) {
+                    const Point start{base.point.nominal, {{0, {force, inner(Scale::Logarithm, length)}}}};
+                    ends.push_back(fit(evaluator, misfit, start, {}, base.jacobian).misfit);
+                }
+            const double best = *std::min_element(ends.begin(), ends.end());
+            all += static_cast<int>(ends.size());
+            // Two units are what one number more is worth.
+            lost += static_cast<int>(std::count_if(ends.begin(), ends.end(), [&](double m) { return m > best + 2.0; }));
+        }
+    // What is left starts with forty times the length of a small force, where the stiffness is driven to its bound.
+    CHECK(lost <= all / 15);
+}
+
 TEST_CASE("an interval follows the valley of two numbers that do each other's work", "[diagnosis]") {
     Data data = toy::recordings(3);
     const Saturating model(data);

@@ -87,6 +87,14 @@ TEST_CASE("kept runs belong to an experiment, however the path to it is written"
     other.file = "experiments/b/experiment.json";
     CHECK(ReplayModel(e).identity() == ReplayModel(same).identity());
     CHECK(ReplayModel(e).identity() != ReplayModel(other).identity());
+    same.text = R"({"markers": [{"arc_fraction": 0.4}]})"; // a correction: the old tracks are of another place
+    CHECK(ReplayModel(e).identity() != ReplayModel(same).identity());
+    same = e;
+    same.runs[0].readings.time = {0.0, 0.05}; // filtered otherwise: as many rows may stand elsewhere
+    CHECK(ReplayModel(e).identity() != ReplayModel(same).identity());
+    same = e;
+    same.runs[0].markers.time = {0.0, 0.1};
+    CHECK(ReplayModel(e).identity() != ReplayModel(same).identity());
 }
 
 TEST_CASE("nominal parameters are the stated intervals and an ordinary give", "[diagnosis]") {

@@ -370,6 +370,20 @@ TEST_CASE("p has paid for the whole search, however many effects were worth a fi
               Approx(odds / (1.0 + odds)).epsilon(1e-6));
 }
 
+TEST_CASE("a law learned alone leaves the catalogue's prior with nothing", "[diagnosis]") {
+    HeldOut h;
+    h.rows = Eigen::VectorXd::Constant(24, 50.0);
+    h.energy = h.rows;
+    h.volume = Eigen::VectorXd::Zero(24);
+    Weighing given;
+    given.catalogue = 1; // were the law an effect of it, nothing would be left
+    given.prior = {0.05};
+    given.parts = {{}};
+    given.outside = {1};
+    // Both foretell the same, so their shares are the priors': .3 and .6 to .05; "none of these" foretells worse.
+    CHECK(weigh(h, {h}, given).nothing > 0.9 / (0.9 + 0.05 + 0.1) - 1e-9);
+}
+
 TEST_CASE("something is missing only where something stands out of the noise", "[diagnosis]") {
     Evidence e;
     e.any = true;

@@ -32,7 +32,7 @@ Point grown(Evaluator& evaluator, const Misfit& misfit, const Point& start, cons
     for (const double share : {0.125, 0.25, 0.5}) {
         const Data part = beginning(misfit.data(), share);
         const auto there = evaluator.everywhere({at}, Fineness::Fine).front();
-        const Misfit shorter(part, misfit.noise(), there, there);
+        const Misfit shorter(part, misfit.noise(), there, there, misfit.settings());
         FitSettings given = settings;
         given.grow = false;
         given.rival = 0.0;

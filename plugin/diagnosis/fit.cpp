@@ -243,25 +243,40 @@ private:
         now_ = std::move(trial);
         if (settings_.rival > 0.0 && hopeless)
             done_ = true;
-        else if (gain < settings_.enough || (gain < 0.5 * foreseen && refreshes_ < settings_.refreshes))
-            finishOrRefresh(); // far less than was foreseen: the derivatives are not those of this place
+        else if (gain < settings_.enough)
+            finishOrRefresh();
+        else if (gain < 0.5 * foreseen && !behind()) // the derivatives are not those of this place
+            refreshMoved();
     }
 
-    /// At a dead end of old derivatives new ones may know the way on: those by the effect's numbers first, which have
-    /// moved most, and where they do not help the nominal ones.
-    void finishOrRefresh() {
-        const bool behind = settings_.rival > 0.0 && now_.misfit > 3.0 * settings_.rival;
-        const bool own = age_ == Age::Learnt && v_.size() > v_.nominal && refreshes_ < settings_.refreshes;
-        const bool rest = !own && age_ != Age::Fresh && rests_ < settings_.rests;
-        if (behind || (!own && !rest)) {
-            done_ = true;
-            return;
-        }
-        const bool all = rest && age_ == Age::Learnt;
-        ++(own ? refreshes_ : rests_);
-        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference,
-                      own ? range(v_.nominal, v_.size()) : range(0, all ? v_.size() : v_.nominal), now_.jacobian);
-        age_ = own ? Age::Own : Age::Fresh;
+    [[nodiscard]] bool behind() const { return settings_.rival > 0.0 && now_.misfit > 3.0 * settings_.rival; }
+
+    /// At a dead end of old derivatives new ones may know the way on: those that have moved most first, and where they
+    /// do not help the nominal ones.
+    void finishOrRefresh() { done_ = behind() || !(refreshMoved() || refreshRest()); }
+
+    /// Derivatives by the effect's numbers; by the nominal ones where they are alone.
+    bool refreshMoved() {
+        if (age_ != Age::Learnt || refreshes_ >= settings_.refreshes)
+            return false;
+        ++refreshes_;
+        const bool alone = v_.size() == v_.nominal;
+        refresh(range(alone ? 0 : v_.nominal, v_.size()));
+        age_ = alone ? Age::Fresh : Age::Moved;
+        return true;
+    }
+
+    bool refreshRest() {
+        if (age_ == Age::Fresh || v_.size() == v_.nominal || rests_ >= settings_.rests)
+            return false;
+        ++rests_;
+        refresh(range(0, age_ == Age::Moved ? v_.nominal : v_.size()));
+        age_ = Age::Fresh;
+        return true;
+    }
+
+    void refresh(const std::vector<Eigen::Index>& columns) {
+        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, columns, now_.jacobian);
         rejected_ = 0;
         damping_ = std::min(damping_, 1e-2);
     }
@@ -273,8 +288,8 @@ private:
     Fitted now_;
     double damping_ = 1e-3;
     int trials_ = 0, rejected_ = 0, refreshes_ = 0, rests_ = 0;
-    /// Of the derivatives: taken here all of them, only those by the effect's numbers, or learnt from steps.
-    enum class Age : std::uint8_t { Fresh, Own, Learnt } age_ = Age::Fresh;
+    /// Of the derivatives: all of them taken here, only those that have moved, or learnt from steps.
+    enum class Age : std::uint8_t { Fresh, Moved, Learnt } age_ = Age::Fresh;
     bool done_ = false;
 };
 

@@ -53,8 +53,8 @@ struct FitSettings {
     int iterations = 20;     ///< steps that are taken, at most
     double enough = 0.3;     ///< a smaller gain of misfit ends it
     double difference = 0.2; ///< of x, for derivatives
-    int refreshes = 2;       ///< of the derivatives by the effect's numbers ...
-    int rests = 1;           ///< ... and by the nominal ones (by all where they are alone)
+    int refreshes = 2;       ///< of the derivatives by the effect's numbers (by the nominal ones where they are alone)
+    int rests = 1;           ///< of those by the nominal numbers beside an effect
     /// Misfit of a rival: a search that is above three times this after five iterations and creeps is given up.
     double rival = 0.0;
     bool grow = true; ///< free runs from their beginnings on (grow.h)

@@ -45,6 +45,8 @@ void Session::play(const scene::Move& move, std::size_t number) {
     shells_.set_machine_velocity({speed * p.direction.x, speed * p.direction.y});
     double branch =
         std::isfinite(move.until.displacement) ? std::abs(move.until.displacement - travel()) : 0.25 * pileHeight_;
+    if (std::isfinite(move.until.force)) // whichever comes first; a travel may stand far away, as a limit
+        branch = std::min(branch, 0.25 * pileHeight_);
     if (std::isfinite(move.until.time))
         branch = std::min(branch, std::abs(speed) * move.until.time);
     pace(speed, branch > 0.0 ? branch : scene_.report.R);

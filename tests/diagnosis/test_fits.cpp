@@ -199,31 +199,79 @@ double leastWith(const Saturating& model, const Misfit& misfit, double a) {
 
 } // namespace
 
+namespace {
+
+/// The same law as something that is stated, with intervals.
+class SaturatingStated final : public Model {
+public:
+    explicit SaturatingStated(const Data& data) : law_(data), nominal_(law_.nominal()) {
+        for (const Scalar& s : law_.candidates()[0].parameters)
+            nominal_.push_back(s);
+    }
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return none_; }
+    [[nodiscard]] std::string identity() const override { return "stated saturation"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        const Point split{{p.nominal[0], p.nominal[1]}, {{0, {p.nominal[2], p.nominal[3]}}}};
+        return law_.simulate(r, split, f, interrupt);
+    }
+
+private:
+    Saturating law_;
+    std::vector<Scalar> nominal_;
+    std::vector<Candidate> none_;
+};
+
+/// How many searches of the law from twelve starts end beside the best place, and how many there are.
+struct Lost {
+    int effect = 0, behind = 0, stated = 0, all = 0;
+    void count(double a, double b) {
+        Data data = toy::recordings(1);
+        const Saturating model(data);
+        hide(data, model, {{0, {a, inner(Scale::Logarithm, b)}}});
+        const SaturatingStated stating(data);
+        Store store, other;
+        Evaluator evaluator(model, data.runs.size(), {}, store), stated_(stating, data.runs.size(), {}, other);
+        const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        const Fitted base = fit(evaluator, misfit, Point{{100.0, 0.1}, {}});
+        FitSettings known; // a rival that is as good as can be
+        known.rival = static_cast<double>(misfit.present());
+        std::vector<double> ends, withRival, asStated;
+        for (const double force : {0.1, 0.6, 3.0})
+            for (const double length : {1.2e-3, 5e-3, 0.03, 0.2}) {
+                const std::vector<double> law = {force, inner(Scale::Logarithm, length)};
+                const Point start{base.point.nominal, {{0, law}}};
+                ends.push_back(fit(evaluator, misfit, start, {}, base.jacobian).misfit);
+                withRival.push_back(fit(evaluator, misfit, start, known, base.jacobian).misfit);
+                asStated.push_back(fit(stated_, misfit, Point{{100.0, 0.1, law[0], law[1]}, {}}).misfit);
+            }
+        const double best = *std::min_element(ends.begin(), ends.end());
+        const auto beside = [&](const std::vector<double>& these) { // two units are what one number more is worth
+            return static_cast<int>(
+                std::count_if(these.begin(), these.end(), [&](double m) { return m > best + 2.0; }));
+        };
+        effect += beside(ends);
+        behind += beside(withRival);
+        stated += beside(asStated);
+        all += static_cast<int>(ends.size());
+    }
+};
+
+} // namespace
+
 TEST_CASE("a search finds its way along a bent valley from nearly everywhere", "[diagnosis]") {
-    int lost = 0, all = 0;
+    Lost lost;
     for (const double b : {1e-3, 5e-3})
-        for (const double a : {0.6, 2.0, 5.0}) {
-            Data data = toy::recordings(1);
-            const Saturating model(data);
-            hide(data, model, {{0, {a, inner(Scale::Logarithm, b)}}});
-            Store store;
-            Evaluator evaluator(model, data.runs.size(), {}, store);
-            const auto there = evaluator.everywhere({Point{{100.0, 0.1}, {}}}, Fineness::Fine).front();
-            const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
-            const Fitted base = fit(evaluator, misfit, Point{{100.0, 0.1}, {}});
-            std::vector<double> ends;
-            for (const double force : {0.1, 0.6, 3.0})
-                for (const double length : {1.2e-3, 5e-3, 0.03, 0.2}) {
-                    const Point start{base.point.nominal, {{0, {force, inner(Scale::Logarithm, length)}}}};
-                    ends.push_back(fit(evaluator, misfit, start, {}, base.jacobian).misfit);
-                }
-            const double best = *std::min_element(ends.begin(), ends.end());
-            all += static_cast<int>(ends.size());
-            // Two units are what one number more is worth.
-            lost += static_cast<int>(std::count_if(ends.begin(), ends.end(), [&](double m) { return m > best + 2.0; }));
-        }
+        for (const double a : {0.6, 2.0, 5.0})
+            lost.count(a, b);
+    INFO(lost.effect << ", beside a rival " << lost.behind << ", as stated numbers " << lost.stated << " of "
+                     << lost.all);
     // What is left starts with forty times the length of a small force, where the stiffness is driven to its bound.
-    CHECK(lost <= all / 15);
+    CHECK(lost.effect <= lost.all / 15);
+    CHECK(lost.stated <= lost.all / 10);    // no effect's derivatives to take anew first
+    CHECK(lost.behind <= 2 * lost.all / 5); // far above a rival a search is given up where it creeps
 }
 
 TEST_CASE("an interval follows the valley of two numbers that do each other's work", "[diagnosis]") {

@@ -98,6 +98,8 @@ TEST_CASE("the paper's values") {
     CHECK(s.protocol->moves[0].loading);
     CHECK(s.protocol->moves[1].until.displacement == 0.0);
     CHECK(good(scenePath("stack30"), {{"cycles", 10}}).protocol->moves.back().cycle == 10);
+    const double stroke = good(scenePath("stack30"), {{"max_travel_over_R", 2}}).protocol->moves[0].until.displacement;
+    CHECK(stroke == Approx(2 * 0.0192).epsilon(1e-14));
 }
 
 TEST_CASE("stack30: the box is 200 mm wide, the plate fills it, and no shell starts in a wall") {

@@ -202,6 +202,19 @@ record::Result<std::vector<record::NamedText>> diagnosisPictures(const Diagnosis
     return {std::move(files), {}};
 }
 
+namespace {
+
+std::string smallestSeen(double visible) {
+    constexpr double kNeverThatLarge = 10.0;
+    if (!std::isfinite(visible))
+        return "cannot be seen in these runs";
+    if (visible > kNeverThatLarge)
+        return "not visible here: more than ten times a size that matters";
+    return number(100.0 * visible) + " % of a size that matters" + (visible > 1.0 ? ": not visible here" : "");
+}
+
+} // namespace
+
 std::string screenFigure(const Diagnosis& d) {
     std::vector<diagnosis::SeenEffect> seen = d.seen;
     std::stable_sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
@@ -216,11 +229,7 @@ std::string screenFigure(const Diagnosis& d) {
         canvas.text({220.0, y + 13.0}, diagnosis::plainWords(seen[i].label),
                     {theme::labelSize, theme::ink, Anchor::End});
         canvas.rectangle({230.0, y + 2.0, 360.0 * std::sqrt(seen[i].gain / most), 14.0}, {.fill = theme::unloading});
-        canvas.text({610.0, y + 13.0},
-                    std::isfinite(seen[i].visible) ? number(100.0 * seen[i].visible) + " % of a size that matters" +
-                                                         (seen[i].visible > 1.0 ? ": not visible here" : "")
-                                                   : "cannot be seen in these runs",
-                    {theme::labelSize, theme::muted});
+        canvas.text({610.0, y + 13.0}, smallestSeen(seen[i].visible), {theme::labelSize, theme::muted});
     }
     return canvas.finish();
 }

@@ -94,8 +94,9 @@ std::string effectTable(const Diagnosis& d) {
 
 std::string windowTable(const diagnosis::Localisation& l) {
     if (l.significant.empty())
-        return "<p>No window stands out of the noise (p = " + number(l.p, "%.3f") + " for the largest of " +
-               std::to_string(l.family) + ").</p>";
+        return std::string("<p>No window stands out of the noise") +
+               (l.p <= diagnosis::kFamilyWise ? ", but the trace an effect would leave in all readings does" : "") +
+               " (p = " + number(l.p, "%.3f") + " for the largest of " + std::to_string(l.family) + ").</p>";
     std::string html = "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"
                        "<th>size (deviations)</th><th>p, over all windows</th></tr>";
     for (std::size_t i = 0; i < l.significant.size() && i < 12; ++i) {

@@ -10,8 +10,7 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something ...
-constexpr double kFamilyWise = 0.05; ///< ... and so is what stands out of the noise, believed or not
+constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something, as is p <= kFamilyWise
 
 std::string number(double v) {
     char text[32];

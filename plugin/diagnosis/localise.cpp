@@ -446,7 +446,7 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     const Families families(ofWindows, ofSignatures);
     Localisation out;
     out.family = static_cast<std::size_t>(m + n);
-    out.critical = (m > n ? families.signatures : families.windows).critical(families.within(0.05));
+    out.critical = (m > n ? families.signatures : families.windows).critical(families.within(kFamilyWise));
     const Eigen::VectorXd u = project(residual);
     const Eigen::VectorXd t = standard(statistics(family.all, shifts, quieted(u, loudest))),
                           full = standardLoud(statistics(family.all, shifts, u));
@@ -457,7 +457,7 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         w.shift = std::abs(full[i]) >= full[m + i];
         w.z = w.shift ? full[i] : full[m + i];
         out.p = std::min(out.p, w.p);
-        if (w.p <= 0.05)
+        if (w.p <= kFamilyWise)
             found.push_back(w);
     }
     const auto bound = [](Eigen::Index count, double deviate) { // Bonferroni's, of normal deviates

@@ -44,6 +44,9 @@ struct Window {
     double p = 1.0;                                      ///< family-wise
 };
 
+/// p, family-wise, at which something stands out of the noise.
+constexpr double kFamilyWise = 0.05;
+
 struct Localisation {
     double p = 1.0; ///< of the largest statistic
     /// The same, carried on by Bonferroni's bound where it lies beyond all draws.

@@ -83,7 +83,10 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
     settings.next = !a.noNext;
     ProgressLine line(a.quiet);
     settings.progress = [&](double fraction, const std::string& stage) { line.show(fraction, stage); };
-    return diagnosis::diagnose(diagnosis::dataOf(experiment), evaluator, settings);
+    diagnosis::Diagnosis found = diagnosis::diagnose(diagnosis::dataOf(experiment), evaluator, settings);
+    if (const std::string lost = store.failure(); !lost.empty())
+        std::fprintf(stderr, "%s; runs simulated since then are not kept and would be simulated again\n", lost.c_str());
+    return found;
 }
 
 } // namespace

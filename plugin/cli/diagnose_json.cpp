@@ -33,18 +33,23 @@ Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
     return all;
 }
 
-Json effectOf(const FoundEffect& e, const std::string& unit) {
-    Json parameters = Json::object();
-    for (const diagnosis::FittedParameter& p : e.parameters)
-        parameters[p.name] = {
+Json parametersOf(const std::vector<diagnosis::FittedParameter>& all) {
+    Json out = Json::object();
+    for (const diagnosis::FittedParameter& p : all)
+        out[p.name] = {
             {"value", finite(p.value)}, {"unit", p.unit}, {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}}};
+    return out;
+}
+
+Json effectOf(const FoundEffect& e, const std::string& unit) {
     return {{"label", e.label},
             {"probability", e.probability},
             {"group", e.group},
             {"together_with", e.with},
             {"slot", e.slot},
             {"law", e.form.empty() ? e.law : e.form + ": " + e.law},
-            {"parameters", parameters},
+            {"parameters", parametersOf(e.parameters)},
+            {"products", parametersOf(e.products)},
             {"heldout_gain", e.gain},
             {"heldout_gain_error", e.gainError},
             {"training_rmse" + unit, e.trainingRmse},

@@ -74,9 +74,14 @@ std::string effectTable(const Diagnosis& d) {
                        "values (90 % intervals)</th><th>not to be told from</th></tr>";
     for (const diagnosis::FoundEffect& e : d.effects) {
         std::string values;
-        for (const diagnosis::FittedParameter& p : e.parameters)
+        const auto write = [&](const diagnosis::FittedParameter& p) {
             values += "<br>" + escaped(p.name) + " = " + number(p.value) + " [" + number(p.ci90.low) + ", " +
                       number(p.ci90.high) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
+        };
+        std::for_each(e.parameters.begin(), e.parameters.end(), write);
+        if (!e.products.empty())
+            values += "<br>in all:";
+        std::for_each(e.products.begin(), e.products.end(), write);
         std::string group;
         for (std::size_t i = 1; i < e.group.size(); ++i)
             group += (i > 1 ? ", " : "") + escaped(diagnosis::plainWords(e.group[i]));

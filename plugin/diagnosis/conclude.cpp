@@ -44,10 +44,13 @@ std::string learnt(const Diagnosis& d) {
 
 std::string withValues(const FoundEffect& e) {
     std::string text = plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
-    for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i) {
-        const FittedParameter& p = e.parameters[i];
-        text += (i == 0 ? ": " : ", ") + p.name + " = " + number(p.value) + (p.unit == "1" ? "" : " " + p.unit);
-    }
+    const auto write = [&](const FittedParameter& p) {
+        return p.name + " = " + number(p.value) + (p.unit == "1" ? "" : " " + p.unit);
+    };
+    for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i)
+        text += (i == 0 ? ": " : ", ") + write(e.parameters[i]);
+    for (std::size_t i = 0; i < e.products.size(); ++i)
+        text += (i == 0 ? ", in all " : ", ") + write(e.products[i]);
     return text;
 }
 

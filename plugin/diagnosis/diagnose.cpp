@@ -47,9 +47,12 @@ public:
         if (nominal() && !evaluator_.stopped()) {
             stage(0.2, "screening the catalogue");
             look();
-            stage(0.33, "where");
-            locate();
-            tryHypotheses();
+            if (!evaluator_.stopped()) {
+                stage(0.33, "where");
+                locate();
+            }
+            if (!evaluator_.stopped())
+                tryHypotheses();
             if (!evaluator_.stopped() && out_.failure.empty())
                 conclude();
         }
@@ -71,7 +74,7 @@ private:
     void look();
     void summarise();
     void tryHypotheses();
-    [[nodiscard]] std::vector<Interval> intervalsOf(const Entry& entry);
+    [[nodiscard]] Spread spreadOf(const Entry& entry);
     void conclude();
     void enter(const Weighed& w);
     void shareAlike();
@@ -307,16 +310,25 @@ void Work::weighAll(Weighed& w) const {
 }
 
 /// The first effect and what is probable are worth some runs, what is more probable some more.
-std::vector<Interval> Work::intervalsOf(const Entry& entry) {
+Spread Work::spreadOf(const Entry& entry) {
     const Fitted& f = tried_[entry.model].fit;
     const Variables v(evaluator_.model(), f.point);
     const double dispersion = misfitPerRow(*misfit_, f);
     const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
     if (!worth || evaluator_.stopped())
-        return linearIntervals(v, f, f.jacobian, dispersion);
+        return {linearIntervals(v, f, f.jacobian, dispersion), {}};
     const Eigen::MatrixXd careful = differentiateCarefully(evaluator_, *misfit_, v, f.x, 0.2);
-    return entry.probability < 0.3 ? linearIntervals(v, f, careful, dispersion)
-                                   : profileIntervals(evaluator_, *misfit_, f, careful, dispersion);
+    Spread out{entry.probability < 0.3 ? linearIntervals(v, f, careful, dispersion)
+                                       : profileIntervals(evaluator_, *misfit_, f, careful, dispersion),
+               {}};
+    Index first = v.nominal;
+    for (const std::size_t c : tried_[entry.model].candidates) {
+        out.products.emplace_back();
+        for (const Product& p : candidates()[c].products)
+            out.products.back().push_back(productInterval(evaluator_, *misfit_, f, careful, dispersion, p, first));
+        first += static_cast<Index>(candidates()[c].parameters.size());
+    }
+    return out;
 }
 
 void Work::conclude() {
@@ -330,12 +342,12 @@ void Work::conclude() {
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;
-    std::map<std::size_t, std::vector<Interval>> intervals; // by model
+    std::map<std::size_t, Spread> spreads; // by model
     for (const Entry& entry : entries_) {
-        if (intervals.count(entry.model) == 0)
-            intervals[entry.model] = intervalsOf(entry);
+        if (spreads.count(entry.model) == 0)
+            spreads[entry.model] = spreadOf(entry);
         FoundEffect f =
-            presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term, intervals[entry.model]);
+            presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term, spreads[entry.model]);
         f.probability = std::min(1.0, entry.probability);
         f.gain = w.gain[entry.model];
         f.gainError = w.gainError[entry.model];
@@ -396,8 +408,9 @@ std::optional<std::size_t> Work::rivalOfFirst() const {
 }
 
 void Work::suggest() {
-    const bool open =
-        out_.verdict != "nothing_missing" && (out_.verdict != "named" || out_.effects.front().group.size() > 1);
+    // Where nothing known holds, no run that tells two refuted effects from each other says what does.
+    const bool open = out_.verdict == "ambiguous" || out_.verdict == "not_enough_information" ||
+                      (out_.verdict == "named" && out_.effects.front().group.size() > 1);
     if (!open || !settings_.next)
         return;
     stage(0.96, "next experiment");

@@ -102,6 +102,17 @@ Eigen::VectorXd nearerToZero(const Departure& up, double toUp, const Departure& 
     return a.binaryExpr(b, [](double p, double q) { return std::abs(p) < std::abs(q) ? p : q; });
 }
 
+/// Whitened, of all readings; zero where it is not known.
+Eigen::VectorXd slope(const Misfit& misfit, const std::vector<Response>& here, const std::vector<Response>& above,
+                      double toUp, const std::vector<Response>& below, double toDown) {
+    Eigen::VectorXd out(misfit.rows()); // slopes before they are whitened: whitening spreads a jump
+    for (std::size_t r = 0; r < here.size(); ++r)
+        out.segment(misfit.start(r), misfit.rowsOf(r)) =
+            misfit.whiten(r, nearerToZero(misfit.change(r, above[r], here[r]), toUp,
+                                          misfit.change(r, here[r], below[r]), toDown, misfit.rowsOf(r)));
+    return out.allFinite() ? out : Eigen::VectorXd::Zero(misfit.rows());
+}
+
 } // namespace
 
 Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& v,
@@ -118,21 +129,18 @@ Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfi
         points.push_back(v.at(y));
     }
     const auto answers = evaluator.everywhere(points, Fineness::Coarse);
-    const std::vector<Response>& here = answers.front();
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(misfit.rows(), v.size());
+    Eigen::MatrixXd out(misfit.rows(), v.size());
     for (Eigen::Index c = 0; c < v.size(); ++c) {
-        const auto& above = answers[2 * static_cast<std::size_t>(c) + 1];
-        const auto& below = answers[2 * static_cast<std::size_t>(c) + 2];
-        const double toUp = up[c] - x[c], toDown = x[c] - down[c];
-        Eigen::VectorXd column(misfit.rows()); // slopes before they are whitened: whitening spreads a jump
-        for (std::size_t r = 0; r < here.size(); ++r)
-            column.segment(misfit.start(r), misfit.rowsOf(r)) =
-                misfit.whiten(r, nearerToZero(misfit.change(r, above[r], here[r]), toUp,
-                                              misfit.change(r, here[r], below[r]), toDown, misfit.rowsOf(r)));
-        if (column.allFinite())
-            out.col(c) = column;
+        const std::size_t at = 2 * static_cast<std::size_t>(c) + 1;
+        out.col(c) = slope(misfit, answers.front(), answers[at], up[c] - x[c], answers[at + 1], x[c] - down[c]);
     }
     return out;
+}
+
+Eigen::VectorXd slopeAlong(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x,
+                           const Eigen::VectorXd& up, const Eigen::VectorXd& down, Eigen::Index by) {
+    const auto answers = evaluator.everywhere({v.at(x), v.at(up), v.at(down)}, Fineness::Coarse);
+    return slope(misfit, answers[0], answers[1], up[by] - x[by], answers[2], x[by] - down[by]);
 }
 
 bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, Fitted& f) {

@@ -77,6 +77,11 @@ void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& 
 Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& variables,
                                        const Eigen::VectorXd& x, double difference);
 
+/// The same along a path through x, from `down` to `up`, by its coordinate `by`.
+Eigen::VectorXd slopeAlong(Evaluator& evaluator, const Misfit& misfit, const Variables& variables,
+                           const Eigen::VectorXd& x, const Eigen::VectorXd& up, const Eigen::VectorXd& down,
+                           Eigen::Index by);
+
 /// @param known derivatives by the first parameters (nominal ones, the first effect's), taken before; empty:
 /// take them
 Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings = {},

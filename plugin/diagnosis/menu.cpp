@@ -95,6 +95,19 @@ public:
             add(name, 0.5, lower, upper, step, Scale::Linear);
         return *this;
     }
+    /// What the law is worth in all; both parameters come before.
+    Writer& product(const std::string& name, const std::string& unit, double factor, const std::string& amplitude,
+                    const std::string& extent) {
+        if (effect_ == nullptr)
+            return *this;
+        Product p{name, unit, factor, 0, 0};
+        for (std::size_t i = 0; i < candidate_.parameters.size(); ++i) {
+            p.amplitude = candidate_.parameters[i].name == amplitude ? i : p.amplitude;
+            p.extent = candidate_.parameters[i].name == extent ? i : p.extent;
+        }
+        candidate_.products.push_back(p);
+        return *this;
+    }
     Writer& probe(const std::vector<double>& values) {
         if (effect_ == nullptr)
             return *this;
@@ -161,17 +174,21 @@ void material(Writer& w, const Sizes& s) {
     w.amplitude("drop", 0.0, 0.9, 0.03).extent("tau_s", 0.05, s.duration).probe({0.05, 1.0});
 }
 
+/// A short bend turns what is behind it, and of that runs see the angle; how short it is they hardly see.
 void places(Writer& w, const Sizes& s, const std::vector<std::string>& shells) {
+    const double bell = std::sqrt(2.0 * 3.14159265358979); // area of exp(-x^2 / 2)
     const double bend = 1.0 / s.radius;
     for (const std::string& shell : shells) {
         w.form("local_damage", "", shell).amplitude("stiffness_drop", 0.0, 0.95, 0.15);
         w.amplitude("curvature_change_1_m", -3.0 * bend, 3.0 * bend, 0.15 * bend);
         w.share("arc_fraction", 0.02, 0.98, 0.05).extent("gauss_width_m", 5e-3 * s.length, 0.1 * s.length);
+        w.product("turn_rad", "rad", bell, "curvature_change_1_m", "gauss_width_m");
         for (const double at : {0.2, 0.35, 0.5, 0.65, 0.8})
             w.probe({0.5, -0.4 * bend, at, 0.025 * s.length}).probe({0.5, 0.0, at, 0.025 * s.length});
         w.form("natural_curvature_defect", "", shell);
         w.amplitude("curvature_change_1_m", -2.0 * bend, 2.0 * bend, 0.1 * bend);
         w.share("arc_fraction", 0.02, 0.98, 0.05).extent("length_m", 0.02 * s.length, 0.8 * s.length).with("shape", 0);
+        w.product("turn_rad", "rad", 1.0, "curvature_change_1_m", "length_m");
         for (const double at : {0.15, 0.3, 0.5, 0.7, 0.85})
             w.probe({-0.25 * bend, at, 0.12 * s.length});
         for (int law = 0; law < 2; ++law) {
@@ -197,8 +214,9 @@ void contacts(Writer& w, const Sizes& s) {
     w.form("wear").amplitude("change", -0.9, 3.0, 0.1).extent("distance_m", 0.05 * s.travel, 50.0 * s.travel);
     w.probe({0.3, s.travel}).probe({-0.3, s.travel}).probe({0.3, 5.0 * s.travel});
     const double pull = s.modulus / (s.radius * s.radius * s.radius); // per length, what bends a shell by its radius
+    constexpr double hump = 9.0 / 16.0; // of 27/4 x (1 - x)^2: work of parting, per length of rod
     w.form("adhesion", "hump").with("law", 0).amplitude("F_a_N_m", 0.0, 30.0 * pull, 0.2 * pull);
-    w.extent("range_m", 1e-5, 2e-3);
+    w.extent("range_m", 1e-5, 2e-3).product("work_N", "N", hump, "F_a_N_m", "range_m");
     w.probe({0.5 * pull, 1e-4}).probe({1.5 * pull, 1e-4}).probe({0.5 * pull, 4e-4});
     w.form("adhesion", "hump, in spots").with("law", 0).amplitude("F_a_N_m", 0.0, 30.0 * pull, 0.2 * pull);
     w.extent("range_m", 1e-5, 2e-3).with("spots_m", 5e-3 * s.length).probe({0.5 * pull, 1e-4}).probe({pull, 1e-4});

@@ -46,6 +46,14 @@ struct Curve {
     std::vector<double> (*evaluate)(const std::vector<double>& values, const std::vector<double>& at01) = nullptr;
 };
 
+/// What a law is worth in all: its amplitude times how far it reaches, which runs often know far better than either.
+struct Product {
+    std::string name, unit;
+    double factor = 1.0;
+    std::size_t amplitude = 0,
+                extent = 0; ///< parameters of the candidate: a linear one that is absent at 0, and another
+};
+
 /// An effect that may be missing, in one of its forms (a law, a specimen). Several candidates may share a label.
 struct Candidate {
     std::string label;
@@ -56,6 +64,7 @@ struct Candidate {
     /// Inner values at which it shows in experiments of this kind; starts of searches. The first is a size that
     /// matters.
     std::vector<std::vector<double>> probes;
+    std::vector<Product> products{};
     /// A law to be learned: its values are coefficients of a spline of a state. It is no part of the catalogue.
     bool learned = false;
     Curve curve{}; ///< of a learned law

@@ -8,7 +8,7 @@ namespace supercircle::diagnosis {
 using Index = Eigen::Index;
 
 FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& t, std::size_t shown,
-                          const std::vector<Interval>& intervals) {
+                          const Spread& spread) {
     const std::vector<Candidate>& candidates = model.candidates();
     const Candidate& c = candidates[t.candidates[shown]];
     FoundEffect e;
@@ -27,7 +27,7 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
             e.with.push_back(candidates[t.candidates[term]].label);
         for (Index k = first; k < first + n && term == shown; ++k) {
             const Scalar& s = v.scalar(k);
-            const auto& [low, high] = intervals[static_cast<std::size_t>(k - v.nominal)];
+            const auto& [low, high] = spread.intervals[static_cast<std::size_t>(k - v.nominal)];
             const auto at = [&](double x) {
                 return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
             };
@@ -36,6 +36,10 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
                 std::swap(p.ci90.low, p.ci90.high);
             e.parameters.push_back(p);
         }
+        if (term == shown && term < spread.products.size())
+            for (std::size_t i = 0; i < c.products.size(); ++i)
+                e.products.push_back({c.products[i].name, c.products[i].unit,
+                                      productOf(c.products[i], v, t.fit.x, first), spread.products[term][i]});
         first += n;
     }
     return e;

@@ -1,6 +1,7 @@
 #pragma once
 // Fits turned into what a report shows.
 
+#include "plugin/diagnosis/profile.h"
 #include "plugin/diagnosis/result.h"
 #include "plugin/diagnosis/tried.h"
 
@@ -10,9 +11,9 @@ namespace supercircle::diagnosis {
 
 /// One effect of a hypothesis (its term `shown`): fitted values with 90 % intervals, errors. Probability, gain and
 /// group are the caller's.
-/// @param intervals of the numbers of all its terms, in x (profile.h)
+/// @param spread of the numbers of all its terms
 FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& tried, std::size_t shown,
-                          const std::vector<Interval>& intervals);
+                          const Spread& spread);
 
 /// Stated and fitted nominal parameters.
 std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nominal);

@@ -170,4 +170,34 @@ std::vector<Interval> profileIntervals(Evaluator& evaluator, const Misfit& misfi
     return out;
 }
 
+double productOf(const Product& p, const Variables& v, const Eigen::VectorXd& x, Index first) {
+    const auto value = [&](std::size_t i) {
+        const Index k = first + static_cast<Index>(i);
+        return outer(v.scalar(k).scale, v.scalar(k).value + x[k] * v.scalar(k).step);
+    };
+    return p.factor * value(p.amplitude) * value(p.extent);
+}
+
+Interval productInterval(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                         const Eigen::MatrixXd& jacobian, double dispersion, const Product& p, Index first) {
+    const Variables v(evaluator.model(), fitted.point);
+    const Index a = first + static_cast<Index>(p.amplitude), e = first + static_cast<Index>(p.extent);
+    const double is = productOf(p, v, fitted.x, first);
+    constexpr double kFar = 0.2;         // of a step, as other derivatives
+    const auto along = [&](double far) { // as much in all, over another extent
+        Eigen::VectorXd x = fitted.x;
+        x[e] = std::clamp(x[e] + far, v.lower[e], v.upper[e]);
+        x[a] = std::clamp(x[a] * is / productOf(p, v, x, first), v.lower[a], v.upper[a]);
+        return x;
+    };
+    Eigen::MatrixXd J = jacobian;
+    if (is != 0.0)
+        J.col(e) = slopeAlong(evaluator, misfit, v, fitted.x, along(kFar), along(-kFar), e);
+    Eigen::VectorXd one = fitted.x;
+    one[a] += 1.0;
+    const double perStep = productOf(p, v, one, first) - is;
+    const double half = k90 * std::abs(perStep) * std::sqrt(std::max(0.0, posteriorOf(v, J, dispersion)(a, a)));
+    return {is - half, is + half};
+}
+
 } // namespace supercircle::diagnosis

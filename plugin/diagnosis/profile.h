@@ -32,4 +32,21 @@ std::vector<Interval> linearIntervals(const Variables& variables, const Fitted& 
 std::vector<Interval> profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
                                        const Eigen::MatrixXd& jacobian, double dispersion);
 
+/// 90 % interval of what a law is worth in all, linearised in coordinates in which the product is one and its extent,
+/// the product held, the other: from derivatives by the factors themselves an error of 5 % in one of them makes the
+/// length of the valley, which may be anything, a width of the product.
+/// @param first variable of the product's candidate
+Interval productInterval(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                         const Eigen::MatrixXd& jacobian, double dispersion, const Product& product,
+                         Eigen::Index first);
+
+/// Its value at x.
+double productOf(const Product& product, const Variables& variables, const Eigen::VectorXd& x, Eigen::Index first);
+
+/// What is known of a fit's numbers behind the nominal ones.
+struct Spread {
+    std::vector<Interval> intervals;             ///< in x
+    std::vector<std::vector<Interval>> products; ///< of each term; empty: not asked for
+};
+
 } // namespace supercircle::diagnosis

@@ -28,6 +28,7 @@ struct FoundEffect {
     std::vector<std::string> group; ///< labels that these runs cannot tell from it, itself first
     std::vector<std::string> with;  ///< labels that act beside it in its best model
     std::vector<FittedParameter> parameters;
+    std::vector<FittedParameter> products;        ///< what the law is worth in all (Candidate::products)
     double gain = 0.0, gainError = 0.0;           ///< held-out log score over "nothing"
     double trainingRmse = 0.0, heldOutRmse = 0.0; ///< N
     double misfitPerRow = 0.0;                    ///< chi^2 / rows, training

@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/store.h"
 
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -131,12 +132,32 @@ std::string Store::open(const std::string& path, const std::string& identity) {
     std::error_code error;
     if (good > 0)
         std::filesystem::resize_file(path, good, error);
-    file_ = std::fopen(path.c_str(), good > 0 && !error ? "ab" : "wb");
+    const bool goesOn = good > 0 && !error;
+    file_ = std::fopen(path.c_str(), goesOn ? "ab" : "wb");
     if (file_ == nullptr)
-        return path + ": cannot be written";
-    if (good == 0 && std::fwrite(head.data(), 1, head.size(), file_) != head.size())
-        return path + ": cannot be written";
-    return {};
+        return path + ": cannot be written: " + std::strerror(errno);
+    written_ = goesOn ? good : 0;
+    if (!goesOn)
+        write(head);
+    return failure_;
+}
+
+void Store::write(const std::string& bytes) {
+    // Flushed: a process killed from now on has it.
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size() && std::fflush(file_) == 0) {
+        written_ += bytes.size();
+        return;
+    }
+    failure_ = path_ + ": cannot be written: " + std::strerror(errno);
+    std::fclose(file_);
+    file_ = nullptr;
+    std::error_code ignored; // a torn entry is dropped when it is read; entries behind one would be lost
+    std::filesystem::resize_file(path_, written_, ignored);
+}
+
+std::string Store::failure() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return failure_;
 }
 
 void Store::forget() {
@@ -146,11 +167,12 @@ void Store::forget() {
     if (file_ == nullptr)
         return;
     std::fclose(file_);
+    written_ = 0;
     file_ = std::fopen(path_.c_str(), "wb");
-    if (file_ != nullptr) {
-        std::fwrite(head_.data(), 1, head_.size(), file_);
-        std::fflush(file_);
-    }
+    if (file_ != nullptr)
+        write(head_);
+    else
+        failure_ = path_ + ": cannot be written: " + std::strerror(errno);
 }
 
 std::optional<Response> Store::find(const std::string& key) const {
@@ -164,8 +186,7 @@ void Store::keep(const std::string& key, const Response& response) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!known_.emplace(key, response).second || file_ == nullptr)
         return;
-    std::fwrite(entry.data(), 1, entry.size(), file_);
-    std::fflush(file_); // a process killed from now on has it
+    write(entry);
 }
 
 } // namespace supercircle::diagnosis

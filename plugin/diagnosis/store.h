@@ -5,6 +5,7 @@
 
 #include "plugin/diagnosis/model.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <mutex>
@@ -31,12 +32,17 @@ public:
     /// Empties memory and file.
     void forget();
     [[nodiscard]] std::size_t fromFile() const { return fromFile_; }
+    /// Why runs are not kept in the file any more (a full disk); empty: they are. What it held before stays there.
+    [[nodiscard]] std::string failure() const;
 
 private:
+    void write(const std::string& bytes);
+
     mutable std::mutex mutex_;
     std::map<std::string, Response> known_;
     std::FILE* file_ = nullptr;
-    std::string path_, head_;
+    std::string path_, head_, failure_;
+    std::uintmax_t written_ = 0; ///< length of the file up to its last whole entry
     std::size_t fromFile_ = 0;
 };
 

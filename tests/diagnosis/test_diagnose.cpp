@@ -8,9 +8,11 @@
 #include "supercircle/step/parallel.h"
 
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <sys/resource.h>
 
 using namespace supercircle::diagnosis;
 
@@ -309,6 +311,40 @@ TEST_CASE("kept runs come back bit for bit, torn ones do not", "[diagnosis]") {
     Store other;
     REQUIRE(other.open(file, "another experiment").empty());
     CHECK(other.fromFile() == 0);
+}
+
+TEST_CASE("a full disk costs what comes after it, and says so", "[diagnosis]") {
+    const std::string file = std::string(SC_BINARY_DIR) + "/full.cache";
+    std::filesystem::remove(file);
+    Response r;
+    r.force = Eigen::VectorXd::LinSpaced(100, 0.0, 1.0);
+    {
+        Store store;
+        REQUIRE(store.open(file, "a").empty());
+        store.keep("one", r);
+        // A limit on the size of files stands for the disk; the signal that comes with it would end the program.
+        struct rlimit before {};
+        REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+        const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+        struct rlimit full = before;
+        full.rlim_cur = std::filesystem::file_size(file) + 300;
+        REQUIRE(setrlimit(RLIMIT_FSIZE, &full) == 0);
+        store.keep("two", r);
+        REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
+        std::signal(SIGXFSZ, handler);
+        CHECK(store.failure().find("full.cache: cannot be written: ") != std::string::npos);
+        store.keep("three", r);
+        CHECK(store.find("two").has_value()); // in memory
+        CHECK(store.find("three").has_value());
+    }
+    Store store;
+    REQUIRE(store.open(file, "a").empty());
+    CHECK(store.fromFile() == 1);
+    store.keep("four", r);
+    CHECK(store.failure().empty());
+    Store again;
+    REQUIRE(again.open(file, "a").empty());
+    CHECK(again.fromFile() == 2);
 }
 
 TEST_CASE("runs kept by another program are not believed", "[diagnosis]") {

@@ -6,6 +6,7 @@
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/pairs.h"
+#include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/profile.h"
 #include "plugin/diagnosis/screen.h"
 
@@ -307,4 +308,69 @@ TEST_CASE("an interval follows the valley of two numbers that do each other's wo
     CHECK(std::abs(a(profiled[0].high) - high) < 0.1 * width);
     CHECK(std::abs(a(linear[0].low) - low) > 0.2 * width); // the valley is bent
     CHECK(std::abs(a(linear[0].high) - high) > 0.2 * width);
+}
+
+namespace {
+
+/// A dashpot of two numbers, of which readings show the product: p q v.
+class Split final : public Model {
+public:
+    explicit Split(const Data& data) : spring_(data) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "split dashpot"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Point whole{p.nominal, {}};
+        for (const Term& t : p.terms)
+            whole.terms.push_back({0, {t.values[0] * outer(Scale::Logarithm, t.values[1])}});
+        return spring_.simulate(r, whole, f, interrupt);
+    }
+
+private:
+    toy::Spring spring_;
+    std::vector<Candidate> candidates_ = {{"split",
+                                           "",
+                                           "",
+                                           "",
+                                           {{"p", "N/m", "", 0.0, -1e3, 1e3, 2.0, Scale::Linear, true},
+                                            {"q", "s", "", 0.0, inner(Scale::Logarithm, 0.1),
+                                             inner(Scale::Logarithm, 10.0), 0.5, Scale::Logarithm, false}},
+                                           {{5.0, 0.0}},
+                                           {{"c", "N s/m", 1.0, 0, 1}}}};
+};
+
+} // namespace
+
+TEST_CASE("a product is known as well as if it were the parameter", "[diagnosis]") {
+    const Data data = toy::recordings(5, "dashpot", 20.0);
+    const Split split(data);
+    const toy::Spring whole(data);
+    const auto found = [&](const Model& model, const std::vector<double>& start) {
+        Store store;
+        Evaluator evaluator(model, data.runs.size(), {}, store);
+        const Point stated{{100.0, 0.1}, {}};
+        const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        Tried t;
+        t.candidates = {0};
+        t.fit = fit(evaluator, misfit, Point{stated.nominal, {{0, start}}});
+        const Variables v(model, t.fit.point);
+        const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, t.fit.x, 0.2);
+        const double perRow = misfitPerRow(misfit, t.fit);
+        Spread spread{linearIntervals(v, t.fit, J, perRow), {{}}};
+        for (const Product& p : model.candidates()[0].products)
+            spread.products[0].push_back(productInterval(evaluator, misfit, t.fit, J, perRow, p, v.nominal));
+        return presentEffect(model, misfit, t, 0, spread);
+    };
+    const FoundEffect two = found(split, {5.0, inner(Scale::Logarithm, 3.0)}), one = found(whole, {5.0});
+    REQUIRE(two.products.size() == 1);
+    REQUIRE(one.products.empty());
+    const FittedParameter &product = two.products.front(), &c = one.parameters.front();
+    const auto width = [](const FittedParameter& p) { return p.ci90.high - p.ci90.low; };
+    // A search ends where a step would gain less than `enough`, a deviation squared; derivatives are good to some 1e-3.
+    CHECK(product.name == "c");
+    CHECK(product.value == Approx(c.value).margin(std::sqrt(FitSettings{}.enough) * width(c) / (2.0 * 1.645)));
+    CHECK(width(product) == Approx(width(c)).epsilon(0.01));
+    CHECK(width(two.parameters[0]) > 5.0 * width(c) / outer(Scale::Logarithm, 0.0)); // each factor is anybody's guess
 }

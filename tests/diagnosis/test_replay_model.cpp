@@ -75,6 +75,12 @@ TEST_CASE("every effect of the catalogue is a candidate, absent where its amplit
             CHECK(effects::validate({setting}).empty());
         }
     }
+    const auto candidate = std::find_if(menu.candidates.begin(), menu.candidates.end(),
+                                        [](const Candidate& c) { return c.label == "local_damage"; });
+    REQUIRE(candidate->products.size() == 1); // depth and width of a bell; its area is sqrt(2 pi)
+    CHECK(candidate->parameters[candidate->products[0].amplitude].name == "curvature_change_1_m");
+    CHECK(candidate->parameters[candidate->products[0].extent].name == "gauss_width_m");
+    CHECK(candidate->products[0].factor == Approx(2.5066282746));
     for (const effects::Effect& effect : effects::catalog())
         CHECK(labels.count(effect.name) == (replay::acts(e, effect.key) ? 1 : 0));
     CHECK(menuFor(e, {"plasticity"}).candidates.size() < menu.candidates.size());

@@ -23,7 +23,7 @@ Table tableOf(Definition& sweep) {
                 row.set = sweep.sets.size();
                 row.seed = seed;
                 row.status = "done";
-                row.cells = {10.0 * phi + 2.0 * std::log10(mu) + 0.02 * (seed - 11)};
+                row.cells.emplace_back(10.0 * phi + 2.0 * std::log10(mu) + 0.02 * (seed - 11));
                 table.rows.push_back(row);
             }
             sweep.sets.push_back({phi, mu});

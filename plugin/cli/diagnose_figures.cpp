@@ -89,9 +89,10 @@ void markStretches(Canvas& canvas, const Plot& plot, const std::vector<diagnosis
     }
 }
 
-void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run) {
+void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run,
+                 const std::string& channel = "force") {
     for (const diagnosis::Window& w : d.mismatch.significant)
-        if (w.run == run && w.channel == "force") {
+        if (w.run == run && w.channel == channel) {
             const double left = plot.at(w.timeFrom, 0.0).x, right = plot.at(w.timeTo, 0.0).x;
             canvas.rectangle({left, plot.area.y, right - left, plot.area.height}, {.fill = kMarked});
         }
@@ -149,6 +150,67 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         residual(320.0, c.residualImproved, theme::unloading, "with the effect");
 }
 
+constexpr double kPanelWidth = 330.0, kPanelHeight = 110.0; // of a marker coordinate, without its axes
+constexpr std::size_t kPanels = 3;                          // side by side
+
+double markersHeight(const RunCurves& c) {
+    return 44.0 + (kPanelHeight + 50.0) * static_cast<double>((c.markers.size() + kPanels - 1) / kPanels);
+}
+
+/// Limits that all panels of a run share, so that the coordinate that misses most looks it.
+Range markerRange(const std::vector<std::vector<double>>& shown) {
+    std::vector<const std::vector<double>*> columns;
+    for (const std::vector<double>& u : shown)
+        columns.push_back(&u);
+    const Range range = rangeOf(columns);
+    return {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
+}
+
+void markerLegend(Canvas& canvas, bool improved) {
+    double x = 80.0;
+    const auto entry = [&](const char* word, const Colour& colour) {
+        canvas.line({x, 20.0}, {x + 24.0, 20.0}, {colour, 1.4});
+        canvas.text({x + 30.0, 24.0}, word, {theme::labelSize, theme::muted});
+        x += 50.0 + report::textWidth(word, theme::labelSize);
+    };
+    entry("markers: misfit without extra physics (noise units)", theme::loading);
+    if (improved)
+        entry("with the most probable effect", theme::unloading);
+}
+
+void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
+    const RunCurves& c = d.runs[r];
+    const bool improved = !c.improved.empty();
+    markerLegend(canvas, improved);
+    std::vector<std::vector<double>> before, after, all;
+    for (const diagnosis::MarkerCurve& m : c.markers) {
+        before.push_back(smoothed(m.residual, m.counts));
+        after.push_back(improved ? smoothed(m.residualImproved, m.counts) : std::vector<double>{});
+        all.push_back(before.back());
+        all.push_back(after.back());
+    }
+    const Range range = markerRange(all);
+    for (std::size_t i = 0; i < c.markers.size(); ++i) {
+        const double x = 80.0 + (kPanelWidth + 46.0) * static_cast<double>(i % kPanels);
+        const double y = 40.0 + (kPanelHeight + 50.0) * static_cast<double>(i / kPanels);
+        const Plot plot({x, y, kPanelWidth, kPanelHeight},
+                        report::padded({c.markerTime.front(), c.markerTime.back()}, 0.01), range);
+        markWindows(canvas, plot, d, c.name, c.markers[i].channel);
+        const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
+        canvas.rectangle({plot.area.x, top, plot.area.width, bottom - top}, {.fill = theme::grid});
+        PlotStyle style;
+        style.x = {"time (s)", 1.0};
+        style.y = {c.markers[i].channel, 1.0};
+        style.yTicks = 3;
+        plot.drawFrame(canvas, style);
+        canvas.pushClip(plot.area);
+        plot.drawLine(canvas, c.markerTime, before[i], {theme::loading, 1.3});
+        if (improved)
+            plot.drawLine(canvas, c.markerTime, after[i], {theme::unloading, 1.3});
+        canvas.popClip();
+    }
+}
+
 void drawProbabilities(Canvas& canvas, const Diagnosis& d) {
     std::vector<std::pair<std::string, double>> bars;
     for (const diagnosis::FoundEffect& e : d.effects)
@@ -173,6 +235,16 @@ std::string runFigure(const Diagnosis& d, std::size_t r) {
     return canvas.finish();
 }
 
+std::string markerFigure(const Diagnosis& d, std::size_t r) {
+    const RunCurves& c = d.runs[r];
+    if (c.markers.empty())
+        return {};
+    SvgCanvas canvas(kRunWidth, markersHeight(c), "markers" + std::to_string(r + 1),
+                     "residuals of the markers of " + c.name);
+    drawMarkers(canvas, d, r);
+    return canvas.finish();
+}
+
 std::string probabilityFigure(const Diagnosis& d) {
     SvgCanvas canvas(kBarsWidth, barsHeight(d), "probability", "probability of each explanation");
     drawProbabilities(canvas, d);
@@ -193,6 +265,12 @@ record::Result<std::vector<record::NamedText>> diagnosisPictures(const Diagnosis
         report::CairoCanvas canvas(kRunWidth, kRunHeight, kScale);
         drawRun(canvas, d, r);
         if (std::string why = keep("run_" + std::to_string(r + 1) + "_diagnosis.png", canvas); !why.empty())
+            return record::Result<Files>::fail(std::move(why));
+        if (d.runs[r].markers.empty())
+            continue;
+        report::CairoCanvas markers(kRunWidth, markersHeight(d.runs[r]), kScale);
+        drawMarkers(markers, d, r);
+        if (std::string why = keep("run_" + std::to_string(r + 1) + "_markers.png", markers); !why.empty())
             return record::Result<Files>::fail(std::move(why));
     }
     report::CairoCanvas canvas(kBarsWidth, barsHeight(d), kScale);

@@ -13,9 +13,11 @@ namespace supercircle::cli {
 
 /// Force over displacement, recorded and simulated; below over time in noise units what is left, windows marked.
 std::string runFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run);
+/// What is left of each marker coordinate over time, in noise units, windows marked; empty without markers.
+std::string markerFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run);
 /// A bar per probability: effects, "nothing", "none of these".
 std::string probabilityFigure(const diagnosis::Diagnosis& diagnosis);
-/// The two above as PNG: run_1_diagnosis.png, ..., probabilities.png.
+/// The three above as PNG: run_1_diagnosis.png, run_1_markers.png, ..., probabilities.png.
 record::Result<std::vector<record::NamedText>> diagnosisPictures(const diagnosis::Diagnosis& diagnosis);
 /// What the screen explains of the misfit, and the smallest size these runs show.
 std::string screenFigure(const diagnosis::Diagnosis& diagnosis);

@@ -175,7 +175,7 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     html += section("How probable each explanation is", scroll(probabilityFigure(d)) + effectTable(d));
     html += section("Errors", errorTable(d));
     for (std::size_t r = 0; r < d.runs.size(); ++r)
-        html += section(escaped(d.runs[r].name), scroll(runFigure(d, r)));
+        html += section(escaped(d.runs[r].name), scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
     html += section("Where the simulation without extra physics misses", windowTable(d.mismatch));
     if (d.improved)
         html += section("Where it still misses with the most probable effect", windowTable(d.left));

@@ -105,6 +105,10 @@ const char* name(Phase phase) {
                                        : "free";
 }
 
+std::string Data::markerChannel(Eigen::Index coordinate) const {
+    return markerNames[static_cast<std::size_t>(coordinate / 2)] + (coordinate % 2 == 0 ? "_x" : "_y");
+}
+
 double Data::peakForce() const {
     double most = 0.0;
     for (const RecordedRun& run : runs)

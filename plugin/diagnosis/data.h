@@ -55,6 +55,8 @@ struct Data {
     double zeroWindow = 0.0;         ///< s, stretch whose mean force was subtracted
     std::vector<double> arcFraction; ///< of each marker
     std::vector<std::string> markerNames;
+    /// Name of a marker coordinate: x and y of the first marker, of the second, ...
+    [[nodiscard]] std::string markerChannel(Eigen::Index coordinate) const;
     [[nodiscard]] double peakForce() const;
 };
 

@@ -156,7 +156,7 @@ private:
                     w.window.run = run.name;
                     w.window.phase = "all";
                     w.window.axis = "time";
-                    w.window.channel = misfit_.data().markerNames[m] + (c % 2 == 0 ? "_x" : "_y");
+                    w.window.channel = misfit_.data().markerChannel(c);
                     w.window.arcFraction = misfit_.data().arcFraction[m];
                     w.window.timeFrom = run.markerTime[a];
                     w.window.timeTo = run.markerTime[b - 1];

@@ -96,10 +96,32 @@ std::vector<Stretch> stretchesOf(const Eigen::VectorXd& time, const Eigen::Vecto
     return all;
 }
 
+std::vector<double> list(const Eigen::Ref<const Eigen::VectorXd>& v) {
+    return {v.data(), v.data() + v.size()};
+}
+
+/// Whitened rows of each marker coordinate of a run.
+std::vector<MarkerCurve> markerCurves(const Misfit& misfit, std::size_t r, const Fitted& nominal, const Fitted* best) {
+    const RecordedRun& run = misfit.data().runs[r];
+    const Index seen = run.markerTime.size();
+    std::vector<MarkerCurve> out;
+    for (Index c = 0; c < 2 * static_cast<Index>(run.markerCount); ++c) {
+        MarkerCurve m;
+        m.channel = misfit.data().markerChannel(c);
+        const Index first = run.force.size() + c * seen; // of the run's rows
+        m.residual = list(nominal.residual.segment(misfit.start(r) + first, seen));
+        if (best != nullptr)
+            m.residualImproved = list(best->residual.segment(misfit.start(r) + first, seen));
+        for (Index k = 0; k < seen; ++k)
+            m.counts.push_back(misfit.counts(r, first + k));
+        out.push_back(std::move(m));
+    }
+    return out;
+}
+
 } // namespace
 
 std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal, const Fitted* best) {
-    const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
     std::vector<RunCurves> out;
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RecordedRun& run = misfit.data().runs[r];
@@ -123,6 +145,8 @@ std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal
         }
         for (Index k = 0; k < n; ++k)
             c.counts.push_back(std::isfinite(misfit.errors(r).force[k]));
+        c.markerTime = list(run.markerTime);
+        c.markers = markerCurves(misfit, r, nominal, best);
         out.push_back(std::move(c));
     }
     return out;

@@ -72,6 +72,13 @@ struct Stretch {
     double from = 0.0, to = 0.0;
 };
 
+/// What is left of one coordinate of one marker, in rows of its run's `markerTime`.
+struct MarkerCurve {
+    std::string channel;                            ///< "M1_x", as in windows
+    std::vector<double> residual, residualImproved; ///< whitened; improved empty: none
+    std::vector<bool> counts;
+};
+
 /// Curves for pictures.
 struct RunCurves {
     std::string name;
@@ -79,6 +86,8 @@ struct RunCurves {
     std::vector<double> baseline, improved;           ///< N; improved empty: none
     std::vector<double> residual, residualImproved;   ///< whitened; 0 where missing
     std::vector<bool> counts;
+    std::vector<double> markerTime; ///< s
+    std::vector<MarkerCurve> markers;
     /// Where the most probable effect shows in the reading, beyond what nominal parameters can imitate.
     std::vector<Stretch> shows;
 };

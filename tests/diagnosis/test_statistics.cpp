@@ -6,6 +6,7 @@
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/screen.h"
 #include "plugin/diagnosis/weigh.h"
@@ -242,6 +243,50 @@ TEST_CASE("markers may lie beside their simulated places, another way in each le
     const double one = std::hypot(3e-5, MisfitSettings{}.markerPlace), shift = MisfitSettings{}.markerShift;
     CHECK(size(shifted) == Approx(1e-5 / std::sqrt(shift * shift + one * one / rows)).epsilon(0.001));
     CHECK(size(shaken) == Approx(std::sqrt(rows) * 1e-5 / one).epsilon(0.01));
+}
+
+TEST_CASE("what is left of markers is shown for each coordinate, rows that were not seen left out", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    data.runs.resize(2);
+    data.statedMarkerNoise = 3e-5;
+    data.markerNames = {"m0", "m1"};
+    data.arcFraction = {0.3, 0.5};
+    RecordedRun& run = data.runs.front(); // the other run has no markers
+    run.markerCount = 2;
+    run.markerTime = run.time;
+    run.markerLeg = run.leg;
+    const Eigen::Index n = run.time.size();
+    run.markers = Eigen::VectorXd::Zero(4 * n);
+    run.markers.segment(3 * n, n / 2).setConstant(1e-3); // y of the second one, first half
+    run.markers[3 * n + 7] = std::nan("");
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(data.runs[1].force.size());
+    Fitted nominal;
+    nominal.responses = {{{}, run.force, Eigen::VectorXd::Zero(4 * n)}, {{}, none, {}}};
+    const Misfit misfit(data, estimateNoise(data), nominal.responses, nominal.responses, {});
+    nominal.residual = *misfit.residual(nominal.responses);
+    Fitted best = nominal;
+    best.residual *= 0.5;
+    const std::vector<RunCurves> curves = presentCurves(misfit, nominal, &best);
+    REQUIRE(curves.size() == 2);
+    CHECK(curves[1].markers.empty());
+    REQUIRE(curves[0].markers.size() == 4);
+    REQUIRE(curves[0].markerTime.size() == static_cast<std::size_t>(n));
+    const char* channels[] = {"m0_x", "m0_y", "m1_x", "m1_y"};
+    const double one = std::hypot(3e-5, MisfitSettings{}.markerPlace), shift = MisfitSettings{}.markerShift;
+    const auto rows = static_cast<double>(std::count(run.leg.begin(), run.leg.end(), 0) - 1); // one was not seen
+    for (std::size_t c = 0; c < 4; ++c) {
+        const MarkerCurve& m = curves[0].markers[c];
+        CHECK(m.channel == channels[c]);
+        REQUIRE(m.residual.size() == static_cast<std::size_t>(n));
+        const bool shifted = c == 3;
+        // Row 20 belongs to the first leg, whose rows share a shift that is known to `markerShift` only.
+        CHECK(m.residual[20] ==
+              Approx(shifted ? 1e-3 / std::sqrt(one * one + rows * shift * shift) : 0.0).epsilon(0.01));
+        CHECK(m.residual[static_cast<std::size_t>(n) - 1] == 0.0);
+        CHECK(m.residualImproved[20] == 0.5 * m.residual[20]);
+        CHECK(m.counts[6]);
+        CHECK(m.counts[7] == !shifted);
+    }
 }
 
 TEST_CASE("the rest whose mean was taken for zero is not where something is missing", "[diagnosis]") {

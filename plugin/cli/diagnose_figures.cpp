@@ -104,12 +104,19 @@ double barsHeight(const Diagnosis& d) {
     return 26.0 * static_cast<double>(d.effects.size() + 2) + 20.0;
 }
 
+/// Of what was recorded, and of the simulation that misses it as far as a quarter beyond.
+Range forceRange(const RunCurves& c) {
+    const Range recorded = rangeOf({&c.recorded}), simulated = rangeOf({&c.baseline});
+    const double reach = 0.25 * recorded.span();
+    return {std::min(recorded.lo, std::max(simulated.lo, recorded.lo - reach)),
+            std::max(recorded.hi, std::min(simulated.hi, recorded.hi + reach))};
+}
+
 void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     const RunCurves& c = d.runs[r];
     const bool improved = !c.improved.empty();
     legend(canvas, 80.0, 24.0, improved);
-    std::vector<const std::vector<double>*> forces = {&c.recorded};
-    const Range force = rangeOf(forces);
+    const Range force = forceRange(c);
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
     const bool driven = d.unit == "N";
     const report::Unit unit = driven ? report::readableUnit(peak, "N") : report::Unit{1.0, d.unit};
@@ -150,11 +157,12 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         residual(320.0, c.residualImproved, theme::unloading, "with the effect");
 }
 
-constexpr double kPanelWidth = 330.0, kPanelHeight = 110.0; // of a marker coordinate, without its axes
-constexpr std::size_t kPanels = 3;                          // side by side
+constexpr double kPanelWidth = 240.0, kPanelHeight = 110.0; // of a marker coordinate, without its axes
+constexpr double kPanelGap = 40.0, kPanelsTop = 56.0;
+constexpr std::size_t kPanels = 4; // side by side: x and y of two markers
 
 double markersHeight(const RunCurves& c) {
-    return 44.0 + (kPanelHeight + 50.0) * static_cast<double>((c.markers.size() + kPanels - 1) / kPanels);
+    return kPanelsTop + (kPanelHeight + kPanelGap) * static_cast<double>((c.markers.size() + kPanels - 1) / kPanels);
 }
 
 /// Limits that all panels of a run share, so that the coordinate that misses most looks it.
@@ -167,13 +175,13 @@ Range markerRange(const std::vector<std::vector<double>>& shown) {
 }
 
 void markerLegend(Canvas& canvas, bool improved) {
-    double x = 80.0;
+    double x = 50.0;
     const auto entry = [&](const char* word, const Colour& colour) {
         canvas.line({x, 20.0}, {x + 24.0, 20.0}, {colour, 1.4});
         canvas.text({x + 30.0, 24.0}, word, {theme::labelSize, theme::muted});
         x += 50.0 + report::textWidth(word, theme::labelSize);
     };
-    entry("markers: misfit without extra physics (noise units)", theme::loading);
+    entry("markers over time (s): misfit without extra physics (noise units)", theme::loading);
     if (improved)
         entry("with the most probable effect", theme::unloading);
 }
@@ -191,18 +199,19 @@ void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     }
     const Range range = markerRange(all);
     for (std::size_t i = 0; i < c.markers.size(); ++i) {
-        const double x = 80.0 + (kPanelWidth + 46.0) * static_cast<double>(i % kPanels);
-        const double y = 40.0 + (kPanelHeight + 50.0) * static_cast<double>(i / kPanels);
+        const double x = 50.0 + (kPanelWidth + kPanelGap) * static_cast<double>(i % kPanels);
+        const double y = kPanelsTop + (kPanelHeight + kPanelGap) * static_cast<double>(i / kPanels);
         const Plot plot({x, y, kPanelWidth, kPanelHeight},
                         report::padded({c.markerTime.front(), c.markerTime.back()}, 0.01), range);
         markWindows(canvas, plot, d, c.name, c.markers[i].channel);
         const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
         canvas.rectangle({plot.area.x, top, plot.area.width, bottom - top}, {.fill = theme::grid});
         PlotStyle style;
-        style.x = {"time (s)", 1.0};
-        style.y = {c.markers[i].channel, 1.0};
+        style.xTicks = 5;
         style.yTicks = 3;
         plot.drawFrame(canvas, style);
+        canvas.text({x, y - 5.0}, c.markers[i].channel + ", arc fraction " + number(c.markers[i].arcFraction, "%.2f"),
+                    {theme::tickSize, theme::ink});
         canvas.pushClip(plot.area);
         plot.drawLine(canvas, c.markerTime, before[i], {theme::loading, 1.3});
         if (improved)

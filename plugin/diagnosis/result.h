@@ -74,7 +74,8 @@ struct Stretch {
 
 /// What is left of one coordinate of one marker, in rows of its run's `markerTime`.
 struct MarkerCurve {
-    std::string channel;                            ///< "M1_x", as in windows
+    std::string channel; ///< "M1_x", as in windows
+    double arcFraction = 0.0;
     std::vector<double> residual, residualImproved; ///< whitened; improved empty: none
     std::vector<bool> counts;
 };

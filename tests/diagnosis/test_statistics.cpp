@@ -277,6 +277,7 @@ TEST_CASE("what is left of markers is shown for each coordinate, rows that were 
     for (std::size_t c = 0; c < 4; ++c) {
         const MarkerCurve& m = curves[0].markers[c];
         CHECK(m.channel == channels[c]);
+        CHECK(m.arcFraction == data.arcFraction[c / 2]);
         REQUIRE(m.residual.size() == static_cast<std::size_t>(n));
         const bool shifted = c == 3;
         // Row 20 belongs to the first leg, whose rows share a shift that is known to `markerShift` only.

@@ -383,76 +383,135 @@ Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
     return qr.householderQ() * thin;
 }
 
+namespace {
+
+/// What is looked for: windows, then signatures; projected as the residual is.
+class Search {
+public:
+    Search(const Misfit& misfit, const Eigen::MatrixXd& free, const Eigen::MatrixXd& signatures)
+        : misfit_(misfit), family_(misfit), absorbed_(basisOf(free)) {
+        shifts_.resize(misfit.rows(), windows() + signatures.cols());
+        for (Eigen::Index i = 0; i < shifts_.cols(); ++i) {
+            const bool window = i < windows();
+            const Eigen::VectorXd raw =
+                window ? shiftOf(misfit, spot(i)) : Eigen::VectorXd(signatures.col(i - windows()));
+            Eigen::VectorXd projected = raw;
+            project(projected);
+            const double size = projected.norm();
+            // What the nominal parameters imitate to a per cent is round-off, not evidence.
+            shifts_.col(i) = projected * (size > 1e-9 && size > (window ? 0.0 : 0.01 * raw.norm()) ? 1.0 / size : 0.0);
+        }
+        counted_ = Eigen::VectorXd::Zero(misfit.rows());
+        loudest_.resize(misfit.rows());
+        for (std::size_t r = 0; r < misfit.runs(); ++r)
+            for (Eigen::Index k = 0; k < misfit.rowsOf(r); ++k) {
+                counted_[misfit.start(r) + k] = misfit.counts(r, k) ? 1.0 : 0.0;
+                loudest_[misfit.start(r) + k] = misfit.isJump(r, k) ? kLoudestJump : kLoudest;
+            }
+    }
+    [[nodiscard]] Eigen::Index windows() const { return static_cast<Eigen::Index>(family_.all.size()); }
+    [[nodiscard]] Eigen::Index directions() const { return shifts_.cols(); } ///< windows and signatures
+    [[nodiscard]] const Spot& spot(Eigen::Index window) const { return family_.all[static_cast<std::size_t>(window)]; }
+
+    /// Takes out what the fit could have absorbed.
+    template <class Matrix>
+    void project(Matrix& v) const {
+        if (absorbed_.cols() > 0)
+            v -= absorbed_ * (absorbed_.transpose() * v);
+    }
+
+    /// Statistics, a column each: the shifts of all directions, then the energies of all windows.
+    struct Statistics {
+        Eigen::MatrixXd quiet; ///< in which no reading counts as more than three noise units: they decide
+        Eigen::MatrixXd full;  ///< they say which of the windows that pass are shown
+    };
+    [[nodiscard]] Statistics of(const Eigen::MatrixXd& projected) const {
+        return {statistics(family_.all, shifts_, quieted(projected, loudest_)),
+                statistics(family_.all, shifts_, projected)};
+    }
+
+    /// The same of noise alone.
+    [[nodiscard]] Statistics null(std::uint64_t seed, int draws) const {
+        const double tails = misfit_.noise().tails;
+        const double degrees = tails > 0.0 ? 4.0 + 6.0 / tails : 0.0; // Student's t with this kurtosis
+        const auto& possible = misfit_.noise().possible;              // in the order of its grid
+        Random random(seed);
+        Statistics out{Eigen::MatrixXd(directions() + windows(), draws),
+                       Eigen::MatrixXd(directions() + windows(), draws)};
+        constexpr int kBlock = 64; // draws at a time: one product of matrices instead of many of vectors
+        for (int first = 0; first < draws; first += kBlock) {
+            const int count = std::min(kBlock, draws - first);
+            Eigen::MatrixXd v(misfit_.rows(), count);
+            for (int b = 0; b < count; ++b) // rows that are missing stay 0 here too
+                for (Eigen::Index k = 0; k < v.rows(); ++k)
+                    v(k, b) = counted_[k] *
+                              (degrees > 0.0 && loudest_[k] == kLoudest ? random.student(degrees) : random.normal());
+            for (int b = 0; b < count && !possible.empty(); ++b)
+                v.col(b) += beyondProbable(
+                    misfit_, possible[static_cast<std::size_t>(41 * (first + b)) % possible.size()], random);
+            project(v);
+            const Statistics block = of(v);
+            out.quiet.middleCols(first, count) = block.quiet;
+            out.full.middleCols(first, count) = block.full;
+        }
+        return out;
+    }
+
+    [[nodiscard]] double largestWindow(const Eigen::VectorXd& t) const {
+        return std::max(t.head(windows()).cwiseAbs().maxCoeff(), t.tail(windows()).maxCoeff());
+    }
+    /// Of one signature at least.
+    [[nodiscard]] double largestSignature(const Eigen::VectorXd& t) const {
+        return t.segment(windows(), directions() - windows()).cwiseAbs().maxCoeff();
+    }
+    [[nodiscard]] bool signatures() const { return directions() > windows(); }
+
+private:
+    const Misfit& misfit_;
+    Family family_;
+    Eigen::MatrixXd absorbed_; ///< orthonormal
+    Eigen::MatrixXd shifts_;   ///< of unit length, or 0
+    Eigen::VectorXd counted_;  ///< of each row, 0 or 1
+    Eigen::VectorXd loudest_;
+};
+
+/// The largest statistics of every draw.
+Families familiesOf(const Search& search, const Standard& standard, const Eigen::MatrixXd& null) {
+    std::vector<double> windows, signatures;
+    for (Eigen::Index b = 0; b < null.cols(); ++b) {
+        const Eigen::VectorXd t = standard(null.col(b));
+        windows.push_back(search.largestWindow(t));
+        if (search.signatures())
+            signatures.push_back(search.largestSignature(t));
+    }
+    return {windows, signatures};
+}
+
+/// Bonferroni's bound on the p of a number of normal deviates.
+double bonferroni(Eigen::Index count, double deviate) {
+    return static_cast<double>(count) * std::erfc(std::min(deviate, 35.0) / std::sqrt(2.0));
+}
+
+} // namespace
+
 Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
                       std::uint64_t seed, int draws, const Eigen::MatrixXd& signatures) {
-    const Eigen::MatrixXd Q = basisOf(free);
-    const auto project = [&](Eigen::VectorXd v) {
-        if (Q.cols() > 0)
-            v -= Q * (Q.transpose() * v);
-        return v;
-    };
-    const Family family(misfit);
-    const auto n = static_cast<Eigen::Index>(family.all.size());
-    Eigen::MatrixXd shifts(misfit.rows(), n + signatures.cols());
-    for (Eigen::Index i = 0; i < shifts.cols(); ++i) {
-        const Eigen::VectorXd raw =
-            i < n ? shiftOf(misfit, family.all[static_cast<std::size_t>(i)]) : Eigen::VectorXd(signatures.col(i - n));
-        shifts.col(i) = project(raw);
-        const double size = shifts.col(i).norm();
-        // What the nominal parameters imitate to a per cent is round-off, not evidence.
-        shifts.col(i) *= size > 1e-9 && size > (i < n ? 0.0 : 0.01 * raw.norm()) ? 1.0 / size : 0.0;
-    }
-    const Eigen::Index m = shifts.cols();
-    Eigen::VectorXd counted = Eigen::VectorXd::Zero(misfit.rows()); // rows that are missing stay 0 in the null too
-    Eigen::VectorXd loudest(misfit.rows());
-    for (std::size_t r = 0; r < misfit.runs(); ++r)
-        for (Eigen::Index k = 0; k < misfit.rowsOf(r); ++k) {
-            counted[misfit.start(r) + k] = misfit.counts(r, k) ? 1.0 : 0.0;
-            loudest[misfit.start(r) + k] = misfit.isJump(r, k) ? kLoudestJump : kLoudest;
-        }
-    const double tails = misfit.noise().tails;
-    const double degrees = tails > 0.0 ? 4.0 + 6.0 / tails : 0.0; // Student's t with this kurtosis
-    Random random(seed);
-    Eigen::MatrixXd null(m + n, draws), loud(m + n, draws);
-    constexpr int kBlock = 64; // draws at a time: one product of matrices instead of many of vectors
-    for (int first = 0; first < draws; first += kBlock) {
-        const int count = std::min(kBlock, draws - first);
-        Eigen::MatrixXd v(misfit.rows(), count);
-        for (int b = 0; b < count; ++b)
-            for (Eigen::Index k = 0; k < v.rows(); ++k)
-                v(k, b) =
-                    counted[k] * (degrees > 0.0 && loudest[k] == kLoudest ? random.student(degrees) : random.normal());
-        const auto& possible = misfit.noise().possible; // in the order of its grid
-        for (int b = 0; b < count && !possible.empty(); ++b)
-            v.col(b) +=
-                beyondProbable(misfit, possible[static_cast<std::size_t>(41 * (first + b)) % possible.size()], random);
-        if (Q.cols() > 0)
-            v -= Q * (Q.transpose() * v);
-        null.middleCols(first, count) = statistics(family.all, shifts, quieted(v, loudest));
-        loud.middleCols(first, count) = statistics(family.all, shifts, v);
-    }
-    const Standard standard(null, m), standardLoud(loud, m);
-    const auto largestWindow = [&](const Eigen::VectorXd& t) {
-        return std::max(t.head(n).cwiseAbs().maxCoeff(), t.tail(n).maxCoeff());
-    };
-    const auto largestSignature = [&](const Eigen::VectorXd& t) { return t.segment(n, m - n).cwiseAbs().maxCoeff(); };
-    std::vector<double> ofWindows, ofSignatures;
-    for (int b = 0; b < draws; ++b) {
-        const Eigen::VectorXd t = standard(null.col(b));
-        ofWindows.push_back(largestWindow(t));
-        if (m > n)
-            ofSignatures.push_back(largestSignature(t));
-    }
-    const Families families(ofWindows, ofSignatures);
+    const Search search(misfit, free, signatures);
+    const Eigen::Index n = search.windows(), m = search.directions();
+    const Search::Statistics null = search.null(seed, draws);
+    const Standard standard(null.quiet, m), standardFull(null.full, m);
+    const Families families = familiesOf(search, standard, null.quiet);
     Localisation out;
     out.family = static_cast<std::size_t>(m + n);
-    out.critical = (m > n ? families.signatures : families.windows).critical(families.within(kFamilyWise));
-    const Eigen::VectorXd u = project(residual);
-    const Eigen::VectorXd t = standard(statistics(family.all, shifts, quieted(u, loudest))),
-                          full = standardLoud(statistics(family.all, shifts, u));
+    out.critical =
+        (search.signatures() ? families.signatures : families.windows).critical(families.within(kFamilyWise));
+    Eigen::VectorXd u = residual;
+    search.project(u);
+    const Search::Statistics seen = search.of(u);
+    const Eigen::VectorXd t = standard(seen.quiet), full = standardFull(seen.full);
     std::vector<Window> found;
     for (Eigen::Index i = 0; i < n; ++i) {
-        Window w = family.all[static_cast<std::size_t>(i)].window;
+        Window w = search.spot(i).window;
         w.p = families.overall(families.windows.p(std::max(std::abs(t[i]), t[m + i])));
         w.shift = std::abs(full[i]) >= full[m + i];
         w.z = w.shift ? full[i] : full[m + i];
@@ -460,14 +519,11 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
         if (w.p <= kFamilyWise)
             found.push_back(w);
     }
-    const auto bound = [](Eigen::Index count, double deviate) { // Bonferroni's, of normal deviates
-        return static_cast<double>(count) * std::erfc(std::min(deviate, 35.0) / std::sqrt(2.0));
-    };
-    double tail = bound(2 * n, largestWindow(t));
-    if (m > n) {
-        const double largest = largestSignature(t);
+    double tail = bonferroni(2 * n, search.largestWindow(t));
+    if (search.signatures()) {
+        const double largest = search.largestSignature(t);
         out.p = std::min(out.p, families.overall(families.signatures.p(largest)));
-        tail = 2.0 * std::min(tail, bound(m - n, largest));
+        tail = 2.0 * std::min(tail, bonferroni(m - n, largest));
     }
     out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, tail) : out.p;
     prefer(found, [&](const Window& w) { return !beforeAnything(w, misfit.data()); });

@@ -100,7 +100,9 @@ double surprise(double p) {
 
 namespace {
 
-/// Scores of all hypotheses (nothing, unknown, effects) in every draw of the bootstrap.
+constexpr int kDraws = 2000; // of the bootstrap
+
+/// Scores of all hypotheses in every draw of the bootstrap.
 Eigen::MatrixXd drawScores(const std::vector<Eigen::VectorXd>& scores, Random& random, int draws) {
     const Eigen::Index blocks = scores.front().size();
     Eigen::MatrixXd out(draws, static_cast<Eigen::Index>(scores.size()));
@@ -124,84 +126,115 @@ double lowEnd(const Eigen::MatrixXd& s, Eigen::Index of, Eigen::Index over) {
     return gains[static_cast<std::size_t>(0.023 * static_cast<double>(gains.size()))];
 }
 
-} // namespace
+/// "Nothing", "none of these", then the effects: priors, scores per block and in every draw of the bootstrap.
+struct Hypotheses {
+    static constexpr std::size_t kEffects = 2; ///< place of the first effect
+    static Eigen::Index place(std::size_t effect) { return static_cast<Eigen::Index>(kEffects + effect); }
+    [[nodiscard]] double& priorOf(std::size_t effect) { return prior[kEffects + effect]; }
 
-Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given) {
-    Weighed out;
+    std::vector<double> prior;
+    std::vector<Eigen::VectorXd> scores;
+    Eigen::MatrixXd drawn;
+};
+
+/// Priors and scores, and the gains over "nothing" into `out`.
+Hypotheses hypothesesOf(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given,
+                        Weighed& out) {
     double least = dispersionOf(nothing);
     for (const HeldOut& h : effects)
         least = std::min(least, dispersionOf(h));
     out.dispersion = std::max(1.0, least);
-    std::vector<Eigen::VectorXd> scores = {nothing.score(out.dispersion),
-                                           unknownScore(nothing, out.dispersion, std::min(1.0, least), given.tails)};
+    Hypotheses all;
+    all.scores = {nothing.score(out.dispersion),
+                  unknownScore(nothing, out.dispersion, std::min(1.0, least), given.tails)};
+    all.prior = {kNothing, kUnknown};
     const double catalogue = static_cast<double>(std::max<std::size_t>(1, given.catalogue));
-    std::vector<double> prior = {kNothing, kUnknown};
     std::size_t named = 0;
     for (std::size_t i = 0; i < effects.size(); ++i) {
-        scores.push_back(effects[i].score(out.dispersion));
-        prior.push_back(i < given.prior.size() ? given.prior[i] : kCatalogue / catalogue);
+        all.scores.push_back(effects[i].score(out.dispersion));
+        all.prior.push_back(i < given.prior.size() ? given.prior[i] : kCatalogue / catalogue);
         const bool combined = i < given.parts.size() && !given.parts[i].empty(),
                    outside = i < given.outside.size() && given.outside[i] != 0;
         named += combined || outside ? 0 : 1;
-        const Paired p = paired(scores.back(), scores.front());
+        const Paired p = paired(all.scores.back(), all.scores.front());
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);
     }
     // Effects that were not worth a fit do not foretell better than nothing does; their prior stays with it.
-    prior[0] += kCatalogue * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
+    all.prior[0] += kCatalogue * std::max(0.0, 1.0 - static_cast<double>(named) / catalogue);
     Random random(given.seed);
-    constexpr int kDraws = 2000;
-    Eigen::MatrixXd s = drawScores(scores, random, kDraws);
-    for (std::size_t m = 0; m < effects.size(); ++m)
-        out.gainLow.push_back(lowEnd(s, static_cast<Eigen::Index>(m) + 2, 0));
-    const Eigen::MatrixXd raw = s;
-    const auto excess = dispersionOf(nothing) - 1.0;
-    for (std::size_t m = 0; m < effects.size(); ++m) {
-        const auto at = static_cast<Eigen::Index>(m) + 2;
+    all.drawn = drawScores(all.scores, random, kDraws);
+    return all;
+}
+
+/// An effect whose gain is within chance foretells no better than nothing; a pair that says no more than one of its
+/// parts does not count. The best of what counts into `out`.
+void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
+    const std::size_t effects = out.gain.size();
+    for (std::size_t m = 0; m < effects; ++m)
+        out.gainLow.push_back(lowEnd(all.drawn, Hypotheses::place(m), 0));
+    const Eigen::MatrixXd raw = all.drawn;
+    for (std::size_t m = 0; m < effects; ++m) {
+        const Eigen::Index at = Hypotheses::place(m);
         if (out.gainLow[m] <= 0.0 && out.gain[m] <= kBeyondChance)
-            s.col(at) = s.col(at).cwiseMin(raw.col(0));
+            all.drawn.col(at) = all.drawn.col(at).cwiseMin(raw.col(0));
         for (const std::size_t part : m < given.parts.size() ? given.parts[m] : std::vector<std::size_t>{})
-            if (lowEnd(raw, at, static_cast<Eigen::Index>(part) + 2) <= 0.0 ||
+            if (lowEnd(raw, at, Hypotheses::place(part)) <= 0.0 ||
                 out.gain[m] - out.gain[part] < kMaterial * out.gain[part])
-                prior[m + 2] = 0.0; // says no more than a part of it
-        if (prior[m + 2] > 0.0 && (prior[out.best + 2] <= 0.0 || out.gain[m] > out.gain[out.best]))
+                all.priorOf(m) = 0.0;
+        if (all.priorOf(m) > 0.0 && (all.priorOf(out.best) <= 0.0 || out.gain[m] > out.gain[out.best]))
             out.best = m;
     }
-    if (!effects.empty()) {
-        const double left = dispersionOf(effects[out.best]) - 1.0;
-        const double bound = noiseBound(nothing.rows.sum(), given.tails) - 1.0;
-        out.rejected =
-            (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) || left > kMoreThanTheTrueOne;
-        if (out.rejected)
-            s.col(1) = s.col(1).cwiseMax(s.col(static_cast<Eigen::Index>(out.best) + 2));
-        if (left > kTooMuch) // refuted by the noise: one in 150 that the noise was mistaken instead
-            s.col(1).array() += 5.0;
+}
+
+/// Where the best effect leaves too much, "none of these" is as good at least.
+void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, double tails, Weighed& out) {
+    const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(best) - 1.0;
+    const double bound = noiseBound(nothing.rows.sum(), tails) - 1.0;
+    out.rejected = (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) || left > kMoreThanTheTrueOne;
+    if (out.rejected)
+        all.drawn.col(1) = all.drawn.col(1).cwiseMax(all.drawn.col(Hypotheses::place(out.best)));
+    if (left > kTooMuch) // refuted by the noise: one in 150 that the noise was mistaken instead
+        all.drawn.col(1).array() += 5.0;
+}
+
+/// Posterior of each hypothesis in one draw.
+/// @param most logarithm of the evidence for "something" that the family-wise p allows
+Eigen::VectorXd posterior(const Hypotheses& all, Eigen::Index draw, double most) {
+    const auto& s = all.drawn;
+    Eigen::VectorXd mass(s.cols());
+    const auto counts = [&](Eigen::Index m) { return all.prior[static_cast<std::size_t>(m)] > 0.0; };
+    double top = -std::numeric_limits<double>::infinity(); // what does not count may score higher, and overflow
+    for (Eigen::Index m = 0; m < mass.size(); ++m)
+        top = counts(m) ? std::max(top, s(draw, m)) : top;
+    double something = 0.0;
+    for (Eigen::Index m = 0; m < mass.size(); ++m) {
+        mass[m] = counts(m) ? all.prior[static_cast<std::size_t>(m)] * std::exp(s(draw, m) - top) : 0.0;
+        something += m > 0 ? mass[m] : 0.0;
     }
+    // The mean evidence for "something", which has all of the prior that "nothing" has not: p has paid for the whole
+    // search, and what was not worth a fit is not paid for again.
+    const double factor = std::log(std::max(something / (1.0 - kNothing), 1e-300)) - (s(draw, 0) - top);
+    if (factor > most)
+        mass[0] = std::max(mass[0], kNothing / (1.0 - kNothing) * something * std::exp(-most));
+    return mass / mass.sum();
+}
+
+} // namespace
+
+Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given) {
+    Weighed out;
+    Hypotheses all = hypothesesOf(nothing, effects, given, out);
+    holdToChance(all, given, out);
+    if (!effects.empty())
+        refute(all, nothing, effects[out.best], given.tails, out);
     const double most = surprise(given.p);
-    std::vector<double> sum(scores.size(), 0.0);
-    for (int d = 0; d < kDraws; ++d) {
-        Eigen::VectorXd mass(static_cast<Eigen::Index>(scores.size()));
-        const auto counts = [&](Eigen::Index m) { return prior[static_cast<std::size_t>(m)] > 0.0; };
-        double top = -std::numeric_limits<double>::infinity(); // what does not count may score higher, and overflow
-        for (Eigen::Index m = 0; m < mass.size(); ++m)
-            top = counts(m) ? std::max(top, s(d, m)) : top;
-        double something = 0.0;
-        for (Eigen::Index m = 0; m < mass.size(); ++m) {
-            mass[m] = counts(m) ? prior[static_cast<std::size_t>(m)] * std::exp(s(d, m) - top) : 0.0;
-            something += m > 0 ? mass[m] : 0.0;
-        }
-        // The mean evidence for "something", which has all of the prior that "nothing" has not: p has paid for the
-        // whole search, and what was not worth a fit is not paid for again.
-        const double factor = std::log(std::max(something / (1.0 - kNothing), 1e-300)) - (s(d, 0) - top);
-        if (factor > most)
-            mass[0] = std::max(mass[0], kNothing / (1.0 - kNothing) * something * std::exp(-most));
-        mass /= mass.sum();
-        for (std::size_t m = 0; m < sum.size(); ++m)
-            sum[m] += mass[static_cast<Eigen::Index>(m)] / kDraws;
-    }
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(all.drawn.cols());
+    for (Eigen::Index d = 0; d < all.drawn.rows(); ++d)
+        sum += posterior(all, d, most) / kDraws;
     out.nothing = sum[0];
     out.unknown = sum[1];
-    out.effects.assign(sum.begin() + 2, sum.end());
+    out.effects.assign(sum.begin() + Hypotheses::kEffects, sum.end());
     return out;
 }
 

@@ -121,6 +121,7 @@ int bench(const std::string& filter, const std::string& json) {
     addGameBenchmarks(all);
     addPeerBenchmarks(all);
     addGuidePictures(all);
+    addEffectsPicture(all);
     addSceneBenchmarks(all);
     std::vector<Measurement> rows;
     bool any = false;

@@ -63,6 +63,8 @@ void addGameBenchmarks(std::vector<Benchmark>& all);
 void addPeerBenchmarks(std::vector<Benchmark>& all);
 /// The pictures of docs/guide.md: only when asked for.
 void addGuidePictures(std::vector<Benchmark>& all);
+/// The picture of docs/effects.md: only when asked for.
+void addEffectsPicture(std::vector<Benchmark>& all);
 /// Whole runs of the project's scenes.
 void addSceneBenchmarks(std::vector<Benchmark>& all);
 

@@ -1,5 +1,6 @@
 #include "plugin/cli/diagnose_figures.h"
 
+#include "plugin/record/rounded.h"
 #include "plugin/report/cairo_canvas.h"
 #include "plugin/report/colour_map.h"
 #include "plugin/report/plot.h"
@@ -8,12 +9,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace supercircle::cli {
 
 namespace {
+
+using record::fixed;
+using record::rounded;
 
 using diagnosis::Diagnosis;
 using diagnosis::RunCurves;
@@ -29,12 +32,6 @@ namespace theme = report::theme;
 
 constexpr Colour kMarked = Colour::hex(0xf6d9a8);
 constexpr double kBar = 5.0; // height of the bars that say where an effect shows
-
-std::string number(double v, const char* format = "%.3g") {
-    char text[48];
-    std::snprintf(text, sizeof text, format, v);
-    return text;
-}
 
 Range rangeOf(const std::vector<const std::vector<double>*>& columns) {
     Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -210,7 +207,7 @@ void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         style.xTicks = 5;
         style.yTicks = 3;
         plot.drawFrame(canvas, style);
-        canvas.text({x, y - 5.0}, c.markers[i].channel + ", arc fraction " + number(c.markers[i].arcFraction, "%.2f"),
+        canvas.text({x, y - 5.0}, c.markers[i].channel + ", arc fraction " + fixed(c.markers[i].arcFraction, 2),
                     {theme::tickSize, theme::ink});
         canvas.pushClip(plot.area);
         plot.drawLine(canvas, c.markerTime, before[i], {theme::loading, 1.3});
@@ -232,7 +229,7 @@ void drawProbabilities(Canvas& canvas, const Diagnosis& d) {
         canvas.rectangle({230.0, y + 2.0, 400.0, 18.0}, {.fill = theme::grid});
         canvas.rectangle({230.0, y + 2.0, 400.0 * bars[i].second, 18.0},
                          {.fill = i < d.effects.size() ? theme::unloading : theme::driven});
-        canvas.text({640.0, y + 15.0}, number(100.0 * bars[i].second, "%.1f") + " %", {theme::labelSize, theme::muted});
+        canvas.text({640.0, y + 15.0}, fixed(100.0 * bars[i].second, 1) + " %", {theme::labelSize, theme::muted});
     }
 }
 
@@ -297,7 +294,7 @@ std::string smallestSeen(double visible) {
         return "cannot be seen in these runs";
     if (visible > kNeverThatLarge)
         return "not visible here: more than ten times a size that matters";
-    return number(100.0 * visible) + " % of a size that matters" + (visible > 1.0 ? ": not visible here" : "");
+    return rounded(100.0 * visible, 3) + " % of a size that matters" + (visible > 1.0 ? ": not visible here" : "");
 }
 
 } // namespace
@@ -335,7 +332,7 @@ std::string similarityFigure(const Diagnosis& d) {
         for (std::size_t j = 0; j < n; ++j) {
             const double x = kLeft + kCell * static_cast<double>(j), v = d.similarity[i][j];
             canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = report::signedColour(0.8 * v)});
-            canvas.text({x + 0.5 * kCell, y + 32.0}, number(v, "%.2f"), {theme::tickSize, theme::ink, Anchor::Middle});
+            canvas.text({x + 0.5 * kCell, y + 32.0}, fixed(v, 2), {theme::tickSize, theme::ink, Anchor::Middle});
         }
     }
     return canvas.finish();
@@ -398,7 +395,7 @@ std::string specimenFigure(const Diagnosis& d, const experiment::Experiment& e) 
                              d.effects.front().form.find("specimen " + e.specimens[s].id) != std::string::npos);
         if (here) {
             canvas.circle(at(place), 11.0, {.stroke = {{theme::loading, 3.0}}});
-            canvas.text({at(place).x, at(place).y - 18.0}, "arc fraction " + number(place, "%.2f"),
+            canvas.text({at(place).x, at(place).y - 18.0}, "arc fraction " + fixed(place, 2),
                         {theme::labelSize, theme::loading, Anchor::Middle});
         }
         canvas.text({width * (static_cast<double>(s) + 0.5), 250.0}, "specimen " + e.specimens[s].id,

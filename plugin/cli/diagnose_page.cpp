@@ -2,25 +2,22 @@
 
 #include "plugin/cli/diagnose_figures.h"
 
+#include "plugin/record/rounded.h"
 #include "plugin/report/page_parts.h"
 #include "plugin/report/svg_canvas.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace supercircle::cli {
 
 namespace {
 
+using record::fixed;
+using record::rounded;
+
 using diagnosis::Diagnosis;
 using report::escaped;
-
-std::string number(double v, const char* format = "%.4g") {
-    char text[48];
-    std::snprintf(text, sizeof text, format, v);
-    return text;
-}
 
 std::string section(const std::string& title, const std::string& body) {
     return body.empty() ? "" : "<div class=\"grid\"><section><h2>" + title + "</h2>" + body + "</section></div>";
@@ -46,8 +43,8 @@ std::string errorTable(const Diagnosis& d) {
     std::string html = "<table><tr><th></th><th>error on the runs fitted</th><th>on runs held out</th>"
                        "<th>held out, in units of the noise</th></tr>";
     const auto row = [&](const std::string& what, double training, double held) {
-        html += "<tr><td>" + what + "</td><td>" + number(training) + " " + d.unit + "</td><td>" + number(held) + " " +
-                d.unit + "</td><td>" + number(held / floor, "%.2f") + "</td></tr>";
+        html += "<tr><td>" + what + "</td><td>" + rounded(training, 4) + " " + d.unit + "</td><td>" + rounded(held, 4) +
+                " " + d.unit + "</td><td>" + fixed(held / floor, 2) + "</td></tr>";
     };
     row("without extra physics", d.baselineTraining, d.baselineHeldOut);
     if (d.improved) {
@@ -56,14 +53,13 @@ std::string errorTable(const Diagnosis& d) {
             acting += " and " + diagnosis::plainWords(label);
         row("with " + escaped(acting), d.improvedTraining, d.improvedHeldOut);
     }
-    html +=
-        "</table><p>Sensor noise: " + number(floor) + " " + d.unit + ", learnt from " + escaped(d.noise.source) + ".";
+    html += "</table><p>Sensor noise: " + rounded(floor, 4) + " " + d.unit + ", learnt from " +
+            escaped(d.noise.source) + ".";
     if (d.improved)
         html += " Weighed by what a reading is worth (its noise, what that remembers, and the simulation's own error), "
                 "the held-out error falls by " +
-                number(100.0 * d.improvement, "%.0f") + " % (90 % interval " +
-                number(100.0 * d.improvementCi.low, "%.0f") + " to " + number(100.0 * d.improvementCi.high, "%.0f") +
-                " %).";
+                fixed(100.0 * d.improvement, 0) + " % (90 % interval " + fixed(100.0 * d.improvementCi.low, 0) +
+                " to " + fixed(100.0 * d.improvementCi.high, 0) + " %).";
     return html + "</p>";
 }
 
@@ -75,8 +71,8 @@ std::string effectTable(const Diagnosis& d) {
     for (const diagnosis::FoundEffect& e : d.effects) {
         std::string values;
         const auto write = [&](const diagnosis::FittedParameter& p) {
-            values += "<br>" + escaped(p.name) + " = " + number(p.value) + " [" + number(p.ci90.low) + ", " +
-                      number(p.ci90.high) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
+            values += "<br>" + escaped(p.name) + " = " + rounded(p.value, 4) + " [" + rounded(p.ci90.low, 4) + ", " +
+                      rounded(p.ci90.high, 4) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
         };
         std::for_each(e.parameters.begin(), e.parameters.end(), write);
         if (!e.products.empty())
@@ -90,9 +86,8 @@ std::string effectTable(const Diagnosis& d) {
             with += "<br>together with " + escaped(diagnosis::plainWords(label));
         html += "<tr><td>" + escaped(diagnosis::plainWords(e.label)) +
                 (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + with + "</td><td>" +
-                number(100.0 * e.probability, "%.1f") + " %</td><td>" + number(e.gain, "%.0f") + " ± " +
-                number(e.gainError, "%.0f") + "</td><td>" + escaped(e.law) + values + "</td><td>" + group +
-                "</td></tr>";
+                fixed(100.0 * e.probability, 1) + " %</td><td>" + fixed(e.gain, 0) + " ± " + fixed(e.gainError, 0) +
+                "</td><td>" + escaped(e.law) + values + "</td><td>" + group + "</td></tr>";
     }
     return html + "</table>";
 }
@@ -101,17 +96,17 @@ std::string windowTable(const diagnosis::Localisation& l) {
     if (l.significant.empty())
         return std::string("<p>No window stands out of the noise") +
                (l.p <= diagnosis::kFamilyWise ? ", but the trace an effect would leave in all readings does" : "") +
-               " (p = " + number(l.p, "%.3f") + " for the largest of " + std::to_string(l.family) + ").</p>";
+               " (p = " + fixed(l.p, 3) + " for the largest of " + std::to_string(l.family) + ").</p>";
     std::string html = "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"
                        "<th>size (deviations)</th><th>p, over all windows</th></tr>";
     for (std::size_t i = 0; i < l.significant.size() && i < 12; ++i) {
         const diagnosis::Window& w = l.significant[i];
         html += "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
-                (w.arcFraction >= 0.0 ? " (arc fraction " + number(w.arcFraction, "%.2f") + ")" : "") + "</td><td>" +
-                number(w.timeFrom, "%.2f") + " to " + number(w.timeTo, "%.2f") + " s</td><td>" +
-                number(1e3 * w.displacementFrom, "%.2f") + " to " + number(1e3 * w.displacementTo, "%.2f") +
-                " mm</td><td>" + w.phase + "</td><td>" + number(w.z, "%.1f") + (w.shift ? "" : " (energy)") +
-                "</td><td>" + number(w.p, "%.3f") + "</td></tr>";
+                (w.arcFraction >= 0.0 ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
+                fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
+                fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>" +
+                w.phase + "</td><td>" + fixed(w.z, 1) + (w.shift ? "" : " (energy)") + "</td><td>" + fixed(w.p, 3) +
+                "</td></tr>";
     }
     return html + "</table>";
 }
@@ -120,11 +115,11 @@ std::string nominalTable(const Diagnosis& d) {
     std::string html = "<table><tr><th>parameter</th><th>stated</th><th>fitted</th><th>place in its interval (-1 to "
                        "1)</th></tr>";
     for (const diagnosis::NominalResult& n : d.nominal)
-        html += "<tr><td>" + escaped(diagnosis::plainWords(n.name)) + "</td><td>" + number(n.stated) + " ± " +
-                number(n.uncertainty, "%.2g") + " " + (n.unit == "1" ? "" : escaped(n.unit)) + "</td><td>" +
-                number(n.fitted) + "</td><td>" + number(n.tension, "%.2f") + "</td></tr>";
-    html += "</table><p>Do single runs ask for the same parameters? Q = " + number(d.homogeneity.q, "%.1f") + " with " +
-            number(d.homogeneity.degrees, "%.0f") + " degrees of freedom, p = " + number(d.homogeneity.p, "%.2g") +
+        html += "<tr><td>" + escaped(diagnosis::plainWords(n.name)) + "</td><td>" + rounded(n.stated, 4) + " ± " +
+                rounded(n.uncertainty, 2) + " " + (n.unit == "1" ? "" : escaped(n.unit)) + "</td><td>" +
+                rounded(n.fitted, 4) + "</td><td>" + fixed(n.tension, 2) + "</td></tr>";
+    html += "</table><p>Do single runs ask for the same parameters? Q = " + fixed(d.homogeneity.q, 1) + " with " +
+            fixed(d.homogeneity.degrees, 0) + " degrees of freedom, p = " + rounded(d.homogeneity.p, 2) +
             (d.homogeneity.p < 0.01 ? ": no. Something that changes from run to run is missing." : ": yes.") + "</p>";
     return html;
 }
@@ -134,9 +129,8 @@ std::string learnedText(const Diagnosis& d) {
     for (std::size_t i = 0; i < d.learned.size(); ++i) {
         const diagnosis::LearnedLaw& l = d.learned[i];
         html += "<p>" + escaped(diagnosis::plainWords(l.label)) + ": " + escaped(l.words) + ". Gain on unseen runs " +
-                number(l.gain, "%.0f") + " ± " + number(l.gainError, "%.0f") + ", error there " +
-                number(l.heldOutRmse) + " N, probability " + number(100.0 * l.probability, "%.1f") + " %.</p>" +
-                scroll(learnedFigure(d, i));
+                fixed(l.gain, 0) + " ± " + fixed(l.gainError, 0) + ", error there " + rounded(l.heldOutRmse, 4) +
+                " N, probability " + fixed(100.0 * l.probability, 1) + " %.</p>" + scroll(learnedFigure(d, i));
     }
     return html;
 }
@@ -147,9 +141,9 @@ std::string driveTable(const diagnosis::Design& run) {
         return {};
     std::string html = "<table><tr><th>time, s</th><th>displacement, mm</th></tr>";
     for (std::size_t i = 0; i < run.time.size(); ++i)
-        html += "<tr><td>" + number(run.time[i], "%.4g") + "</td><td>" + number(1e3 * run.displacement[i], "%.4g") +
-                "</td></tr>";
-    return html + "</table><p>Readings at " + number(run.rate, "%.3g") + " Hz.</p>";
+        html +=
+            "<tr><td>" + rounded(run.time[i], 4) + "</td><td>" + rounded(1e3 * run.displacement[i], 4) + "</td></tr>";
+    return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz.</p>";
 }
 
 std::string nextText(const Diagnosis& d) {
@@ -159,7 +153,7 @@ std::string nextText(const Diagnosis& d) {
     for (const std::string& label : d.next->separates)
         both += (both.empty() ? "" : " from ") + escaped(diagnosis::plainWords(label));
     return "<p>" + escaped(d.next->run.what) + ". It tells " + both + " with a power of at most " +
-           number(100.0 * d.next->power, "%.0f") + " %.</p>" + driveTable(d.next->run);
+           fixed(100.0 * d.next->power, 0) + " %.</p>" + driveTable(d.next->run);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "plugin/cli/replay_page.h"
 
+#include "plugin/record/rounded.h"
 #include "plugin/report/cairo_canvas.h"
 #include "plugin/report/page_parts.h"
 #include "plugin/report/plot.h"
@@ -8,12 +9,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace supercircle::cli {
 
 namespace {
+
+using record::fixed;
+using record::rounded;
 
 using report::Anchor;
 using report::Canvas;
@@ -129,14 +132,8 @@ void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::
     canvas.popClip();
 }
 
-std::string number(double value, const char* format = "%.4g") {
-    char text[48];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
 std::string percent(double part, double whole) {
-    return whole > 0.0 ? number(100.0 * part / whole, "%.2f") + " %" : "";
+    return whole > 0.0 ? fixed(100.0 * part / whole, 2) + " %" : "";
 }
 
 /// Rows of the table of one run.
@@ -148,21 +145,21 @@ std::string figures(const ReplayedRun& run, const experiment::Channel& channel) 
     const auto row = [&](const std::string& what, const std::string& value) {
         html += "<tr><td>" + what + "</td><td>" + value + "</td></tr>";
     };
-    row("peak, recorded", number(k * c.peakRecorded) + unit + "");
-    row("peak, simulated", number(k * c.peakSimulated) + unit + "");
-    row("rms error", number(k * c.rmse) + unit + " (" + percent(c.rmse, c.peakRecorded) + " of the peak)");
-    row("the same about its mean", number(k * c.rmseZeroed) + unit + " (mean " + number(k * c.zero) + unit + ")");
-    row("largest error", number(k * c.maxError) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
-                             number(c.maxErrorAt) + " s");
-    row("left out around jumps", number(100.0 * c.leftOut, "%.1f") + " % of the samples");
+    row("peak, recorded", rounded(k * c.peakRecorded, 4) + unit + "");
+    row("peak, simulated", rounded(k * c.peakSimulated, 4) + unit + "");
+    row("rms error", rounded(k * c.rmse, 4) + unit + " (" + percent(c.rmse, c.peakRecorded) + " of the peak)");
+    row("the same about its mean",
+        rounded(k * c.rmseZeroed, 4) + unit + " (mean " + rounded(k * c.zero, 4) + unit + ")");
+    row("largest error", rounded(k * c.maxError, 4) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
+                             rounded(c.maxErrorAt, 4) + " s");
+    row("left out around jumps", fixed(100.0 * c.leftOut, 1) + " % of the samples");
     if (!run.simulated.markers.x.empty())
         row("markers, rms and largest distance",
-            number(1e3 * c.markerRmse, "%.3f") + " mm, " + number(1e3 * c.markerMax, "%.3f") + " mm");
+            fixed(1e3 * c.markerRmse, 3) + " mm, " + fixed(1e3 * c.markerMax, 3) + " mm");
     for (const auto& [i, j] : c.matches)
-        row("jump at " + number(1e3 * c.recorded[i].displacement, "%.3f") + " mm",
-            "simulated at " + number(1e3 * c.simulated[j].displacement, "%.3f") + " mm");
-    row("steps, CPU time",
-        std::to_string(run.simulated.steps) + ", " + number(run.simulated.cpuSeconds, "%.2f") + " s");
+        row("jump at " + fixed(1e3 * c.recorded[i].displacement, 3) + " mm",
+            "simulated at " + fixed(1e3 * c.simulated[j].displacement, 3) + " mm");
+    row("steps, CPU time", std::to_string(run.simulated.steps) + ", " + fixed(run.simulated.cpuSeconds, 2) + " s");
     return html + "</table>";
 }
 
@@ -171,9 +168,9 @@ std::string parameterTable(const Replay& replay) {
     for (const replay::ParameterInfo& info : replay::parameterList(replay.experiment)) {
         const double used = replay::get(replay.parameters, replay.experiment, info.name).value_or(0.0);
         html += "<tr><td>" + report::escaped(info.name) + " (" + report::escaped(info.about) + ")</td><td>" +
-                number(info.stated.value, "%.6g") +
-                (info.stated.halfWidth > 0.0 ? " ± " + number(info.stated.halfWidth, "%.2g") : "") + " " + info.unit +
-                "</td><td>" + number(used, "%.6g") + "</td></tr>";
+                rounded(info.stated.value, 6) +
+                (info.stated.halfWidth > 0.0 ? " ± " + rounded(info.stated.halfWidth, 2) : "") + " " + info.unit +
+                "</td><td>" + rounded(used, 6) + "</td></tr>";
     }
     return html + "</table>";
 }

@@ -1,5 +1,6 @@
 #include "plugin/cli/sensitivity_page.h"
 
+#include "plugin/record/rounded.h"
 #include "plugin/report/cairo_canvas.h"
 #include "plugin/report/colour_map.h"
 #include "plugin/report/page_parts.h"
@@ -10,13 +11,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 
 namespace supercircle::cli {
 
 namespace {
+
+using record::fixed;
+using record::rounded;
 
 using report::Canvas;
 using report::Colour;
@@ -60,12 +63,6 @@ std::vector<Curve> curvesOf(const Sensitivities& s, const RunSensitivity& run) {
     }
     std::stable_sort(curves.begin(), curves.end(), [](const Curve& a, const Curve& b) { return a.most > b.most; });
     return curves;
-}
-
-std::string number(double value, const char* format = "%.3g") {
-    char text[48];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
 }
 
 /// The force above, below it what each parameter adds when it is changed by its scale.
@@ -113,7 +110,7 @@ void drawRun(Canvas& canvas, const Sensitivities& s, const RunSensitivity& run) 
         const sensitivity::Column& c = s.columns[curves[i].column];
         canvas.line({905.0, y - 4.0}, {929.0, y - 4.0}, {kColours[i % kColours.size()], 2.6});
         canvas.text({937.0, y}, c.name, {theme::labelSize, theme::ink});
-        canvas.text({937.0, y + 13.0}, "+" + number(c.scale) + (c.unit == "1" ? "" : " " + c.unit),
+        canvas.text({937.0, y + 13.0}, "+" + rounded(c.scale, 3) + (c.unit == "1" ? "" : " " + c.unit),
                     {theme::tickSize, theme::muted});
     }
 }
@@ -134,7 +131,7 @@ void drawSimilarity(Canvas& canvas, const Sensitivities& s, const Eigen::MatrixX
             const double v = cosines(shown[i], shown[j]);
             const double x = kLeft + kCell * static_cast<double>(j);
             canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = report::signedColour(v)});
-            canvas.text({x + 0.48 * kCell, y + 0.6 * kCell}, number(v, "%.2f"),
+            canvas.text({x + 0.48 * kCell, y + 0.6 * kCell}, fixed(v, 2),
                         {theme::tickSize, std::abs(v) > 0.6 ? theme::paper : theme::ink, report::Anchor::Middle});
         }
     }
@@ -152,11 +149,10 @@ std::string table(const Sensitivities& s, const RunSensitivity& run) {
         };
         remark(q.weak && q.failure.empty(), "lost in the solver's noise");
         remark(q.oneSided, "one-sided");
-        remark(q.reorders,
-               "moves jumps by up to " + number(q.jumpShift, "%.1f") + " samples, or makes or removes some");
-        html += "<tr><td>" + report::escaped(s.columns[c].name) + "</td><td>" + number(q.step) + " " +
-                report::escaped(s.columns[c].unit) + "</td><td>" + number(q.signal, "%.1f") + "</td><td>" +
-                (q.weak ? "" : number(100.0 * q.twoStepError, "%.1f") + " %") + "</td><td>" + remarks + "</td></tr>";
+        remark(q.reorders, "moves jumps by up to " + fixed(q.jumpShift, 1) + " samples, or makes or removes some");
+        html += "<tr><td>" + report::escaped(s.columns[c].name) + "</td><td>" + rounded(q.step, 3) + " " +
+                report::escaped(s.columns[c].unit) + "</td><td>" + fixed(q.signal, 1) + "</td><td>" +
+                (q.weak ? "" : fixed(100.0 * q.twoStepError, 1) + " %") + "</td><td>" + remarks + "</td></tr>";
     }
     return html + "</table>";
 }
@@ -169,12 +165,12 @@ std::string landmarkRows(const Sensitivities& s, const RunSensitivity& run) {
     for (std::size_t i = 0; i < run.landmarks.names.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         html += "<tr><td>" + report::escaped(run.landmarks.names[i]) + "</td><td>" +
-                number(run.landmarks.values[i], "%.4g") + " " + run.landmarks.units[i] + "</td>";
+                rounded(run.landmarks.values[i], 4) + " " + run.landmarks.units[i] + "</td>";
         for (std::size_t c = 0; c < s.columns.size(); ++c) {
             const auto at = static_cast<Eigen::Index>(c);
             const double d = run.landmarkJacobian(row, at) * s.columns[c].scale;
             const double e = run.landmarkError(row, at) * s.columns[c].scale;
-            html += "<td>" + (!(std::abs(d) > e) ? std::string("·") : number(d, "%.2g")) + "</td>";
+            html += "<td>" + (!(std::abs(d) > e) ? std::string("·") : rounded(d, 2)) + "</td>";
         }
         html += "</tr>";
     }

@@ -1,22 +1,18 @@
 #include "plugin/diagnosis/conclude.h"
 
 #include "plugin/diagnosis/weigh.h"
+#include "plugin/record/rounded.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace supercircle::diagnosis {
 
 namespace {
 
-constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something, as is p <= kFamilyWise
+using record::rounded;
 
-std::string number(double v) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", v);
-    return text;
-}
+constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something, as is p <= kFamilyWise
 
 std::string joined(const std::vector<std::string>& labels, std::size_t from = 0) {
     std::string out;
@@ -45,7 +41,7 @@ std::string learnt(const Diagnosis& d) {
 std::string withValues(const FoundEffect& e) {
     std::string text = plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
     const auto write = [&](const FittedParameter& p) {
-        return p.name + " = " + number(p.value) + (p.unit == "1" ? "" : " " + p.unit);
+        return p.name + " = " + rounded(p.value, 3) + (p.unit == "1" ? "" : " " + p.unit);
     };
     for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i)
         text += (i == 0 ? ": " : ", ") + write(e.parameters[i]);
@@ -64,18 +60,16 @@ std::string named(const Diagnosis& d) {
         // Shown by another hypothesis its values are not those that act here.
         text += "; together with " + (other != d.effects.end() ? withValues(*other) : plainWords(label));
     }
-    text += "; on runs it had not seen the error falls from " + number(d.baselineHeldOut) + " to " +
-            number(d.improvedHeldOut) + " " + d.unit + " (sensor noise " + number(d.noise.total()) + " " + d.unit +
-            ").";
+    text += "; on runs it had not seen the error falls from " + rounded(d.baselineHeldOut, 3) + " to " +
+            rounded(d.improvedHeldOut, 3) + " " + d.unit + " (sensor noise " + rounded(d.noise.total(), 3) + " " +
+            d.unit + ").";
     if (e.group.size() > 1)
         text += " These runs cannot tell it from " + joined(e.group, 1) + ".";
     return text;
 }
 
 std::string percent(double p) {
-    char text[16];
-    std::snprintf(text, sizeof text, "%.0f %%", 100.0 * p);
-    return text;
+    return record::fixed(100.0 * p, 0) + " %";
 }
 
 /// The rivals with their probabilities: effects, and what else has a share.
@@ -98,7 +92,7 @@ std::string undecided(const Diagnosis& d, const Evidence& e) {
     if (d.unknown > kWorthAWord)
         add("none of these", d.unknown);
     std::string text =
-        "Something seems to be missing (p = " + number(e.p) + "), but these runs do not decide: " + rivals + ".";
+        "Something seems to be missing (p = " + rounded(e.p, 3) + "), but these runs do not decide: " + rivals + ".";
     if (!d.effects.empty() && d.effects.front().group.size() > 1)
         text += " They cannot tell " + plainWords(d.effects.front().label) + " from " +
                 joined(d.effects.front().group, 1) + ".";
@@ -131,17 +125,17 @@ namespace {
 
 std::string judged(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "nothing_missing")
-        return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " + number(e.p) +
-               " for the largest of " + std::to_string(d.mismatch.family) +
+        return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " +
+               rounded(e.p, 3) + " for the largest of " + std::to_string(d.mismatch.family) +
                " statistics): nothing is missing that these runs could show." + blindSpots(d);
     if (d.verdict == "not_enough_information" && (e.nothing < kSuggestive || e.p <= kFamilyWise)) {
         const std::string likely =
             d.effects.empty() ? std::string() : ", most likely " + plainWords(d.effects.front().label);
         return (e.nothing < kSuggestive ? "There is a hint that something is missing (p = "
                                         : "Something stands out of the noise (p = ") +
-               number(e.p) + " for the largest of " + std::to_string(d.mismatch.family) + " statistics)" + likely +
+               rounded(e.p, 3) + " for the largest of " + std::to_string(d.mismatch.family) + " statistics)" + likely +
                (e.nothing < kSuggestive ? ", too weak to decide: " : ", too little to believe in extra physics: ") +
-               "nothing is missing with a probability of " + number(e.nothing) + "." +
+               "nothing is missing with a probability of " + rounded(e.nothing, 3) + "." +
                (d.next ? " Next: " + d.next->run.what + "." : "");
     }
     if (d.verdict == "not_enough_information")
@@ -150,11 +144,12 @@ std::string judged(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "named")
         return named(d);
     if (d.verdict == "unexplained")
-        return "Something is missing (p = " + number(e.p) + "), and no effect of the catalogue accounts for it" +
-               (d.effects.empty() ? std::string(".")
-                                  : "; the nearest is " + plainWords(d.effects.front().label) + ", which leaves " +
-                                        number(d.improvedHeldOut) + " " + d.unit + " on unseen runs with a noise of " +
-                                        number(d.noise.total()) + " " + d.unit + ".") +
+        return "Something is missing (p = " + rounded(e.p, 3) + "), and no effect of the catalogue accounts for it" +
+               (d.effects.empty()
+                    ? std::string(".")
+                    : "; the nearest is " + plainWords(d.effects.front().label) + ", which leaves " +
+                          rounded(d.improvedHeldOut, 3) + " " + d.unit + " on unseen runs with a noise of " +
+                          rounded(d.noise.total(), 3) + " " + d.unit + ".") +
                learnt(d);
     return undecided(d, e);
 }
@@ -165,8 +160,8 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
     const std::string text = judged(d, e);
     if (d.noise.swing <= 0.0)
         return text;
-    return text + " At rest the reading swings by " + number(d.noise.swing) + " " + d.unit + " with a period of " +
-           number(d.noise.swingPeriod) + " s: whatever does that, no specimen does.";
+    return text + " At rest the reading swings by " + rounded(d.noise.swing, 3) + " " + d.unit + " with a period of " +
+           rounded(d.noise.swingPeriod, 3) + " s: whatever does that, no specimen does.";
 }
 
 bool alikeByNature(const Data& data, const std::string& a, const std::string& b) {

@@ -3,16 +3,18 @@
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/weigh.h"
+#include "plugin/record/rounded.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 namespace supercircle::diagnosis {
 
 namespace {
+
+using record::rounded;
 
 using Index = Eigen::Index;
 
@@ -84,18 +86,12 @@ void shiftsOf(const std::vector<std::string>& quantities, const Ensemble& record
     }
 }
 
-std::string number(double v) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", v);
-    return text;
-}
-
 std::string statement(const EnsembleDiagnosis& d) {
     const auto most = std::max_element(d.shifts.begin(), d.shifts.end(),
                                        [](const auto& a, const auto& b) { return std::abs(a.z) < std::abs(b.z); });
-    const std::string shift = most->quantity + " is " + number(most->recorded) + " in the recordings and " +
-                              number(most->simulated) +
-                              " in the simulation without extra physics (family-wise p = " + number(most->p) + ")";
+    const std::string shift = most->quantity + " is " + rounded(most->recorded, 3) + " in the recordings and " +
+                              rounded(most->simulated, 3) +
+                              " in the simulation without extra physics (family-wise p = " + rounded(most->p, 3) + ")";
     if (d.verdict == "nothing_missing" || d.verdict == "not_enough_information")
         return "The recorded ensemble agrees with the simulated one: at most, " + shift + ".";
     if (d.verdict == "named")

@@ -1,30 +1,27 @@
 #include "plugin/diagnosis/words.h"
 
+#include "plugin/record/rounded.h"
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace supercircle::diagnosis {
 
 namespace {
 
-std::string number(double v) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g", v);
-    return text;
-}
+using record::rounded;
 
 /// A state with its unit, small lengths in millimetres.
 std::string state(const LearnedLaw& law, double v) {
     if (law.overUnit == "m" || law.overUnit == "m/s")
-        return number(1e3 * v) + (law.overUnit == "m" ? " mm" : " mm/s");
-    return number(v) + " " + law.overUnit;
+        return rounded(1e3 * v, 2) + (law.overUnit == "m" ? " mm" : " mm/s");
+    return rounded(v, 2) + " " + law.overUnit;
 }
 
 std::string amount(const LearnedLaw& law, double v, double deviation) {
     const bool share = law.ofUnit == "1";
     const double f = share ? 100.0 : 1.0;
-    return number(f * std::abs(v)) + " +- " + number(f * deviation) + (share ? " %" : " " + law.ofUnit);
+    return rounded(f * std::abs(v), 2) + " +- " + rounded(f * deviation, 2) + (share ? " %" : " " + law.ofUnit);
 }
 
 std::string alsoCalled(const LearnedLaw& law, bool falls) {

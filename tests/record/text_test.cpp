@@ -2,8 +2,11 @@
 
 #include <bit>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <random>
 
+#include "plugin/record/rounded.h"
 #include "plugin/record/text.h"
 
 using namespace supercircle::record;
@@ -56,4 +59,17 @@ TEST_CASE("only whole numbers are numbers") {
     CHECK(value == 1.5e-3);
     CHECK(parseNumber("nan", value));
     CHECK(std::isnan(value));
+}
+
+TEST_CASE("rounded numbers are what printf prints in the C locale") {
+    for (const double v : {0.0, -0.0, 0.1, -2.5e-9, 1234567.0, 0.00012345, 99.95, 1.7976931348623157e308, -1e22,
+                           std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+        char expected[400];
+        for (const int digits : {1, 3, 6}) {
+            std::snprintf(expected, sizeof expected, "%.*g", digits, v);
+            CHECK(rounded(v, digits) == expected);
+            std::snprintf(expected, sizeof expected, "%.*f", digits - 1, v);
+            CHECK(fixed(v, digits - 1) == expected);
+        }
+    }
 }

@@ -76,6 +76,14 @@ Eigen::VectorXd clockShift(const RecordedRun& run, const Response& fine, const E
     return d;
 }
 
+/// The simulated force where it is looked at, 0 elsewhere.
+Eigen::VectorXd ownScale(const RecordedRun& run, const Response& fine, const Eigen::VectorXd& errors) {
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(run.force.size());
+    for (Eigen::Index k = 0; k < d.size() && fine.failure.empty() && fine.force.size() == d.size(); ++k)
+        d[k] = std::isfinite(fine.force[k]) && std::isfinite(errors[k]) ? fine.force[k] : 0.0;
+    return d;
+}
+
 /// S of (1 + N N')^(-1/2) = 1 - N S N'.
 Eigen::MatrixXd shrinking(const Eigen::MatrixXd& N) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(N.transpose() * N);
@@ -106,6 +114,11 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
         apart = fine.force - coarse.force;
         bridge(apart, run.time, out.force, rowsIn(betweenJumps(run, fine, coarse, s), run.time));
     }
+    Eigen::VectorXd finer = Eigen::VectorXd::Zero(n);
+    if (both)
+        finer = (apart / s.refinement).unaryExpr([](double c) { return std::isfinite(c) ? c : 0.0; });
+    const bool elements = peakForce > 0.0; // free bodies have none: what differs there are steps
+    out.correction = elements ? finer : Eigen::VectorXd::Zero(n);
     const auto reach = std::max<Eigen::Index>(2, static_cast<Eigen::Index>(out.memory / dt));
     for (Eigen::Index k = 0; k < n && known; ++k) {
         const Leg& leg = run.legs[static_cast<std::size_t>(run.leg[static_cast<std::size_t>(k)])];
@@ -114,7 +127,9 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
         double grid = 0.0;
         if (both) {
             const Eigen::Index a = std::max<Eigen::Index>(0, k - reach), b = std::min(n, k + reach + 1);
-            grid = apart.segment(a, b - a).norm() / std::sqrt(static_cast<double>(b - a)) / 3.0;
+            const auto near = finer.segment(a, b - a).array();
+            const double mean = near.mean(), varies = (near - mean).square().mean();
+            grid = std::hypot(std::sqrt(varies), (elements ? s.uncorrected : 1.0) * mean);
         }
         out.force[k] = std::sqrt(out.force[k] * out.force[k] + place * place + grid * grid);
     }
@@ -145,9 +160,11 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
         addJumps(run, fine[r], coarse[r], part);
         const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, run.spacing()) : noise.total();
-        part.own.resize(run.force.size(), 2);
+        part.own.resize(run.force.size(), 3);
         part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
         part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
+        part.own.col(2) =
+            part.force.apply(ownScale(run, fine[r], part.errors.force) * (data.free ? 0.0 : settings.scale));
         part.shrink = shrinking(part.own);
         addPlaces(run, settings.markerShift, part);
         addLandings(run, settings.landing, part);
@@ -284,7 +301,7 @@ Departure Misfit::departure(std::size_t r, const Response& s) const {
     Departure out;
     out.rows.resize(rowsOf(r));
     const Places places = placesOf(r, s);
-    out.rows.head(run.rows()) << run.force - s.force, run.markers - s.markers;
+    out.rows.head(run.rows()) << run.force - s.force - parts_[r].errors.correction, run.markers - s.markers;
     for (std::size_t i = 0; i < places.time.size(); ++i)
         out.rows[run.rows() + static_cast<Eigen::Index>(i)] = parts_[r].jumps[i].time - places.time[i];
     bridgeAll(r, places.between, out);

@@ -30,7 +30,7 @@ public:
         // What no simulation is better than, for a tenth of a leg at a time: many readings do not average it away.
         const double peak = first.force.cwiseAbs().maxCoeff(), span = first.time[first.time.size() - 1] - first.time[0];
         white_.emplace(first.time, noise_.white, noise_.coloured, noise_.memory,
-                       Eigen::VectorXd::Constant(first.force.size(), doubt_ * MisfitSettings{}.shareOfPeak * peak),
+                       Eigen::VectorXd::Constant(first.force.size(), doubt_ * kCoarse * peak),
                        std::clamp(0.05 * span, 0.02, 3.0));
         const Eigen::VectorXd one = white_->apply(Eigen::VectorXd::Ones(first.force.size()));
         shift_ = one / one.norm();
@@ -55,7 +55,8 @@ public:
     }
 
 private:
-    static constexpr double kLittle = 1.0; ///< noise units: less is not worth derivatives
+    static constexpr double kLittle = 1.0;  ///< noise units: less is not worth derivatives
+    static constexpr double kCoarse = 1e-3; ///< accuracy of a simulation that nothing corrects, share of the peak
 
     /// Points beside a rival's, one for each number, to the side that has room.
     struct Moved {

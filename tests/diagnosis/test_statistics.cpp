@@ -65,7 +65,7 @@ Localisation ofNoise(std::uint64_t seed, double shift, int draws, bool heavy = f
     noise.tails = heavy ? tails : 0.0;
     noise.memory = toy::kMemory;
     MisfitSettings exact;
-    exact.contactPlace = exact.shareOfPeak = 0.0;
+    exact.contactPlace = exact.shareOfPeak = exact.scale = 0.0;
     const Misfit misfit(data, noise, simulated, simulated, exact);
     Eigen::VectorXd residual = *misfit.residual(simulated);
     Eigen::MatrixXd signatures(misfit.rows(), along ? 20 : 0);
@@ -243,6 +243,37 @@ TEST_CASE("markers may lie beside their simulated places, another way in each le
     const double one = std::hypot(3e-5, MisfitSettings{}.markerPlace), shift = MisfitSettings{}.markerShift;
     CHECK(size(shifted) == Approx(1e-5 / std::sqrt(shift * shift + one * one / rows)).epsilon(0.001));
     CHECK(size(shaken) == Approx(std::sqrt(rows) * 1e-5 / one).epsilon(0.01));
+}
+
+TEST_CASE("what finer elements would add is taken out of a simulation's force", "[diagnosis]") {
+    const Data data = toy::recordings(3);
+    const toy::Spring model(data);
+    const Point truth{{103.0, 0.08}, {}};
+    MisfitSettings settings;
+    settings.contactPlace = settings.shareOfPeak = 0.0;
+    // An error of 2 mN that grows as the square of the elements' length.
+    constexpr double kError = 2e-3;
+    std::vector<Response> exact, fine, coarse;
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        exact.push_back(model.simulate(r, truth, Fineness::Fine, nullptr));
+        fine.push_back(exact.back());
+        fine.back().force.array() += kError;
+        coarse.push_back(exact.back());
+        coarse.back().force.array() += kError * (1.0 + settings.refinement);
+    }
+    const Misfit misfit(data, estimateNoise(data), fine, coarse, settings);
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        const Eigen::VectorXd left = misfit.departure(r, fine[r]).rows - (data.runs[r].force - exact[r].force);
+        CHECK(left.cwiseAbs().maxCoeff() < 1e-12); // round-off of 1 N
+        const RowErrors& errors = misfit.errors(r);
+        CHECK(errors.force.maxCoeff() == Approx(settings.uncorrected * kError).epsilon(1e-6));
+    }
+    // Where the two differ without any order, half of the rows one way and half the other, all of it is doubt.
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        for (Eigen::Index k = 0; k < coarse[r].force.size(); k += 2)
+            coarse[r].force[k] = fine[r].force[k] - (coarse[r].force[k] - fine[r].force[k]);
+    const Misfit erratic(data, estimateNoise(data), fine, coarse, settings);
+    CHECK(erratic.errors(0).force.segment(100, 50).mean() == Approx(kError).epsilon(0.05)); // windows of odd length
 }
 
 TEST_CASE("what is left of markers is shown for each coordinate, rows that were not seen left out", "[diagnosis]") {

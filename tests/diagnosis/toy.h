@@ -156,7 +156,7 @@ inline Settings exact(std::uint64_t seed = 1) {
     Settings s;
     s.seed = seed;
     s.draws = 199;
-    s.misfit.contactPlace = s.misfit.shareOfPeak = 0.0;
+    s.misfit.contactPlace = s.misfit.shareOfPeak = s.misfit.scale = 0.0;
     return s;
 }
 

@@ -115,6 +115,11 @@ TEST_CASE("our own simulator's readings take the second one's place with the sam
     for (const char* word : {"friction=0.5", "linear_mass=0.25", "gap_shift=0",
                              "rate_dependent_friction:law=logarithmic", "rate_dependent_friction:strength=0.25"})
         CHECK(std::count(flags.begin(), flags.end(), word) == 1);
+    const auto relaxing = truthFlags(f.put("c.json", R"({"effects": [{"label": "viscoelastic_bending",
+        "parameters": {"branch_over_B": 0.02, "tau_s": 3}}], "true_parameters": {"bending_modulus_N_m2": 2e-4,
+        "natural_curvature_1_m": 50, "friction": 0.5, "thickness_m": 5e-4, "linear_mass_kg_m": 0.25,
+        "initial_gap_shift_m": 0}})"));
+    CHECK(std::count(relaxing.begin(), relaxing.end(), "viscoelastic_bending:law=standard_linear_solid") == 1);
     CHECK_THROWS(truthFlags(f.put("b.json", R"({"effects": [{"label": "wear", "parameters": {"law": 1.0}}]})")));
     f.put("run_1_replay.csv",
           "time_s,displacement_mm,force_recorded_N,force_simulated_N,residual_N\n0,0,1,2,3\n1,0,4,5,6\n");

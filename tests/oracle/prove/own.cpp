@@ -64,6 +64,10 @@ std::vector<std::string> truthFlags(const std::string& answerFile) {
         }
         for (const Json& effect : answer.at("effects")) {
             const std::string label = effect.at("label");
+            if (effect.at("parameters").contains("branch_over_B")) { // the answer's law by what it has
+                flags.emplace_back("--effect");
+                flags.push_back(label + ":law=standard_linear_solid");
+            }
             for (const auto& [name, value] : effect.at("parameters").items()) {
                 const double v = value;
                 flags.emplace_back("--effect");

@@ -89,6 +89,18 @@ Measurement summarise(std::string name, std::vector<double> milliseconds) {
     return m;
 }
 
+std::function<std::string(const std::vector<Measurement>&, const std::string&)>
+writesPictures(std::shared_ptr<const std::vector<record::NamedText>> files, std::string names) {
+    return
+        [files = std::move(files), names = std::move(names)](const std::vector<Measurement>&, const std::string& json) {
+            if (files->empty())
+                return std::string();
+            const std::filesystem::path folder = json.empty() ? "out" : std::filesystem::path(json).parent_path();
+            std::printf("pictures: %s\n", (folder / names).c_str());
+            return record::writeAtomically(folder.string(), *files);
+        };
+}
+
 double timed(const std::function<void()>& work) {
     const auto begin = std::chrono::steady_clock::now();
     work();

@@ -1,7 +1,10 @@
 #pragma once
 // Benchmarks: what is measured, and how. Times are wall times of one thread; nothing is asserted about them.
 
+#include "plugin/record/files.h"
+
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +44,10 @@ Measurement summarise(std::string name, std::vector<double> milliseconds);
 double peakMemory();
 /// CPU time of this thread, s: for machines that are shared.
 double threadCpuSeconds();
+
+/// For Benchmark::finish: writes what is in `files` by then beside the JSON file, else into `out`, and prints `names`.
+std::function<std::string(const std::vector<Measurement>&, const std::string&)>
+writesPictures(std::shared_ptr<const std::vector<record::NamedText>> files, std::string names);
 
 /// Wall time of one call, ms.
 double timed(const std::function<void()>& work);

@@ -12,8 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 
 namespace supercircle::cli {
@@ -146,13 +144,7 @@ void addEffectsPicture(std::vector<Benchmark>& all) {
         done(summarise("effects", std::move(milliseconds)));
         return std::string();
     };
-    b.finish = [files](const std::vector<Measurement>&, const std::string& json) {
-        const std::filesystem::path folder = json.empty() ? "out" : std::filesystem::path(json).parent_path();
-        if (files->empty())
-            return std::string();
-        std::printf("picture: %s\n", (folder / "effects.png").c_str());
-        return record::writeAtomically(folder.string(), *files);
-    };
+    b.finish = writesPictures(files, "effects.png");
     all.push_back(std::move(b));
 }
 

@@ -9,8 +9,6 @@
 #include "supercircle/step/world.h"
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <limits>
 #include <memory>
 
@@ -281,13 +279,7 @@ void addGuidePictures(std::vector<Benchmark>& all) {
         }
         return std::string();
     };
-    b.finish = [files](const std::vector<Measurement>&, const std::string& json) {
-        const std::filesystem::path folder = json.empty() ? "out" : std::filesystem::path(json).parent_path();
-        if (files->empty())
-            return std::string();
-        std::printf("pictures: %s\n", (folder / "guide_*.png").c_str());
-        return record::writeAtomically(folder.string(), *files);
-    };
+    b.finish = writesPictures(files, "guide_*.png");
     all.push_back(std::move(b));
 }
 

@@ -311,16 +311,33 @@ void Work::weighAll(Weighed& w) const {
 
 /// The first effect and what is probable are worth some runs, what is more probable some more.
 Spread Work::spreadOf(const Entry& entry) {
-    const Fitted& f = tried_[entry.model].fit;
-    const Variables v(evaluator_.model(), f.point);
-    const double dispersion = misfitPerRow(*misfit_, f);
+    Fitted& f = tried_[entry.model].fit;
     const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
     if (!worth || evaluator_.stopped())
-        return {linearIntervals(v, f, f.jacobian, dispersion), {}};
-    const Eigen::MatrixXd careful = differentiateCarefully(evaluator_, *misfit_, v, f.x, 0.2);
-    Spread out{entry.probability < 0.3 ? linearIntervals(v, f, careful, dispersion)
-                                       : profileIntervals(evaluator_, *misfit_, f, careful, dispersion),
-               {}};
+        return {linearIntervals(Variables(evaluator_.model(), f.point), f, f.jacobian, misfitPerRow(*misfit_, f)), {}};
+    Spread out;
+    Eigen::MatrixXd careful;
+    constexpr int kMoves = 2; // to a better fit that the intervals come upon
+    for (int moves = 0; out.intervals.empty(); ++moves) {
+        const Variables here(evaluator_.model(), f.point);
+        careful = differentiateCarefully(evaluator_, *misfit_, here, f.x, 0.2);
+        if (entry.probability < 0.3) {
+            out.intervals = linearIntervals(here, f, careful, misfitPerRow(*misfit_, f));
+            break;
+        }
+        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful, misfitPerRow(*misfit_, f), moves < kMoves);
+        if (!p.better || evaluator_.stopped()) {
+            out.intervals = std::move(p.intervals);
+            break;
+        }
+        Fitted further = fit(evaluator_, *misfit_, here.at(p.better->x));
+        if (!further.failure.empty() || further.misfit > p.better->misfit)
+            further = std::move(*p.better);
+        further.point = here.at(further.x);
+        f = std::move(further);
+    }
+    const Variables v(evaluator_.model(), f.point);
+    const double dispersion = misfitPerRow(*misfit_, f);
     Index first = v.nominal;
     for (const std::size_t c : tried_[entry.model].candidates) {
         out.products.emplace_back();

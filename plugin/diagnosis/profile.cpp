@@ -17,6 +17,8 @@ constexpr double k90 = 1.6448536269514722; // of a normal distribution
 /// Fits on one side of one number, and how near to the level is near enough (of k90, by the root of the misfit's rise).
 constexpr int kFits = 8;
 constexpr double kNear = 0.1;
+/// Fall of the misfit, in dispersions, by which a fit was not the best one.
+constexpr double kBetter = 1.0;
 
 /// One number's profile.
 class Profile {
@@ -39,6 +41,8 @@ public:
             if (!f || evaluator_.stopped())
                 return below >= half && below > 0.0 ? std::optional<double>(side * below) : std::nullopt;
             misfits_[side * next] = f->misfit;
+            if (f->misfit < std::min(least_, best_.misfit - kBetter * dispersion_))
+                better_ = *f;
             least_ = std::min(least_, f->misfit);
             const double rise = riseAt(side * next);
             if (rise < k90) {
@@ -64,6 +68,8 @@ public:
     }
 
     [[nodiscard]] double least() const { return least_; }
+    /// The best fit that was come upon, if it is worth going on from.
+    [[nodiscard]] const std::optional<Fitted>& better() const { return better_; }
     void countFrom(double least) { least_ = std::min(least_, least); }
 
 private:
@@ -131,7 +137,8 @@ private:
     Variables v_;
     double dispersion_;
     Index of_;
-    double least_;                     ///< misfit of the best fit that was seen
+    double least_; ///< misfit of the best fit that was seen
+    std::optional<Fitted> better_;
     std::map<double, double> misfits_; ///< by distance
 };
 
@@ -148,24 +155,27 @@ std::vector<Interval> linearIntervals(const Variables& v, const Fitted& fitted, 
     return out;
 }
 
-std::vector<Interval> profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
-                                       const Eigen::MatrixXd& jacobian, double dispersion) {
+Profiled profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                          const Eigen::MatrixXd& jacobian, double dispersion, bool stopAtBetter) {
     const Variables v(evaluator.model(), fitted.point);
     Fitted best = fitted;
     best.jacobian = jacobian;
     const Eigen::MatrixXd covariance = posteriorOf(v, jacobian, dispersion);
-    std::vector<Interval> out = linearIntervals(v, fitted, jacobian, dispersion);
+    Profiled out{linearIntervals(v, fitted, jacobian, dispersion), {}};
     double least = fitted.misfit;
-    for (Index k = v.nominal; k < v.size(); ++k) {
-        auto& [low, high] = out[static_cast<std::size_t>(k - v.nominal)];
+    for (Index k = v.nominal; k < v.size() && !out.better; ++k) {
+        auto& [low, high] = out.intervals[static_cast<std::size_t>(k - v.nominal)];
         const double half = k90 * std::sqrt(std::max(0.0, covariance(k, k)));
         Profile profile(evaluator, misfit, best, dispersion, k);
         profile.countFrom(least);
         if (const auto end = profile.end(1.0, half))
             high = fitted.x[k] + *end;
-        if (const auto end = profile.end(-1.0, half))
-            low = fitted.x[k] + *end;
+        if (!(stopAtBetter && profile.better()))
+            if (const auto end = profile.end(-1.0, half))
+                low = fitted.x[k] + *end;
         least = profile.least();
+        if (stopAtBetter)
+            out.better = profile.better();
     }
     return out;
 }

@@ -5,8 +5,9 @@
 // there, force and range of adhesion. The fit is as good along a valley, and where the valley is bent an interval that
 // follows its tangent ends at its walls: of such laws 9 of 16 intervals of 90 % held the truth in a blind set, of all
 // others 20 of 27. A profile goes along the valley: one number is moved and held, all others are fitted again, until
-// the misfit has grown by what 90 % allow. A dozen fits a number, most of which end after two steps. Where a profile
-// comes upon a better fit than the one it started from, the interval is counted from that.
+// the misfit has grown by what 90 % allow. A dozen fits a number, most of which end after two steps. A profile that
+// comes upon a better fit than the one it started from ends there: that fit is where to go on from. Counted from the
+// better fit and drawn around the other one, an interval began at the value it belongs to.
 //
 // Tried instead: draws from the linearised posterior cut off at the bounds (where the simulation's own error pushes a
 // fit into a corner of its box, the corner becomes certain).
@@ -17,6 +18,7 @@
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/result.h"
 
+#include <optional>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -27,10 +29,16 @@ namespace supercircle::diagnosis {
 std::vector<Interval> linearIntervals(const Variables& variables, const Fitted& fitted, const Eigen::MatrixXd& jacobian,
                                       double dispersion);
 
+struct Profiled {
+    std::vector<Interval> intervals; ///< in x; not all of them where there is a better fit
+    std::optional<Fitted> better;    ///< one number of it was held: it can be fitted further
+};
+
 /// The same by profiles, first steps by the linearised posterior. A fit that cannot be made (a simulation fails, the
 /// diagnosis is stopped) leaves that end where the linear one is.
-std::vector<Interval> profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
-                                       const Eigen::MatrixXd& jacobian, double dispersion);
+/// @param stopAtBetter whether a fit that is better by more than one noise unit's square ends it
+Profiled profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                          const Eigen::MatrixXd& jacobian, double dispersion, bool stopAtBetter = false);
 
 /// 90 % interval of what a law is worth in all, linearised in coordinates in which the product is one and its extent,
 /// the product held, the other: from derivatives by the factors themselves an error of 5 % in one of them makes the

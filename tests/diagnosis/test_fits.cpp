@@ -289,7 +289,7 @@ TEST_CASE("an interval follows the valley of two numbers that do each other's wo
     const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
     const double perRow = found.misfit / static_cast<double>(misfit.present()), dispersion = std::max(1.0, perRow);
     const auto linear = linearIntervals(v, found, J, perRow),
-               profiled = profileIntervals(evaluator, misfit, found, J, perRow);
+               profiled = profileIntervals(evaluator, misfit, found, J, perRow).intervals;
     const auto a = [&](double x) { return v.scalar(2).value + x * v.scalar(2).step; };
     const double least = leastWith(model, misfit, a(found.x[2]));
     const auto outside = [&](double x) { return leastWith(model, misfit, a(x)) - least > 2.706 * dispersion; };
@@ -308,6 +308,17 @@ TEST_CASE("an interval follows the valley of two numbers that do each other's wo
     CHECK(std::abs(a(profiled[0].high) - high) < 0.1 * width);
     CHECK(std::abs(a(linear[0].low) - low) > 0.2 * width); // the valley is bent
     CHECK(std::abs(a(linear[0].high) - high) > 0.2 * width);
+    // From somewhere else in the valley a profile comes upon a better fit, and hands it over.
+    Fitted beside = found;
+    beside.x[3] += 0.7;
+    beside.point = v.at(beside.x);
+    REQUIRE(evaluate(evaluator, misfit, v, beside));
+    REQUIRE(beside.misfit > found.misfit + 2.0 * dispersion);
+    const Eigen::MatrixXd K = differentiateCarefully(evaluator, misfit, v, beside.x, 0.2);
+    const Profiled ended = profileIntervals(evaluator, misfit, beside, K, perRow, true);
+    REQUIRE(ended.better);
+    CHECK(ended.better->misfit < beside.misfit - dispersion);
+    CHECK_FALSE(profileIntervals(evaluator, misfit, found, J, perRow, true).better);
 }
 
 namespace {

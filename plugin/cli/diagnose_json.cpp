@@ -46,6 +46,7 @@ Json effectOf(const FoundEffect& e, const std::string& unit) {
             {"probability", e.probability},
             {"group", e.group},
             {"together_with", e.with},
+            {"pressed_beyond_plausible", e.pressed},
             {"slot", e.slot},
             {"law", e.form.empty() ? e.law : e.form + ": " + e.law},
             {"parameters", parametersOf(e.parameters)},

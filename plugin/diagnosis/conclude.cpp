@@ -123,6 +123,21 @@ std::string verdictOf(const Evidence& e) {
 
 namespace {
 
+/// What the nearest hypothesis would have to be stretched to, if it is.
+std::string stretched(const Diagnosis& d) {
+    const FoundEffect& first = d.effects.front();
+    std::string text;
+    for (const FoundEffect& e : d.effects) {
+        if (&e != &first && std::find(first.with.begin(), first.with.end(), e.label) == first.with.end())
+            continue;
+        for (const FittedParameter& p : e.parameters)
+            if (std::find(e.pressed.begin(), e.pressed.end(), p.name) != e.pressed.end())
+                text += (text.empty() ? "" : ", ") + p.name + " beyond " + rounded(p.value, 3) +
+                        (p.unit == "1" ? "" : " " + p.unit);
+    }
+    return text.empty() ? text : ", but would have to be larger than is plausible (" + text + ")";
+}
+
 std::string judged(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "nothing_missing")
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " +
@@ -149,7 +164,7 @@ std::string judged(const Diagnosis& d, const Evidence& e) {
                     ? std::string(".")
                     : "; the nearest is " + plainWords(d.effects.front().label) + ", which leaves " +
                           rounded(d.improvedHeldOut, 3) + " " + d.unit + " on unseen runs with a noise of " +
-                          rounded(d.noise.total(), 3) + " " + d.unit + ".") +
+                          rounded(d.noise.total(), 3) + " " + d.unit + stretched(d) + ".") +
                learnt(d);
     return undecided(d, e);
 }

@@ -298,6 +298,9 @@ void Work::weighAll(Weighed& w) const {
         held.push_back(t.held);
         given.parts.push_back(t.parts);
         given.outside.push_back(t.learned ? 1 : 0);
+        given.pressed.push_back(
+            !t.learned &&
+            !pressedAmplitudes(evaluator_.model(), t.fit, std::max(1.0, misfitPerRow(*misfit_, t.fit))).empty());
         // Two causes at once are ten times rarer than one; a learned law has half of what "none of these" has.
         given.prior.push_back(t.learned ? 0.5 * kUnknown : t.candidates.size() > 1 ? 0.1 * share : share);
     }

@@ -4,6 +4,7 @@
 #include "plugin/diagnosis/grow.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -333,6 +334,30 @@ Eigen::MatrixXd freeColumns(const Model& model, const Fitted& f) {
     for (std::size_t i = 0; i < free.size(); ++i)
         columns.col(static_cast<Eigen::Index>(i)) = f.jacobian.col(free[i]);
     return columns;
+}
+
+std::vector<Eigen::Index> pressedAmplitudes(const Model& model, const Fitted& f, double dispersion) {
+    constexpr double kDeviations = 3.0;
+    std::vector<Eigen::Index> out;
+    const Variables v(model, f.point);
+    if (f.residual.size() == 0 || f.jacobian.rows() != f.residual.size() || f.jacobian.cols() != v.size())
+        return out;
+    const Eigen::MatrixXd free = freeColumns(model, f);
+    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> follow(free);
+    for (Eigen::Index i = v.nominal; i < v.size(); ++i) {
+        // The bound at which an effect is absent is no far end.
+        const bool up = f.x[i] >= v.upper[i] - 1e-6 && v.upper[i] > 1e-6,
+                   down = f.x[i] <= v.lower[i] + 1e-6 && v.lower[i] < -1e-6;
+        if (!v.scalar(i).amplitude || (!up && !down))
+            continue;
+        Eigen::VectorXd own = f.jacobian.col(i);
+        if (free.cols() > 0)
+            own -= free * follow.solve(own);
+        const double size = own.norm();
+        if (size > 0.0 && (up ? 1.0 : -1.0) * own.dot(f.residual) / size > kDeviations * std::sqrt(dispersion))
+            out.push_back(i);
+    }
+    return out;
 }
 
 } // namespace supercircle::diagnosis

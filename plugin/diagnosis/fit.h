@@ -99,4 +99,9 @@ double misfitPerRow(const Misfit& misfit, const Fitted& fitted);
 /// Columns of a fit's Jacobian whose numbers no bound holds.
 Eigen::MatrixXd freeColumns(const Model& model, const Fitted& fitted);
 
+/// Amplitudes of effects that lie at the far end of what is plausible while the runs want them beyond it, by a score
+/// test: what the misfit would gain, free numbers following, exceeds three deviations. A law that has to be stretched
+/// that far imitates something else. Places in `fitted.x`; none of a learned law, whose bounds are numerical.
+std::vector<Eigen::Index> pressedAmplitudes(const Model& model, const Fitted& fitted, double dispersion);
+
 } // namespace supercircle::diagnosis

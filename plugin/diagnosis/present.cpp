@@ -20,6 +20,8 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
     e.heldOutRmse = t.held.forceRmse;
     e.misfitPerRow = misfitPerRow(misfit, t.fit);
     const Variables v(model, t.fit.point);
+    const std::vector<Index> pressed =
+        t.learned ? std::vector<Index>{} : pressedAmplitudes(model, t.fit, std::max(1.0, e.misfitPerRow));
     Index first = v.nominal;
     for (std::size_t term = 0; term < t.candidates.size(); ++term) {
         const auto n = static_cast<Index>(candidates[t.candidates[term]].parameters.size());
@@ -35,6 +37,8 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
             if (p.ci90.low > p.ci90.high)
                 std::swap(p.ci90.low, p.ci90.high);
             e.parameters.push_back(p);
+            if (std::find(pressed.begin(), pressed.end(), k) != pressed.end())
+                e.pressed.push_back(s.name);
         }
         if (term == shown && term < spread.products.size())
             for (std::size_t i = 0; i < c.products.size(); ++i)

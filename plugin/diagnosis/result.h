@@ -27,6 +27,8 @@ struct FoundEffect {
     double probability = 0.0;
     std::vector<std::string> group; ///< labels that these runs cannot tell from it, itself first
     std::vector<std::string> with;  ///< labels that act beside it in its best model
+    /// Names of its sizes that lie at the end of what is plausible while the runs want more (pressedAmplitudes()).
+    std::vector<std::string> pressed;
     std::vector<FittedParameter> parameters;
     std::vector<FittedParameter> products;        ///< what the law is worth in all (Candidate::products)
     double gain = 0.0, gainError = 0.0;           ///< held-out log score over "nothing"

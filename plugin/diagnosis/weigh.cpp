@@ -15,6 +15,9 @@ namespace {
 /// softening stood for it).
 constexpr double kLeftByTheTrueOne = 0.1;
 
+/// How much rarer an effect is at a size beyond what is plausible: as two causes at once are than one.
+constexpr double kStretched = 0.1;
+
 Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double floor, double tails) {
     const double rows = std::max(1.0, nothing.rows.sum());
     floor *= noiseBound(rows, tails);
@@ -152,7 +155,8 @@ Hypotheses hypothesesOf(const HeldOut& nothing, const std::vector<HeldOut>& effe
     std::size_t named = 0;
     for (std::size_t i = 0; i < effects.size(); ++i) {
         all.scores.push_back(effects[i].score(out.dispersion));
-        all.prior.push_back(i < given.prior.size() ? given.prior[i] : kCatalogue / catalogue);
+        all.prior.push_back((i < given.prior.size() ? given.prior[i] : kCatalogue / catalogue) *
+                            (given.isPressed(i) ? kStretched : 1.0));
         const bool combined = i < given.parts.size() && !given.parts[i].empty(),
                    outside = i < given.outside.size() && given.outside[i] != 0;
         named += combined || outside ? 0 : 1;
@@ -187,11 +191,12 @@ void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
     }
 }
 
-/// Where the best effect leaves too much, "none of these" is as good at least.
-void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, double tails, Weighed& out) {
+/// Where the best effect leaves too much or would have to be implausibly large, "none of these" is as good at least.
+void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, const Weighing& given, Weighed& out) {
     const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(best) - 1.0;
-    const double bound = noiseBound(nothing.rows.sum(), tails) - 1.0;
-    out.rejected = (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) || left > kMoreThanTheTrueOne;
+    const double bound = noiseBound(nothing.rows.sum(), given.tails) - 1.0;
+    out.rejected = (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) ||
+                   left > kMoreThanTheTrueOne || given.isPressed(out.best);
     if (out.rejected)
         all.drawn.col(1) = all.drawn.col(1).cwiseMax(all.drawn.col(Hypotheses::place(out.best)));
     if (left > kTooMuch) // refuted by the noise: one in 150 that the noise was mistaken instead
@@ -227,7 +232,7 @@ Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const
     Hypotheses all = hypothesesOf(nothing, effects, given, out);
     holdToChance(all, given, out);
     if (!effects.empty())
-        refute(all, nothing, effects[out.best], given.tails, out);
+        refute(all, nothing, effects[out.best], given, out);
     const double most = surprise(given.p);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(all.drawn.cols());
     for (Eigen::Index d = 0; d < all.drawn.rows(); ++d)

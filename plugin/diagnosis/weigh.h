@@ -25,6 +25,10 @@
 // linear drag on a real pendulum explained nine tenths of 98 degrees and left 22, with a noise of .06; softening that
 // imitated relaxation left 31 %, effects that were there 0 to 3 %.
 //
+// Nor can one whose size lies at the end of what is plausible and is pressed beyond it (pressedAmplitudes()), which has
+// a tenth of its prior besides: a strip damaged at one place, without damage in the catalogue, was "gravity" of (-15,
+// -25) m/s^2 with a tilt, to 1.03 of the noise and with a probability of 1.
+//
 // Scores are tempered by the dispersion of the best model, c = max(1, chi^2 per row): what even the best model leaves
 // makes all of them less sure (quasi-likelihood).
 //
@@ -61,7 +65,7 @@ struct Weighed {
     std::vector<double> effects;         ///< probabilities, as the input
     std::vector<double> gain, gainError; ///< of the score over "nothing", and its standard error over blocks
     double dispersion = 1.0;
-    bool rejected = false; ///< the best model leaves too much on unseen rows
+    bool rejected = false; ///< the best model leaves too much on unseen rows, or is pressed beyond what is plausible
     std::size_t best = 0;  ///< the highest score of those without `parts` or beyond them; meaningless without effects
 };
 
@@ -74,6 +78,9 @@ struct Weighing {
     /// effect for a learned law).
     std::vector<std::vector<std::size_t>> parts;
     std::vector<char> outside; ///< of each effect, whether it is in no catalogue (a learned law); empty: none is
+    /// Of each effect, whether a size lies at the end of what is plausible and is pressed beyond it; empty: none.
+    std::vector<char> pressed;
+    [[nodiscard]] bool isPressed(std::size_t effect) const { return effect < pressed.size() && pressed[effect] != 0; }
     std::uint64_t seed = 1;
 };
 /// All of them usable(), as many blocks as `nothing`.

@@ -397,3 +397,52 @@ TEST_CASE("intervals of 90 % cover the truth nine times of ten", "[diagnosis][sl
     CHECK(covered >= 120);
     CHECK(covered <= 148);
 }
+
+namespace {
+
+/// The toy with a drift of which no more than `most` is plausible.
+class ModestDrift final : public Model {
+public:
+    ModestDrift(const Data& data, double most) : spring_(data), candidates_(spring_.candidates()) {
+        for (Candidate& c : candidates_)
+            if (c.label == "drift") {
+                c.parameters.front().lower = -most;
+                c.parameters.front().upper = most;
+            }
+    }
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "modest drift"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* stop) const override {
+        return spring_.simulate(r, p, f, stop);
+    }
+
+private:
+    toy::Spring spring_;
+    std::vector<Candidate> candidates_;
+};
+
+} // namespace
+
+TEST_CASE("an effect that would have to be implausibly large is not named, however well it fits", "[diagnosis]") {
+    constexpr double kDrift = 8e-3;
+    const Data data = toy::recordings(21, "drift", kDrift);
+    const ModestDrift wide(data, 1.0), tight(data, 0.97 * kDrift), narrow(data, 0.8 * kDrift);
+    const Diagnosis free = run(data, wide), pressed = run(data, narrow);
+    REQUIRE(free.verdict == "named");
+    CHECK(free.effects.front().label == "drift");
+    CHECK(free.effects.front().pressed.empty());
+    CHECK(pressed.verdict == "unexplained");
+    CHECK(pressed.unknown > 0.5);
+    REQUIRE(pressed.effects.front().label == "drift");
+    CHECK(pressed.effects.front().pressed == std::vector<std::string>{"a"});
+    CHECK(pressed.effects.front().parameters.front().value == Approx(0.8 * kDrift));
+    CHECK(pressed.statement.find("larger than is plausible (a beyond 0.0064 N/s)") != std::string::npos);
+    // A bound that is nearer to the fit than the fit's own uncertainty presses nothing.
+    const FittedParameter& a = free.effects.front().parameters.front();
+    REQUIRE((a.ci90.high - a.ci90.low) / 3.3 > std::max(0.0, a.value - 0.97 * kDrift) / 3.0);
+    const Diagnosis touching = run(data, tight);
+    CHECK(touching.verdict == "named");
+    CHECK(touching.effects.front().pressed.empty());
+}

@@ -258,7 +258,9 @@ struct Drawn {
 Drawn drawCase(const Plan& plan) {
     constexpr int kTries = 8;
     constexpr double kMost = 8.0; // noise units; beside a jump readings say when it comes, not how large it is
-    constexpr double kSure = 0.5; // errors that resolution halves are this large themselves
+    // Errors that resolution halves are this large themselves, and half a noise unit that keeps its sign hides an
+    // effect of ten deviations.
+    constexpr double kSure = 0.25;
     for (int i = 0;; ++i) {
         Drawn d{{}, Draw(plan.seed + 15485863ULL * static_cast<std::uint64_t>(i)), {}};
         d.secret = drawSecret(d.draw, plan);

@@ -73,6 +73,8 @@ std::string effectTable(const Diagnosis& d) {
         const auto write = [&](const diagnosis::FittedParameter& p) {
             values += "<br>" + escaped(p.name) + " = " + rounded(p.value, 4) + " [" + rounded(p.ci90.low, 4) + ", " +
                       rounded(p.ci90.high, 4) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
+            if (std::find(e.pressed.begin(), e.pressed.end(), p.name) != e.pressed.end())
+                values += " (the largest that is plausible; the runs want more)";
         };
         std::for_each(e.parameters.begin(), e.parameters.end(), write);
         if (!e.products.empty())

@@ -143,7 +143,8 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     if (known)
         leaveOutSnaps(run, fine.force, s, out);
     for (Eigen::Index k = 0; k < n; ++k)
-        if (!std::isfinite(run.force[k]) || !std::isfinite(out.force[k]))
+        if (!std::isfinite(run.force[k]) || !std::isfinite(out.force[k]) ||
+            (known && !std::isfinite(fine.force[k]))) // the last sample may come later than the drive's end
             out.force[k] = kMissing;
     return out;
 }

@@ -211,7 +211,8 @@ replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t ru
             way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
         time = e.runs[run].driveTime[i] - e.runs[run].driveTime.front();
     }
-    const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / resolution.dtMax);
+    const double longest = e.scene ? resolution.freeStep : resolution.dtMax;
+    const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / longest);
     std::atomic<bool> enough{false};
     int steps = 0;
     const auto count = [&](double) { enough = ++steps > most || (interrupt != nullptr && interrupt->load()); };

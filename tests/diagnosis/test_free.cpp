@@ -118,6 +118,21 @@ TEST_CASE("dry friction and quadratic drag of a pendulum are found again in its 
     CHECK(dry.fitted.misfit > 20.0 * both.fitted.misfit); // one of the two is not enough
 }
 
+TEST_CASE("a free run may be long", "[diagnosis][free]") {
+    experiment::Experiment e = pendulum();
+    for (experiment::Run& run : e.runs) {
+        run.driveTime.back() = 40.0; // more steps than any driven run of that length takes
+        run.samplingRate = 10.0;
+    }
+    record(e, replay::nominal(e), 7);
+    const ReplayModel model(e);
+    diagnosis::Point nominal;
+    for (const Scalar& s : model.nominal())
+        nominal.nominal.push_back(s.value);
+    for (const Fineness f : {Fineness::Fine, Fineness::Coarse})
+        CHECK(model.simulate(0, nominal, f, nullptr).failure == "");
+}
+
 TEST_CASE("the legs of a free run are its half swings", "[diagnosis][free]") {
     experiment::Experiment e = pendulum();
     record(e, replay::nominal(e), 6);

@@ -276,6 +276,25 @@ TEST_CASE("what finer elements would add is taken out of a simulation's force", 
     CHECK(erratic.errors(0).force.segment(100, 50).mean() == Approx(kError).epsilon(0.05)); // windows of odd length
 }
 
+TEST_CASE("a sample behind the drive's end says nothing and harms nothing", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const toy::Spring model(data);
+    std::vector<Response> fine, coarse;
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        fine.push_back(model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr));
+        fine.back().force.tail(1).setConstant(std::numeric_limits<double>::quiet_NaN()); // nobody drives it there
+        coarse.push_back(fine.back());
+    }
+    const Misfit misfit(data, estimateNoise(data), fine, coarse);
+    const auto residual = misfit.residual(fine);
+    REQUIRE(residual);
+    CHECK(residual->allFinite());
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        CHECK(!std::isfinite(misfit.errors(r).force.tail(1)[0]));
+        CHECK(misfit.errors(r).force.head(data.runs[r].force.size() - 1).allFinite());
+    }
+}
+
 TEST_CASE("what is left of markers is shown for each coordinate, rows that were not seen left out", "[diagnosis]") {
     Data data = toy::recordings(3);
     data.runs.resize(2);

@@ -169,17 +169,18 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
         verdictWords(d.verdict) + "</h1><p>" + escaped(d.statement) + "</p><p>" + escaped(e.description) +
         "</p></header>";
     html += section("How probable each explanation is", scroll(probabilityFigure(d)) + effectTable(d));
-    html += section("Errors", errorTable(d));
+    const bool looked = d.noise.total() > 0.0; // without noise nothing was simulated
+    html += section("Errors", looked ? errorTable(d) : "");
     for (std::size_t r = 0; r < d.runs.size(); ++r)
         html += section(escaped(d.runs[r].name), scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
-    html += section("Where the simulation without extra physics misses", windowTable(d.mismatch));
+    html += section("Where the simulation without extra physics misses", looked ? windowTable(d.mismatch) : "");
     if (d.improved)
         html += section("Where it still misses with the most probable effect", windowTable(d.left));
     html += section("Where on the specimen", scroll(specimenFigure(d, e)));
     html += section("Laws learned from the runs, where no effect of the catalogue explains them", learnedText(d));
-    html += section("A first look at the whole catalogue", scroll(screenFigure(d)));
+    html += section("A first look at the whole catalogue", looked ? scroll(screenFigure(d)) : "");
     html += section("How alike the effects look in these runs (cosines; 1: the same)", scroll(similarityFigure(d)));
-    html += section("Stated and fitted parameters", nominalTable(d));
+    html += section("Stated and fitted parameters", looked ? nominalTable(d) : "");
     html += section("The next experiment", nextText(d));
     html += section("About this page", "<p>" + std::to_string(d.forwardRuns) + " simulated runs, seed " +
                                            std::to_string(d.seed) +

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -44,7 +45,9 @@ public:
         out_.unit = data_.unit;
         stage(0.0, "noise");
         out_.noise = estimateNoise(data_);
-        if (nominal() && !evaluator_.stopped()) {
+        if (!(out_.noise.total() > 0.0))
+            withoutNoise();
+        else if (nominal() && !evaluator_.stopped()) {
             stage(0.2, "screening the catalogue");
             look();
             if (!evaluator_.stopped()) {
@@ -69,6 +72,7 @@ private:
     }
     [[nodiscard]] const std::vector<Candidate>& candidates() const { return evaluator_.model().candidates(); }
 
+    void withoutNoise();
     bool nominal();
     void locate();
     void look();
@@ -101,6 +105,18 @@ private:
     std::size_t best_ = 0;       ///< of tried_: what the curves show
     bool any_ = false;           ///< whether there is a best one
 };
+
+/// Everything is said in units of the noise: without one nothing is known beyond what was believed before.
+void Work::withoutNoise() {
+    out_.verdict = "not_enough_information";
+    out_.statement = "How noisy the readings are is neither stated nor to be told from them: in each run all are the "
+                     "same, or there are none. State the noise (" +
+                     out_.channel + "_noise_std_" + out_.unit + "_approx), or record with a finer resolution.";
+    out_.noise.source = "not stated, and readings that are all the same do not tell";
+    out_.nothing = kNothing;
+    out_.unknown = kUnknown;
+    out_.baselineTraining = out_.baselineHeldOut = out_.baselinePerRow = std::numeric_limits<double>::quiet_NaN();
+}
 
 bool Work::nominal() {
     stage(0.02, "nominal fit");

@@ -37,7 +37,52 @@ std::vector<double> secondDifferences(const Eigen::VectorXd& v, Eigen::Index fro
     return d;
 }
 
+/// Absolute ones, in which a motion of ten rows and more a radian leaves a ten-thousandth of its amplitude.
+void addFourthDifferences(const Eigen::Ref<const Eigen::VectorXd>& v, std::vector<double>& to) {
+    for (Eigen::Index k = 2; k + 2 < v.size(); ++k)
+        if (const double x = std::abs(v[k - 2] - 4.0 * v[k - 1] + 6.0 * v[k] - 4.0 * v[k + 1] + v[k + 2]);
+            std::isfinite(x))
+            to.push_back(x);
+}
+
 constexpr double kMadToSigma = 1.482602218505602; // of a normal distribution
+
+double whiteOf(std::vector<double> fourthDifferences) {
+    return kMadToSigma * median(std::move(fourthDifferences)) / std::sqrt(70.0); // 1 + 16 + 36 + 16 + 1
+}
+
+/// Distinct readings whose smallest step is taken for the resolution; fewer may be apart for another reason.
+constexpr int kSteps = 5;
+
+/// The smallest step between distinct readings, beyond round-off; infinite: there are fewer than `fewest`.
+double smallestStep(const Eigen::Ref<const Eigen::VectorXd>& v, int fewest) {
+    std::vector<double> sorted;
+    for (const double x : v)
+        if (std::isfinite(x))
+            sorted.push_back(x);
+    std::sort(sorted.begin(), sorted.end());
+    double least = std::numeric_limits<double>::infinity();
+    int distinct = sorted.empty() ? 0 : 1;
+    const double digits = sorted.empty() ? 0.0 : 1e-12 * std::max(-sorted.front(), sorted.back());
+    for (std::size_t i = 1; i < sorted.size(); ++i)
+        if (const double step = sorted[i] - sorted[i - 1]; step > digits) {
+            least = std::min(least, step);
+            ++distinct;
+        }
+    return distinct < fewest ? std::numeric_limits<double>::infinity() : least;
+}
+
+/// Readings in steps are evenly distributed around the truth: no sensor is better. 0: nothing is told from them.
+double leastNoise(double step) {
+    return std::isfinite(step) ? step / std::sqrt(12.0) : 0.0;
+}
+
+double leastForceNoise(const Data& data, int fewest = kSteps) {
+    double step = std::numeric_limits<double>::infinity();
+    for (const RecordedRun& run : data.runs)
+        step = std::min(step, smallestStep(run.force, fewest));
+    return leastNoise(step);
+}
 
 /// Standard deviation over half-seconds that are not three and a half times as rough as the median one: a snap makes
 /// its half-second hundreds of times as rough, while the rare large values of a noise with heavy tails count (the
@@ -84,6 +129,20 @@ std::vector<Roughness> roughnessOf(const Data& data) {
     return all;
 }
 
+/// Where no run by itself has rows enough, or most of its readings lie on a line: of the rows of all runs.
+Roughness pooledRoughness(const Data& data) {
+    Roughness out;
+    std::vector<double> d;
+    for (const RecordedRun& run : data.runs) {
+        addFourthDifferences(run.force, d);
+        out.dt = std::max(out.dt, run.spacing());
+    }
+    out.count = std::max(1.0, static_cast<double>(d.size()));
+    out.scale = std::sqrt(6.0) * std::max(leastForceNoise(data, 2), whiteOf(std::move(d)));
+    out.fourth = 3.0 * out.count; // of a normal distribution: tails are not told from so few
+    return out;
+}
+
 /// Excess kurtosis of white noise from that of its second differences, which is half of it (1 + 16 + 1 over 6^2); 0
 /// within three standard errors (correlated by -2/3 and 1/6, which makes their number count 1.4 times less). At most
 /// that of Student's t with 5 degrees: kinks and small snaps look like more.
@@ -125,10 +184,20 @@ double markerNoiseOf(const Data& data) {
                 const auto more = secondDifferences(run.markers, c * run.markerTime.size() + from, n);
                 d.insert(d.end(), more.begin(), more.end());
             }
-    const double measured = kMadToSigma * median(d) / std::sqrt(6.0);
-    if (d.size() < 30)
-        return data.statedMarkerNoise > 0.0 ? data.statedMarkerNoise : measured;
-    return measured > 0.0 ? measured : data.statedMarkerNoise;
+    const double measured = kMadToSigma * median(d) / std::sqrt(6.0), stated = data.statedMarkerNoise;
+    double noise = d.size() < 30 && stated > 0.0 ? stated : measured > 0.0 ? measured : stated;
+    std::vector<double> anywhere;
+    double step = std::numeric_limits<double>::infinity(), apart = step;
+    for (const RecordedRun& run : data.runs)
+        for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c) {
+            const auto track = run.markers.segment(c * run.markerTime.size(), run.markerTime.size());
+            addFourthDifferences(track, anywhere);
+            step = std::min(step, smallestStep(track, kSteps));
+            apart = std::min(apart, smallestStep(track, 2));
+        }
+    if (noise <= 0.0) // neither stated nor at rest: slow motions leave little in fourth differences
+        noise = std::max(whiteOf(std::move(anywhere)), leastNoise(apart));
+    return std::max(noise, leastNoise(step));
 }
 
 bool repeats(const RecordedRun& a, const RecordedRun& b) {
@@ -180,22 +249,17 @@ std::vector<Noise::Possible> drawn(const std::vector<Noise::Possible>& grid, con
     return out;
 }
 
-/// Of poses nothing rests: white noise from fourth differences, in which a swing of ten rows and more leaves nothing
-/// (1e-3 of its amplitude at ten rows a radian), the rest of what is stated remembers.
+/// Of poses nothing rests: white noise from fourth differences, the rest of what is stated remembers.
 Noise freeNoise(const Data& data) {
     Noise out;
-    out.marker = data.statedMarkerNoise;
+    out.marker = markerNoiseOf(data);
     std::vector<double> d;
     for (const RecordedRun& run : data.runs)
-        for (Eigen::Index k = 2; k + 2 < run.force.size(); ++k) {
-            const auto& f = run.force;
-            const double x = f[k - 2] - 4.0 * f[k - 1] + 6.0 * f[k] - 4.0 * f[k + 1] + f[k + 2];
-            if (std::isfinite(x))
-                d.push_back(std::abs(x));
-        }
-    out.white = kMadToSigma * median(d) / std::sqrt(70.0); // 1 + 16 + 36 + 16 + 1
+        addFourthDifferences(run.force, d);
+    out.white = whiteOf(std::move(d));
     if (out.white <= 0.0)
         out.white = 0.5 * data.statedForceNoise;
+    out.white = std::max(out.white, leastForceNoise(data, out.white > 0.0 ? kSteps : 2));
     const double stated = data.statedForceNoise;
     out.coloured = std::max(0.55 * out.white, std::sqrt(std::max(0.0, stated * stated - out.white * out.white)));
     out.source = "fourth differences of neighbouring rows, and what is stated beyond them; nothing rests here and no "
@@ -234,19 +298,17 @@ struct Sized {
     Noise noise;
     std::optional<Data> still; ///< without what swings
     double logLikelihood = -std::numeric_limits<double>::infinity();
+    bool atEdge = false; ///< of the sizes that were looked at: the most probable one is another
 };
 
-Sized sizeOf(const std::vector<Rest>& rests, const std::vector<Roughness>& rough, double stated) {
-    double anchor = stated;
-    if (anchor <= 0.0 && !rough.empty())
-        anchor = rough.front().scale / std::sqrt(6.0);
+/// Among sizes within a factor of 2.5 around `anchor`.
+Sized sizeAround(double anchor, const std::vector<Rest>& rests, const std::vector<Roughness>& rough, double stated) {
+    constexpr int kSizes = 30;
     Sized best;
-    if (anchor <= 0.0)
-        return best;
     std::vector<Noise::Possible> grid;
     std::vector<double> logs;
     for (const double memory : {0.15, 0.25, 0.4})
-        for (int i = -30; i <= 30; ++i)
+        for (int i = -kSizes; i <= kSizes; ++i)
             for (int j = -12; j <= 12; ++j) {
                 const double white = 0.9 * anchor * std::exp(0.03 * i);
                 const double coloured = 0.55 * white * std::exp(0.08 * j);
@@ -266,6 +328,7 @@ Sized sizeOf(const std::vector<Rest>& rests, const std::vector<Roughness>& rough
                     best.noise.white = white;
                     best.noise.coloured = coloured;
                     best.noise.memory = memory;
+                    best.atEdge = std::abs(i) == kSizes;
                 }
             }
     best.noise.possible = drawn(grid, logs, best.logLikelihood);
@@ -273,9 +336,34 @@ Sized sizeOf(const std::vector<Rest>& rests, const std::vector<Roughness>& rough
     return best;
 }
 
+/// Where nothing is stated there must be something else to go by.
+std::vector<Roughness> roughnessFor(const Data& data, double stated) {
+    std::vector<Roughness> all = roughnessOf(data);
+    if (all.empty() && stated <= 0.0)
+        all.push_back(pooledRoughness(data));
+    return all;
+}
+
+/// @param stated 0: not stated, or not believed; then sizes are looked at until the most probable one is among them
+/// @param least smallest size
+Sized sizeOf(const std::vector<Rest>& rests, const std::vector<Roughness>& rough, double stated, double least) {
+    if (stated > 0.0)
+        return sizeAround(stated, rests, rough, stated);
+    constexpr int kMoves = 40; // a factor of 2.5 each: further than any sensor is from another
+    Sized best;
+    double anchor = rough.empty() ? 0.0 : rough.front().scale / std::sqrt(6.0);
+    for (int moves = 0; moves < kMoves && anchor > 0.0; ++moves) {
+        best = sizeAround(anchor, rests, rough, stated);
+        if (!best.atEdge || best.noise.white <= least)
+            break;
+        anchor = best.noise.white / 0.9;
+    }
+    return best;
+}
+
 /// The same with a sine taken out, where the readings leave no doubt that there is one. Taken for noise, a disturbance
 /// of 9 mN made noise of 2.3 mN four, and a strong effect, plain to the eye, was "nothing missing".
-Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, Sized plain) {
+Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, double stated, double least, Sized plain) {
     // Size and phase in each run and one period, each worth what it takes to state it, among some hundred periods.
     const double price = 15.0 + 3.0 * (2.0 * static_cast<double>(data.runs.size()) + 1.0);
     const double white = std::max(plain.noise.white, 1e-300);
@@ -286,7 +374,7 @@ Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, Sized plain
     for (std::size_t r = 0; r < still.runs.size(); ++r)
         for (Eigen::Index k = 0; k < still.runs[r].force.size(); ++k)
             still.runs[r].force[k] -= swing.at(r, still.runs[r].time[k]);
-    Sized other = sizeOf(restsOf(still), roughnessOf(still), data.statedForceNoise);
+    Sized other = sizeOf(restsOf(still), roughnessFor(still, stated), stated, least);
     if (other.logLikelihood < plain.logLikelihood + price)
         return plain;
     other.noise.swingPeriod = swing.period;
@@ -295,31 +383,70 @@ Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, Sized plain
     return other;
 }
 
+/// Whether fourth differences, of rests where there are any, lie to the same side of what is stated. Second differences
+/// alone are no witness: a sensor may be so quiet that bends of the curve are all they show.
+bool refutes(const Data& data, const std::vector<Rest>& rests, const Noise& found) {
+    constexpr double kFactor = 1.5;
+    std::vector<double> d;
+    for (const Rest& q : rests)
+        addFourthDifferences(q.force, d);
+    for (const RecordedRun& run : data.runs)
+        if (rests.empty())
+            addFourthDifferences(run.force, d);
+    const double white = whiteOf(std::move(d));
+    return found.white > data.statedForceNoise ? white > kFactor * data.statedForceNoise
+                                               : white < data.statedForceNoise / kFactor;
+}
+
 } // namespace
 
 Noise estimateNoise(const Data& data) {
     if (data.free)
         return freeNoise(data);
     const std::vector<Rest> rests = restsOf(data);
-    const Sized sized = withoutSwing(data, rests, sizeOf(rests, roughnessOf(data), data.statedForceNoise));
+    const double least = leastForceNoise(data);
+    const auto sizedBy = [&](double stated) {
+        return withoutSwing(data, rests, stated, least, sizeOf(rests, roughnessFor(data, stated), stated, least));
+    };
+    Sized sized = sizedBy(data.statedForceNoise);
+    double stated = data.statedForceNoise;
+    if (stated > 0.0 && sized.atEdge && refutes(data, rests, sized.noise))
+        if (Sized other = sizedBy(0.0); other.noise.total() > 0.0) {
+            sized = std::move(other);
+            stated = 0.0;
+        }
     Noise best = sized.noise;
     best.marker = markerNoiseOf(data);
     if (best.total() <= 0.0)
         return best;
+    const bool inSteps = best.white < least;
+    if (inSteps) {
+        best.white = least;
+        for (Noise::Possible& p : best.possible)
+            p.white = std::max(p.white, least);
+    }
     for (const Rest& q : rests)
         best.quietSeconds += q.time[q.time.size() - 1] - q.time[0];
     fromRepeats(sized.still ? *sized.still : data, best);
     char words[280];
-    std::snprintf(
-        words, sizeof words,
-        "%.1f s of rest in %zu stretches and neighbouring rows of all runs, with the stated size as a prior; ",
-        best.quietSeconds, rests.size());
+    std::snprintf(words, sizeof words, "%.1f s of rest in %zu stretches and neighbouring rows of all runs%s; ",
+                  best.quietSeconds, rests.size(), stated > 0.0 ? ", with the stated size as a prior" : "");
     best.source = words;
+    if (stated < data.statedForceNoise) {
+        std::snprintf(words, sizeof words, "the stated noise of %.3g %s was found to be %.3g %s; ",
+                      data.statedForceNoise, data.unit.c_str(), best.total(), data.unit.c_str());
+        best.source += words;
+    }
     if (best.repeats > 0)
         std::snprintf(words, sizeof words, "%zu repeats scatter by %.3g N beyond it", best.repeats, best.runToRun);
     else
         std::snprintf(words, sizeof words, "no repeats were recorded");
     best.source += words;
+    if (inSteps) {
+        std::snprintf(words, sizeof words, "; readings come in steps of %.3g %s, no smaller noise is believed",
+                      least * std::sqrt(12.0), data.unit.c_str());
+        best.source += words;
+    }
     if (best.swing > 0.0) {
         std::snprintf(words, sizeof words,
                       "; a swing of %.3g N with a period of %.3g s, which rests show, is none of it", best.swing,

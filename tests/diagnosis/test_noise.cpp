@@ -1,0 +1,179 @@
+#include "toy.h"
+
+#include "plugin/diagnosis/noise.h"
+
+#include <catch2/catch.hpp>
+#include <functional>
+
+using namespace supercircle::diagnosis;
+
+namespace {
+
+const double kTotal = std::hypot(toy::kWhite, toy::kColoured);
+
+/// Recordings in which nothing is missing, their noise `times` as large as they state.
+Data noisier(std::uint64_t seed, double times, double cubic = 0.0) {
+    Data data = toy::recordings(seed, "cubic", cubic);
+    const toy::Spring spring(data);
+    const Point truth{{103.0, 0.08}, {{2, {cubic}}}};
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        const Eigen::VectorXd quiet = spring.simulate(r, truth, Fineness::Fine, nullptr).force;
+        data.runs[r].force = quiet + times * (data.runs[r].force - quiet);
+    }
+    return data;
+}
+
+Diagnosis diagnosisOf(const Data& data) {
+    const toy::Spring spring(data);
+    Store store;
+    Evaluator evaluator(spring, data.runs.size(), {}, store);
+    return diagnose(data, evaluator, toy::exact());
+}
+
+} // namespace
+
+TEST_CASE("noise that is not what is stated is found, and is no physics", "[diagnosis]") {
+    for (const double times : {0.04, 0.2, 5.0, 100.0})
+        for (const std::uint64_t seed : {1, 2, 3}) {
+            CAPTURE(times, seed);
+            const Noise noise = estimateNoise(noisier(seed, times));
+            CHECK(noise.total() == Approx(times * kTotal).epsilon(0.2));
+            CHECK(noise.white == Approx(times * toy::kWhite).epsilon(0.1));
+            CHECK_THAT(noise.source, Catch::Contains("the stated noise of 0.01 N was found to be "));
+            CHECK_THAT(noise.source, !Catch::Contains("prior"));
+        }
+    for (const std::uint64_t seed : {11, 12, 13}) {
+        const Diagnosis d = diagnosisOf(noisier(seed, 5.0));
+        INFO(d.statement);
+        CHECK((d.verdict == "nothing_missing" || d.verdict == "not_enough_information"));
+        CHECK(d.baselinePerRow == Approx(1.0).margin(0.15)); // 25 with the stated noise
+    }
+}
+
+TEST_CASE("noise within what is stated keeps the stated size as a prior", "[diagnosis]") {
+    for (const double times : {0.7, 1.0, 1.3}) {
+        const Noise noise = estimateNoise(noisier(4, times));
+        CHECK(noise.total() == Approx(times * kTotal).epsilon(0.2));
+        CHECK_THAT(noise.source, Catch::Contains(", with the stated size as a prior; no repeats"));
+    }
+}
+
+TEST_CASE("bends of a curve are no noise of a quiet sensor", "[diagnosis]") {
+    Data data = noisier(7, 1e-4, 4e5); // second differences of the cubic law are up to 1 mN, a thousand times the noise
+    data.statedForceNoise = 1e-6;
+    const Noise noise = estimateNoise(data);
+    CHECK(noise.total() < 4e-6);
+    CHECK_THAT(noise.source, Catch::Contains(", with the stated size as a prior; no repeats"));
+}
+
+TEST_CASE("noise that nobody stated is as large as it is", "[diagnosis]") {
+    for (const double times : {0.04, 5.0}) {
+        Data data = noisier(5, times);
+        data.statedForceNoise = 0.0;
+        const Noise noise = estimateNoise(data);
+        CHECK(noise.total() == Approx(times * kTotal).epsilon(0.2));
+        CHECK_THAT(noise.source, !Catch::Contains("stated"));
+    }
+}
+
+namespace {
+
+/// One marker on a machine that never rests.
+Data moving(const std::function<double(double)>& track, double deviation) {
+    Data data;
+    data.runs = {toy::motion("slow", 1e-3, 25.0)};
+    RecordedRun& run = data.runs.front();
+    run.legs = {{Phase::Loading, 0.0, run.time[run.time.size() - 1], 1e-3}};
+    run.leg.assign(run.leg.size(), 0);
+    run.markerCount = 1;
+    run.markerTime = run.time;
+    run.markerLeg = run.leg;
+    const Eigen::Index n = run.time.size();
+    run.markers.resize(2 * n);
+    Random random(6);
+    for (Eigen::Index k = 0; k < 2 * n; ++k)
+        run.markers[k] = track(run.time[k % n]) + deviation * random.normal();
+    return data;
+}
+
+/// In steps of `size`.
+double stepped(double v, double size) {
+    return size * std::round(v / size);
+}
+
+} // namespace
+
+TEST_CASE("the noise of markers is never taken for zero where it can be told", "[diagnosis]") {
+    const auto bends = [](double t) { return 5e-3 * std::sin(0.3 * t); };
+    // 2 x 600 fourth differences: the median of absolute values of such correlated ones scatters by some 5 %.
+    Data shaken = moving(bends, 2e-5);
+    CHECK(estimateNoise(shaken).marker == Approx(2e-5).epsilon(0.2));
+    shaken.statedMarkerNoise = 3e-5;
+    CHECK(estimateNoise(shaken).marker == 3e-5); // nothing rests: it is as stated
+    const Data coarse = moving([&](double t) { return stepped(bends(t), 1e-3); }, 0.0);
+    CHECK(estimateNoise(coarse).marker == Approx(1e-3 / std::sqrt(12.0)));
+    const Data apart = moving([&](double t) { return t < 5.0 ? 0.0 : 1e-3; }, 0.0);
+    CHECK(estimateNoise(apart).marker == Approx(1e-3 / std::sqrt(12.0)));
+    CHECK(estimateNoise(moving([](double) { return 1.0; }, 0.0)).marker == 0.0);
+    Data free = shaken;
+    free.free = true;
+    free.statedMarkerNoise = 0.0;
+    CHECK(estimateNoise(free).marker == Approx(2e-5).epsilon(0.2));
+}
+
+TEST_CASE("the noise of short runs that nobody stated is told from all of them", "[diagnosis]") {
+    double sum = 0.0;
+    constexpr int kTrials = 10;
+    for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+        Data data = toy::recordings(seed);
+        data.statedForceNoise = 0.0;
+        for (RecordedRun& run : data.runs) { // 22 rows, all of them on the way down
+            run.time = run.time.segment(30, 22).eval();
+            run.displacement = run.displacement.segment(30, 22).eval();
+            run.force = run.force.segment(30, 22).eval();
+            run.legs = {{Phase::Loading, run.time[0], run.time[21], run.legs[1].speed}};
+            run.leg.assign(22, 0);
+        }
+        const Noise noise = estimateNoise(data);
+        CHECK(noise.white > 0.0);
+        sum += noise.white / kTrials;
+    }
+    CHECK(sum == Approx(toy::kWhite).epsilon(0.15)); // 54 differences each, 30 % of luck, 10 % in the mean
+}
+
+TEST_CASE("no noise is smaller than the steps of the readings", "[diagnosis]") {
+    constexpr double kStep = 0.05; // N, five times the noise
+    for (const double stated : {0.0, 0.01}) {
+        Data data = toy::recordings(3);
+        data.statedForceNoise = stated;
+        for (RecordedRun& run : data.runs)
+            for (double& f : run.force)
+                f = stepped(f, kStep);
+        const Noise noise = estimateNoise(data);
+        CHECK(noise.white >= Approx(kStep / std::sqrt(12.0)));
+        CHECK(noise.total() < kStep);
+        data.free = true;
+        CHECK(estimateNoise(data).white >= Approx(kStep / std::sqrt(12.0)));
+    }
+    Data data = toy::recordings(3); // two readings only, nothing stated
+    data.statedForceNoise = 0.0;
+    for (RecordedRun& run : data.runs)
+        for (double& f : run.force)
+            f = f > 0.5 ? 1.0 : 0.0;
+    CHECK(estimateNoise(data).total() > 0.1);
+}
+
+TEST_CASE("without any noise nothing is said, in words", "[diagnosis]") {
+    for (const bool free : {false, true}) {
+        Data data = toy::recordings(3);
+        data.free = free;
+        data.statedForceNoise = 0.0;
+        for (RecordedRun& run : data.runs)
+            run.force.setConstant(0.5);
+        const Diagnosis d = diagnosisOf(data);
+        CHECK(d.verdict == "not_enough_information");
+        CHECK_THAT(d.statement, Catch::Contains("State the noise (force_noise_std_N_approx)"));
+        CHECK(d.forwardRuns == 0);
+        CHECK(d.failure.empty());
+    }
+}

@@ -113,7 +113,10 @@ int diagnose(const DiagnoseArguments& a) {
         return kInterrupted;
     }
     if (!d.failure.empty()) {
-        std::fprintf(stderr, "%s\n", d.failure.c_str());
+        std::fprintf(stderr,
+                     "%s: %s; `supercircle replay %s` keeps what was simulated up to there; mend what the description "
+                     "says of it, or leave the run out\n",
+                     a.file.c_str(), d.failure.c_str(), a.file.c_str());
         return kCannotGoOn;
     }
     auto pictures = diagnosisPictures(d);

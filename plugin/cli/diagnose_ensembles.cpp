@@ -6,7 +6,7 @@
 #include "plugin/record/csv.h"
 #include "plugin/record/files.h"
 #include "plugin/scene/document.h"
-#include "plugin/scene/loader.h"
+#include "plugin/scene/reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,74 +29,83 @@ struct Request {
     std::vector<Ensemble> effects;
 };
 
-/// One place for what is wrong with the file.
 class Loader {
 public:
-    Loader(std::string file, const scene::Document& document) : file_(std::move(file)), document_(document) {}
+    Loader(std::string file, scene::Context& context) : file_(std::move(file)), context_(context) {}
 
-    bool load(Request& r) {
-        const scene::Node& root = document_.root;
-        const scene::Node* quantities = root.find("quantities");
-        if (quantities != nullptr) {
-            r.quantities.clear();
-            for (const scene::Node& q : quantities->children)
-                r.quantities.push_back(q.text);
-            if (quantities->kind != scene::Node::Kind::Array || r.quantities.empty())
-                return wrong("/quantities", "expected a list of column names");
-        }
-        if (!table(root, "recorded", "/recorded", r.quantities, r.recorded) ||
-            !table(root, "nominal", "/nominal", r.quantities, r.nominal))
-            return false;
-        const scene::Node* effects = root.find("effects");
-        for (std::size_t i = 0; effects != nullptr && i < effects->children.size(); ++i) {
-            const scene::Node& entry = effects->children[i];
-            const std::string at = "/effects/" + std::to_string(i);
-            const scene::Node* label = entry.find("label");
-            if (label == nullptr || label->text.empty())
-                return wrong(at, "expected \"label\" and \"file\"");
+    void load(Request& r) {
+        scene::ObjectReader root(context_, context_.document.root, "");
+        root.ignore({"schema"});
+        quantities(root, r.quantities);
+        table(root, "recorded", r.quantities, r.recorded);
+        table(root, "nominal", r.quantities, r.nominal);
+        for (const scene::Place& place : root.array("effects")) {
+            scene::ObjectReader entry(context_, *place.node, place.pointer);
+            if (!entry.valid())
+                continue;
             Ensemble e;
-            if (!table(entry, "file", at + "/file", r.quantities, e))
-                return false;
-            e.label = label->text;
+            table(entry, "file", r.quantities, e);
+            entry.require("label", "the name of the effect");
+            e.label = entry.string("label", "");
+            entry.finish();
             r.effects.push_back(std::move(e));
         }
-        return true;
+        root.finish();
     }
 
 private:
-    bool wrong(const std::string& pointer, const std::string& what) const {
-        std::fprintf(stderr, "%s: %s: %s\n", file_.c_str(), pointer.c_str(), what.c_str());
-        return false;
+    void quantities(scene::ObjectReader& root, std::vector<std::string>& names) {
+        const scene::Node* list = root.find("quantities");
+        if (list == nullptr)
+            return;
+        std::vector<std::string> stated;
+        for (const scene::Place& place : root.array("quantities"))
+            if (place.node->kind == scene::Node::Kind::String && !place.node->text.empty())
+                stated.push_back(place.node->text);
+            else
+                context_.error(*place.node, place.pointer, "this is no name", "the name of a column");
+        if (list->kind == scene::Node::Kind::Array && list->children.empty())
+            context_.error(*list, root.pointerTo("quantities"), "nothing is to be compared", "names of columns");
+        if (!stated.empty())
+            names = std::move(stated);
     }
 
-    bool table(const scene::Node& in, const char* key, const std::string& pointer,
-               const std::vector<std::string>& quantities, Ensemble& out) const {
+    void table(scene::ObjectReader& in, const char* key, const std::vector<std::string>& quantities, Ensemble& out) {
+        constexpr std::size_t kLeast = 4; // fewer have no covariance worth the name
+        out.label = key;
         const scene::Node* name = in.find(key);
-        if (name == nullptr || name->kind != scene::Node::Kind::String)
-            return wrong(pointer, "expected the name of a CSV file with a row for each stack");
-        const fs::path path = fs::path(file_).parent_path() / name->text;
+        if (!in.require(key, "the name of a CSV file with a row for each stack") || in.string(key, "").empty())
+            return;
+        const auto wrong = [&](const std::string& what, const std::string& expected = {}) {
+            context_.error(*name, in.pointerTo(key), what, expected);
+        };
+        const std::string path = (fs::path(file_).parent_path() / name->text).string();
+        std::vector<scene::Problem> unread;
+        const auto text = scene::readFile(path, unread);
+        if (!text)
+            return wrong(unread.front().toString());
         record::CsvOptions options;
         options.required = quantities;
         options.ignored = {"scene", "snap_type"};
-        const auto series = record::readCsv(path.string(), options);
+        const auto series = record::parseCsv(*text, path, options);
         if (!series)
-            return wrong(pointer, series.error);
-        out.label = key;
+            return wrong(series.error);
         const std::size_t rows = series.value.rows();
+        if (rows < kLeast)
+            return wrong(path + " holds " + std::to_string(rows) + " stacks", "at least 4");
         out.values.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(quantities.size()));
         for (std::size_t q = 0; q < quantities.size(); ++q)
             for (std::size_t k = 0; k < rows; ++k) {
                 const double v = (*series.value.find(quantities[q]))[k];
                 if (!std::isfinite(v))
-                    return wrong(pointer,
-                                 path.string() + ": row " + std::to_string(k + 1) + " has no " + quantities[q]);
+                    return wrong(path + ":" + std::to_string(record::lineOfRow(*text, k)) + ": there is no " +
+                                 quantities[q]);
                 out.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(q)) = v;
             }
-        return true;
     }
 
     std::string file_;
-    const scene::Document& document_;
+    scene::Context& context_;
 };
 
 std::string jsonOf(const EnsembleDiagnosis& d, std::int64_t seed) {
@@ -135,7 +144,12 @@ std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
     if (schema == nullptr || schema->text != "stack-ensembles/1")
         return std::nullopt;
     Request request;
-    if (!Loader(a.file, *document).load(request))
+    scene::Scope none;
+    scene::Context context{*document, problems, none};
+    Loader(a.file, context).load(request);
+    for (const scene::Problem& p : problems)
+        std::fprintf(stderr, "%s\n", p.toString().c_str());
+    if (scene::anyError(problems))
         return kBadInput;
     const EnsembleDiagnosis d = diagnosis::diagnoseEnsembles(request.quantities, request.recorded, request.nominal,
                                                              request.effects, static_cast<std::uint64_t>(a.seed));

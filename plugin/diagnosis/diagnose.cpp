@@ -73,6 +73,7 @@ private:
     [[nodiscard]] const std::vector<Candidate>& candidates() const { return evaluator_.model().candidates(); }
 
     void withoutNoise();
+    [[nodiscard]] std::string firstFailure(const std::vector<Response>& all) const;
     bool nominal();
     void locate();
     void look();
@@ -118,6 +119,13 @@ void Work::withoutNoise() {
     out_.baselineTraining = out_.baselineHeldOut = out_.baselinePerRow = std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string Work::firstFailure(const std::vector<Response>& all) const {
+    for (std::size_t r = 0; r < all.size(); ++r)
+        if (!all[r].failure.empty())
+            return data_.runs[r].name + " cannot be simulated as it is described: " + all[r].failure;
+    return {};
+}
+
 bool Work::nominal() {
     stage(0.02, "nominal fit");
     if (settings_.ablation.whitening)
@@ -131,10 +139,15 @@ bool Work::nominal() {
     for (int round = 0; round < 2; ++round) {
         const auto fine = evaluator_.everywhere({at}, Fineness::Fine).front();
         const auto coarse = evaluator_.everywhere({at}, Fineness::Coarse).front();
+        if (out_.failure = firstFailure(fine); !out_.failure.empty() || evaluator_.stopped()) {
+            out_.failure = evaluator_.stopped() ? "" : out_.failure;
+            return false;
+        }
         misfit_ = std::make_unique<Misfit>(data_, out_.noise, fine, coarse, settings_.misfit);
         base_ = fit(evaluator_, *misfit_, at);
         if (!base_.failure.empty() || evaluator_.stopped()) {
-            out_.failure = evaluator_.stopped() ? "" : base_.failure;
+            const std::string which = firstFailure(base_.responses);
+            out_.failure = evaluator_.stopped() ? "" : which.empty() ? base_.failure : which;
             return false;
         }
         at = base_.point;

@@ -92,8 +92,14 @@ std::string statement(const EnsembleDiagnosis& d) {
     const std::string shift = most->quantity + " is " + rounded(most->recorded, 3) + " in the recordings and " +
                               rounded(most->simulated, 3) +
                               " in the simulation without extra physics (family-wise p = " + rounded(most->p, 3) + ")";
-    if (d.verdict == "nothing_missing" || d.verdict == "not_enough_information")
+    if (d.verdict == "nothing_missing")
         return "The recorded ensemble agrees with the simulated one: at most, " + shift + ".";
+    if (d.verdict == "not_enough_information") {
+        const std::string believed = "nothing is missing with a probability of " + rounded(d.nothing, 3) + ".";
+        return d.p <= kFamilyWise
+                   ? "The ensembles differ: " + shift + ", too little to believe in an effect: " + believed
+                   : "These stacks do not decide whether the ensembles differ: at most, " + shift + "; " + believed;
+    }
     if (d.verdict == "named")
         return "The ensembles differ: " + shift + "; " + d.effects.front().label + " shifts them alike.";
     if (d.verdict == "unexplained")

@@ -215,10 +215,14 @@ replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t ru
     const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / longest);
     std::atomic<bool> enough{false};
     int steps = 0;
-    const auto count = [&](double) { enough = ++steps > most || (interrupt != nullptr && interrupt->load()); };
+    double share = 0.0; // of the drive
+    const auto count = [&](double done) {
+        share = done;
+        enough = ++steps > most || (interrupt != nullptr && interrupt->load());
+    };
     replay::Simulated s = replay::simulate(e, run, p, resolution, {&enough, count});
     if (s.failure.empty() && s.stopped)
-        s.failure = "too many steps";
+        s.failure = "too many steps (at t = " + std::to_string(e.runs[run].driveTime.front() + share * time) + " s)";
     return s;
 }
 

@@ -149,6 +149,28 @@ TEST_CASE("noise does not swing, nor does what relaxes", "[diagnosis]") {
     }
 }
 
+TEST_CASE("a run that cannot be simulated is named, with the time", "[diagnosis]") {
+    class Breaks final : public Model {
+    public:
+        explicit Breaks(const Data& data) : spring_(data) {}
+        [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+        [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
+        [[nodiscard]] std::string identity() const override { return "breaks"; }
+        [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                        const std::atomic<bool>* interrupt) const override {
+            Response out = spring_.simulate(r, p, f, interrupt);
+            out.failure = r == 1 ? "the wire broke (at t = 2 s)" : "";
+            return out;
+        }
+
+    private:
+        toy::Spring spring_;
+    };
+    const Data data = toy::recordings(11);
+    CHECK(run(data, Breaks(data)).failure ==
+          "fast cannot be simulated as it is described: the wire broke (at t = 2 s)");
+}
+
 TEST_CASE("the weights and the verdict are one statement", "[diagnosis]") {
     for (std::uint64_t seed = 40; seed < 52; ++seed) {
         // From nothing to an effect that is just seen.

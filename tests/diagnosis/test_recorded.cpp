@@ -5,11 +5,13 @@
 #include "plugin/diagnosis/replay_model.h"
 #include "plugin/experiment/load.h"
 #include "supercircle/step/parallel.h"
+#include "tests/support/folder.h"
 
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
 using namespace supercircle;
@@ -84,4 +86,29 @@ TEST_CASE("the verb answers bad input with code 2", "[diagnosis]") {
     CHECK(exitCode(std::string(SC_TEST_DATA) + "/recordings/baseline/case_106/experiment.json --jobs 0") == 2);
     CHECK(exitCode(std::string(SC_TEST_DATA) +
                    "/recordings/baseline/case_106/experiment.json --out /proc/no/such/place") == 4);
+}
+
+TEST_CASE("the verb says which run cannot be simulated, when, and what to do", "[diagnosis]") {
+    const test::Folder folder;
+    const std::string from = std::string(SC_TEST_DATA) + "/recordings/baseline/case_106/experiment.json";
+    auto e = nlohmann::json::parse(std::ifstream(from));
+    auto& drive = e["runs"][0];
+    drive["drive_time_s"] = {0, 1, 3};
+    drive["drive_displacement_mm"] = {0, 0, 30}; // the plates are 20 mm apart
+    drive.erase("markers_file");
+    e["markers"] = nlohmann::json::array();
+    std::string rows = "time_s,displacement_mm,force_N\n";
+    for (int k = 0; k < 75; ++k) {
+        const double moving = std::max(0.0, 0.04 * k - 1.0);
+        rows += std::to_string(0.04 * k) + "," + std::to_string(15.0 * moving) + "," +
+                std::to_string(0.1 * moving + 1e-3 * (k % 3)) + "\n";
+    }
+    folder.write("run_1.csv", rows);
+    const std::string file = folder.write("experiment.json", e.dump());
+    const auto end = test::start(std::string(SC_PROGRAM) + " diagnose " + file + " --out " + folder.path + "/out");
+    CHECK(end.code == 3);
+    using Catch::Contains;
+    CHECK_THAT(end.text, Contains(file + ": run_1.csv cannot be simulated as it is described: ") &&
+                             Contains("(at t = ") && Contains("`supercircle replay " + file + "`") &&
+                             Contains("leave the run out"));
 }

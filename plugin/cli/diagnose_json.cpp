@@ -112,9 +112,9 @@ std::string diagnosisJson(const Diagnosis& d) {
                            {"fitted", n.fitted},
                            {"tension", n.tension},
                            {"unit", n.unit}};
-    const Json improved =
-        d.improved ? Json{{"training_rmse" + unit, d.improvedTraining}, {"heldout_rmse" + unit, d.improvedHeldOut}}
-                   : Json(nullptr);
+    const auto errors = [&](double training, double heldOut) {
+        return Json{{"training_rmse" + unit, finite(training)}, {"heldout_rmse" + unit, finite(heldOut)}};
+    };
     Json next = nullptr;
     if (d.next)
         next = {{"what", d.next->run.what},
@@ -140,11 +140,11 @@ std::string diagnosisJson(const Diagnosis& d) {
         {"probability_nothing", d.nothing},
         {"probability_unknown", d.unknown},
         {"fit",
-         {{"baseline", {{"training_rmse" + unit, d.baselineTraining}, {"heldout_rmse" + unit, d.baselineHeldOut}}},
-          {"improved", improved},
+         {{"baseline", errors(d.baselineTraining, d.baselineHeldOut)},
+          {"improved", errors(d.improvedTraining, d.improvedHeldOut)},
           {"noise_floor_rmse" + unit, d.noise.total()},
           {"improvement_ci90", {d.improvementCi.low, d.improvementCi.high}},
-          {"baseline_misfit_per_row", d.baselinePerRow}}},
+          {"baseline_misfit_per_row", finite(d.baselinePerRow)}}},
         {"nominal", nominal},
         {"homogeneity", {{"q", d.homogeneity.q}, {"degrees", d.homogeneity.degrees}, {"p_value", d.homogeneity.p}}},
         {"left_over", windowsOf(d.left, d.channel)},

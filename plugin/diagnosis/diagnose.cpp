@@ -117,6 +117,7 @@ void Work::withoutNoise() {
     out_.nothing = kNothing;
     out_.unknown = kUnknown;
     out_.baselineTraining = out_.baselineHeldOut = out_.baselinePerRow = std::numeric_limits<double>::quiet_NaN();
+    out_.improvedTraining = out_.improvedHeldOut = out_.baselineTraining;
 }
 
 std::string Work::firstFailure(const std::vector<Response>& all) const {
@@ -411,6 +412,12 @@ void Work::conclude() {
     conclusions(w, e);
     out_.verdict = verdictOf(e);
     out_.improved = out_.improved && out_.verdict != "nothing_missing"; // what came nearest would only mislead
+    if (!out_.improved) { // the simulation as it is stands: errors and intervals are its own
+        out_.improvedTraining = out_.baselineTraining;
+        out_.improvedHeldOut = out_.baselineHeldOut;
+        out_.improvement = 0.0;
+        out_.improvementCi = {};
+    }
     present();
     suggest();
     out_.statement = statementOf(out_, e);

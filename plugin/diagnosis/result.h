@@ -112,7 +112,7 @@ struct Diagnosis {
     std::vector<LearnedLaw> learned;  ///< best first
     double nothing = 0.0, unknown = 0.0;
     double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
-    bool improved = false; ///< whether the last two mean something: not where nothing is missing
+    bool improved = false; ///< whether the last two are an effect's; else they are those of the simulation as it is
     double improvement = 0.0;
     Interval improvementCi{};
     double baselinePerRow = 0.0; ///< chi^2 / rows

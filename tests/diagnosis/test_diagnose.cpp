@@ -36,6 +36,9 @@ TEST_CASE("where nothing is missing nothing is named", "[diagnosis]") {
     CHECK(d.verdict == "nothing_missing");
     CHECK(d.nothing > 0.5);
     CHECK_FALSE(d.improved); // though effects were tried
+    CHECK(d.improvedTraining == d.baselineTraining);
+    CHECK(d.improvedHeldOut == d.baselineHeldOut);
+    CHECK((d.improvement == 0.0 && d.improvementCi.low == 0.0 && d.improvementCi.high == 0.0));
     for (const RunCurves& run : d.runs)
         CHECK((run.improved.empty() && run.shows.empty()));
     CHECK(d.baselinePerRow == Approx(1.0).margin(0.15)); // 900 rows: 5 % of luck, and the noise's own uncertainty
@@ -45,13 +48,20 @@ TEST_CASE("where nothing is missing one diagnosis in twenty stands out, the nois
           "[diagnosis]") {
     // Rests of these runs hold some 24 memories of the slow noise. Its size is known to a quarter; taken for exact it
     // made 12 alarms of 40.
-    int alarms = 0;
+    int alarms = 0, fitted = 0;
     constexpr int kTrials = 30;
     for (int i = 0; i < kTrials; ++i) {
         const Data data = toy::recordings(static_cast<std::uint64_t>(201 + i));
         const toy::Spring spring(data);
-        alarms += run(data, spring).mismatch.p <= 0.05 ? 1 : 0;
+        const Diagnosis d = run(data, spring);
+        alarms += d.mismatch.p <= 0.05 ? 1 : 0;
+        if (d.verdict == "nothing_missing") { // an effect that was fitted is not what is shown
+            fitted += d.effects.empty() ? 0 : 1;
+            CHECK(d.improvedHeldOut == d.baselineHeldOut);
+            CHECK((d.improvement == 0.0 && d.improvementCi.low == 0.0 && d.improvementCi.high == 0.0));
+        }
     }
+    CHECK(fitted > 0);
     CHECK(alarms <= 5); // binomial with 5 %: 1.5 +- 1.2; six or more in 0.3 % of all luck
 }
 

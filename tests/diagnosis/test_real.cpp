@@ -66,6 +66,8 @@ TEST_CASE("a real bow of a steel strip lacks nothing", "[diagnosis][real]") {
     CHECK((d.at("verdict") == "nothing_missing" || d.at("verdict") == "not_enough_information"));
     CHECK(d.at("probability_nothing").get<double>() > 0.9);
     CHECK(d.at("fit").at("baseline").at("training_rmse_N").get<double>() < 0.06); // read to .05 N
+    if (d.at("verdict") == "nothing_missing")
+        CHECK(d.at("fit").at("improved") == d.at("fit").at("baseline"));
 }
 
 TEST_CASE("friction of a real bearing accounts for a real pendulum's losses", "[diagnosis][real]") {

@@ -207,7 +207,8 @@ void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         style.xTicks = 5;
         style.yTicks = 3;
         plot.drawFrame(canvas, style);
-        canvas.text({x, y - 5.0}, c.markers[i].channel + ", arc fraction " + fixed(c.markers[i].arcFraction, 2),
+        const double place = c.markers[i].arcFraction;
+        canvas.text({x, y - 5.0}, c.markers[i].channel + (place < 0.0 ? "" : ", arc fraction " + fixed(place, 2)),
                     {theme::tickSize, theme::ink});
         canvas.pushClip(plot.area);
         plot.drawLine(canvas, c.markerTime, before[i], {theme::loading, 1.3});

@@ -59,6 +59,10 @@ public:
             if (!evaluator_.stopped() && out_.failure.empty())
                 conclude();
         }
+        if (data_.free) // markers sit on bodies, not along a specimen
+            for (Localisation* l : {&out_.mismatch, &out_.left})
+                for (Window& w : l->significant)
+                    w.arcFraction = -1.0;
         out_.stopped = evaluator_.stopped();
         out_.forwardRuns = evaluator_.asked();
         out_.elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();

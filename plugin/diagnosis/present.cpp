@@ -112,7 +112,8 @@ std::vector<MarkerCurve> markerCurves(const Misfit& misfit, std::size_t r, const
     for (Index c = 0; c < 2 * static_cast<Index>(run.markerCount); ++c) {
         MarkerCurve m;
         m.channel = misfit.data().markerChannel(c);
-        m.arcFraction = misfit.data().arcFraction[static_cast<std::size_t>(c / 2)];
+        if (!misfit.data().free)
+            m.arcFraction = misfit.data().arcFraction[static_cast<std::size_t>(c / 2)];
         const Index first = run.force.size() + c * seen; // of the run's rows
         m.residual = list(nominal.residual.segment(misfit.start(r) + first, seen));
         if (best != nullptr)

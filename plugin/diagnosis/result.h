@@ -76,8 +76,8 @@ struct Stretch {
 
 /// What is left of one coordinate of one marker, in rows of its run's `markerTime`.
 struct MarkerCurve {
-    std::string channel; ///< "M1_x", as in windows
-    double arcFraction = 0.0;
+    std::string channel;                            ///< "M1_x", as in windows
+    double arcFraction = -1.0;                      ///< -1: its body has none
     std::vector<double> residual, residualImproved; ///< whitened; improved empty: none
     std::vector<bool> counts;
 };

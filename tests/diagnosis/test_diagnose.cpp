@@ -181,6 +181,52 @@ TEST_CASE("a run that cannot be simulated is named, with the time", "[diagnosis]
           "fast cannot be simulated as it is described: the wire broke (at t = 2 s)");
 }
 
+TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]") {
+    class Follows final : public Model {
+    public:
+        explicit Follows(const Data& data) : spring_(data) {}
+        [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+        [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
+        [[nodiscard]] std::string identity() const override { return "follows"; }
+        [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                        const std::atomic<bool>* interrupt) const override {
+            Response out = spring_.simulate(r, p, f, interrupt);
+            out.markers = Eigen::VectorXd::Zero(r == 0 ? 2 * out.force.size() : 0);
+            return out;
+        }
+
+    private:
+        toy::Spring spring_;
+    };
+    Data data = toy::recordings(11);
+    data.statedMarkerNoise = 3e-5;
+    data.markerNames = {"M1"};
+    data.arcFraction = {0.25};
+    RecordedRun& slow = data.runs.front();
+    slow.markerCount = 1;
+    slow.markerTime = slow.time;
+    slow.markerLeg = slow.leg;
+    const Eigen::Index n = slow.time.size();
+    slow.markers = Eigen::VectorXd::Zero(2 * n);
+    Random random(5);
+    for (Eigen::Index k = 0; k < 2 * n; ++k) // swings that nothing simulates
+        slow.markers[k] = 3e-5 * random.normal() + 2e-4 * std::sin(3.0 * slow.time[k % n]);
+    for (const bool free : {false, true}) {
+        data.free = free;
+        const Diagnosis d = run(data, Follows(data));
+        const auto place = free ? -1.0 : 0.25;
+        int markers = 0;
+        for (const Window& w : d.mismatch.significant)
+            if (w.channel.rfind("M1", 0) == 0) {
+                ++markers;
+                CHECK(w.arcFraction == place);
+            }
+        CHECK(markers > 0);
+        REQUIRE_FALSE(d.runs.front().markers.empty());
+        CHECK(d.runs.front().markers.front().arcFraction == place);
+    }
+}
+
 TEST_CASE("the weights and the verdict are one statement", "[diagnosis]") {
     for (std::uint64_t seed = 40; seed < 52; ++seed) {
         // From nothing to an effect that is just seen.

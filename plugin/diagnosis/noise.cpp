@@ -51,25 +51,37 @@ double whiteOf(std::vector<double> fourthDifferences) {
     return kMadToSigma * median(std::move(fourthDifferences)) / std::sqrt(70.0); // 1 + 16 + 36 + 16 + 1
 }
 
-/// Distinct readings whose smallest step is taken for the resolution; fewer may be apart for another reason.
-constexpr int kSteps = 5;
-
-/// The smallest step between distinct readings, beyond round-off; infinite: there are fewer than `fewest`.
-double smallestStep(const Eigen::Ref<const Eigen::VectorXd>& v, int fewest) {
-    std::vector<double> sorted;
+/// Between neighbours among the distinct readings, beyond round-off.
+std::vector<double> gapsOf(const Eigen::Ref<const Eigen::VectorXd>& v) {
+    std::vector<double> sorted, gaps;
     for (const double x : v)
         if (std::isfinite(x))
             sorted.push_back(x);
     std::sort(sorted.begin(), sorted.end());
-    double least = std::numeric_limits<double>::infinity();
-    int distinct = sorted.empty() ? 0 : 1;
     const double digits = sorted.empty() ? 0.0 : 1e-12 * std::max(-sorted.front(), sorted.back());
     for (std::size_t i = 1; i < sorted.size(); ++i)
-        if (const double step = sorted[i] - sorted[i - 1]; step > digits) {
-            least = std::min(least, step);
-            ++distinct;
-        }
-    return distinct < fewest ? std::numeric_limits<double>::infinity() : least;
+        if (const double gap = sorted[i] - sorted[i - 1]; gap > digits)
+            gaps.push_back(gap);
+    return gaps;
+}
+
+double smallestGap(const Eigen::Ref<const Eigen::VectorXd>& v) {
+    const std::vector<double> gaps = gapsOf(v);
+    return gaps.empty() ? std::numeric_limits<double>::infinity() : *std::min_element(gaps.begin(), gaps.end());
+}
+
+/// The step in which readings come, infinite: none. Readings in steps are equal in many rows and multiples of the step
+/// apart; few readings of a steep curve, or a curve that rests and then moves, are not.
+double stepOf(const Eigen::Ref<const Eigen::VectorXd>& v) {
+    constexpr double kNone = std::numeric_limits<double>::infinity(), kOff = 0.1; // of a step, as written in a file
+    constexpr std::size_t kFewest = 5; // fewer may be apart for another reason
+    const std::vector<double> apart = gapsOf(v);
+    if (apart.size() + 1 < kFewest || 2 * (apart.size() + 1) > static_cast<std::size_t>(v.size()))
+        return kNone;
+    const double least = *std::min_element(apart.begin(), apart.end());
+    const bool multiples = std::all_of(apart.begin(), apart.end(),
+                                       [&](double d) { return std::abs(d / least - std::round(d / least)) < kOff; });
+    return multiples ? least : kNone;
 }
 
 /// Readings in steps are evenly distributed around the truth: no sensor is better. 0: nothing is told from them.
@@ -77,10 +89,11 @@ double leastNoise(double step) {
     return std::isfinite(step) ? step / std::sqrt(12.0) : 0.0;
 }
 
-double leastForceNoise(const Data& data, int fewest = kSteps) {
+/// @param size of a step: stepOf, or smallestGap where there is nothing else to go by
+double leastForceNoise(const Data& data, double (*size)(const Eigen::Ref<const Eigen::VectorXd>&)) {
     double step = std::numeric_limits<double>::infinity();
     for (const RecordedRun& run : data.runs)
-        step = std::min(step, smallestStep(run.force, fewest));
+        step = std::min(step, size(run.force));
     return leastNoise(step);
 }
 
@@ -138,7 +151,7 @@ Roughness pooledRoughness(const Data& data) {
         out.dt = std::max(out.dt, run.spacing());
     }
     out.count = std::max(1.0, static_cast<double>(d.size()));
-    out.scale = std::sqrt(6.0) * std::max(leastForceNoise(data, 2), whiteOf(std::move(d)));
+    out.scale = std::sqrt(6.0) * std::max(leastForceNoise(data, smallestGap), whiteOf(std::move(d)));
     out.fourth = 3.0 * out.count; // of a normal distribution: tails are not told from so few
     return out;
 }
@@ -192,8 +205,8 @@ double markerNoiseOf(const Data& data) {
         for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c) {
             const auto track = run.markers.segment(c * run.markerTime.size(), run.markerTime.size());
             addFourthDifferences(track, anywhere);
-            step = std::min(step, smallestStep(track, kSteps));
-            apart = std::min(apart, smallestStep(track, 2));
+            step = std::min(step, stepOf(track));
+            apart = std::min(apart, smallestGap(track));
         }
     if (noise <= 0.0) // neither stated nor at rest: slow motions leave little in fourth differences
         noise = std::max(whiteOf(std::move(anywhere)), leastNoise(apart));
@@ -259,7 +272,7 @@ Noise freeNoise(const Data& data) {
     out.white = whiteOf(std::move(d));
     if (out.white <= 0.0)
         out.white = 0.5 * data.statedForceNoise;
-    out.white = std::max(out.white, leastForceNoise(data, out.white > 0.0 ? kSteps : 2));
+    out.white = std::max(out.white, leastForceNoise(data, out.white > 0.0 ? stepOf : smallestGap));
     const double stated = data.statedForceNoise;
     out.coloured = std::max(0.55 * out.white, std::sqrt(std::max(0.0, stated * stated - out.white * out.white)));
     out.source = "fourth differences of neighbouring rows, and what is stated beyond them; nothing rests here and no "
@@ -383,8 +396,9 @@ Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, double stat
     return other;
 }
 
-/// Whether fourth differences, of rests where there are any, lie to the same side of what is stated. Second differences
-/// alone are no witness: a sensor may be so quiet that bends of the curve are all they show.
+/// Whether fourth differences lie to the same side of what is stated. Second differences alone are no witness: a sensor
+/// may be so quiet that bends of the curve are all they show. That it is quieter than stated only rests tell: slow
+/// noise leaves nothing between neighbours.
 bool refutes(const Data& data, const std::vector<Rest>& rests, const Noise& found) {
     constexpr double kFactor = 1.5;
     std::vector<double> d;
@@ -395,7 +409,7 @@ bool refutes(const Data& data, const std::vector<Rest>& rests, const Noise& foun
             addFourthDifferences(run.force, d);
     const double white = whiteOf(std::move(d));
     return found.white > data.statedForceNoise ? white > kFactor * data.statedForceNoise
-                                               : white < data.statedForceNoise / kFactor;
+                                               : !rests.empty() && white < data.statedForceNoise / kFactor;
 }
 
 } // namespace
@@ -404,7 +418,7 @@ Noise estimateNoise(const Data& data) {
     if (data.free)
         return freeNoise(data);
     const std::vector<Rest> rests = restsOf(data);
-    const double least = leastForceNoise(data);
+    const double least = leastForceNoise(data, stepOf);
     const auto sizedBy = [&](double stated) {
         return withoutSwing(data, rests, stated, least, sizeOf(rests, roughnessFor(data, stated), stated, least));
     };

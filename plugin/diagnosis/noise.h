@@ -9,10 +9,10 @@
 // hold few memories of the coloured part, so c is known to some 25 %: what is possible beside the most probable values
 // is kept, for the null of the localisation.
 //
-// Where the most probable size lies 2.2 times above the stated one or 2.7 times below it, and fourth differences (of
-// rests where there are any) lie to the same side, what is stated is refuted and no prior any more; the source says so.
-// Nothing is less noisy than steps between its readings, evenly distributed around the truth; where nothing is stated
-// and nothing rests, fourth differences of all rows have to do.
+// Where the most probable size lies 2.2 times above the stated one or 2.7 times below it (which only rests can tell),
+// and fourth differences, of rests where there are any, lie to the same side, what is stated is refuted and no prior
+// any more; the source says so. Nothing is less noisy than the steps in which readings come, evenly distributed around
+// the truth; where nothing is stated and nothing rests, fourth differences of all rows have to do.
 //
 // Runs that repeat another one (same drive, same rows) differ by more than their sensors: half the variance of their
 // difference, its mean and the sensor's part taken out, is the scatter from run to run. Without repeats it is unknown

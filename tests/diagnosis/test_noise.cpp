@@ -23,6 +23,11 @@ Data noisier(std::uint64_t seed, double times, double cubic = 0.0) {
     return data;
 }
 
+/// In steps of `size`.
+double stepped(double v, double size) {
+    return size * std::round(v / size);
+}
+
 Diagnosis diagnosisOf(const Data& data) {
     const toy::Spring spring(data);
     Store store;
@@ -66,6 +71,33 @@ TEST_CASE("bends of a curve are no noise of a quiet sensor", "[diagnosis]") {
     CHECK_THAT(noise.source, Catch::Contains(", with the stated size as a prior; no repeats"));
 }
 
+TEST_CASE("what only neighbouring rows show does not refute what is stated", "[diagnosis]") {
+    Data data = noisier(8, 0.1);
+    for (RecordedRun& run : data.runs)
+        for (Leg& leg : run.legs) // nothing rests: a noise of some seconds would not show
+            leg.phase = Phase::Loading;
+    CHECK_THAT(estimateNoise(data).source, Catch::Contains(", with the stated size as a prior"));
+    data = noisier(8, 5.0);
+    for (RecordedRun& run : data.runs)
+        for (Leg& leg : run.legs)
+            leg.phase = Phase::Loading;
+    CHECK(estimateNoise(data).white == Approx(5.0 * toy::kWhite).epsilon(0.2));
+}
+
+TEST_CASE("readings of a steep curve are far apart, and in no steps", "[diagnosis]") {
+    Data data = toy::recordings(9);
+    data.runs.resize(1);
+    RecordedRun& run = data.runs.front();
+    run.legs = {{Phase::Loading, 0.0, 20.0, 1e-3}};
+    run.time = Eigen::VectorXd::LinSpaced(21, 0.0, 20.0);
+    run.displacement = 1e-3 * run.time;
+    run.leg.assign(21, 0);
+    run.force = Eigen::VectorXd::LinSpaced(21, 0.0, 16.0); // .8 N from row to row, as exact as it is read
+    for (Eigen::Index k = 0; k < 21; ++k)
+        run.force[k] = stepped(run.force[k] + 0.01 * std::sin(5.0 * static_cast<double>(k)), 1e-3);
+    CHECK(estimateNoise(data).total() == Approx(0.01).epsilon(0.3));
+}
+
 TEST_CASE("noise that nobody stated is as large as it is", "[diagnosis]") {
     for (const double times : {0.04, 5.0}) {
         Data data = noisier(5, times);
@@ -94,11 +126,6 @@ Data moving(const std::function<double(double)>& track, double deviation) {
     for (Eigen::Index k = 0; k < 2 * n; ++k)
         run.markers[k] = track(run.time[k % n]) + deviation * random.normal();
     return data;
-}
-
-/// In steps of `size`.
-double stepped(double v, double size) {
-    return size * std::round(v / size);
 }
 
 } // namespace

@@ -181,6 +181,21 @@ TEST_CASE("a run that cannot be simulated is named, with the time", "[diagnosis]
           "fast cannot be simulated as it is described: the wire broke (at t = 2 s)");
 }
 
+TEST_CASE("what a load cell reads that nobody tared is no physics", "[diagnosis]") {
+    Data data = toy::recordings(11);
+    double zero = 0.05; // N, five deviations of the noise; the peak is 1.1 N
+    for (RecordedRun& run : data.runs) {
+        run.force.array() += zero;
+        zero = -zero;
+    }
+    const toy::Spring spring(data);
+    const Diagnosis d = run(data, spring);
+    INFO(d.statement);
+    CHECK(d.verdict == "nothing_missing");
+    data.zeroWindow = 0.5; // the same in readings that were tared
+    CHECK(run(data, spring).mismatch.p <= 0.05);
+}
+
 TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]") {
     class Follows final : public Model {
     public:

@@ -53,11 +53,17 @@ std::vector<Leg> legsOf(const experiment::Run& run) {
     return legs;
 }
 
-int legAt(const std::vector<Leg>& legs, double t) {
+/// Of legs or strokes.
+template <class Piece>
+std::size_t pieceAt(const std::vector<Piece>& pieces, double t) {
     std::size_t i = 0;
-    while (i + 1 < legs.size() && t > legs[i].to)
+    while (i + 1 < pieces.size() && t > pieces[i].to)
         ++i;
-    return static_cast<int>(i);
+    return i;
+}
+
+int legAt(const std::vector<Leg>& legs, double t) {
+    return static_cast<int>(pieceAt(legs, t));
 }
 
 double commanded(const experiment::Run& run, double t) {
@@ -96,6 +102,35 @@ RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, d
 
 const Leg& RecordedRun::legAt(double t) const {
     return legs[static_cast<std::size_t>(diagnosis::legAt(legs, t))];
+}
+
+std::vector<Stroke> RecordedRun::strokes() const {
+    constexpr double kRows = 3.0;
+    const double shortest = time.size() > 1 ? kRows * spacing() : 0.0; // s, of a rest that cuts
+    std::vector<Stroke> out;
+    for (std::size_t l = 0; l < legs.size(); ++l) {
+        const Leg& piece = legs[l];
+        const auto joins = [&](const Stroke& s) { return s.phase == piece.phase && piece.phase != Phase::Free; };
+        const std::size_t n = out.size();
+        if (n > 1 && joins(out[n - 2]) && out[n - 1].phase == Phase::Hold && out[n - 1].to - out[n - 1].from < shortest)
+            out.pop_back();
+        if (out.empty() || !joins(out.back()))
+            out.push_back({piece.phase, piece.from, piece.to, 0});
+        out.back().to = piece.to;
+        out.back().end = static_cast<int>(l + 1);
+    }
+    return out;
+}
+
+const Stroke& strokeAt(const std::vector<Stroke>& strokes, double t) {
+    return strokes[pieceAt(strokes, t)];
+}
+
+std::size_t strokeOf(const std::vector<Stroke>& strokes, int leg) {
+    std::size_t i = 0;
+    while (i + 1 < strokes.size() && leg >= strokes[i].end)
+        ++i;
+    return i;
 }
 
 const char* name(Phase phase) {

@@ -20,6 +20,13 @@ struct Leg {
     double speed = 0.0;          ///< m/s, downwards
 };
 
+/// What the drive does from one turning point to the next, in however many legs it is given.
+struct Stroke {
+    Phase phase = Phase::Hold;
+    double from = 0.0, to = 0.0; ///< s
+    int end = 0;                 ///< the leg behind its last one
+};
+
 struct RecordedRun {
     std::string name;
     Eigen::VectorXd time;         ///< s
@@ -39,10 +46,17 @@ struct RecordedRun {
     }
     /// The leg of the drive at a time; there must be one.
     [[nodiscard]] const Leg& legAt(double t) const;
+    /// Neighbouring legs of one direction are one stroke, rests among them too that are shorter than three rows. Legs
+    /// of free runs are half swings, each a stroke.
+    [[nodiscard]] std::vector<Stroke> strokes() const;
     [[nodiscard]] Phase phase(Eigen::Index row) const {
         return legs[static_cast<std::size_t>(leg[static_cast<std::size_t>(row)])].phase;
     }
 };
+
+/// The stroke at a time, and that of a leg; there must be one.
+const Stroke& strokeAt(const std::vector<Stroke>& strokes, double t);
+std::size_t strokeOf(const std::vector<Stroke>& strokes, int leg);
 
 struct Data {
     std::vector<RecordedRun> runs;

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace supercircle::diagnosis {
@@ -48,14 +49,33 @@ double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e) {
     return logDet;
 }
 
-/// One run that goes one way only: fifths of its rows are foretold from the others.
-void cutInto(Grouping& g, int parts) {
-    int present = 0, seen = 0;
-    for (const int f : g.fold)
-        present += f >= 0 ? 1 : 0;
+/// When each row was read, s; infinite: jumps, which belong to the force.
+std::vector<double> timesOf(const Misfit& misfit) {
+    std::vector<double> time(static_cast<std::size_t>(misfit.rows()), std::numeric_limits<double>::infinity());
+    for (std::size_t r = 0; r < misfit.runs(); ++r) {
+        const RecordedRun& run = misfit.data().runs[r];
+        for (Index k = 0; k < run.rows(); ++k)
+            time[static_cast<std::size_t>(misfit.start(r) + k)] =
+                misfit.isForce(r, k) ? run.time[k] : run.markerTime[(k - run.force.size()) % run.markerTime.size()];
+    }
+    return time;
+}
+
+/// One run that goes one way only: stretches of time, a part of its rows in each, are foretold from the others. What
+/// was read at one time is not foretold from each other.
+void cutInto(Grouping& g, const Misfit& misfit, int parts) {
+    const std::vector<double> time = timesOf(misfit);
+    std::vector<double> present;
     for (std::size_t k = 0; k < g.fold.size(); ++k)
         if (g.fold[k] >= 0)
-            g.fold[k] = g.block[k] = std::min(parts - 1, parts * seen++ / std::max(1, present));
+            present.push_back(time[k]);
+    std::sort(present.begin(), present.end());
+    const auto rows = static_cast<long>(present.size());
+    for (std::size_t k = 0; k < g.fold.size(); ++k)
+        if (g.fold[k] >= 0) {
+            const long before = std::lower_bound(present.begin(), present.end(), time[k]) - present.begin();
+            g.fold[k] = g.block[k] = static_cast<int>(std::min<long>(parts - 1, parts * before / rows));
+        }
     g.folds = g.blocks = parts;
 }
 
@@ -83,19 +103,20 @@ Grouping groupingOf(const Misfit& misfit) {
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RecordedRun& run = misfit.data().runs[r];
         // Cycles of a single run: a new one begins with each loading.
+        const std::vector<Stroke> strokes = run.strokes();
         std::vector<int> cycle;
-        for (const Leg& leg : run.legs)
-            cycle.push_back((cycle.empty() ? 0 : cycle.back()) + (leg.phase == Phase::Loading ? 1 : 0));
-        std::map<std::pair<int, bool>, int> blocks;
+        for (const Stroke& stroke : strokes)
+            cycle.push_back((cycle.empty() ? 0 : cycle.back()) + (stroke.phase == Phase::Loading ? 1 : 0));
+        std::map<std::pair<std::size_t, bool>, int> blocks;
         for (Index k = 0; k < misfit.rowsOf(r); ++k) {
-            const int leg = misfit.leg(r, k);
+            const std::size_t stroke = strokeOf(strokes, misfit.leg(r, k));
             if (!misfit.counts(r, k)) {
                 g.fold.push_back(-1);
                 g.block.push_back(-1);
                 continue;
             }
-            g.fold.push_back(byRun ? static_cast<int>(r) : std::max(0, cycle[static_cast<std::size_t>(leg)] - 1));
-            const auto at = blocks.emplace(std::pair(leg, misfit.isMarker(r, k)), g.blocks);
+            g.fold.push_back(byRun ? static_cast<int>(r) : std::max(0, cycle[stroke] - 1));
+            const auto at = blocks.emplace(std::pair(stroke, misfit.isMarker(r, k)), g.blocks);
             g.blocks += at.second ? 1 : 0;
             g.block.push_back(at.first->second);
         }
@@ -103,7 +124,7 @@ Grouping groupingOf(const Misfit& misfit) {
     for (const int f : g.fold)
         g.folds = std::max(g.folds, f + 1);
     if (g.folds < 2) {
-        cutInto(g, 5);
+        cutInto(g, misfit, 5);
         for (std::size_t r = 0; r < misfit.runs(); ++r)
             for (Index k = misfit.data().runs[r].rows(); k < misfit.rowsOf(r); ++k)
                 joinForce(g, misfit, r, k);

@@ -4,7 +4,8 @@
 // Each group of rows in turn is left out, the model is fitted to the rest (the linearised minimum inside the box,
 // simulated, and one correction), and the group is foretold. Its log predictive density counts the parameters'
 // uncertainty: the covariance of the whitened error is 1 + J C J', C = (J_t' J_t + P)^-1 from the training rows and the
-// priors P (uniform intervals by their variance). Groups are runs; of a single run its cycles.
+// priors P (uniform intervals by their variance). Groups are runs; of a single run its cycles, of a single cycle fifths
+// of its time.
 //
 // Source: A. Vehtari, A. Gelman, J. Gabry, Stat. Comput. 27 (2017) 1413 (expected log predictive density); A. Vehtari,
 // J. Lampinen, Neural Comput. 14 (2002) 2439 (leaving groups out).
@@ -18,7 +19,7 @@ namespace supercircle::diagnosis {
 /// What belongs together: per row of the stack.
 struct Grouping {
     std::vector<int> fold;  ///< left out together; -1: does not count
-    std::vector<int> block; ///< scored together (a leg of a run): unit of the bootstrap
+    std::vector<int> block; ///< scored together (a stroke of a run): unit of the bootstrap
     int folds = 0, blocks = 0;
 };
 Grouping groupingOf(const Misfit& misfit);

@@ -44,8 +44,10 @@ bool beside(const Eigen::Ref<Eigen::VectorXd>& d, const Eigen::VectorXd& time,
 
 bool atTurningPoint(const RecordedRun& run, double time) {
     const double dt = run.spacing();
-    return std::any_of(run.legs.begin(), run.legs.end(),
-                       [&](const Leg& leg) { return time > leg.from - 2.0 * dt && time < leg.from + 0.1 + 2.0 * dt; });
+    const std::vector<Stroke> strokes = run.strokes();
+    return std::any_of(strokes.begin(), strokes.end(), [&](const Stroke& stroke) {
+        return time > stroke.from - 2.0 * dt && time < stroke.from + 0.1 + 2.0 * dt;
+    });
 }
 
 std::vector<replay::Landmark> recordedJumps(const RecordedRun& run, double share, double least) {
@@ -74,8 +76,9 @@ std::vector<replay::Landmark> simulatedJumps(const RecordedRun& run, const Respo
 
 double reachOf(const RecordedRun& run, double time, double share) {
     constexpr double kLeast = 0.5; // s: beyond what is left out around a jump
-    const Leg& leg = run.legAt(time);
-    return std::max(kLeast, share * (leg.to - leg.from));
+    const std::vector<Stroke> strokes = run.strokes();
+    const Stroke& stroke = strokeAt(strokes, time);
+    return std::max(kLeast, share * (stroke.to - stroke.from));
 }
 
 std::vector<int> sameJumps(const RecordedRun& run, const std::vector<replay::Landmark>& a,
@@ -83,11 +86,13 @@ std::vector<int> sameJumps(const RecordedRun& run, const std::vector<replay::Lan
     // Alignment of two sequences by dynamic programming: a pair costs its distance, a jump without a partner half its
     // reach, so that two are a pair if they lie within reach.
     const std::size_t n = a.size(), m = b.size();
+    const std::vector<Stroke> strokes = run.strokes();
     const auto alone = [&](const replay::Landmark& jump) { return 0.5 * reachOf(run, jump.time, share); };
     const auto apart = [&](std::size_t i, std::size_t j) {
         const bool alike = (a[i].after > a[i].before) == (b[j].after > b[j].before);
-        return alike && &run.legAt(a[i].time) == &run.legAt(b[j].time) ? std::abs(a[i].time - b[j].time)
-                                                                       : std::numeric_limits<double>::infinity();
+        return alike && &strokeAt(strokes, a[i].time) == &strokeAt(strokes, b[j].time)
+                   ? std::abs(a[i].time - b[j].time)
+                   : std::numeric_limits<double>::infinity();
     };
     Eigen::MatrixXd cost(static_cast<Index>(n + 1), static_cast<Index>(m + 1)); // of the first i and j
     cost.setZero();

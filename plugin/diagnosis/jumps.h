@@ -35,11 +35,11 @@ std::vector<replay::Landmark> recordedJumps(const RecordedRun& run, double share
 /// Those of a simulation while the drive moves, at the times where it passed them rather than at its readings.
 std::vector<replay::Landmark> simulatedJumps(const RecordedRun& run, const Response& simulated, double share);
 
-/// How far apart two jumps may lie that are one event, s: a share of the leg of the drive.
+/// How far apart two jumps may lie that are one event, s: a share of the drive's stroke.
 double reachOf(const RecordedRun& run, double time, double share);
 
-/// Which of b each of a is, -1: none. One event has the same direction in both, lies in the same leg and within reach;
-/// their order is kept, and the sum of distances is the least with that many pairs.
+/// Which of b each of a is, -1: none. One event has the same direction in both, lies in the same stroke and within
+/// reach; their order is kept, and the sum of distances is the least with that many pairs.
 std::vector<int> sameJumps(const RecordedRun& run, const std::vector<replay::Landmark>& a,
                            const std::vector<replay::Landmark>& b, double share);
 

@@ -51,9 +51,10 @@ private:
     void byTime(std::size_t r) {
         const RecordedRun& run = misfit_.data().runs[r];
         dyadic(r, 0, run.force.size(), 5);
+        const std::vector<Stroke> strokes = run.strokes();
+        const auto stroke = [&](Eigen::Index k) { return strokeOf(strokes, run.leg[static_cast<std::size_t>(k)]); };
         for (Eigen::Index from = 0, to = 0; from < run.force.size(); from = to) {
-            const int leg = run.leg[static_cast<std::size_t>(from)];
-            while (to < run.force.size() && run.leg[static_cast<std::size_t>(to)] == leg)
+            while (to < run.force.size() && stroke(to) == stroke(from))
                 ++to;
             if (to - from < run.force.size()) // a turning point is where effects begin and end
                 dyadic(r, from, to, 4);
@@ -335,8 +336,9 @@ bool beforeAnything(const Window& w, const Data& data) {
     if (data.zeroWindow <= 0.0 || w.axis != "time" || w.arcFraction >= 0.0)
         return false;
     return std::any_of(data.runs.begin(), data.runs.end(), [&](const RecordedRun& run) {
-        return run.name == w.run && !run.legs.empty() && run.legs.front().phase == Phase::Hold &&
-               w.timeTo <= run.legs.front().to;
+        const std::vector<Stroke> strokes = run.strokes();
+        return run.name == w.run && !strokes.empty() && strokes.front().phase == Phase::Hold &&
+               w.timeTo <= strokes.front().to;
     });
 }
 
@@ -498,11 +500,15 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
                       std::uint64_t seed, int draws, const Eigen::MatrixXd& signatures) {
     const Search search(misfit, free, signatures);
     const Eigen::Index n = search.windows(), m = search.directions();
+    Localisation out;
+    out.family = static_cast<std::size_t>(m + n);
+    if (n == 0) { // too few rows count: nothing stands out, and no effect would
+        out.critical = std::numeric_limits<double>::infinity();
+        return out;
+    }
     const Search::Statistics null = search.null(seed, draws);
     const Standard standard(null.quiet, m), standardFull(null.full, m);
     const Families families = familiesOf(search, standard, null.quiet);
-    Localisation out;
-    out.family = static_cast<std::size_t>(m + n);
     out.critical =
         (search.signatures() ? families.signatures : families.windows).critical(families.within(kFamilyWise));
     Eigen::VectorXd u = residual;

@@ -12,7 +12,7 @@
 // Westfall, S. S. Young, "Resampling-Based Multiple Testing" (1993), 2.3), of statistics in which u counts as three at
 // most, either way.
 //
-// Windows: dyadic in time in each run and each leg of its protocol (half overlapping), dyadic in displacement per
+// Windows: dyadic in time in each run and each stroke of its protocol (half overlapping), dyadic in displacement per
 // phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, each coordinate of
 // each marker over time, and the place of each jump. The signatures of the catalogue's effects are a family of their
 // own, because there are few of them: p is that of the smaller of the two families' p, by its own distribution under

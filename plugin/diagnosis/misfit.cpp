@@ -24,10 +24,14 @@ double steepest(const Eigen::VectorXd& force, Eigen::Index k) {
     return most;
 }
 
-void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, const MisfitSettings& s, RowErrors& out) {
+/// @param least smaller jumps are noise, N
+void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double least, const MisfitSettings& s,
+                   RowErrors& out) {
     const experiment::Readings readings{listOf(run.time), listOf(run.displacement), listOf(force)};
     const double dt = run.spacing();
     for (const replay::Landmark& jump : replay::findLandmarks(readings, s.snapShare)) {
+        if (std::abs(jump.after - jump.before) < least)
+            continue;
         const bool turns = atTurningPoint(run, jump.time);
         if (!turns)
             out.snaps.push_back(jump.time);
@@ -102,9 +106,9 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     out.force = Eigen::VectorXd::Constant(n, std::hypot(s.shareOfPeak * peakForce, noise.runToRun));
     out.markers = Eigen::VectorXd::Constant(run.markers.size(), std::hypot(noise.marker, s.markerPlace));
     double shortest = kMissing;
-    for (const Leg& leg : run.legs)
-        if (leg.phase != Phase::Hold)
-            shortest = std::min(shortest, leg.to - leg.from);
+    for (const Stroke& stroke : run.strokes())
+        if (stroke.phase != Phase::Hold)
+            shortest = std::min(shortest, stroke.to - stroke.from);
     out.memory = std::isfinite(shortest) ? std::clamp(0.1 * shortest, 0.02, 3.0) : 1.0;
     const bool known = fine.failure.empty() && fine.force.size() == n;
     const bool both = known && coarse.failure.empty() && coarse.force.size() == n;
@@ -139,9 +143,9 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
         if (!std::isfinite(run.markers[k]) || !std::isfinite(out.markers[k]))
             out.markers[k] = kMissing;
     }
-    leaveOutSnaps(run, run.force, s, out);
+    leaveOutSnaps(run, run.force, s.jumpNoise * noise.total(), s, out);
     if (known)
-        leaveOutSnaps(run, fine.force, s, out);
+        leaveOutSnaps(run, fine.force, 0.0, s, out);
     for (Eigen::Index k = 0; k < n; ++k)
         if (!std::isfinite(run.force[k]) || !std::isfinite(out.force[k]) ||
             (known && !std::isfinite(fine.force[k]))) // the last sample may come later than the drive's end
@@ -196,12 +200,13 @@ void Misfit::addLandings(const RecordedRun& run, double deviation, Part& part) {
     }
 }
 
-/// Marker rows of each leg.
+/// Marker rows of each stroke.
 void Misfit::addPlaces(const RecordedRun& run, double deviation, Part& part) {
     const Eigen::Index seen = run.markerTime.size();
+    const std::vector<Stroke> strokes = run.strokes();
+    const auto stroke = [&](Eigen::Index k) { return strokeOf(strokes, run.markerLeg[static_cast<std::size_t>(k)]); };
     for (Eigen::Index from = 0, to = 0; from < seen; from = to) {
-        while (to < seen &&
-               run.markerLeg[static_cast<std::size_t>(to)] == run.markerLeg[static_cast<std::size_t>(from)])
+        while (to < seen && stroke(to) == stroke(from))
             ++to;
         for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
             part.shifts.push_back({c * seen + from, c * seen + to, deviation});
@@ -230,16 +235,18 @@ void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Respon
             }
     }
     Eigen::MatrixXd covariance = own.cwiseAbs2().asDiagonal();
-    // The same event in another cycle: as many jumps of its direction lie before it in a leg of its phase.
+    // The same event in another cycle: as many jumps of its direction lie before it in a stroke of its phase.
+    const std::vector<Stroke> strokes = run.strokes();
     std::vector<std::tuple<Phase, bool, int>> event;
     for (std::size_t i = 0; i < part.jumps.size(); ++i) {
         const replay::Landmark& jump = part.jumps[i];
-        const Leg& leg = run.legAt(jump.time);
+        const Stroke& stroke = strokeAt(strokes, jump.time);
         const bool rises = jump.after > jump.before;
         int before = 0;
         for (std::size_t k = 0; k < i; ++k)
-            before += &run.legAt(part.jumps[k].time) == &leg && (part.jumps[k].after > part.jumps[k].before) == rises;
-        event.emplace_back(leg.phase, rises, before);
+            before += &strokeAt(strokes, part.jumps[k].time) == &stroke &&
+                      (part.jumps[k].after > part.jumps[k].before) == rises;
+        event.emplace_back(stroke.phase, rises, before);
     }
     for (Eigen::Index i = 0; i < n; ++i)
         for (Eigen::Index k = 0; k < n; ++k)

@@ -20,9 +20,9 @@
 // - repeats scatter by more than their sensors: in every row, remembered as long as the simulation's error is;
 // - where a specimen comes to rest after a snap depends on how it flew: from one snap to the next each coordinate of
 //   each marker has a shift of its own, known to a tenth of a millimetre, integrated out in the same way;
-// - so has each in each leg of the drive, as far as a simulated marker's place can be trusted: where feet stick depends
-//   on what they did before. Taken for noise that is new in every row, a shift of 10 um stood out of two hundred rows,
-//   and was called adhesion, gravity or misalignment.
+// - so has each in each stroke of the drive, as far as a simulated marker's place can be trusted: where feet stick
+//   depends on what they did before. Taken for noise that is new in every row, a shift of 10 um stood out of two
+//   hundred rows, and was called adhesion, gravity or misalignment.
 
 #include "plugin/diagnosis/data.h"
 #include "plugin/diagnosis/jumps.h"
@@ -44,15 +44,15 @@ struct MisfitSettings {
     double refinement = 3.27;  ///< error of the fine simulation in the difference to the coarse one: (31/15)^2 - 1
     double uncorrected = 0.25; ///< share of the correction that is left as doubt
     double markerPlace = 1.5e-5; ///< of a simulated marker, m, in single rows
-    double markerShift = 5e-6;   ///< and in what they share over a leg
+    double markerShift = 5e-6;   ///< and in what they share over a stroke
     double clock = 0.1;          ///< rows by which clocks of reading and drive may differ
     double landing = 1e-4;       ///< to which the place after a snap is known, m
     double snapBefore = 0.1;     ///< s left out ahead of a snap
     double snapAfter = 0.3;      ///< and behind it
     double snapShare = 0.15;     ///< of the force range within two rows
     double jumpPlace = 5e-3;     ///< to which a simulated jump's place is known, share of the travel, alike in a run
-    double jumpNoise = 6.0;      ///< deviations of the noise that a recorded jump has at least
-    double jumpFarthest = 0.2;   ///< share of a leg by which one event may lie apart in two curves
+    double jumpNoise = 6.0;      ///< deviations of the noise that a recorded jump or snap has at least
+    double jumpFarthest = 0.2;   ///< share of a stroke by which one event may lie apart in two curves
 };
 
 /// Rows that do not count, and the simulation's error in the others.

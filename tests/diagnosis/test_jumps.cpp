@@ -3,6 +3,7 @@
 #include "toy.h"
 
 #include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/jumps.h"
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/noise.h"
@@ -63,7 +64,91 @@ std::vector<Response> at(const Data& data, const Point& p) {
     return all;
 }
 
+/// The same drive, given in pieces of a length.
+RecordedRun inPieces(RecordedRun run, double length) {
+    std::vector<Leg> pieces;
+    for (const Leg& leg : run.legs) {
+        const double n = std::ceil((leg.to - leg.from) / length);
+        for (double i = 0.0; i < n; ++i) {
+            pieces.push_back(leg);
+            pieces.back().from = leg.from + i / n * (leg.to - leg.from);
+            pieces.back().to = i + 1.0 < n ? leg.from + (i + 1.0) / n * (leg.to - leg.from) : leg.to;
+        }
+    }
+    run.legs = pieces;
+    for (Eigen::Index k = 0; k < run.time.size(); ++k)
+        run.leg[static_cast<std::size_t>(k)] = static_cast<int>(&run.legAt(run.time[k]) - run.legs.data());
+    for (std::size_t k = 0; k < run.markerLeg.size(); ++k)
+        run.markerLeg[k] = run.leg[k]; // seen at the times of the readings
+    return run;
+}
+
 } // namespace
+
+TEST_CASE("in how many pieces a drive is given changes nothing", "[diagnosis]") {
+    Data whole = latched(11, 6.437e-3);
+    whole.statedMarkerNoise = 3e-5;
+    whole.markerNames = {"m0"};
+    whole.arcFraction = {0.5};
+    RecordedRun& seen = whole.runs.front();
+    seen.markerCount = 1;
+    seen.markerTime = seen.time;
+    seen.markerLeg = seen.leg;
+    seen.markers = 1e-4 * Eigen::VectorXd::LinSpaced(2 * seen.time.size(), 0.0, 20.0).array().sin();
+    Data pieces = whole;
+    for (RecordedRun& run : pieces.runs)
+        run = inPieces(run, 0.05);
+    auto late = at(whole, Point{{103.0, 0.08, 6.737e-3}, {}});
+    late.front().markers = Eigen::VectorXd::Zero(seen.markers.size());
+    const Noise noise = estimateNoise(whole);
+    for (const std::size_t runs : {3, 1}) { // groups are runs, or stretches of the only one
+        CAPTURE(runs);
+        whole.runs.resize(runs);
+        pieces.runs.resize(runs);
+        late.resize(runs);
+        const Misfit a(whole, noise, late, late), b(pieces, noise, late, late);
+        REQUIRE(a.rows() == b.rows());
+        for (std::size_t r = 0; r < runs; ++r) {
+            CHECK(a.jumps(r).size() == 1);
+            CHECK(b.jumps(r).size() == 1);
+            CHECK(b.errors(r).memory == a.errors(r).memory);
+        }
+        CHECK(*b.residual(late) == *a.residual(late));
+        const Grouping g = groupingOf(a), h = groupingOf(b);
+        CHECK(h.fold == g.fold);
+        CHECK(h.block == g.block);
+        const Localisation l = localise(a, *a.residual(late), {}, 1, 99), m = localise(b, *b.residual(late), {}, 1, 99);
+        CHECK(m.family == l.family);
+        CHECK(m.p == l.p);
+    }
+}
+
+TEST_CASE("a smooth start and a short rest are no turning points", "[diagnosis]") {
+    RecordedRun run;
+    run.time = Eigen::VectorXd::LinSpaced(1001, 0.0, 10.0); // rows 10 ms apart
+    run.legs = {
+        {Phase::Hold, 0.0, 0.5, 0.0},      {Phase::Hold, 0.5, 1.0, 0.0},         {Phase::Loading, 1.0, 1.05, 2e-4},
+        {Phase::Loading, 1.05, 1.1, 6e-4}, {Phase::Loading, 1.1, 3.0, 1e-3},     {Phase::Hold, 3.0, 3.02, 0.0},
+        {Phase::Loading, 3.02, 5.0, 1e-3}, {Phase::Hold, 5.0, 5.5, 0.0},         {Phase::Loading, 5.5, 6.0, 1e-3},
+        {Phase::Hold, 6.0, 6.02, 0.0},     {Phase::Unloading, 6.02, 7.0, -1e-3}, {Phase::Free, 7.0, 8.0, 0.0},
+        {Phase::Free, 8.0, 10.0, 0.0}};
+    const std::vector<Stroke> strokes = run.strokes();
+    std::vector<double> from;
+    for (const Stroke& s : strokes)
+        from.push_back(s.from);
+    CHECK(from == std::vector<double>{0.0, 1.0, 5.0, 5.5, 6.0, 6.02, 7.0, 8.0});
+    CHECK(strokes[1].phase == Phase::Loading);
+    CHECK(strokes[1].to == 5.0);
+    for (std::size_t l = 0; l < run.legs.size(); ++l) { // by its number and by its time
+        const Leg& leg = run.legs[l];
+        CHECK(&strokes[strokeOf(strokes, static_cast<int>(l))] == &strokeAt(strokes, 0.5 * (leg.from + leg.to)));
+    }
+    CHECK(atTurningPoint(run, 1.05));
+    CHECK_FALSE(atTurningPoint(run, 1.2)); // 50 ms ramps end at 1.1 s
+    CHECK_FALSE(atTurningPoint(run, 3.02));
+    CHECK(atTurningPoint(run, 6.02));
+    CHECK(reachOf(run, 1.07, 0.2) == Approx(0.2 * 4.0));
+}
 
 TEST_CASE("a jump that comes late is one observation, not one in every row it is late by", "[diagnosis]") {
     const Point truth{{103.0, 0.08, 6.437e-3}, {}};
@@ -140,6 +225,103 @@ TEST_CASE("a jump that comes late is one observation, not one in every row it is
         CHECK(sameJumps(run, jumps({t}), jumps({t + 0.1}, true), 0.2) == std::vector<int>{-1});
         CHECK(sameJumps(run, jumps({up.from + 0.5}), jumps({down.to - 0.1, up.from + 1.5}), 0.2) ==
               std::vector<int>{1});
+    }
+}
+
+TEST_CASE("noise is no snap", "[diagnosis]") {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        CAPTURE(seed);
+        Data data = toy::recordings(seed);
+        std::vector<Response> there;
+        Random random(seed);
+        for (RecordedRun& run : data.runs) { // the peak is ten deviations of white noise
+            there.push_back({{}, 10.0 * run.displacement, {}});
+            run.force = there.back().force;
+            for (double& f : run.force)
+                f += 0.01 * random.normal();
+        }
+        Noise noise;
+        noise.white = 0.01;
+        const Misfit misfit(data, noise, there, there, toy::exact().misfit);
+        CHECK(misfit.present() == misfit.rows());
+        // One of fifteen deviations is a snap, whose rows say nothing.
+        RecordedRun& slow = data.runs.front();
+        slow.force.tail(slow.force.size() - 150).array() -= 0.15;
+        const Misfit snaps(data, noise, there, there, toy::exact().misfit);
+        REQUIRE(snaps.errors(0).snaps.size() == 1);
+        CHECK(snaps.errors(0).snaps.front() == Approx(slow.time[150]).margin(2.0 * slow.spacing()));
+        CHECK_FALSE(snaps.counts(0, 150));
+        CHECK(std::abs(snaps.rows() - snaps.present() - 10) <= 1); // .4 s of 25 readings/s
+    }
+}
+
+TEST_CASE("where hardly a row counts nothing stands out, and nothing could", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const auto exact = at(data, Point{{103.0, 0.08, 1.0}, {}});
+    for (RecordedRun& run : data.runs)
+        run.force.tail(run.force.size() - 3).setConstant(std::nan(""));
+    data.runs.resize(1); // three rows: a window has four
+    Noise noise;
+    noise.white = 0.01;
+    const Misfit misfit(data, noise, {exact.front()}, {exact.front()}, toy::exact().misfit);
+    REQUIRE(misfit.present() == 3);
+    const Eigen::VectorXd residual = Eigen::VectorXd::Constant(misfit.rows(), 9.0);
+    for (const Eigen::Index signatures : {0, 2}) {
+        CAPTURE(signatures);
+        const Localisation l =
+            localise(misfit, residual, {}, 1, 99, Eigen::MatrixXd::Identity(misfit.rows(), signatures));
+        CHECK(l.p == 1.0);
+        CHECK(l.tail == 1.0);
+        CHECK(l.significant.empty());
+        CHECK(l.critical == std::numeric_limits<double>::infinity()); // no size of an effect is visible
+    }
+}
+
+TEST_CASE("stretches of a single run are stretches of time, markers and all", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    data.runs.resize(1);
+    const auto exact = at(data, Point{{103.0, 0.08, 1.0}, {}});
+    Noise noise;
+    noise.white = 0.01;
+    RecordedRun& run = data.runs.front();
+    const Eigen::Index n = run.time.size();
+    std::vector<int> fifths;
+    for (Eigen::Index k = 0; k < n; ++k)
+        fifths.push_back(static_cast<int>(5 * k / n));
+    CHECK(groupingOf(Misfit(data, noise, {exact.front()}, {exact.front()}, toy::exact().misfit)).fold == fifths);
+
+    // Two markers at every third reading.
+    data.statedMarkerNoise = 3e-5;
+    data.markerNames = {"m0", "m1"};
+    data.arcFraction = {0.3, 0.7};
+    run.markerCount = 2;
+    const Eigen::Index seen = (n + 2) / 3;
+    run.markerTime.resize(seen);
+    for (Eigen::Index k = 0; k < seen; ++k) {
+        run.markerTime[k] = run.time[3 * k];
+        run.markerLeg.push_back(run.leg[static_cast<std::size_t>(3 * k)]);
+    }
+    run.markers = Eigen::VectorXd::Zero(4 * seen);
+    Response there = exact.front();
+    there.markers = run.markers;
+    const Misfit misfit(data, noise, {there}, {there}, toy::exact().misfit);
+    const Grouping g = groupingOf(misfit);
+    REQUIRE(g.folds == 5);
+    std::vector<double> first(5, 1e9), last(5, 0.0), force(5, 0.0), markers(5, 0.0);
+    for (Eigen::Index k = 0; k < misfit.rows(); ++k) {
+        const bool byForce = misfit.isForce(0, k);
+        const double t = byForce ? run.time[k] : run.markerTime[(k - n) % seen];
+        const auto f = static_cast<std::size_t>(g.fold[static_cast<std::size_t>(k)]);
+        first[f] = std::min(first[f], t);
+        last[f] = std::max(last[f], t);
+        (byForce ? force : markers)[f] += 1.0;
+    }
+    for (std::size_t f = 0; f < 5; ++f) {
+        CAPTURE(f);
+        CHECK(force[f] == Approx(static_cast<double>(n) / 5.0).margin(4.0));
+        CHECK(markers[f] == Approx(4.0 * static_cast<double>(seen) / 5.0).margin(8.0));
+        if (f > 0)
+            CHECK(first[f] > last[f - 1]);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <unistd.h>
 
@@ -58,6 +59,40 @@ TEST_CASE("a case is judged by its answer", "[oracle]") {
     CHECK(j.overNoise == Approx(1.1));
     CHECK(j.pTruth == Approx(0.9)); // the group counts as one
     CHECK(j.brier == Approx(0.5 * (0.1 * 0.1 + 0.1 * 0.1)));
+}
+
+TEST_CASE("numbers of two forms of a law are not compared", "[oracle]") {
+    const Folder f;
+    const auto judged = [&](const char* hidden, const char* law) {
+        nlohmann::json answer = nlohmann::json::parse(kAnswer), d = nlohmann::json::parse(kDiagnosis);
+        answer["labels"] = {"rate_dependent_friction"};
+        answer["effects"] = nlohmann::json::array({nlohmann::json::parse(hidden)});
+        d["effects"][0]["label"] = "rate_dependent_friction";
+        d["effects"][0]["law"] = law;
+        d["effects"][0]["parameters"] = {{"strength", {{"value", 0.11}, {"ci90", {0.09, 0.14}}}},
+                                         {"speed_m_s", {{"value", 0.005}, {"ci90", {0.002, 0.012}}}}};
+        return judge(f.put("a.json", answer.dump()), f.put("d.json", d.dump()));
+    };
+    const char* const logarithmic = R"({"family": "logarithmic_friction", "label": "rate_dependent_friction",
+        "parameters": {"law": 1.0, "strength": 0.1, "speed_m_s": 1e-5}})";
+    const Judged same = judged(logarithmic, "logarithmic: mu (1 + strength ln(1 + |v| / speed_m_s))");
+    CHECK(same.otherForm == false);
+    CHECK(same.intervals == 2);
+    CHECK(same.covered == 1);
+    CHECK(same.amplitudeError == Approx(0.1));
+    const Judged other = judged(logarithmic, "Stribeck: mu (1 + strength (1 - exp(-|v| / speed_m_s)))");
+    CHECK(other.otherForm == true);
+    CHECK(other.intervals == 0);
+    CHECK(other.amplitudeError < 0.0);
+    CHECK(other.right);
+    const Judged single = judge(f.put("a.json", kAnswer), f.put("d.json", kDiagnosis)); // one form
+    CHECK_FALSE(single.otherForm);
+    const auto scores = scoresOf({same, other, single});
+    const auto forms =
+        std::find_if(scores.begin(), scores.end(), [](const Score& s) { return s.name.find("form of the law") == 0; });
+    REQUIRE(forms != scores.end());
+    CHECK(forms->value == Approx(0.5));
+    CHECK(forms->of == 2);
 }
 
 TEST_CASE("what is hidden in no catalogue is right when called unexplained", "[oracle]") {

@@ -110,8 +110,29 @@ double overlap(const Json& truth, const Json& marked) {
     return any > 0.0 ? both / any : -1.0;
 }
 
-void compareParameters(const Json& hidden, const Json& found, Judged& j) {
-    const Json& truth = hidden.at("parameters");
+/// The form of a hidden effect's law as the diagnosis calls it; empty: it has one form, or its numbers' names tell.
+std::string formOf(const Json& hidden) {
+    static const std::map<std::string, std::vector<std::string>> kByNumber = {
+        {"rate_dependent_friction", {"Stribeck", "logarithmic", "viscous"}},
+        {"stiffness_gradient", {"thickness", "modulus"}}};
+    if (hidden.value("family", "") == "softening_moment")
+        return "softening";
+    const auto forms = kByNumber.find(hidden.at("label").get<std::string>());
+    const Json& parameters = hidden.at("parameters");
+    return forms == kByNumber.end() || !parameters.contains("law")
+               ? std::string()
+               : forms->second.at(parameters.at("law").get<std::size_t>());
+}
+
+/// Where two forms of a law have numbers of the same name, these do not mean the same.
+void compareParameters(const Json& hidden, const Json& effect, Judged& j) {
+    const std::string form = formOf(hidden), said = effect.value("law", "");
+    if (!form.empty() && !said.empty()) {
+        j.otherForm = said.compare(0, form.size(), form) != 0;
+        if (*j.otherForm)
+            return;
+    }
+    const Json &truth = hidden.at("parameters"), &found = effect.at("parameters");
     const auto [from, to] = sizes().equal_range(hidden.at("label"));
     for (auto s = from; s != to; ++s)
         if (truth.contains(s->second.name) && found.contains(s->second.name)) {
@@ -210,7 +231,7 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
         if (names && j.firstRight)
             for (const Json& hidden : answer.at("effects"))
                 if (hidden.at("label") == j.first)
-                    compareParameters(hidden, effects.front().at("parameters"), j);
+                    compareParameters(hidden, effects.front(), j);
         compareErrors(answer, d, j);
         if (!d.at("next_experiment").is_null())
             j.next = d.at("next_experiment").at("what");

@@ -22,6 +22,7 @@ struct Judged {
     double overlapNamed = -1.0;     ///< the same of the windows in which the named effect shows
     double amplitudeError = -1.0;   ///< relative; -1: not defined
     int covered = 0, intervals = 0; ///< parameters whose 90 % interval holds the truth
+    std::optional<bool> otherForm;  ///< whether another form of the true law was found; its numbers are not compared
     double placeError = -1.0;       ///< of an arc fraction
     double overNoise = -1.0;        ///< held-out error over the noise that was added
     double overKnowing = -1.0;      ///< over that of the model which has the true effect

@@ -115,7 +115,7 @@ std::string power(const std::vector<Judged>& all) {
 } // namespace
 
 std::vector<Score> scoresOf(const std::vector<Judged>& all) {
-    Share strong, weak, falseAlarm, named, group, first, pairs, unexplained, unexplainedOrOpen, covered;
+    Share strong, weak, falseAlarm, named, group, first, pairs, unexplained, unexplainedOrOpen, covered, forms;
     std::vector<double> overlaps, overlapsStrong, overlapsNamed, amplitudes, amplitudesStrong, noise, knowing, brier,
         places, seconds;
     for (const Judged& j : all) {
@@ -138,6 +138,8 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
         }
         covered.hits += j.covered;
         covered.of += j.intervals;
+        if (j.otherForm)
+            forms.count(!*j.otherForm);
         const auto put = [](std::vector<double>& to, double v) {
             if (v >= 0.0)
                 to.push_back(v);
@@ -166,7 +168,8 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
                0.65, false),
             of("relative error of the amplitude, median", median(amplitudes), "<= 0.10", 0.10, true),
             of("the same, strong effects", median(amplitudesStrong), "", 0.0, true),
-            of("90 % intervals that hold the truth", covered, "0.85 - 0.95", 0.85),
+            of("form of the law right, of laws that have several", forms, "", 0.0),
+            of("90 % intervals that hold the truth, of numbers of the right form", covered, "0.85 - 0.95", 0.85),
             of("place on the specimen, median error of the arc fraction", median(places), "", 0.0, true),
             of("held-out error over noise floor, median", median(noise), "<= 1.15", 1.15, true),
             of("held-out error over a model that knows the effect, median", median(knowing), "<= 1.05", 1.05, true),

@@ -340,6 +340,8 @@ void Work::weighAll(Weighed& w) const {
     }
     given.p = out_.mismatch.tail;
     given.tails = out_.noise.tails;
+    const double swing = out_.noise.swing, noise = out_.noise.total(), left = baseHeld_.forceRmse;
+    given.swings = swing > 0.0 && 0.5 * swing * swing > 0.5 * (left * left - noise * noise); // mean squares
     given.seed = settings_.seed + 1;
     w = weigh(baseHeld_, held, given);
     if (settings_.ablation.unknown)
@@ -349,9 +351,14 @@ void Work::weighAll(Weighed& w) const {
 /// The first effect and what is probable are worth some runs, what is more probable some more.
 Spread Work::spreadOf(const Entry& entry) {
     Fitted& f = tried_[entry.model].fit;
+    const auto linear = [&](const Eigen::MatrixXd& jacobian) {
+        const Variables v(evaluator_.model(), f.point);
+        return linearIntervals(v, f, jacobian,
+                               dispersionsOf(*misfit_, v, f.residual, jacobian, misfitPerRow(*misfit_, f)));
+    };
     const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
     if (!worth || evaluator_.stopped())
-        return {linearIntervals(Variables(evaluator_.model(), f.point), f, f.jacobian, misfitPerRow(*misfit_, f)), {}};
+        return {linear(f.jacobian), {}};
     Spread out;
     Eigen::MatrixXd careful;
     constexpr int kMoves = 2; // to a better fit that the intervals come upon
@@ -359,10 +366,12 @@ Spread Work::spreadOf(const Entry& entry) {
         const Variables here(evaluator_.model(), f.point);
         careful = differentiateCarefully(evaluator_, *misfit_, here, f.x, 0.2);
         if (entry.probability < 0.3) {
-            out.intervals = linearIntervals(here, f, careful, misfitPerRow(*misfit_, f));
+            out.intervals = linear(careful);
             break;
         }
-        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful, misfitPerRow(*misfit_, f), moves < kMoves);
+        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful,
+                                      dispersionsOf(*misfit_, here, f.residual, careful, misfitPerRow(*misfit_, f)),
+                                      moves < kMoves);
         if (!p.better || evaluator_.stopped()) {
             out.intervals = std::move(p.intervals);
             break;
@@ -374,12 +383,11 @@ Spread Work::spreadOf(const Entry& entry) {
         f = std::move(further);
     }
     const Variables v(evaluator_.model(), f.point);
-    const double dispersion = misfitPerRow(*misfit_, f);
     Index first = v.nominal;
     for (const std::size_t c : tried_[entry.model].candidates) {
         out.products.emplace_back();
         for (const Product& p : candidates()[c].products)
-            out.products.back().push_back(productInterval(evaluator_, *misfit_, f, careful, dispersion, p, first));
+            out.products.back().push_back(productInterval(evaluator_, *misfit_, f, careful, p, first));
         first += static_cast<Index>(candidates()[c].parameters.size());
     }
     return out;

@@ -191,15 +191,15 @@ void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
     }
 }
 
-/// Where the best effect leaves too much or would have to be implausibly large, "none of these" is as good at least.
+/// Where the best effect leaves too much, would have to be implausibly large or is beside the point, "none of these" is as good at least.
 void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, const Weighing& given, Weighed& out) {
     const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(best) - 1.0;
     const double bound = noiseBound(nothing.rows.sum(), given.tails) - 1.0;
     out.rejected = (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) ||
-                   left > kMoreThanTheTrueOne || given.isPressed(out.best);
+                   left > kMoreThanTheTrueOne || given.isPressed(out.best) || given.swings;
     if (out.rejected)
         all.drawn.col(1) = all.drawn.col(1).cwiseMax(all.drawn.col(Hypotheses::place(out.best)));
-    if (left > kTooMuch) // refuted by the noise: one in 150 that the noise was mistaken instead
+    if (left > kTooMuch || given.swings) // refuted by the noise: one in 150 that the noise was mistaken instead
         all.drawn.col(1).array() += 5.0;
 }
 

@@ -65,7 +65,7 @@ struct Weighed {
     std::vector<double> effects;         ///< probabilities, as the input
     std::vector<double> gain, gainError; ///< of the score over "nothing", and its standard error over blocks
     double dispersion = 1.0;
-    bool rejected = false; ///< the best model leaves too much on unseen rows, or is pressed beyond what is plausible
+    bool rejected = false; ///< the best model leaves too much on unseen rows, is pressed beyond what is plausible, or rests swing
     std::size_t best = 0;  ///< the highest score of those without `parts` or beyond them; meaningless without effects
 };
 
@@ -81,6 +81,9 @@ struct Weighing {
     /// Of each effect, whether a size lies at the end of what is plausible and is pressed beyond it; empty: none.
     std::vector<char> pressed;
     [[nodiscard]] bool isPressed(std::size_t effect) const { return effect < pressed.size() && pressed[effect] != 0; }
+    /// Most of what "nothing" leaves of the force is a swing that goes on while the head stands still: no specimen
+    /// and no effect of the catalogue makes that, however well one may follow a part of it.
+    bool swings = false;
     std::uint64_t seed = 1;
 };
 /// All of them usable(), as many blocks as `nothing`.

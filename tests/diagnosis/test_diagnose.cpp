@@ -144,6 +144,27 @@ TEST_CASE("a disturbance that never rests is no noise", "[diagnosis]") {
     CHECK_THAT(d.statement, Catch::Contains("with a period of 1.3"));
 }
 
+TEST_CASE("what swings at rest is given no effect's name, and takes none from a larger one", "[diagnosis]") {
+    // A drift as large as the swing is seen, and is not what these runs are about.
+    const auto swinging = [](Data data) {
+        double phase = 0.3;
+        for (RecordedRun& run : data.runs) {
+            run.force.array() += 0.02 * (2.0 * M_PI / 1.3 * run.time.array() + phase).sin();
+            phase += 2.0;
+        }
+        return data;
+    };
+    const Data alone = swinging(toy::recordings(15, "drift", 6e-4)),
+               beside = swinging(toy::recordings(15, "dashpot", 100.0));
+    REQUIRE(estimateNoise(alone).swing > 0.015);
+    REQUIRE(estimateNoise(beside).swing > 0.015);
+    const Diagnosis weak = run(alone, toy::Spring(alone)), strong = run(beside, toy::Spring(beside));
+    CHECK(weak.verdict == "unexplained");
+    CHECK(weak.unknown > 0.9);
+    REQUIRE_FALSE(strong.effects.empty());
+    CHECK(strong.effects.front().label == "dashpot");
+}
+
 TEST_CASE("noise does not swing, nor does what relaxes", "[diagnosis]") {
     for (std::uint64_t seed = 401; seed < 431; ++seed) {
         Data data = toy::recordings(seed);
@@ -291,6 +312,10 @@ TEST_CASE("what leaves many times the noise is not named, and a broken forecast 
     const Weighed good = weigh(nothing, {better, usable(broken, nothing)}, given);
     CHECK_FALSE(good.rejected);
     CHECK(good.effects[0] > 0.9);
+    given.swings = true; // what the runs are about goes on while the head stands still
+    const Weighed beside = weigh(nothing, {better, usable(broken, nothing)}, given);
+    CHECK(beside.rejected);
+    CHECK(beside.unknown > 0.9);
 }
 
 TEST_CASE("an effect that leaves a third of the misfit stands for another one", "[diagnosis]") {

@@ -287,9 +287,10 @@ TEST_CASE("an interval follows the valley of two numbers that do each other's wo
     const Fitted found = fit(evaluator, misfit, Point{stated.nominal, {{0, {0.5, inner(Scale::Logarithm, 0.01)}}}});
     const Variables v(model, found.point);
     const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
-    const double perRow = found.misfit / static_cast<double>(misfit.present()), dispersion = std::max(1.0, perRow);
-    const auto linear = linearIntervals(v, found, J, perRow),
-               profiled = profileIntervals(evaluator, misfit, found, J, perRow).intervals;
+    const Eigen::VectorXd dispersions = dispersionsOf(misfit, v, found.residual, J, misfitPerRow(misfit, found));
+    const double dispersion = dispersions[2];
+    const auto linear = linearIntervals(v, found, J, dispersions),
+               profiled = profileIntervals(evaluator, misfit, found, J, dispersions).intervals;
     const auto a = [&](double x) { return v.scalar(2).value + x * v.scalar(2).step; };
     const double least = leastWith(model, misfit, a(found.x[2]));
     const auto outside = [&](double x) { return leastWith(model, misfit, a(x)) - least > 2.706 * dispersion; };
@@ -315,10 +316,119 @@ TEST_CASE("an interval follows the valley of two numbers that do each other's wo
     REQUIRE(evaluate(evaluator, misfit, v, beside));
     REQUIRE(beside.misfit > found.misfit + 2.0 * dispersion);
     const Eigen::MatrixXd K = differentiateCarefully(evaluator, misfit, v, beside.x, 0.2);
-    const Profiled ended = profileIntervals(evaluator, misfit, beside, K, perRow, true);
+    const Profiled ended = profileIntervals(evaluator, misfit, beside, K, dispersions, true);
     REQUIRE(ended.better);
     CHECK(ended.better->misfit < beside.misfit - dispersion);
-    CHECK_FALSE(profileIntervals(evaluator, misfit, found, J, perRow, true).better);
+    CHECK_FALSE(profileIntervals(evaluator, misfit, found, J, dispersions, true).better);
+}
+
+namespace {
+
+/// The dashpot, simulated with an error that is as if drawn anew at each value, as that of a stack whose feet stick
+/// here or there: `rough` noise units in all.
+class Rough final : public Model {
+public:
+    Rough(const Data& data, double rough) : spring_(data), rough_(rough) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
+    [[nodiscard]] std::string identity() const override { return "rough dashpot"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, p, f, interrupt);
+        std::uint64_t seed = r;
+        for (const double v : {p.nominal[0], p.nominal[1], p.terms.empty() ? 0.0 : p.terms[0].values[0]})
+            seed = seed * 1000003 + static_cast<std::uint64_t>(std::llround(std::abs(v) * 1e7));
+        Random random(seed);
+        const double each = rough_ * toy::kWhite / std::sqrt(3.0 * static_cast<double>(out.force.size()));
+        for (double& force : out.force)
+            force += each * random.normal();
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    double rough_;
+};
+
+} // namespace
+
+TEST_CASE("intervals hold where the misfit is rough", "[diagnosis]") {
+    constexpr int kTrials = 60;
+    int covered = 0, atAnEnd = 0;
+    std::vector<double> widths;
+    for (int trial = 0; trial < kTrials; ++trial) {
+        const Data data = toy::recordings(700 + static_cast<std::uint64_t>(trial), "dashpot", 10.0);
+        const Rough model(data, 1.7);
+        Store store;
+        Evaluator evaluator(model, data.runs.size(), {}, store);
+        const Point stated{{100.0, 0.1}, {}};
+        const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        Fitted found = fit(evaluator, misfit, Point{stated.nominal, {{0, {5.0}}}});
+        const Variables v(model, found.point);
+        Profiled p;
+        for (int moves = 0; moves < 3; ++moves) {
+            const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
+            p = profileIntervals(evaluator, misfit, found, J,
+                                 dispersionsOf(misfit, v, found.residual, J, misfitPerRow(misfit, found)), moves < 2);
+            if (!p.better)
+                break;
+            found = fit(evaluator, misfit, v.at(p.better->x));
+        }
+        const auto c = [&](double x) { return v.scalar(2).value + x * v.scalar(2).step; };
+        const double low = c(p.intervals[0].low), high = c(p.intervals[0].high), is = c(found.x[2]);
+        covered += low <= 10.0 && 10.0 <= high ? 1 : 0;
+        atAnEnd += std::min(is - low, high - is) < 0.1 * (high - low) ? 1 : 0;
+        widths.push_back(high - low);
+    }
+    std::nth_element(widths.begin(), widths.begin() + kTrials / 2, widths.end());
+    INFO("covered " << covered << ", at an end " << atAnEnd << " of " << kTrials << ", width " << widths[kTrials / 2]);
+    CHECK(covered >= 47); // 54 of 90 %, three deviations less; without the hull 30
+    CHECK(atAnEnd <= 6);
+}
+
+TEST_CASE("what legs say against each other widens an interval, what they agree in does not", "[diagnosis]") {
+    // Linear: each leg pulls the number to a value of its own, `apart` of its own deviations from the others'.
+    const Data data = toy::recordings(31, "dashpot", 10.0);
+    const toy::Spring spring(data);
+    Store store;
+    Evaluator evaluator(spring, data.runs.size(), {}, store);
+    const Point point{{103.0, 0.08}, {{0, {10.0}}}};
+    const auto there = evaluator.everywhere({point}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Variables v(spring, point);
+    const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, v.of(point), 0.2);
+    Random random(5);
+    const auto typical = [&](double apart) {
+        constexpr int kTrials = 400;
+        double sum = 0.0;
+        for (int trial = 0; trial < kTrials; ++trial) {
+            Eigen::VectorXd r(misfit.rows());
+            for (double& e : r)
+                e = random.normal();
+            for (std::size_t run = 0; run < misfit.runs(); ++run)
+                for (int leg = 0; leg < 5; ++leg) {
+                    std::vector<Eigen::Index> rows;
+                    for (Eigen::Index k = 0; k < misfit.rowsOf(run); ++k)
+                        if (misfit.leg(run, k) == leg)
+                            rows.push_back(misfit.start(run) + k);
+                    if (const double own = J(rows, 2).norm(); own > 0.0)
+                        r(rows) += apart * random.normal() / own * J(rows, 2);
+                }
+            const Eigen::VectorXd x = J.householderQr().solve(r);
+            r -= J * x;
+            sum += dispersionsOf(misfit, v, r, J, 1.0)[2] / kTrials;
+        }
+        return sum;
+    };
+    const double none = typical(0.0), some = typical(3.0);
+    INFO("no scatter " << none << ", three deviations " << some);
+    // Student's quantile of six legs and four that are promised is worth (1.81 / 1.645)^2 = 1.2, that no dispersion is
+    // less than one as much again. Of three deviations squared and one, six parts in ten count.
+    CHECK(none > 1.2);
+    CHECK(none < 1.6);
+    CHECK(some > 0.6 * 10.0);
+    CHECK(some < 1.2 * 10.0);
 }
 
 namespace {
@@ -369,9 +479,9 @@ TEST_CASE("a product is known as well as if it were the parameter", "[diagnosis]
         const Variables v(model, t.fit.point);
         const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, t.fit.x, 0.2);
         const double perRow = misfitPerRow(misfit, t.fit);
-        Spread spread{linearIntervals(v, t.fit, J, perRow), {{}}};
+        Spread spread{linearIntervals(v, t.fit, J, dispersionsOf(misfit, v, t.fit.residual, J, perRow)), {{}}};
         for (const Product& p : model.candidates()[0].products)
-            spread.products[0].push_back(productInterval(evaluator, misfit, t.fit, J, perRow, p, v.nominal));
+            spread.products[0].push_back(productInterval(evaluator, misfit, t.fit, J, p, v.nominal));
         return presentEffect(model, misfit, t, 0, spread);
     };
     const FoundEffect two = found(split, {5.0, inner(Scale::Logarithm, 3.0)}), one = found(whole, {5.0});
@@ -384,4 +494,31 @@ TEST_CASE("a product is known as well as if it were the parameter", "[diagnosis]
     CHECK(product.value == Approx(c.value).margin(std::sqrt(FitSettings{}.enough) * width(c) / (2.0 * 1.645)));
     CHECK(width(product) == Approx(width(c)).epsilon(0.01));
     CHECK(width(two.parameters[0]) > 5.0 * width(c) / outer(Scale::Logarithm, 0.0)); // each factor is anybody's guess
+}
+
+TEST_CASE("of a product that is known each factor is known as the other one's bounds allow", "[diagnosis]") {
+    const Data data = toy::recordings(5, "dashpot", 20.0);
+    const Split split(data);
+    Store store;
+    Evaluator evaluator(split, data.runs.size(), {}, store);
+    const Point stated{{100.0, 0.1}, {}};
+    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Fitted found = fit(evaluator, misfit, Point{stated.nominal, {{0, {5.0, inner(Scale::Logarithm, 3.0)}}}});
+    const Variables v(split, found.point);
+    const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
+    const auto known = profileIntervals(evaluator, misfit, found, J,
+                                        dispersionsOf(misfit, v, found.residual, J, misfitPerRow(misfit, found)))
+                           .intervals;
+    const auto at = [&](Eigen::Index k, double x) {
+        const Scalar& s = v.scalar(k);
+        return outer(s.scale, s.value + x * s.step);
+    };
+    const double c = productOf(split.candidates()[0].products[0], v, found.x, v.nominal);
+    INFO("p " << at(2, known[0].low) << " to " << at(2, known[0].high) << ", q " << at(3, known[1].low) << " to "
+              << at(3, known[1].high));
+    CHECK(at(3, known[1].low) < 0.11); // bounds of q: 0.1 and 10
+    CHECK(at(3, known[1].high) > 9.0);
+    CHECK(at(2, known[0].low) < c / 9.0);
+    CHECK(at(2, known[0].high) > c / 0.11);
 }

@@ -535,4 +535,12 @@ TEST_CASE("an undecided verdict says how probable each rival is, effects that ac
           std::string::npos);
     d.effects[1].with.clear();
     CHECK(statementOf(d, e).find("a_N = 0.25 N; together with planar drag; on runs") != std::string::npos);
+
+    d.noise.white = 0.01; // N
+    d.improvedHeldOut = 0.012;
+    CHECK(statementOf(d, e).find("The runs are explained by") == 0);
+    CHECK(statementOf(d, e).find("something else acts beside it") == std::string::npos);
+    d.improvedHeldOut = 0.015;
+    CHECK(statementOf(d, e).find("Most of what the runs show is explained by") == 0);
+    CHECK(statementOf(d, e).find("something else acts beside it") != std::string::npos);
 }

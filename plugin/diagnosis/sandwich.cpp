@@ -13,13 +13,15 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Rows of one leg of one run, force (and jumps) or markers.
-std::map<std::tuple<std::size_t, int, bool>, std::vector<Index>> blocksOf(const Misfit& misfit) {
-    std::map<std::tuple<std::size_t, int, bool>, std::vector<Index>> out;
-    for (std::size_t r = 0; r < misfit.runs(); ++r)
+/// Rows of one stroke of one run, force (and jumps) or markers.
+std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> blocksOf(const Misfit& misfit) {
+    std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> out;
+    for (std::size_t r = 0; r < misfit.runs(); ++r) {
+        const std::vector<Stroke> strokes = misfit.data().runs[r].strokes();
         for (Index k = 0; k < misfit.rowsOf(r); ++k)
             if (misfit.counts(r, k))
-                out[{r, misfit.leg(r, k), misfit.isMarker(r, k)}].push_back(misfit.start(r) + k);
+                out[{r, strokeOf(strokes, misfit.leg(r, k)), misfit.isMarker(r, k)}].push_back(misfit.start(r) + k);
+    }
     return out;
 }
 
@@ -28,8 +30,8 @@ std::map<std::tuple<std::size_t, int, bool>, std::vector<Index>> blocksOf(const 
 Eigen::VectorXd dispersionsOf(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& residual,
                               const Eigen::MatrixXd& jacobian, double perRow) {
     constexpr double k90 = 1.6448536269514722; // of a normal distribution
-    constexpr double kPromised = 4.0;          // legs' worth of what the model promises
-    constexpr double kLeastOfItsOwn = 0.02;    // of a leg's share that it has not pulled the fit to
+    constexpr double kPromised = 4.0;          // strokes' worth of what the model promises
+    constexpr double kLeastOfItsOwn = 0.02;    // of a stroke's share that it has not pulled the fit to
     const double least = std::max(1.0, perRow);
     Eigen::VectorXd out = Eigen::VectorXd::Constant(v.size(), least);
     if (v.size() == 0 || residual.size() != jacobian.rows())
@@ -54,9 +56,9 @@ Eigen::VectorXd dispersionsOf(const Misfit& misfit, const Variables& v, const Ei
     }
     for (Index k = 0; k < v.size(); ++k)
         if (promised[k] > 0.0 && std::isfinite(scatter[k])) {
-            const double legs = promised[k] * promised[k] / squares[k]; // that say something
-            out[k] = std::max(least, (legs * scatter[k] / promised[k] + kPromised * least) / (legs + kPromised));
-            const double t = quantile(boost::math::students_t(legs + kPromised), 0.95) / k90;
+            const double strokes = promised[k] * promised[k] / squares[k]; // that say something
+            out[k] = std::max(least, (strokes * scatter[k] / promised[k] + kPromised * least) / (strokes + kPromised));
+            const double t = quantile(boost::math::students_t(strokes + kPromised), 0.95) / k90;
             out[k] *= t * t;
         }
     return out;

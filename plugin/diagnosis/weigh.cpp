@@ -191,7 +191,8 @@ void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
     }
 }
 
-/// Where the best effect leaves too much, would have to be implausibly large or is beside the point, "none of these" is as good at least.
+/// Where the best effect leaves too much, would have to be implausibly large or is beside the point, "none of these" is
+/// as good at least.
 void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, const Weighing& given, Weighed& out) {
     const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(best) - 1.0;
     const double bound = noiseBound(nothing.rows.sum(), given.tails) - 1.0;

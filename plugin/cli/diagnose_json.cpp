@@ -36,8 +36,10 @@ Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
 Json parametersOf(const std::vector<diagnosis::FittedParameter>& all) {
     Json out = Json::object();
     for (const diagnosis::FittedParameter& p : all)
-        out[p.name] = {
-            {"value", finite(p.value)}, {"unit", p.unit}, {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}}};
+        out[p.name] = {{"value", finite(p.value)},
+                       {"unit", p.unit},
+                       {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}},
+                       {"shown_only_by", p.only.empty() ? Json(nullptr) : Json(p.only)}};
     return out;
 }
 

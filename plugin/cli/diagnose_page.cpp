@@ -75,6 +75,8 @@ std::string effectTable(const Diagnosis& d) {
                       rounded(p.ci90.high, 4) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
             if (std::find(e.pressed.begin(), e.pressed.end(), p.name) != e.pressed.end())
                 values += " (the largest that is plausible; the runs want more)";
+            if (!p.only.empty())
+                values += " (shown by " + escaped(p.only) + " only)";
         };
         std::for_each(e.parameters.begin(), e.parameters.end(), write);
         if (!e.products.empty())

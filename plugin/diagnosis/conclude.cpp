@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace supercircle::diagnosis {
 
@@ -54,6 +55,19 @@ std::string withValues(const FoundEffect& e) {
 /// in the proof's cases the largest is 1.27, of one of two that act it is 1.46 and more.
 constexpr double kAll = 1.35;
 
+/// Where the error on unseen runs is not one.
+std::string shownOnlyBy(const FoundEffect& e) {
+    std::map<std::string, std::string> names; // by run
+    for (const FittedParameter& p : e.parameters)
+        if (!p.only.empty())
+            names[p.only] += (names[p.only].empty() ? "" : ", ") + p.name;
+    std::string text;
+    for (const auto& [run, numbers] : names)
+        text += " Without " + run + " nothing would be known of " + numbers +
+                ": its error is that of a fit, not of a forecast.";
+    return text;
+}
+
 std::string named(const Diagnosis& d) {
     const FoundEffect& e = d.effects.front();
     const bool all = d.improvedHeldOut <= kAll * d.noise.total();
@@ -69,10 +83,10 @@ std::string named(const Diagnosis& d) {
     text += "; on runs it had not seen the error falls from " + rounded(d.baselineHeldOut, 3) + " to " +
             rounded(d.improvedHeldOut, 3) + " " + d.unit + " (sensor noise " + rounded(d.noise.total(), 3) + " " +
             d.unit + ").";
+    text += shownOnlyBy(e);
     if (!all)
         text += " What is left is more than noise: something else acts beside it, or its law is another one, and its "
-                "numbers "
-                "carry a part of that.";
+                "numbers carry a part of that.";
     if (e.group.size() > 1)
         text += " These runs cannot tell it from " + joined(e.group, 1) + ".";
     return text;

@@ -408,8 +408,8 @@ void Work::conclude() {
     for (const Entry& entry : entries_) {
         if (spreads.count(entry.model) == 0)
             spreads[entry.model] = spreadOf(entry);
-        FoundEffect f =
-            presentEffect(evaluator_.model(), *misfit_, tried_[entry.model], entry.term, spreads[entry.model]);
+        FoundEffect f = presentEffect(evaluator_.model(), *misfit_, grouping_, tried_[entry.model], entry.term,
+                                      spreads[entry.model]);
         f.probability = std::min(1.0, entry.probability);
         f.gain = w.gain[entry.model];
         f.gainError = w.gainError[entry.model];

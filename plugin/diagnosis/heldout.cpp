@@ -123,8 +123,15 @@ Grouping groupingOf(const Misfit& misfit) {
     }
     for (const int f : g.fold)
         g.folds = std::max(g.folds, f + 1);
+    for (int f = 0; f < g.folds; ++f)
+        g.names.push_back(byRun ? misfit.data().runs[static_cast<std::size_t>(f)].name
+                                : "cycle " + std::to_string(f + 1));
     if (g.folds < 2) {
-        cutInto(g, misfit, 5);
+        constexpr int kParts = 5;
+        cutInto(g, misfit, kParts);
+        g.names.clear();
+        for (int f = 0; f < kParts; ++f)
+            g.names.push_back("fifth " + std::to_string(f + 1));
         for (std::size_t r = 0; r < misfit.runs(); ++r)
             for (Index k = misfit.data().runs[r].rows(); k < misfit.rowsOf(r); ++k)
                 joinForce(g, misfit, r, k);
@@ -178,6 +185,24 @@ HeldOut inSample(const Misfit& misfit, const Grouping& g, const Fitted& fitted) 
     return out;
 }
 
+namespace {
+
+/// Numbers of which the runs know much, and nothing without a fold.
+void markOnly(const Variables& v, const Eigen::MatrixXd& all, const Eigen::MatrixXd& without,
+              const Eigen::MatrixXd& prior, int fold, std::vector<int>& only) {
+    constexpr double kNothing = 0.5, kMuch = 0.05; // of the prior's variance
+    const Eigen::VectorXd known = (all + prior).llt().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).diagonal();
+    const Eigen::VectorXd left =
+        (without + prior).llt().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).diagonal();
+    for (Index k = v.nominal; k < v.size(); ++k) {
+        const double before = 1.0 / prior(k, k);
+        if (known[k] < kMuch * before && left[k] > kNothing * before)
+            only[static_cast<std::size_t>(k)] = fold;
+    }
+}
+
+} // namespace
+
 HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
     constexpr double kPromises = 0.1; // a step that lowers the misfit by less is not worth its simulations
     HeldOut out;
@@ -186,12 +211,15 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
     out.error = Eigen::VectorXd::Zero(misfit.rows());
     const Eigen::MatrixXd& J = fitted.jacobian;
     const Eigen::MatrixXd prior = priorOf(v) + v.penalty;
+    const Eigen::MatrixXd all = J.transpose() * J;
+    out.only.assign(static_cast<std::size_t>(v.size()), -1);
     double squares = 0.0, count = 0.0;
     const Eigen::VectorXd fittedCharge = misfit.charge(fitted.responses);
     for (int f = 0; f < g.folds; ++f) {
         const Eigen::VectorXd held = maskOf(g, f);
         const Eigen::VectorXd train = Eigen::VectorXd::Ones(held.size()) - held;
         const Eigen::MatrixXd G = J.transpose() * train.asDiagonal() * J;
+        markOnly(v, all, G, prior, f, out.only);
         Eigen::VectorXd x = fitted.x, r = fitted.residual, charge = fittedCharge;
         std::vector<Response> responses = fitted.responses;
         for (int correction = 0; correction < 2; ++correction) {

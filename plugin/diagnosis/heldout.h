@@ -7,11 +7,16 @@
 // priors P (uniform intervals by their variance). Groups are runs; of a single run its cycles, of a single cycle fifths
 // of its time.
 //
+// A number that one group alone shows cannot be foretold for that group: left at its fitted value, the group's error is
+// a fit's. The log density pays for it (the number's prior is part of C), the error in N does not; HeldOut::only says
+// so.
+//
 // Source: A. Vehtari, A. Gelman, J. Gabry, Stat. Comput. 27 (2017) 1413 (expected log predictive density); A. Vehtari,
 // J. Lampinen, Neural Comput. 14 (2002) 2439 (leaving groups out).
 
 #include "plugin/diagnosis/fit.h"
 
+#include <string>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -21,6 +26,7 @@ struct Grouping {
     std::vector<int> fold;  ///< left out together; -1: does not count
     std::vector<int> block; ///< scored together (a stroke of a run): unit of the bootstrap
     int folds = 0, blocks = 0;
+    std::vector<std::string> names; ///< of folds: runs, "cycle 2", "fifth 3"
 };
 Grouping groupingOf(const Misfit& misfit);
 
@@ -31,6 +37,7 @@ struct HeldOut {
     Eigen::VectorXd rows;   ///< per block
     Eigen::VectorXd error;  ///< whitened, per row of the stack
     double forceRmse = 0.0; ///< N
+    std::vector<int> only;  ///< per number of the model: the fold without which nothing is known of it, -1: none
     /// Log density per block, tempered by the dispersion.
     [[nodiscard]] Eigen::VectorXd score(double dispersion) const { return -0.5 * (energy / dispersion + volume); }
 };

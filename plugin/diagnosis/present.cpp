@@ -7,8 +7,8 @@ namespace supercircle::diagnosis {
 
 using Index = Eigen::Index;
 
-FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& t, std::size_t shown,
-                          const Spread& spread) {
+FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Grouping& grouping, const Tried& t,
+                          std::size_t shown, const Spread& spread) {
     const std::vector<Candidate>& candidates = model.candidates();
     const Candidate& c = candidates[t.candidates[shown]];
     FoundEffect e;
@@ -33,7 +33,10 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
             const auto at = [&](double x) {
                 return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
             };
-            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(low), at(high)}};
+            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(low), at(high)}, {}};
+            const auto number = static_cast<std::size_t>(k);
+            if (!t.learned && number < t.held.only.size() && t.held.only[number] >= 0)
+                p.only = grouping.names[static_cast<std::size_t>(t.held.only[number])];
             if (p.ci90.low > p.ci90.high)
                 std::swap(p.ci90.low, p.ci90.high);
             e.parameters.push_back(p);
@@ -42,8 +45,11 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried&
         }
         if (term == shown && term < spread.products.size())
             for (std::size_t i = 0; i < c.products.size(); ++i)
-                e.products.push_back({c.products[i].name, c.products[i].unit,
-                                      productOf(c.products[i], v, t.fit.x, first), spread.products[term][i]});
+                e.products.push_back({c.products[i].name,
+                                      c.products[i].unit,
+                                      productOf(c.products[i], v, t.fit.x, first),
+                                      spread.products[term][i],
+                                      {}});
         first += n;
     }
     return e;

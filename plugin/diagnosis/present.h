@@ -12,8 +12,8 @@ namespace supercircle::diagnosis {
 /// One effect of a hypothesis (its term `shown`): fitted values with 90 % intervals, errors. Probability, gain and
 /// group are the caller's.
 /// @param spread of the numbers of all its terms
-FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Tried& tried, std::size_t shown,
-                          const Spread& spread);
+FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Grouping& grouping, const Tried& tried,
+                          std::size_t shown, const Spread& spread);
 
 /// Stated and fitted nominal parameters.
 std::vector<NominalResult> presentNominal(const Model& model, const Fitted& nominal);

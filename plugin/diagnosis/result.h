@@ -19,6 +19,7 @@ struct FittedParameter {
     std::string name, unit;
     double value = 0.0;
     Interval ci90;
+    std::string only = {}; ///< the run, cycle or fifth without which nothing is known of it (HeldOut::only), else empty
 };
 
 /// An effect that was fitted to all runs.

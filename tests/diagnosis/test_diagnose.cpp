@@ -77,6 +77,7 @@ TEST_CASE("a dashpot is named, with its constant", "[diagnosis]") {
     const FoundEffect& e = d.effects.front();
     CHECK(e.label == "dashpot");
     CHECK(e.parameters.front().value == Approx(10.0).epsilon(0.15));
+    CHECK(e.parameters.front().only.empty()); // three speeds
     CHECK(d.improvedHeldOut < 1.15 * std::hypot(toy::kWhite, toy::kColoured));
     CHECK(d.mismatch.p <= 0.05);
     CHECK(d.left.p > 0.01);
@@ -105,6 +106,30 @@ TEST_CASE("a dashpot is named, with its constant", "[diagnosis]") {
                                   [&](double v) { return std::abs(v - t) < 0.125 + 0.3 + 0.04; }));
     }
     CHECK(shown > 20);
+}
+
+TEST_CASE("what one run alone shows is no forecast of that run, and the sentence says so", "[diagnosis]") {
+    Data data = toy::recordings(12);
+    const toy::Spring spring(data);
+    const auto& candidates = spring.candidates();
+    const auto cubic = static_cast<std::size_t>(
+        std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.label == "cubic"; }) -
+        candidates.begin());
+    Random random(12);
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        RecordedRun& run = data.runs[r];
+        if (r > 0) // half a millimetre of ten: 0.04 mN of the cubic, noise 10 mN
+            run.displacement *= 0.05;
+        run.force = spring.simulate(r, Point{{103.0, 0.08}, {Term{cubic, {3e5}}}}, Fineness::Fine, nullptr).force;
+        toy::addNoise(run, random);
+    }
+    const Diagnosis d = run(data, spring);
+    INFO(d.verdict << ": " << d.statement);
+    REQUIRE_FALSE(d.effects.empty());
+    REQUIRE(d.effects.front().label == "cubic");
+    CHECK(d.effects.front().parameters.front().only == "slow");
+    CHECK((d.verdict != "named" || d.statement.find("Without slow nothing would be known of b") != std::string::npos));
+    CHECK(d.verdict == "named");
 }
 
 TEST_CASE("yielding and bending over elastically are one where nothing goes back", "[diagnosis]") {

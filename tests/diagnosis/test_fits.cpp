@@ -482,7 +482,7 @@ TEST_CASE("a product is known as well as if it were the parameter", "[diagnosis]
         Spread spread{linearIntervals(v, t.fit, J, dispersionsOf(misfit, v, t.fit.residual, J, perRow)), {{}}};
         for (const Product& p : model.candidates()[0].products)
             spread.products[0].push_back(productInterval(evaluator, misfit, t.fit, J, p, v.nominal));
-        return presentEffect(model, misfit, t, 0, spread);
+        return presentEffect(model, misfit, groupingOf(misfit), t, 0, spread);
     };
     const FoundEffect two = found(split, {5.0, inner(Scale::Logarithm, 3.0)}), one = found(whole, {5.0});
     REQUIRE(two.products.size() == 1);

@@ -70,11 +70,26 @@ diagnosis::Ablation ablationOf(const std::vector<std::string>& parts) {
     return {out("whitening"), out("heldout"), out("probes"), out("unknown")};
 }
 
+/// Another catalogue keeps its runs beside those of the whole one.
+std::string keptRuns(std::vector<std::string> without) {
+    constexpr std::size_t kLongest = 150; // file systems end at 255
+    std::sort(without.begin(), without.end());
+    std::string name = "runs";
+    for (const std::string& label : without)
+        name += (name == "runs" ? "-without-" : "+") + label;
+    return name.substr(0, kLongest) + ".cache";
+}
+
 diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment, const Folder& folder,
                           std::string& error) {
-    const diagnosis::ReplayModel model(experiment, a.without);
+    const diagnosis::ReplayModel model(experiment, a.without, &interrupted);
+    if (interrupted) { // what is kept belongs to a whole model
+        diagnosis::Diagnosis none;
+        none.stopped = true;
+        return none;
+    }
     diagnosis::Store store;
-    if (error = store.open(folder.path() + "/runs.cache", model.identity()); !error.empty())
+    if (error = store.open(folder.path() + "/" + keptRuns(a.without), model.identity()); !error.empty())
         return {};
     diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), store, &interrupted);
     diagnosis::Settings settings;

@@ -217,8 +217,9 @@ private:
         const Eigen::VectorXd step =
             boxMinimum(G, g, (v_.lower - now_.x).cwiseMax(-far), (v_.upper - now_.x).cwiseMin(far));
         const Eigen::VectorXd to = now_.x + step;
-        const double foreseen =
-            now_.cost - (now_.residual - now_.jacobian * step).squaredNorm() - to.dot(v_.penalty * to);
+        // What hides behind a late jump is charged for (Misfit::charge) and stays, as far as derivatives know.
+        const double foreseen = now_.residual.squaredNorm() + now_.x.dot(v_.penalty * now_.x) -
+                                (now_.residual - now_.jacobian * step).squaredNorm() - to.dot(v_.penalty * to);
         if (foreseen < settings_.enough) {
             finishOrRefresh();
             return;

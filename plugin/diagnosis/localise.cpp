@@ -193,11 +193,15 @@ private:
     const Misfit& misfit_;
 };
 
+double signOf(const Spot& c, std::size_t row) {
+    return c.sign.size() > 0 ? c.sign[static_cast<Eigen::Index>(row)] : 1.0;
+}
+
 /// Whitened unit shift of the window's raw readings.
 Eigen::VectorXd shiftOf(const Misfit& misfit, const Spot& c) {
     Eigen::VectorXd raw = Eigen::VectorXd::Zero(misfit.rows());
     for (std::size_t i = 0; i < c.rows.size(); ++i)
-        raw[c.rows[i]] = c.sign.size() > 0 ? c.sign[static_cast<Eigen::Index>(i)] : 1.0;
+        raw[c.rows[i]] = signOf(c, i);
     Eigen::VectorXd out = Eigen::VectorXd::Zero(misfit.rows());
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const auto part = raw.segment(misfit.start(r), misfit.rowsOf(r));
@@ -215,22 +219,6 @@ Eigen::VectorXd shiftOf(const Misfit& misfit, const Spot& c) {
 constexpr double kLoudest = 3.0;
 /// So does the place of a jump, which is no reading of a sensor; beyond this two simulators may differ.
 constexpr double kLoudestJump = 6.0;
-
-/// Statistics of residuals, a column each: shifts and signatures first, then energies.
-Eigen::MatrixXd statistics(const std::vector<Spot>& family, const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& u) {
-    const Eigen::Index m = shifts.cols();
-    const auto n = static_cast<Eigen::Index>(family.size());
-    Eigen::MatrixXd t(m + n, u.cols());
-    t.topRows(m).noalias() = shifts.transpose() * u;
-    const Eigen::ArrayXXd squares = u.array().square().transpose(); // rows of one window lie apart, draws together
-    for (Eigen::Index i = 0; i < n; ++i) {
-        Eigen::ArrayXd e = Eigen::ArrayXd::Zero(u.cols());
-        for (const Eigen::Index k : family[static_cast<std::size_t>(i)].rows)
-            e += squares.col(k);
-        t.row(m + i) = e.unaryExpr([](double x) { return std::cbrt(x); }).matrix().transpose();
-    }
-    return t;
-}
 
 /// @param loudest of each row
 Eigen::MatrixXd quieted(const Eigen::MatrixXd& u, const Eigen::VectorXd& loudest) {
@@ -388,20 +376,28 @@ Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
 namespace {
 
 /// What is looked for: windows, then signatures; projected as the residual is.
+///
+/// The whitened shift of a window W e has a number in every row of its run, and there are hundreds of windows a run:
+/// kept as a matrix they took 1.6 GB for three runs at 500 Hz. What is wanted is its product with a residual u, freed
+/// of what the fit absorbs: e'W'u - (Q'W e)'(Q'u). W'u is taken once for all windows, and e sums its rows.
 class Search {
 public:
     Search(const Misfit& misfit, const Eigen::MatrixXd& free, const Eigen::MatrixXd& signatures)
         : misfit_(misfit), family_(misfit), absorbed_(basisOf(free)) {
-        shifts_.resize(misfit.rows(), windows() + signatures.cols());
-        for (Eigen::Index i = 0; i < shifts_.cols(); ++i) {
-            const bool window = i < windows();
-            const Eigen::VectorXd raw =
-                window ? shiftOf(misfit, spot(i)) : Eigen::VectorXd(signatures.col(i - windows()));
-            Eigen::VectorXd projected = raw;
-            project(projected);
-            const double size = projected.norm();
+        const Eigen::Index n = windows();
+        perSize_ = Eigen::VectorXd::Zero(n);
+        imitated_.resize(n, absorbed_.cols());
+        for (Eigen::Index i = 0; i < n; ++i) {
+            Eigen::VectorXd s = shiftOf(misfit, spot(i));
+            imitated_.row(i) = (absorbed_.transpose() * s).transpose();
+            perSize_[i] = perNorm(s, 0.0);
+        }
+        signatures_.resize(misfit.rows(), signatures.cols());
+        for (Eigen::Index i = 0; i < signatures.cols(); ++i) {
+            Eigen::VectorXd s = signatures.col(i);
             // What the nominal parameters imitate to a per cent is round-off, not evidence.
-            shifts_.col(i) = projected * (size > 1e-9 && size > (window ? 0.0 : 0.01 * raw.norm()) ? 1.0 / size : 0.0);
+            const double scale = perNorm(s, 0.01);
+            signatures_.col(i) = scale * s;
         }
         counted_ = Eigen::VectorXd::Zero(misfit.rows());
         loudest_.resize(misfit.rows());
@@ -412,7 +408,7 @@ public:
             }
     }
     [[nodiscard]] Eigen::Index windows() const { return static_cast<Eigen::Index>(family_.all.size()); }
-    [[nodiscard]] Eigen::Index directions() const { return shifts_.cols(); } ///< windows and signatures
+    [[nodiscard]] Eigen::Index directions() const { return windows() + signatures_.cols(); } ///< and signatures
     [[nodiscard]] const Spot& spot(Eigen::Index window) const { return family_.all[static_cast<std::size_t>(window)]; }
 
     /// Takes out what the fit could have absorbed.
@@ -428,8 +424,7 @@ public:
         Eigen::MatrixXd full;  ///< they say which of the windows that pass are shown
     };
     [[nodiscard]] Statistics of(const Eigen::MatrixXd& projected) const {
-        return {statistics(family_.all, shifts_, quieted(projected, loudest_)),
-                statistics(family_.all, shifts_, projected)};
+        return {statistics(quieted(projected, loudest_)), statistics(projected)};
     }
 
     /// The same of noise alone.
@@ -440,7 +435,9 @@ public:
         Random random(seed);
         Statistics out{Eigen::MatrixXd(directions() + windows(), draws),
                        Eigen::MatrixXd(directions() + windows(), draws)};
-        constexpr int kBlock = 64; // draws at a time: one product of matrices instead of many of vectors
+        // Draws at a time: products of matrices instead of many of vectors, some tens of megabytes of them.
+        constexpr Eigen::Index kNumbers = 2000000;
+        const int kBlock = static_cast<int>(std::clamp<Eigen::Index>(kNumbers / misfit_.rows(), 8, 64));
         for (int first = 0; first < draws; first += kBlock) {
             const int count = std::min(kBlock, draws - first);
             Eigen::MatrixXd v(misfit_.rows(), count);
@@ -469,11 +466,52 @@ public:
     [[nodiscard]] bool signatures() const { return directions() > windows(); }
 
 private:
+    /// Projects s; 1 over what is left of its length, 0 where that is round-off.
+    double perNorm(Eigen::VectorXd& s, double share) const {
+        const double whole = s.norm();
+        project(s);
+        const double left = s.norm();
+        return left > 1e-9 && left > share * whole ? 1.0 / left : 0.0;
+    }
+
+    /// Whitening's transposed map of each column, transposed: rows of one window lie apart, draws together.
+    [[nodiscard]] Eigen::ArrayXXd unwhitened(const Eigen::MatrixXd& u) const {
+        Eigen::ArrayXXd out(u.cols(), u.rows());
+        for (std::size_t r = 0; r < misfit_.runs(); ++r) {
+            const Eigen::Index from = misfit_.start(r), n = misfit_.rowsOf(r);
+            for (Eigen::Index b = 0; b < u.cols(); ++b)
+                out.row(b).segment(from, n) = misfit_.whitenTransposed(r, u.col(b).segment(from, n)).transpose();
+        }
+        return out;
+    }
+
+    /// Of residuals, a column each: shifts and signatures first, then energies.
+    [[nodiscard]] Eigen::MatrixXd statistics(const Eigen::MatrixXd& u) const {
+        const Eigen::Index n = windows(), m = directions();
+        Eigen::MatrixXd t(m + n, u.cols());
+        t.topRows(n).noalias() = -imitated_ * (absorbed_.transpose() * u);
+        t.middleRows(n, m - n).noalias() = signatures_.transpose() * u;
+        const Eigen::ArrayXXd squares = u.array().square().transpose(), sums = unwhitened(u);
+        for (Eigen::Index i = 0; i < n; ++i) {
+            Eigen::ArrayXd e = Eigen::ArrayXd::Zero(u.cols()), s = e;
+            const Spot& c = spot(i);
+            for (std::size_t k = 0; k < c.rows.size(); ++k) {
+                e += squares.col(c.rows[k]);
+                s += signOf(c, k) * sums.col(c.rows[k]);
+            }
+            t.row(i) = perSize_[i] * (t.row(i) + s.matrix().transpose());
+            t.row(m + i) = e.unaryExpr([](double x) { return std::cbrt(x); }).matrix().transpose();
+        }
+        return t;
+    }
+
     const Misfit& misfit_;
     Family family_;
-    Eigen::MatrixXd absorbed_; ///< orthonormal
-    Eigen::MatrixXd shifts_;   ///< of unit length, or 0
-    Eigen::VectorXd counted_;  ///< of each row, 0 or 1
+    Eigen::MatrixXd absorbed_;   ///< Q, orthonormal
+    Eigen::MatrixXd imitated_;   ///< of each window (Q'W e)'
+    Eigen::VectorXd perSize_;    ///< of each window 1 / |(1 - QQ') W e|, or 0
+    Eigen::MatrixXd signatures_; ///< projected, of unit length, or 0
+    Eigen::VectorXd counted_;    ///< of each row, 0 or 1
     Eigen::VectorXd loudest_;
 };
 

@@ -335,6 +335,22 @@ Departure Misfit::change(std::size_t r, const Response& a, const Response& b) co
     return out;
 }
 
+/// Leaves out what a shift could have done to a stretch of a marker; a symmetric map.
+void Misfit::takeShiftOut(const Part& part, const Part::Shared& shift, Eigen::Ref<Eigen::VectorXd> markers) {
+    const Eigen::VectorXd& errors = part.errors.markers;
+    double n2 = 0.0, along = 0.0;
+    for (Eigen::Index k = shift.from; k < shift.to; ++k)
+        if (std::isfinite(errors[k])) {
+            const double n = shift.deviation / errors[k];
+            n2 += n * n;
+            along += n * markers[k];
+        }
+    const double shrink = n2 > 0.0 ? along * (1.0 - 1.0 / std::sqrt(1.0 + n2)) / n2 : 0.0;
+    for (Eigen::Index k = shift.from; k < shift.to; ++k)
+        if (std::isfinite(errors[k]))
+            markers[k] -= shrink * shift.deviation / errors[k];
+}
+
 Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& departure) const {
     const Part& part = parts_[r];
     const RecordedRun& run = data_.runs[r];
@@ -352,19 +368,26 @@ Eigen::VectorXd Misfit::whiten(std::size_t r, const Eigen::VectorXd& departure) 
     for (Eigen::Index k = 0; k < run.markers.size(); ++k)
         if (std::isfinite(part.errors.markers[k]))
             out[run.force.size() + k] = markers[k] / part.errors.markers[k];
-    for (const auto& [from, to, deviation] : part.shifts) {
-        double n2 = 0.0, along = 0.0;
-        for (Eigen::Index k = from; k < to; ++k)
-            if (std::isfinite(part.errors.markers[k])) {
-                const double n = deviation / part.errors.markers[k];
-                n2 += n * n;
-                along += n * out[run.force.size() + k];
-            }
-        const double shrink = n2 > 0.0 ? along * (1.0 - 1.0 / std::sqrt(1.0 + n2)) / n2 : 0.0;
-        for (Eigen::Index k = from; k < to; ++k)
-            if (std::isfinite(part.errors.markers[k]))
-                out[run.force.size() + k] -= shrink * deviation / part.errors.markers[k];
-    }
+    for (const Part::Shared& shift : part.shifts)
+        takeShiftOut(part, shift, out.segment(run.force.size(), run.markers.size()));
+    return out;
+}
+
+Eigen::VectorXd Misfit::whitenTransposed(std::size_t r, const Eigen::VectorXd& whitened) const {
+    const Part& part = parts_[r];
+    const RecordedRun& run = data_.runs[r];
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(rowsOf(r));
+    if (const auto jumps = static_cast<Eigen::Index>(part.jumps.size()); jumps > 0)
+        out.tail(jumps) = part.jumpFactor.triangularView<Eigen::Lower>().transpose().solve(whitened.tail(jumps));
+    Eigen::VectorXd u = whitened.head(run.force.size());
+    u -= part.own * (part.shrink.transpose() * (part.own.transpose() * u));
+    out.head(run.force.size()) = part.force.transposed(u);
+    auto markers = out.segment(run.force.size(), run.markers.size());
+    markers = whitened.segment(run.force.size(), run.markers.size());
+    for (auto shift = part.shifts.rbegin(); shift != part.shifts.rend(); ++shift)
+        takeShiftOut(part, *shift, markers);
+    for (Eigen::Index k = 0; k < markers.size(); ++k)
+        markers[k] = std::isfinite(part.errors.markers[k]) ? markers[k] / part.errors.markers[k] : 0.0;
     return out;
 }
 

@@ -92,6 +92,8 @@ public:
                                                             const std::vector<Response>& b) const;
     /// Of the rows of any departure of one run.
     [[nodiscard]] Eigen::VectorXd whiten(std::size_t run, const Eigen::VectorXd& departure) const;
+    /// The transposed map: sums of its result over rows are products with whitened shifts of these rows.
+    [[nodiscard]] Eigen::VectorXd whitenTransposed(std::size_t run, const Eigen::VectorXd& whitened) const;
 
     [[nodiscard]] const Data& data() const { return data_; }
     [[nodiscard]] const Noise& noise() const { return noise_; }
@@ -141,6 +143,7 @@ private:
     void bridgeAll(std::size_t run, const Stretches& between, Departure& d) const;
     void addJumps(const RecordedRun& run, const Response& fine, const Response& coarse, Part& part) const;
     static void addLandings(const RecordedRun& run, double deviation, Part& part);
+    static void takeShiftOut(const Part& part, const Part::Shared& shift, Eigen::Ref<Eigen::VectorXd> markers);
     static void addPlaces(const RecordedRun& run, double deviation, Part& part);
 
     const Data& data_;

@@ -244,7 +244,7 @@ private:
         constexpr int kSteps = 3;
         for (int k = 0; k < kSteps && !evaluator_.stopped(); ++k) {
             const Eigen::VectorXd step = stepFrom(f, distance);
-            if (f.misfit - (f.residual - f.jacobian * step).squaredNorm() < 0.1 * dispersion_)
+            if (f.residual.squaredNorm() - (f.residual - f.jacobian * step).squaredNorm() < 0.1 * dispersion_)
                 return;
             Fitted to;
             if (!moved(f, step, to) || to.misfit >= f.misfit)

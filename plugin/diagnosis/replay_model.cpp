@@ -83,8 +83,32 @@ std::vector<double> filled(const std::vector<double>& v, std::size_t rows) {
     return out;
 }
 
+/// A search may ask for values at which every step is tiny. The limit counts steps, not time: the same everywhere.
+replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t run, const replay::Parameters& p,
+                                 const replay::Resolution& resolution, const std::atomic<bool>* interrupt) {
+    double way = 0.0, time = 0.0; // of the drive, m, s
+    for (std::size_t i = 1; i < e.runs[run].driveTime.size(); ++i) {
+        if (i < e.runs[run].driveDisplacement.size()) // free scenes have none
+            way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
+        time = e.runs[run].driveTime[i] - e.runs[run].driveTime.front();
+    }
+    const double longest = e.scene ? resolution.freeStep : resolution.dtMax;
+    const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / longest);
+    std::atomic<bool> enough{false};
+    int steps = 0;
+    double share = 0.0; // of the drive
+    const auto count = [&](double done) {
+        share = done;
+        enough = ++steps > most || (interrupt != nullptr && interrupt->load());
+    };
+    replay::Simulated s = replay::simulate(e, run, p, resolution, {&enough, count});
+    if (s.failure.empty() && s.stopped)
+        s.failure = "too many steps (at t = " + std::to_string(e.runs[run].driveTime.front() + share * time) + " s)";
+    return s;
+}
+
 /// Largest curvature change of the run that goes farthest, as described: where moments can be learned.
-double largestBend(const experiment::Experiment& e) {
+double largestBend(const experiment::Experiment& e, const std::atomic<bool>* interrupt) {
     std::size_t farthest = 0;
     double most = 0.0;
     for (std::size_t r = 0; r < e.runs.size(); ++r)
@@ -95,7 +119,7 @@ double largestBend(const experiment::Experiment& e) {
             }
     if (e.runs.empty())
         return 0.0;
-    return replay::simulate(e, farthest, replay::nominal(e), replay::Resolution::coarse()).bendMost;
+    return simulateWithin(e, farthest, replay::nominal(e), replay::Resolution::coarse(), interrupt).bendMost;
 }
 
 Eigen::VectorXd vectorOf(const std::vector<double>& v) {
@@ -104,8 +128,9 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
 
 } // namespace
 
-ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without)
-    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without, largestBend(e))) {
+ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without,
+                         const std::atomic<bool>* interrupt)
+    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without, largestBend(e, interrupt))) {
     const Sizes s = sizesOf(e);
     travel_ = s.travel;
     duration_ = s.duration;
@@ -199,34 +224,6 @@ std::string ReplayModel::parametersAt(const Point& point, replay::Parameters& p)
     }
     return replay::checkEffects(p, experiment_);
 }
-
-namespace {
-
-/// A search may ask for values at which every step is tiny. The limit counts steps, not time: the same everywhere.
-replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t run, const replay::Parameters& p,
-                                 const replay::Resolution& resolution, const std::atomic<bool>* interrupt) {
-    double way = 0.0, time = 0.0; // of the drive, m, s
-    for (std::size_t i = 1; i < e.runs[run].driveTime.size(); ++i) {
-        if (i < e.runs[run].driveDisplacement.size()) // free scenes have none
-            way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
-        time = e.runs[run].driveTime[i] - e.runs[run].driveTime.front();
-    }
-    const double longest = e.scene ? resolution.freeStep : resolution.dtMax;
-    const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / longest);
-    std::atomic<bool> enough{false};
-    int steps = 0;
-    double share = 0.0; // of the drive
-    const auto count = [&](double done) {
-        share = done;
-        enough = ++steps > most || (interrupt != nullptr && interrupt->load());
-    };
-    replay::Simulated s = replay::simulate(e, run, p, resolution, {&enough, count});
-    if (s.failure.empty() && s.stopped)
-        s.failure = "too many steps (at t = " + std::to_string(e.runs[run].driveTime.front() + share * time) + " s)";
-    return s;
-}
-
-} // namespace
 
 std::vector<Design> ReplayModel::designs() const {
     return designsFor(experiment_);

@@ -6,6 +6,7 @@
 #include "plugin/experiment/experiment.h"
 #include "plugin/replay/parameters.h"
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,9 @@ namespace supercircle::diagnosis {
 
 class ReplayModel final : public Model {
 public:
-    /// `experiment` must outlive the model.
-    explicit ReplayModel(const experiment::Experiment& experiment, const std::vector<std::string>& without = {});
+    /// `experiment` must outlive the model. Simulates one run; interrupted, the model is good for nothing.
+    explicit ReplayModel(const experiment::Experiment& experiment, const std::vector<std::string>& without = {},
+                         const std::atomic<bool>* interrupt = nullptr);
 
     [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return menu_.candidates; }

@@ -53,4 +53,22 @@ Eigen::VectorXd Whitening::apply(const Eigen::VectorXd& raw) const {
     return out;
 }
 
+Eigen::VectorXd Whitening::transposed(const Eigen::VectorXd& whitened) const {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(whitened.size());
+    double a = 0.0, b = 0.0; // by how much the sum rises with the states behind a row
+    for (std::size_t k = rows_.size(); k-- > 0;) {
+        const Row& row = rows_[k];
+        if (row.deviation != 0.0) {
+            const double innovation =
+                whitened[static_cast<Eigen::Index>(k)] / row.deviation + row.gainA * a + row.gainB * b;
+            out[static_cast<Eigen::Index>(k)] = innovation;
+            a -= innovation;
+            b -= row.amplitude * innovation;
+        }
+        a *= row.decayA;
+        b *= row.decayB;
+    }
+    return out;
+}
+
 } // namespace supercircle::diagnosis

@@ -114,6 +114,13 @@ TEST_CASE("in how many pieces a drive is given changes nothing", "[diagnosis]") 
             CHECK(b.errors(r).memory == a.errors(r).memory);
         }
         CHECK(*b.residual(late) == *a.residual(late));
+        Random random(5); // the transposed map, where landings and places of a marker overlap and jumps are rows
+        Eigen::VectorXd x(a.rowsOf(0)), y(a.rowsOf(0));
+        for (Eigen::Index k = 0; k < x.size(); ++k) {
+            x[k] = a.counts(0, k) ? random.normal() : 0.0;
+            y[k] = random.normal();
+        }
+        CHECK(a.whiten(0, x).dot(y) == Approx(x.dot(a.whitenTransposed(0, y))).epsilon(1e-9));
         const Grouping g = groupingOf(a), h = groupingOf(b);
         CHECK(h.fold == g.fold);
         CHECK(h.block == g.block);

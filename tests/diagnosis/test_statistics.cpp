@@ -95,6 +95,10 @@ TEST_CASE("whitening is the Cholesky factor's inverse in O(n)", "[diagnosis]") {
     const Eigen::LLT<Eigen::MatrixXd> llt(covariance(t, 0.8, 0.6, 0.25, model, 0.4));
     const Eigen::VectorXd expected = llt.matrixL().solve(r);
     CHECK((w.apply(r) - expected).norm() < 1e-10 * expected.norm()); // round-off of 40 steps
+    Eigen::VectorXd other(n);
+    for (double& x : other)
+        x = random.normal();
+    CHECK(w.apply(r).dot(other) == Approx(r.dot(w.transposed(other))).epsilon(1e-10));
     CHECK(w.logDeterminant() == Approx(2.0 * llt.matrixLLT().diagonal().array().log().sum()).epsilon(1e-10));
 }
 
@@ -108,6 +112,9 @@ TEST_CASE("rows that are missing say nothing", "[diagnosis]") {
     other[2] = -5.0;
     CHECK(w.apply(r) == w.apply(other));
     CHECK(w.apply(r)[2] == 0.0);
+    r[2] = 0.0;
+    CHECK(w.apply(r).dot(other) == Approx(r.dot(w.transposed(other))).epsilon(1e-12));
+    CHECK(w.transposed(other)[2] == 0.0);
     CHECK(w.present() == 5);
 }
 
@@ -239,6 +246,14 @@ TEST_CASE("markers may lie beside their simulated places, another way in each le
         departure << Eigen::VectorXd::Zero(n), markers;
         return misfit.whiten(0, departure).norm();
     };
+    // Sums over rows of the transposed map are products with whitened shifts.
+    Random random(7);
+    Eigen::VectorXd a(3 * n), b(3 * n);
+    for (Eigen::Index k = 0; k < 3 * n; ++k) {
+        a[k] = 1e-4 * random.normal();
+        b[k] = random.normal();
+    }
+    CHECK(misfit.whiten(0, a).dot(b) == Approx(a.dot(misfit.whitenTransposed(0, b))).epsilon(1e-9));
     // A shift is as large as in their mean, whose deviation is that of the place and of so many rows.
     const double one = std::hypot(3e-5, MisfitSettings{}.markerPlace), shift = MisfitSettings{}.markerShift;
     CHECK(size(shifted) == Approx(1e-5 / std::sqrt(shift * shift + one * one / rows)).epsilon(0.001));

@@ -9,14 +9,12 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace supercircle::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using record::NamedText;
 
@@ -189,6 +187,7 @@ std::string summary(const Replay& replay) {
 void simulateRuns(Replay& replay, bool quiet) {
     ProgressLine line(quiet);
     const std::size_t count = replay.experiment.runs.size();
+    const std::vector<std::string> names = experiment::runNames(replay.experiment, false);
     for (std::size_t k = 0; k < count && !interrupted; ++k) {
         const experiment::Run& run = replay.experiment.runs[k];
         replay::Options options;
@@ -197,7 +196,7 @@ void simulateRuns(Replay& replay, bool quiet) {
             line.show((static_cast<double>(k) + fraction) / static_cast<double>(count),
                       "run " + std::to_string(k + 1) + " of " + std::to_string(count));
         };
-        ReplayedRun done{fs::path(run.file).stem().string(), {}, {}};
+        ReplayedRun done{names[k], {}, {}};
         done.simulated = replay::simulate(replay.experiment, k, replay.parameters, replay.resolution, options);
         done.comparison = replay::compare(run, done.simulated, {}, !replay.experiment.scene);
         replay.runs.push_back(std::move(done));

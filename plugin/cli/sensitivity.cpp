@@ -10,14 +10,12 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace supercircle::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using record::NamedText;
 using sensitivity::Quality;
@@ -231,7 +229,7 @@ std::optional<sensitivity::Model> prepare(const SensitivityArguments& a, Sensiti
 } // namespace
 
 std::string SensitivityStudy::runName(std::size_t run) const {
-    return fs::path(experiment.runs[run].file).stem().string();
+    return experiment::runNames(experiment, false)[run];
 }
 
 int sensitivity(const SensitivityArguments& a) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 namespace supercircle::diagnosis {
@@ -76,7 +75,6 @@ double commanded(const experiment::Run& run, double t) {
 
 RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, double perUnit) {
     RecordedRun run;
-    run.name = std::filesystem::path(from.file).filename().string();
     run.legs = free ? swingsOf(from) : legsOf(from);
     run.time = vectorOf(from.readings.time);
     run.force = perUnit * vectorOf(from.readings.force);
@@ -166,8 +164,11 @@ Data dataOf(const experiment::Experiment& e) {
         data.arcFraction.push_back(m.arcFraction);
         data.markerNames.push_back(m.name);
     }
-    for (const experiment::Run& run : e.runs)
+    const std::vector<std::string> names = experiment::runNames(e, true);
+    for (const experiment::Run& run : e.runs) {
         data.runs.push_back(runOf(run, e.markers.size(), data.free, channel.perUnit));
+        data.runs.back().name = names[data.runs.size() - 1];
+    }
     return data;
 }
 

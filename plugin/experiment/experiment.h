@@ -172,6 +172,10 @@ struct Experiment {
 /// Name of a protocol in the files.
 const char* name(Protocol protocol);
 
+/// A name for each run, no two alike: its file's (with `extension`, or without, as results are called); with folders
+/// where two files are called the same, numbered where a file is named twice.
+std::vector<std::string> runNames(const Experiment& experiment, bool extension);
+
 /// The channel that runs of this experiment are compared by.
 const Channel& channel(const Experiment& experiment);
 

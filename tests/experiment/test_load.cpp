@@ -78,3 +78,22 @@ TEST_CASE("the description alone can be read", "[experiment]") {
     CHECK(problems.empty());
     CHECK(e->runs[0].readings.time.empty());
 }
+
+TEST_CASE("runs have names of their own, whatever their files are called", "[experiment]") {
+    experiment::Experiment e;
+    const auto named = [&](const std::vector<std::string>& files) {
+        e.runs.clear();
+        for (const std::string& file : files) {
+            e.runs.emplace_back();
+            e.runs.back().file = file;
+        }
+        return experiment::runNames(e, false);
+    };
+    using Names = std::vector<std::string>;
+    CHECK(named({"run_1.csv", "data/run_2.csv"}) == Names{"run_1", "run_2"});
+    CHECK(experiment::runNames(e, true) == Names{"run_1.csv", "run_2.csv"});
+    CHECK(named({"slow/a.csv", "fast/a.csv", "b.csv"}) == Names{"slow_a", "fast_a", "b"}); // results lie in one folder
+    CHECK(experiment::runNames(e, true) == Names{"slow/a.csv", "fast/a.csv", "b.csv"});
+    CHECK(named({"a.csv", "a.csv", "a.csv"}) == Names{"a", "a_2", "a_3"}); // a recording that counts thrice
+    CHECK(named({"a.csv", "a.csv", "a_2.csv"}) == Names{"a", "a_2", "a_2_2"});
+}

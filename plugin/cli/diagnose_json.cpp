@@ -29,7 +29,9 @@ Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
                        {"z", w.z},
                        {"p_value", w.p},
                        {"arc_fraction", w.arcFraction < 0.0 ? Json(nullptr) : Json(w.arcFraction)},
-                       {"kind", w.shift ? "shift" : "energy"}});
+                       {"kind", w.byEffect ? "effect"
+                                : w.shift  ? "shift"
+                                           : "energy"}});
     return all;
 }
 

@@ -97,20 +97,28 @@ std::string effectTable(const Diagnosis& d) {
 }
 
 std::string windowTable(const diagnosis::Localisation& l) {
-    if (l.significant.empty())
-        return std::string("<p>No window stands out of the noise") +
+    const bool byEffect = !l.significant.empty() && l.significant.front().byEffect;
+    std::string html;
+    if (l.significant.empty() || byEffect)
+        html = std::string("<p>No window stands out of the noise") +
                (l.p <= diagnosis::kFamilyWise ? ", but the trace an effect would leave in all readings does" : "") +
-               " (p = " + fixed(l.p, 3) + " for the largest of " + std::to_string(l.family) + ").</p>";
-    std::string html = "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"
-                       "<th>size (deviations)</th><th>p, over all windows</th></tr>";
+               " (p = " + fixed(l.p, 3) + " for the largest of " + std::to_string(l.family) + ")." +
+               (byEffect ? " Marked is where the most probable effect shows." : "") + "</p>";
+    if (l.significant.empty())
+        return html;
+    html += "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"
+            "<th>size (deviations)</th><th>p, over all windows</th></tr>";
     for (std::size_t i = 0; i < l.significant.size() && i < 12; ++i) {
         const diagnosis::Window& w = l.significant[i];
         html += "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
                 (w.arcFraction >= 0.0 ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
                 fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
                 fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>" +
-                w.phase + "</td><td>" + fixed(w.z, 1) + (w.shift ? "" : " (energy)") + "</td><td>" + fixed(w.p, 3) +
-                "</td></tr>";
+                w.phase + "</td><td>" + fixed(w.z, 1) +
+                (w.byEffect ? " (of the whole trace)"
+                 : w.shift  ? ""
+                            : " (energy)") +
+                "</td><td>" + fixed(w.p, 3) + "</td></tr>";
     }
     return html + "</table>";
 }

@@ -512,6 +512,8 @@ void Work::present() {
     }
     out_.similarity = presentSimilarity(*misfit_, base_, shown);
     out_.runs = presentCurves(*misfit_, base_, out_.improved ? &tried_[best_].fit : nullptr);
+    if (out_.mismatch.p <= kFamilyWise && out_.mismatch.significant.empty())
+        out_.mismatch.significant = windowsOfEffect(data_, out_.runs, out_.mismatch);
 }
 
 } // namespace

@@ -73,24 +73,13 @@ private:
                     continue;
                 Spot c;
                 c.window = {run.name, "all", "time", "force", run.time[a], run.time[b - 1], 0.0, 0.0, -1.0};
-                span(run, a, b, c.window);
+                setSpan(run, a, b, c.window);
                 for (Eigen::Index k = a; k < b; ++k)
                     if (counts(r, k))
                         c.rows.push_back(misfit_.start(r) + k);
                 add(std::move(c));
             }
         }
-    }
-
-    static void span(const RecordedRun& run, Eigen::Index a, Eigen::Index b, Window& w) {
-        const auto d = run.displacement.segment(a, b - a);
-        w.displacementFrom = d.minCoeff();
-        w.displacementTo = d.maxCoeff();
-        const Phase first = run.phase(a);
-        bool one = true;
-        for (Eigen::Index k = a; k < b; ++k)
-            one = one && run.phase(k) == first;
-        w.phase = one ? name(first) : "all";
     }
 
     void byDisplacement(const std::vector<std::size_t>& runs, Phase phase) {
@@ -360,6 +349,19 @@ std::vector<Window> selected(std::vector<Window> all) {
 
 } // namespace
 
+void setSpan(const RecordedRun& run, Eigen::Index from, Eigen::Index to, Window& w) {
+    const auto d = run.displacement.segment(from, to - from);
+    w.timeFrom = run.time[from];
+    w.timeTo = run.time[to - 1];
+    w.displacementFrom = d.minCoeff();
+    w.displacementTo = d.maxCoeff();
+    const Phase first = run.phase(from);
+    bool one = true;
+    for (Eigen::Index k = from; k < to; ++k)
+        one = one && run.phase(k) == first;
+    w.phase = one ? name(first) : "all";
+}
+
 Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
     if (columns.cols() == 0)
         return columns;
@@ -567,6 +569,7 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     if (search.signatures()) {
         const double largest = search.largestSignature(t);
         out.p = std::min(out.p, families.overall(families.signatures.p(largest)));
+        out.signature = largest;
         tail = 2.0 * std::min(tail, bonferroni(m - n, largest));
     }
     out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, tail) : out.p;

@@ -41,7 +41,8 @@ struct Window {
     double arcFraction = -1.0;                           ///< of a marker, -1: none
     double z = 0.0;                                      ///< standardised statistic, the larger of shift and energy
     bool shift = true;                                   ///< which of the two
-    double p = 1.0;                                      ///< family-wise
+    bool byEffect = false; ///< does not stand out by itself: here shows the effect whose trace does (z is the trace's)
+    double p = 1.0;        ///< family-wise
 };
 
 /// p, family-wise, at which something stands out of the noise.
@@ -51,7 +52,8 @@ struct Localisation {
     double p = 1.0; ///< of the largest statistic
     /// The same, carried on by Bonferroni's bound where it lies beyond all draws.
     double tail = 1.0;
-    double critical = 0.0; ///< of a signature's |statistic| (without any: of a window's) at 5 %, family-wise
+    double critical = 0.0;  ///< of a signature's |statistic| (without any: of a window's) at 5 %, family-wise
+    double signature = 0.0; ///< the largest of a signature's, in deviations
     /// Largest first, disjoint.
     std::vector<Window> significant;
     std::size_t family = 0; ///< statistics that were looked at
@@ -61,6 +63,9 @@ struct Localisation {
 /// @param signatures whitened changes of all readings, a column each, that are looked for too; both signs count
 Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
                       std::uint64_t seed, int draws = 999, const Eigen::MatrixXd& signatures = {});
+
+/// Times, displacements and phase of a window that is rows [from, to) of a run's force.
+void setSpan(const RecordedRun& run, Eigen::Index from, Eigen::Index to, Window& window);
 
 /// Orthonormal basis of the columns' span; columns below 1e-8 of the largest are nothing.
 Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns);

@@ -164,4 +164,21 @@ std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal
     return out;
 }
 
+std::vector<Window> windowsOfEffect(const Data& data, const std::vector<RunCurves>& curves, const Localisation& found) {
+    std::vector<Window> all;
+    for (std::size_t r = 0; r < curves.size(); ++r)
+        for (const Stretch& s : curves[r].shows) {
+            const std::vector<double>& t = curves[r].time;
+            const auto from = std::lower_bound(t.begin(), t.end(), s.from) - t.begin();
+            const auto to = std::upper_bound(t.begin(), t.end(), s.to) - t.begin();
+            Window w{curves[r].name, "all", "time", "force", s.from, s.to, 0.0, 0.0, -1.0};
+            setSpan(data.runs[r], from, to, w);
+            w.z = found.signature;
+            w.p = found.p;
+            w.byEffect = true;
+            all.push_back(std::move(w));
+        }
+    return all;
+}
+
 } // namespace supercircle::diagnosis

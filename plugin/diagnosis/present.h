@@ -26,4 +26,7 @@ std::vector<std::vector<double>> presentSimilarity(const Misfit& misfit, const F
 /// in the mean of a quarter of a second, which is what an eye would mark; gaps of 0.3 s are closed.
 std::vector<RunCurves> presentCurves(const Misfit& misfit, const Fitted& nominal, const Fitted* best);
 
+/// Where an effect shows whose trace stands out of the noise while no window does by itself.
+std::vector<Window> windowsOfEffect(const Data& data, const std::vector<RunCurves>& curves, const Localisation& found);
+
 } // namespace supercircle::diagnosis

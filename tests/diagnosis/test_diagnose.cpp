@@ -288,6 +288,36 @@ TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]"
     }
 }
 
+TEST_CASE("an effect whose trace stands out while no window does is marked where it shows", "[diagnosis]") {
+    std::size_t marked = 0;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        const Data data = toy::recordings(seed, "dashpot", 3.0); // 15 mN in the fast run, noise 10 mN
+        const Diagnosis d = run(data, toy::Spring(data));
+        INFO("seed " << seed << ": " << d.verdict << ", p " << d.mismatch.p);
+        const std::vector<Window>& all = d.mismatch.significant;
+        if (d.mismatch.p > kFamilyWise) {
+            CHECK(all.empty());
+            continue;
+        }
+        if (!std::any_of(all.begin(), all.end(), [](const Window& w) { return w.byEffect; }))
+            continue;
+        ++marked;
+        std::size_t stretches = 0;
+        for (const RunCurves& c : d.runs)
+            for (const Stretch& s : c.shows) {
+                REQUIRE(stretches < all.size());
+                const Window& w = all[stretches++];
+                CHECK((w.byEffect && w.run == c.name && w.timeFrom == s.from && w.timeTo == s.to));
+                CHECK(w.run == "fast");
+                CHECK(w.displacementTo - w.displacementFrom > 0.008); // of 0.01 m, up or down
+                CHECK(w.p == d.mismatch.p);
+                CHECK(w.z == d.mismatch.signature);
+            }
+        CHECK(stretches == all.size());
+    }
+    CHECK(marked > 0);
+}
+
 TEST_CASE("the weights and the verdict are one statement", "[diagnosis]") {
     for (std::uint64_t seed = 40; seed < 52; ++seed) {
         // From nothing to an effect that is just seen.

@@ -260,15 +260,8 @@ TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]"
         toy::Spring spring_;
     };
     Data data = toy::recordings(11);
-    data.statedMarkerNoise = 3e-5;
-    data.markerNames = {"M1"};
-    data.arcFraction = {0.25};
-    RecordedRun& slow = data.runs.front();
-    slow.markerCount = 1;
-    slow.markerTime = slow.time;
-    slow.markerLeg = slow.leg;
+    RecordedRun& slow = toy::withMarker(data, "M1", 0.25);
     const Eigen::Index n = slow.time.size();
-    slow.markers = Eigen::VectorXd::Zero(2 * n);
     Random random(5);
     for (Eigen::Index k = 0; k < 2 * n; ++k) // swings that nothing simulates
         slow.markers[k] = 3e-5 * random.normal() + 2e-4 * std::sin(3.0 * slow.time[k % n]);

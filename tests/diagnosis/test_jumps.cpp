@@ -87,13 +87,7 @@ RecordedRun inPieces(RecordedRun run, double length) {
 
 TEST_CASE("in how many pieces a drive is given changes nothing", "[diagnosis]") {
     Data whole = latched(11, 6.437e-3);
-    whole.statedMarkerNoise = 3e-5;
-    whole.markerNames = {"m0"};
-    whole.arcFraction = {0.5};
-    RecordedRun& seen = whole.runs.front();
-    seen.markerCount = 1;
-    seen.markerTime = seen.time;
-    seen.markerLeg = seen.leg;
+    RecordedRun& seen = toy::withMarker(whole, "m0", 0.5);
     seen.markers = 1e-4 * Eigen::VectorXd::LinSpaced(2 * seen.time.size(), 0.0, 20.0).array().sin();
     Data pieces = whole;
     for (RecordedRun& run : pieces.runs)

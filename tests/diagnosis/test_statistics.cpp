@@ -221,15 +221,8 @@ TEST_CASE("a shift is found where it is", "[diagnosis]") {
 TEST_CASE("markers may lie beside their simulated places, another way in each leg", "[diagnosis]") {
     Data data = toy::recordings(3);
     data.runs.resize(1);
-    data.statedMarkerNoise = 3e-5;
-    data.markerNames = {"m0"};
-    data.arcFraction = {0.5};
-    RecordedRun& run = data.runs.front();
-    run.markerCount = 1;
-    run.markerTime = run.time;
-    run.markerLeg = run.leg;
+    const RecordedRun& run = toy::withMarker(data, "m0", 0.5);
     const Eigen::Index n = run.time.size();
-    run.markers = Eigen::VectorXd::Zero(2 * n);
     const std::vector<Response> there = {{{}, Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(2 * n)}};
     const Misfit misfit(data, estimateNoise(data), there, there, {});
     Eigen::VectorXd shifted = Eigen::VectorXd::Zero(2 * n), shaken = shifted;

@@ -151,6 +151,19 @@ inline Data recordings(std::uint64_t seed, const std::string& hidden = {}, doubl
     return data;
 }
 
+/// The first run's specimen carries a marker, seen at every reading where it stood.
+inline RecordedRun& withMarker(Data& data, const std::string& name, double arcFraction) {
+    data.statedMarkerNoise = 3e-5;
+    data.markerNames = {name};
+    data.arcFraction = {arcFraction};
+    RecordedRun& run = data.runs.front();
+    run.markerCount = 1;
+    run.markerTime = run.time;
+    run.markerLeg = run.leg;
+    run.markers = Eigen::VectorXd::Zero(2 * run.time.size());
+    return run;
+}
+
 /// Nothing is known to be inexact in a closed form.
 inline Settings exact(std::uint64_t seed = 1) {
     Settings s;

@@ -306,6 +306,10 @@ Accuracy accuracyOf(const Plan& plan) {
     out.rms = readings.rms();
     std::sort(readings.rows.begin(), readings.rows.end());
     out.most = readings.rows[readings.rows.size() * 99 / 100];
+    const Absorber absorber(s.description, s.offsets, s.nuisance);
+    if (out.failure = absorber.failure(); !out.failure.empty())
+        return out;
+    out.detectable = absorber.apart(a, b);
     out.markers = seen > 0.0 ? std::sqrt(places / seen) / s.nuisance.marker : 0.0;
     return out;
 }

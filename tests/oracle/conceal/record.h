@@ -40,6 +40,7 @@ struct Accuracy {
     std::string failure;
     double rms = 0.0, most = 0.0; ///< over rows; `most`: exceeded by a hundredth of them
     double markers = 0.0;         ///< rms in units of the markers' noise
+    double detectable = 0.0;      ///< of it, Left::detectable
 };
 Accuracy accuracyOf(const Plan& plan);
 

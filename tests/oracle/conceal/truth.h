@@ -44,6 +44,8 @@ public:
     Absorber(const Description& d, const Offsets& offsets, const Nuisance& noise);
     [[nodiscard]] const std::string& failure() const { return failure_; }
     [[nodiscard]] std::optional<Left> left(const Effects& effects) const;
+    /// How well readings of two resolutions could be told apart: Left::detectable of their difference.
+    [[nodiscard]] double apart(const Clean& a, const Clean& b) const { return detectable(stack(a) - stack(b)); }
     /// Where the force of a signature stands out of the noise.
     [[nodiscard]] std::vector<Window> windows(const Eigen::VectorXd& left) const;
 

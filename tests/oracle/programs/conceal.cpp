@@ -21,8 +21,10 @@ int check(const std::string& part, std::uint64_t seed, const std::string& name) 
             const Accuracy a = accuracyOf(p);
             if (!a.failure.empty())
                 break;
-            std::printf("%s: own error %.3f noise units (rms), 99 %% of the rows below %.3f, markers %.3f\n",
-                        name.c_str(), a.rms, a.most, a.markers);
+            std::printf(
+                "%s: own error %.3f noise units (rms), 99 %% of the rows below %.3f, markers %.3f; the best test "
+                "sees %.1f deviations of it\n",
+                name.c_str(), a.rms, a.most, a.markers, a.detectable);
             return 0;
         }
     std::fprintf(stderr, "%s: no such case, or it fails\n", name.c_str());

@@ -9,6 +9,7 @@
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/profile.h"
+#include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/search.h"
 #include "plugin/diagnosis/weigh.h"
 
@@ -25,6 +26,9 @@ namespace supercircle::diagnosis {
 namespace {
 
 using Index = Eigen::Index;
+
+/// Misfit per row beyond which the nominal fit may be on another branch than the recordings.
+constexpr double kFarOff = 4.0;
 
 /// A label of the report and the hypothesis it is best shown by.
 struct Entry {
@@ -79,6 +83,7 @@ private:
     void withoutNoise();
     [[nodiscard]] std::string firstFailure(const std::vector<Response>& all) const;
     bool nominal();
+    bool fromAfar(const Variables& v);
     void locate();
     void look();
     void summarise();
@@ -131,6 +136,47 @@ std::string Work::firstFailure(const std::vector<Response>& all) const {
     return {};
 }
 
+/// A search stays on its branch: a strip that jumps to the other side than the recorded one does so wherever the search
+/// goes from there, and an effect of no size that opens the other branch explained everything. Where the misfit is far
+/// off, points all over the box are simulated coarsely, and what is nearest to the recordings is a start as well.
+/// False: stopped.
+bool Work::fromAfar(const Variables& v) {
+    constexpr std::size_t kPoints = 32, kStarts = 3;
+    constexpr double kWorthIt = 0.5; // of the misfit: another branch, not the same one a little better
+    stage(0.16, "nominal fit from all over");
+    Random random(settings_.seed + 5);
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+        Eigen::VectorXd x(v.size());
+        for (Index k = 0; k < v.size(); ++k) // what has no bounds is looked for within two steps
+            x[k] = std::max(v.lower[k], -2.0) +
+                   (std::min(v.upper[k], 2.0) - std::max(v.lower[k], -2.0)) * random.uniform();
+        points.push_back(v.at(x));
+    }
+    const auto there = evaluator_.everywhere(points, Fineness::Coarse);
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (const auto residual = misfit_->residual(there[i]))
+            order.emplace_back(residual->squaredNorm() + misfit_->charge(there[i]).sum(), i);
+    std::sort(order.begin(), order.end());
+    std::optional<Fitted> best;
+    for (std::size_t i = 0; i < std::min(kStarts, order.size()) && !evaluator_.stopped(); ++i) {
+        FitSettings given;
+        given.rival = best ? best->misfit : kWorthIt * base_.misfit;
+        Fitted other = fit(evaluator_, *misfit_, points[order[i].second], given);
+        if (other.failure.empty() && other.misfit < given.rival)
+            best = std::move(other);
+    }
+    if (best && !evaluator_.stopped()) { // rows are weighed by what the simulation looks like on this branch
+        misfit_ =
+            std::make_unique<Misfit>(data_, out_.noise, best->responses,
+                                     evaluator_.everywhere({best->point}, Fineness::Coarse).front(), settings_.misfit);
+        base_ = fit(evaluator_, *misfit_, best->point);
+    }
+    out_.failure = base_.failure;
+    return !evaluator_.stopped() && out_.failure.empty();
+}
+
 bool Work::nominal() {
     stage(0.02, "nominal fit");
     if (settings_.ablation.whitening)
@@ -167,6 +213,8 @@ bool Work::nominal() {
         if (other.failure.empty() && other.misfit < base_.misfit - 1.0)
             base_ = std::move(other);
     }
+    if (!data_.free && base_.misfit > kFarOff * static_cast<double>(misfit_->present()) && !fromAfar(v))
+        return false;
     differentiate(
         evaluator_, *misfit_, v, base_.x, 0.2,
         [&] {

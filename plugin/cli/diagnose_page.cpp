@@ -103,7 +103,7 @@ std::string windowTable(const diagnosis::Localisation& l) {
         html = std::string("<p>No window stands out of the noise") +
                (l.p <= diagnosis::kFamilyWise ? ", but the trace an effect would leave in all readings does" : "") +
                " (p = " + fixed(l.p, 3) + " for the largest of " + std::to_string(l.family) + ")." +
-               (byEffect ? " Marked is where the most probable effect shows." : "") + "</p>";
+               (byEffect ? " Where the most probable effect shows (blue bars in the figures):" : "") + "</p>";
     if (l.significant.empty())
         return html;
     html += "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"

@@ -89,7 +89,7 @@ void markStretches(Canvas& canvas, const Plot& plot, const std::vector<diagnosis
 void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run,
                  const std::string& channel = "force") {
     for (const diagnosis::Window& w : d.mismatch.significant)
-        if (w.run == run && w.channel == channel && !w.byEffect) { // those are the bars of where the effect shows
+        if (w.run == run && w.channel == channel && w.by != diagnosis::Seen::Trace) { // those are bars
             const double left = plot.at(w.timeFrom, 0.0).x, right = plot.at(w.timeTo, 0.0).x;
             canvas.rectangle({left, plot.area.y, right - left, plot.area.height}, {.fill = kMarked});
         }

@@ -17,6 +17,7 @@ Json finite(double v) {
 }
 
 Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
+    static constexpr const char* kKinds[] = {"shift", "energy", "effect"}; // of diagnosis::Seen
     Json all = Json::array();
     for (const Window& w : l.significant)
         all.push_back({{"run", w.run},
@@ -29,9 +30,7 @@ Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
                        {"z", w.z},
                        {"p_value", w.p},
                        {"arc_fraction", w.arcFraction < 0.0 ? Json(nullptr) : Json(w.arcFraction)},
-                       {"kind", w.byEffect ? "effect"
-                                : w.shift  ? "shift"
-                                           : "energy"}});
+                       {"kind", kKinds[static_cast<std::size_t>(w.by)]}});
     return all;
 }
 

@@ -97,14 +97,15 @@ std::string effectTable(const Diagnosis& d) {
 }
 
 std::string windowTable(const diagnosis::Localisation& l) {
-    const bool byEffect = !l.significant.empty() && l.significant.front().byEffect;
+    static constexpr const char* kOf[] = {"", " (energy)", " (of the whole trace)"}; // diagnosis::Seen
+    const bool none = l.significant.empty(), trace = !none && l.significant.front().by == diagnosis::Seen::Trace;
     std::string html;
-    if (l.significant.empty() || byEffect)
+    if (none || trace)
         html = std::string("<p>No window stands out of the noise") +
                (l.p <= diagnosis::kFamilyWise ? ", but the trace an effect would leave in all readings does" : "") +
                " (p = " + fixed(l.p, 3) + " for the largest of " + std::to_string(l.family) + ")." +
-               (byEffect ? " Where the most probable effect shows (blue bars in the figures):" : "") + "</p>";
-    if (l.significant.empty())
+               (trace ? " Where the most probable effect shows (blue bars in the figures):" : "") + "</p>";
+    if (none)
         return html;
     html += "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"
             "<th>size (deviations)</th><th>p, over all windows</th></tr>";
@@ -114,11 +115,8 @@ std::string windowTable(const diagnosis::Localisation& l) {
                 (w.arcFraction >= 0.0 ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
                 fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
                 fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>" +
-                w.phase + "</td><td>" + fixed(w.z, 1) +
-                (w.byEffect ? " (of the whole trace)"
-                 : w.shift  ? ""
-                            : " (energy)") +
-                "</td><td>" + fixed(w.p, 3) + "</td></tr>";
+                w.phase + "</td><td>" + fixed(w.z, 1) + kOf[static_cast<std::size_t>(w.by)] + "</td><td>" +
+                fixed(w.p, 3) + "</td></tr>";
     }
     return html + "</table>";
 }

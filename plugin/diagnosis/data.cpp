@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace supercircle::diagnosis {
 
@@ -52,17 +53,18 @@ std::vector<Leg> legsOf(const experiment::Run& run) {
     return legs;
 }
 
-/// Of legs or strokes.
-template <class Piece>
-std::size_t pieceAt(const std::vector<Piece>& pieces, double t) {
+int legAt(const std::vector<Leg>& legs, double t) {
     std::size_t i = 0;
-    while (i + 1 < pieces.size() && t > pieces[i].to)
+    while (i + 1 < legs.size() && t > legs[i].to)
         ++i;
-    return i;
+    return static_cast<int>(i);
 }
 
-int legAt(const std::vector<Leg>& legs, double t) {
-    return static_cast<int>(pieceAt(legs, t));
+std::vector<int> legsAt(const std::vector<Leg>& legs, const Eigen::VectorXd& times) {
+    std::vector<int> all;
+    for (const double t : times)
+        all.push_back(legAt(legs, t));
+    return all;
 }
 
 double commanded(const experiment::Run& run, double t) {
@@ -75,14 +77,11 @@ double commanded(const experiment::Run& run, double t) {
 
 RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, double perUnit) {
     RecordedRun run;
-    run.legs = free ? swingsOf(from) : legsOf(from);
     run.time = vectorOf(from.readings.time);
     run.force = perUnit * vectorOf(from.readings.force);
     run.displacement.resize(run.time.size());
-    for (Eigen::Index k = 0; k < run.time.size(); ++k) {
+    for (Eigen::Index k = 0; k < run.time.size(); ++k)
         run.displacement[k] = commanded(from, run.time[k]);
-        run.leg.push_back(legAt(run.legs, run.time[k]));
-    }
     run.markerTime = vectorOf(from.markers.time);
     run.markerCount = from.markers.time.empty() ? 0 : std::min(markers, from.markers.x.size());
     const Eigen::Index seen = run.markerTime.size();
@@ -91,8 +90,7 @@ RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, d
         run.markers.segment(2 * static_cast<Eigen::Index>(m) * seen, seen) = vectorOf(from.markers.x[m]);
         run.markers.segment((2 * static_cast<Eigen::Index>(m) + 1) * seen, seen) = vectorOf(from.markers.y[m]);
     }
-    for (Eigen::Index k = 0; k < seen; ++k)
-        run.markerLeg.push_back(legAt(run.legs, run.markerTime[k]));
+    run.drivenBy(free ? swingsOf(from) : legsOf(from));
     return run;
 }
 
@@ -102,33 +100,28 @@ const Leg& RecordedRun::legAt(double t) const {
     return legs[static_cast<std::size_t>(diagnosis::legAt(legs, t))];
 }
 
-std::vector<Stroke> RecordedRun::strokes() const {
+void RecordedRun::drivenBy(std::vector<Leg> pieces) {
     constexpr double kRows = 3.0;
     const double shortest = time.size() > 1 ? kRows * spacing() : 0.0; // s, of a rest that cuts
-    std::vector<Stroke> out;
+    legs = std::move(pieces);
+    strokes.clear();
     for (std::size_t l = 0; l < legs.size(); ++l) {
         const Leg& piece = legs[l];
         const auto joins = [&](const Stroke& s) { return s.phase == piece.phase && piece.phase != Phase::Free; };
-        const std::size_t n = out.size();
-        if (n > 1 && joins(out[n - 2]) && out[n - 1].phase == Phase::Hold && out[n - 1].to - out[n - 1].from < shortest)
-            out.pop_back();
-        if (out.empty() || !joins(out.back()))
-            out.push_back({piece.phase, piece.from, piece.to, 0});
-        out.back().to = piece.to;
-        out.back().end = static_cast<int>(l + 1);
+        const std::size_t n = strokes.size();
+        if (n > 1 && joins(strokes[n - 2]) && strokes[n - 1].phase == Phase::Hold &&
+            strokes[n - 1].to - strokes[n - 1].from < shortest) {
+            strokes.pop_back();
+            for (std::size_t k = l; k-- > 0 && legs[k].stroke == n - 1;)
+                legs[k].stroke = n - 2;
+        }
+        if (strokes.empty() || !joins(strokes.back()))
+            strokes.push_back({piece.phase, piece.from, piece.to});
+        strokes.back().to = piece.to;
+        legs[l].stroke = strokes.size() - 1;
     }
-    return out;
-}
-
-const Stroke& strokeAt(const std::vector<Stroke>& strokes, double t) {
-    return strokes[pieceAt(strokes, t)];
-}
-
-std::size_t strokeOf(const std::vector<Stroke>& strokes, int leg) {
-    std::size_t i = 0;
-    while (i + 1 < strokes.size() && leg >= strokes[i].end)
-        ++i;
-    return i;
+    leg = legsAt(legs, time);
+    markerLeg = legsAt(legs, markerTime);
 }
 
 const char* name(Phase phase) {

@@ -18,13 +18,13 @@ struct Leg {
     Phase phase = Phase::Hold;
     double from = 0.0, to = 0.0; ///< s
     double speed = 0.0;          ///< m/s, downwards
+    std::size_t stroke = 0;      ///< which it belongs to (RecordedRun::drivenBy)
 };
 
 /// What the drive does from one turning point to the next, in however many legs it is given.
 struct Stroke {
     Phase phase = Phase::Hold;
     double from = 0.0, to = 0.0; ///< s
-    int end = 0;                 ///< the leg behind its last one
 };
 
 struct RecordedRun {
@@ -33,6 +33,7 @@ struct RecordedRun {
     Eigen::VectorXd displacement; ///< as commanded, m
     Eigen::VectorXd force;        ///< N; NaN: missing
     std::vector<Leg> legs;
+    std::vector<Stroke> strokes;
     std::vector<int> leg;        ///< of each row
     Eigen::VectorXd markerTime;  ///< s
     Eigen::VectorXd markers;     ///< as Response::markers, NaN: not seen
@@ -46,17 +47,23 @@ struct RecordedRun {
     }
     /// The leg of the drive at a time; there must be one.
     [[nodiscard]] const Leg& legAt(double t) const;
-    /// Neighbouring legs of one direction are one stroke, rests among them too that are shorter than three rows. Legs
-    /// of free runs are half swings, each a stroke.
-    [[nodiscard]] std::vector<Stroke> strokes() const;
+    [[nodiscard]] const Stroke& strokeAt(double t) const { return strokes[legAt(t).stroke]; }
+    /// Which stroke a row of the force or of the markers belongs to.
+    [[nodiscard]] std::size_t stroke(Eigen::Index row) const { return strokeOf(leg, row); }
+    [[nodiscard]] std::size_t markerStroke(Eigen::Index row) const { return strokeOf(markerLeg, row); }
     [[nodiscard]] Phase phase(Eigen::Index row) const {
         return legs[static_cast<std::size_t>(leg[static_cast<std::size_t>(row)])].phase;
     }
-};
+    /// Sets legs and strokes, and which leg each row belongs to; times of readings and markers must be there.
+    /// Neighbouring legs of one direction are one stroke, rests among them too that are shorter than three rows. Legs
+    /// of free runs are half swings, each a stroke.
+    void drivenBy(std::vector<Leg> pieces);
 
-/// The stroke at a time, and that of a leg; there must be one.
-const Stroke& strokeAt(const std::vector<Stroke>& strokes, double t);
-std::size_t strokeOf(const std::vector<Stroke>& strokes, int leg);
+private:
+    [[nodiscard]] std::size_t strokeOf(const std::vector<int>& rows, Eigen::Index row) const {
+        return legs[static_cast<std::size_t>(rows[static_cast<std::size_t>(row)])].stroke;
+    }
+};
 
 struct Data {
     std::vector<RecordedRun> runs;

@@ -7,9 +7,9 @@
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/learn.h"
 #include "plugin/diagnosis/next.h"
+#include "plugin/diagnosis/nominal.h"
 #include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/profile.h"
-#include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/search.h"
 #include "plugin/diagnosis/weigh.h"
 
@@ -26,9 +26,6 @@ namespace supercircle::diagnosis {
 namespace {
 
 using Index = Eigen::Index;
-
-/// Misfit per row beyond which the nominal fit may be on another branch than the recordings.
-constexpr double kFarOff = 4.0;
 
 /// A label of the report and the hypothesis it is best shown by.
 struct Entry {
@@ -81,9 +78,7 @@ private:
     [[nodiscard]] const std::vector<Candidate>& candidates() const { return evaluator_.model().candidates(); }
 
     void withoutNoise();
-    [[nodiscard]] std::string firstFailure(const std::vector<Response>& all) const;
     bool nominal();
-    bool fromAfar(const Variables& v);
     void locate();
     void look();
     void summarise();
@@ -129,102 +124,15 @@ void Work::withoutNoise() {
     out_.improvedTraining = out_.improvedHeldOut = out_.baselineTraining;
 }
 
-std::string Work::firstFailure(const std::vector<Response>& all) const {
-    for (std::size_t r = 0; r < all.size(); ++r)
-        if (!all[r].failure.empty())
-            return data_.runs[r].name + " cannot be simulated as it is described: " + all[r].failure;
-    return {};
-}
-
-/// A search stays on its branch: a strip that jumps to the other side than the recorded one does so wherever the search
-/// goes from there, and an effect of no size that opens the other branch explained everything. Where the misfit is far
-/// off, points all over the box are simulated coarsely, and what is nearest to the recordings is a start as well.
-/// False: stopped.
-bool Work::fromAfar(const Variables& v) {
-    constexpr std::size_t kPoints = 32, kStarts = 3;
-    constexpr double kWorthIt = 0.5; // of the misfit: another branch, not the same one a little better
-    stage(0.16, "nominal fit from all over");
-    Random random(settings_.seed + 5);
-    std::vector<Point> points;
-    for (std::size_t i = 0; i < kPoints; ++i) {
-        Eigen::VectorXd x(v.size());
-        for (Index k = 0; k < v.size(); ++k) // what has no bounds is looked for within two steps
-            x[k] = std::max(v.lower[k], -2.0) +
-                   (std::min(v.upper[k], 2.0) - std::max(v.lower[k], -2.0)) * random.uniform();
-        points.push_back(v.at(x));
-    }
-    const auto there = evaluator_.everywhere(points, Fineness::Coarse);
-    std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (const auto residual = misfit_->residual(there[i]))
-            order.emplace_back(residual->squaredNorm() + misfit_->charge(there[i]).sum(), i);
-    std::sort(order.begin(), order.end());
-    std::optional<Fitted> best;
-    for (std::size_t i = 0; i < std::min(kStarts, order.size()) && !evaluator_.stopped(); ++i) {
-        FitSettings given;
-        given.rival = best ? best->misfit : kWorthIt * base_.misfit;
-        Fitted other = fit(evaluator_, *misfit_, points[order[i].second], given);
-        if (other.failure.empty() && other.misfit < given.rival)
-            best = std::move(other);
-    }
-    if (best && !evaluator_.stopped()) { // rows are weighed by what the simulation looks like on this branch
-        misfit_ =
-            std::make_unique<Misfit>(data_, out_.noise, best->responses,
-                                     evaluator_.everywhere({best->point}, Fineness::Coarse).front(), settings_.misfit);
-        base_ = fit(evaluator_, *misfit_, best->point);
-    }
-    out_.failure = base_.failure;
-    return !evaluator_.stopped() && out_.failure.empty();
-}
-
 bool Work::nominal() {
-    stage(0.02, "nominal fit");
     if (settings_.ablation.whitening)
         out_.noise = out_.noise.asWhite();
-    Point stated;
-    for (const Scalar& s : evaluator_.model().nominal())
-        stated.nominal.push_back(s.value);
-    Point at = stated;
-    evaluator_.checkStore(stated, Fineness::Coarse);
-    // The second round weighs rows by what the simulation looks like where it fits.
-    for (int round = 0; round < 2; ++round) {
-        const auto fine = evaluator_.everywhere({at}, Fineness::Fine).front();
-        const auto coarse = evaluator_.everywhere({at}, Fineness::Coarse).front();
-        if (out_.failure = firstFailure(fine); !out_.failure.empty() || evaluator_.stopped()) {
-            out_.failure = evaluator_.stopped() ? "" : out_.failure;
-            return false;
-        }
-        misfit_ = std::make_unique<Misfit>(data_, out_.noise, fine, coarse, settings_.misfit);
-        base_ = fit(evaluator_, *misfit_, at);
-        if (!base_.failure.empty() || evaluator_.stopped()) {
-            const std::string which = firstFailure(base_.responses);
-            out_.failure = evaluator_.stopped() ? "" : which.empty() ? base_.failure : which;
-            return false;
-        }
-        at = base_.point;
-    }
-    const Variables v(evaluator_.model(), at);
-    if (base_.misfit > 1.3 * static_cast<double>(misfit_->present())) { // below, there is nothing better to find
-        stage(0.14, "nominal fit from elsewhere");
-        const Eigen::VectorXd elsewhere = base_.x.unaryExpr([](double x) { return x > 0.0 ? -0.7 : 0.7; });
-        FitSettings given;
-        given.rival = base_.misfit / 2.0;
-        Fitted other = fit(evaluator_, *misfit_, v.at(elsewhere), given);
-        if (other.failure.empty() && other.misfit < base_.misfit - 1.0)
-            base_ = std::move(other);
-    }
-    if (!data_.free && base_.misfit > kFarOff * static_cast<double>(misfit_->present()) && !fromAfar(v))
-        return false;
-    differentiate(
-        evaluator_, *misfit_, v, base_.x, 0.2,
-        [&] {
-            std::vector<Index> all;
-            for (Index i = 0; i < v.size(); ++i)
-                all.push_back(i);
-            return all;
-        }(),
-        base_.jacobian);
-    return true;
+    Nominal found = fitNominal(data_, evaluator_, out_.noise, settings_,
+                               [&](double fraction, const std::string& words) { stage(fraction, words); });
+    out_.failure = std::move(found.failure);
+    misfit_ = std::move(found.misfit);
+    base_ = std::move(found.fit);
+    return out_.failure.empty();
 }
 
 void Work::locate() {

@@ -103,13 +103,12 @@ Grouping groupingOf(const Misfit& misfit) {
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RecordedRun& run = misfit.data().runs[r];
         // Cycles of a single run: a new one begins with each loading.
-        const std::vector<Stroke> strokes = run.strokes();
         std::vector<int> cycle;
-        for (const Stroke& stroke : strokes)
+        for (const Stroke& stroke : run.strokes)
             cycle.push_back((cycle.empty() ? 0 : cycle.back()) + (stroke.phase == Phase::Loading ? 1 : 0));
         std::map<std::pair<std::size_t, bool>, int> blocks;
         for (Index k = 0; k < misfit.rowsOf(r); ++k) {
-            const std::size_t stroke = strokeOf(strokes, misfit.leg(r, k));
+            const std::size_t stroke = misfit.stroke(r, k);
             if (!misfit.counts(r, k)) {
                 g.fold.push_back(-1);
                 g.block.push_back(-1);
@@ -187,18 +186,18 @@ HeldOut inSample(const Misfit& misfit, const Grouping& g, const Fitted& fitted) 
 
 namespace {
 
+Eigen::VectorXd variances(const Eigen::MatrixXd& precision) {
+    return precision.llt().solve(Eigen::MatrixXd::Identity(precision.rows(), precision.cols())).diagonal();
+}
+
 /// Numbers of which the runs know much, and nothing without a fold.
-void markOnly(const Variables& v, const Eigen::MatrixXd& all, const Eigen::MatrixXd& without,
+/// @param known, left their variances by all rows and by those of the other folds
+void markOnly(const Variables& v, const Eigen::VectorXd& known, const Eigen::VectorXd& left,
               const Eigen::MatrixXd& prior, int fold, std::vector<int>& only) {
     constexpr double kNothing = 0.5, kMuch = 0.05; // of the prior's variance
-    const Eigen::VectorXd known = (all + prior).llt().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).diagonal();
-    const Eigen::VectorXd left =
-        (without + prior).llt().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).diagonal();
-    for (Index k = v.nominal; k < v.size(); ++k) {
-        const double before = 1.0 / prior(k, k);
-        if (known[k] < kMuch * before && left[k] > kNothing * before)
+    for (Index k = v.nominal; k < v.size(); ++k)
+        if (known[k] * prior(k, k) < kMuch && left[k] * prior(k, k) > kNothing)
             only[static_cast<std::size_t>(k)] = fold;
-    }
 }
 
 } // namespace
@@ -211,7 +210,7 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
     out.error = Eigen::VectorXd::Zero(misfit.rows());
     const Eigen::MatrixXd& J = fitted.jacobian;
     const Eigen::MatrixXd prior = priorOf(v) + v.penalty;
-    const Eigen::MatrixXd all = J.transpose() * J;
+    const Eigen::VectorXd known = variances(J.transpose() * J + prior);
     out.only.assign(static_cast<std::size_t>(v.size()), -1);
     double squares = 0.0, count = 0.0;
     const Eigen::VectorXd fittedCharge = misfit.charge(fitted.responses);
@@ -219,7 +218,7 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
         const Eigen::VectorXd held = maskOf(g, f);
         const Eigen::VectorXd train = Eigen::VectorXd::Ones(held.size()) - held;
         const Eigen::MatrixXd G = J.transpose() * train.asDiagonal() * J;
-        markOnly(v, all, G, prior, f, out.only);
+        markOnly(v, known, variances(G + prior), prior, f, out.only);
         Eigen::VectorXd x = fitted.x, r = fitted.residual, charge = fittedCharge;
         std::vector<Response> responses = fitted.responses;
         for (int correction = 0; correction < 2; ++correction) {

@@ -44,8 +44,7 @@ bool beside(const Eigen::Ref<Eigen::VectorXd>& d, const Eigen::VectorXd& time,
 
 bool atTurningPoint(const RecordedRun& run, double time) {
     const double dt = run.spacing();
-    const std::vector<Stroke> strokes = run.strokes();
-    return std::any_of(strokes.begin(), strokes.end(), [&](const Stroke& stroke) {
+    return std::any_of(run.strokes.begin(), run.strokes.end(), [&](const Stroke& stroke) {
         return time > stroke.from - 2.0 * dt && time < stroke.from + 0.1 + 2.0 * dt;
     });
 }
@@ -76,8 +75,7 @@ std::vector<replay::Landmark> simulatedJumps(const RecordedRun& run, const Respo
 
 double reachOf(const RecordedRun& run, double time, double share) {
     constexpr double kLeast = 0.5; // s: beyond what is left out around a jump
-    const std::vector<Stroke> strokes = run.strokes();
-    const Stroke& stroke = strokeAt(strokes, time);
+    const Stroke& stroke = run.strokeAt(time);
     return std::max(kLeast, share * (stroke.to - stroke.from));
 }
 
@@ -86,11 +84,10 @@ std::vector<int> sameJumps(const RecordedRun& run, const std::vector<replay::Lan
     // Alignment of two sequences by dynamic programming: a pair costs its distance, a jump without a partner half its
     // reach, so that two are a pair if they lie within reach.
     const std::size_t n = a.size(), m = b.size();
-    const std::vector<Stroke> strokes = run.strokes();
     const auto alone = [&](const replay::Landmark& jump) { return 0.5 * reachOf(run, jump.time, share); };
     const auto apart = [&](std::size_t i, std::size_t j) {
         const bool alike = (a[i].after > a[i].before) == (b[j].after > b[j].before);
-        return alike && &strokeAt(strokes, a[i].time) == &strokeAt(strokes, b[j].time)
+        return alike && run.legAt(a[i].time).stroke == run.legAt(b[j].time).stroke
                    ? std::abs(a[i].time - b[j].time)
                    : std::numeric_limits<double>::infinity();
     };

@@ -51,10 +51,8 @@ private:
     void byTime(std::size_t r) {
         const RecordedRun& run = misfit_.data().runs[r];
         dyadic(r, 0, run.force.size(), 5);
-        const std::vector<Stroke> strokes = run.strokes();
-        const auto stroke = [&](Eigen::Index k) { return strokeOf(strokes, run.leg[static_cast<std::size_t>(k)]); };
         for (Eigen::Index from = 0, to = 0; from < run.force.size(); from = to) {
-            while (to < run.force.size() && stroke(to) == stroke(from))
+            while (to < run.force.size() && run.stroke(to) == run.stroke(from))
                 ++to;
             if (to - from < run.force.size()) // a turning point is where effects begin and end
                 dyadic(r, from, to, 4);
@@ -313,9 +311,8 @@ bool beforeAnything(const Window& w, const Data& data) {
     if (data.zeroWindow <= 0.0 || w.axis != "time" || w.arcFraction >= 0.0)
         return false;
     return std::any_of(data.runs.begin(), data.runs.end(), [&](const RecordedRun& run) {
-        const std::vector<Stroke> strokes = run.strokes();
-        return run.name == w.run && !strokes.empty() && strokes.front().phase == Phase::Hold &&
-               w.timeTo <= strokes.front().to;
+        return run.name == w.run && !run.strokes.empty() && run.strokes.front().phase == Phase::Hold &&
+               w.timeTo <= run.strokes.front().to;
     });
 }
 
@@ -559,8 +556,8 @@ Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, con
     for (Eigen::Index i = 0; i < n; ++i) {
         Window w = search.spot(i).window;
         w.p = families.overall(families.windows.p(std::max(std::abs(t[i]), t[m + i])));
-        w.shift = std::abs(full[i]) >= full[m + i];
-        w.z = w.shift ? full[i] : full[m + i];
+        w.by = std::abs(full[i]) >= full[m + i] ? Seen::Shift : Seen::Energy;
+        w.z = w.by == Seen::Shift ? full[i] : full[m + i];
         out.p = std::min(out.p, w.p);
         if (w.p <= kFamilyWise)
             found.push_back(w);

@@ -31,6 +31,10 @@
 
 namespace supercircle::diagnosis {
 
+/// What says that something is there: a mean that is shifted, squares that are too large, or not the window itself but
+/// the trace of an effect in all readings, which shows here.
+enum class Seen : std::uint8_t { Shift, Energy, Trace };
+
 struct Window {
     std::string run;                                     ///< name, or "all"
     std::string phase;                                   ///< loading, unloading, hold, all
@@ -39,10 +43,9 @@ struct Window {
     double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: earliest and latest)
     double displacementFrom = 0.0, displacementTo = 0.0; ///< m
     double arcFraction = -1.0;                           ///< of a marker, -1: none
-    double z = 0.0;                                      ///< standardised statistic, the larger of shift and energy
-    bool shift = true;                                   ///< which of the two
-    bool byEffect = false; ///< does not stand out by itself: here shows the effect whose trace does (z is the trace's)
-    double p = 1.0;        ///< family-wise
+    double z = 0.0;                                      ///< standardised statistic
+    Seen by = Seen::Shift;
+    double p = 1.0; ///< family-wise
 };
 
 /// p, family-wise, at which something stands out of the noise.

@@ -106,7 +106,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     out.force = Eigen::VectorXd::Constant(n, std::hypot(s.shareOfPeak * peakForce, noise.runToRun));
     out.markers = Eigen::VectorXd::Constant(run.markers.size(), std::hypot(noise.marker, s.markerPlace));
     double shortest = kMissing;
-    for (const Stroke& stroke : run.strokes())
+    for (const Stroke& stroke : run.strokes)
         if (stroke.phase != Phase::Hold)
             shortest = std::min(shortest, stroke.to - stroke.from);
     out.memory = std::isfinite(shortest) ? std::clamp(0.1 * shortest, 0.02, 3.0) : 1.0;
@@ -203,10 +203,8 @@ void Misfit::addLandings(const RecordedRun& run, double deviation, Part& part) {
 /// Marker rows of each stroke.
 void Misfit::addPlaces(const RecordedRun& run, double deviation, Part& part) {
     const Eigen::Index seen = run.markerTime.size();
-    const std::vector<Stroke> strokes = run.strokes();
-    const auto stroke = [&](Eigen::Index k) { return strokeOf(strokes, run.markerLeg[static_cast<std::size_t>(k)]); };
     for (Eigen::Index from = 0, to = 0; from < seen; from = to) {
-        while (to < seen && stroke(to) == stroke(from))
+        while (to < seen && run.markerStroke(to) == run.markerStroke(from))
             ++to;
         for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
             part.shifts.push_back({c * seen + from, c * seen + to, deviation});
@@ -236,17 +234,16 @@ void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Respon
     }
     Eigen::MatrixXd covariance = own.cwiseAbs2().asDiagonal();
     // The same event in another cycle: as many jumps of its direction lie before it in a stroke of its phase.
-    const std::vector<Stroke> strokes = run.strokes();
     std::vector<std::tuple<Phase, bool, int>> event;
     for (std::size_t i = 0; i < part.jumps.size(); ++i) {
         const replay::Landmark& jump = part.jumps[i];
-        const Stroke& stroke = strokeAt(strokes, jump.time);
+        const std::size_t stroke = run.legAt(jump.time).stroke;
         const bool rises = jump.after > jump.before;
         int before = 0;
         for (std::size_t k = 0; k < i; ++k)
-            before += &strokeAt(strokes, part.jumps[k].time) == &stroke &&
-                      (part.jumps[k].after > part.jumps[k].before) == rises;
-        event.emplace_back(stroke.phase, rises, before);
+            before +=
+                run.legAt(part.jumps[k].time).stroke == stroke && (part.jumps[k].after > part.jumps[k].before) == rises;
+        event.emplace_back(run.strokes[stroke].phase, rises, before);
     }
     for (Eigen::Index i = 0; i < n; ++i)
         for (Eigen::Index k = 0; k < n; ++k)
@@ -431,14 +428,11 @@ bool Misfit::counts(std::size_t r, Eigen::Index row) const {
                               : true;
 }
 
-int Misfit::leg(std::size_t r, Eigen::Index row) const {
+std::size_t Misfit::stroke(std::size_t r, Eigen::Index row) const {
     const RecordedRun& run = data_.runs[r];
-    if (isForce(r, row))
-        return run.leg[static_cast<std::size_t>(row)];
-    if (isMarker(r, row))
-        return run.markerLeg[static_cast<std::size_t>((row - run.force.size()) % run.markerTime.size())];
-    const Leg& leg = run.legAt(parts_[r].jumps[static_cast<std::size_t>(row - run.rows())].time);
-    return static_cast<int>(&leg - run.legs.data());
+    return isForce(r, row)    ? run.stroke(row)
+           : isMarker(r, row) ? run.markerStroke((row - run.force.size()) % run.markerTime.size())
+                              : run.legAt(parts_[r].jumps[static_cast<std::size_t>(row - run.rows())].time).stroke;
 }
 
 Eigen::Index Misfit::presentIn(std::size_t r) const {

@@ -111,7 +111,7 @@ public:
         return !isForce(run, row) && row < data_.runs[run].rows();
     }
     [[nodiscard]] bool counts(std::size_t run, Eigen::Index row) const;
-    [[nodiscard]] int leg(std::size_t run, Eigen::Index row) const; ///< of the drive
+    [[nodiscard]] std::size_t stroke(std::size_t run, Eigen::Index row) const; ///< of the drive
     [[nodiscard]] bool isJump(std::size_t run, Eigen::Index row) const { return row >= data_.runs[run].rows(); }
     [[nodiscard]] const std::vector<replay::Landmark>& jumps(std::size_t run) const { return parts_[run].jumps; }
     [[nodiscard]] const MisfitSettings& settings() const { return settings_; }

@@ -175,7 +175,7 @@ std::vector<Window> windowsOfEffect(const Data& data, const std::vector<RunCurve
             setSpan(data.runs[r], from, to, w);
             w.z = found.signature;
             w.p = found.p;
-            w.byEffect = true;
+            w.by = Seen::Trace;
             all.push_back(std::move(w));
         }
     return all;

@@ -23,7 +23,7 @@ constexpr double kBetter = 1.0;
 /// Height above the convex hull of a profile's points, in dispersions, from which on it is rough.
 constexpr double kRough = 1.0;
 
-struct Seen {
+struct Visited {
     Eigen::VectorXd x;
     double misfit = 0.0;
 };
@@ -121,7 +121,7 @@ public:
     [[nodiscard]] double least() const { return least_; }
     /// The best fit that was come upon, if it is worth going on from.
     [[nodiscard]] const std::optional<Fitted>& better() const { return better_; }
-    [[nodiscard]] const std::vector<Seen>& seen() const { return seen_; }
+    [[nodiscard]] const std::vector<Visited>& seen() const { return seen_; }
     [[nodiscard]] double dent() const { return dent_; }
     void countFrom(double least) { least_ = std::min(least_, least); }
 
@@ -286,7 +286,7 @@ private:
     double least_; ///< misfit of the best fit that was seen
     std::optional<Fitted> better_;
     std::map<double, double> misfits_; ///< by distance
-    std::vector<Seen> seen_;
+    std::vector<Visited> seen_;
     double dent_ = 0.0; ///< how deep the misfit's dents are, where it is rough
 };
 
@@ -317,7 +317,7 @@ Profiled profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitt
     best.jacobian = jacobian;
     Profiled out{linearIntervals(v, fitted, jacobian, dispersions), {}};
     double least = fitted.misfit, dent = 0.0;
-    std::vector<Seen> seen;
+    std::vector<Visited> seen;
     for (Index k = v.nominal; k < v.size() && !out.better; ++k) {
         auto& [low, high] = out.intervals[static_cast<std::size_t>(k - v.nominal)];
         const double half = halfWidth(v, jacobian, dispersions, k);
@@ -341,7 +341,7 @@ Profiled profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitt
     }
     // Where one number's profile went, another one may have gone further than its own did.
     for (Index k = v.nominal; k < v.size(); ++k)
-        for (const Seen& s : seen)
+        for (const Visited& s : seen)
             if (s.misfit < least + k90 * k90 * dispersions[k] + 2.0 * dent) {
                 auto& [low, high] = out.intervals[static_cast<std::size_t>(k - v.nominal)];
                 low = std::min(low, s.x[k]);

@@ -16,12 +16,10 @@ using Index = Eigen::Index;
 /// Rows of one stroke of one run, force (and jumps) or markers.
 std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> blocksOf(const Misfit& misfit) {
     std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> out;
-    for (std::size_t r = 0; r < misfit.runs(); ++r) {
-        const std::vector<Stroke> strokes = misfit.data().runs[r].strokes();
+    for (std::size_t r = 0; r < misfit.runs(); ++r)
         for (Index k = 0; k < misfit.rowsOf(r); ++k)
             if (misfit.counts(r, k))
-                out[{r, strokeOf(strokes, misfit.leg(r, k)), misfit.isMarker(r, k)}].push_back(misfit.start(r) + k);
-    }
+                out[{r, misfit.stroke(r, k), misfit.isMarker(r, k)}].push_back(misfit.start(r) + k);
     return out;
 }
 

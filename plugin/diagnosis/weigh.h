@@ -65,8 +65,8 @@ struct Weighed {
     std::vector<double> effects;         ///< probabilities, as the input
     std::vector<double> gain, gainError; ///< of the score over "nothing", and its standard error over blocks
     double dispersion = 1.0;
-    bool rejected =
-        false; ///< the best model leaves too much on unseen rows, is pressed beyond what is plausible, or rests swing
+    /// The best model leaves too much on unseen rows, is pressed beyond what is plausible, or rests swing.
+    bool rejected = false;
     std::size_t best = 0; ///< the highest score of those without `parts` or beyond them; meaningless without effects
 };
 

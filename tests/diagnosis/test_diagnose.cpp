@@ -294,7 +294,7 @@ TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]"
         toy::Spring spring_;
     };
     Data data = toy::recordings(11);
-    RecordedRun& slow = toy::withMarker(data, "M1", 0.25);
+    RecordedRun& slow = toy::withMarkers(data, {0.25});
     const Eigen::Index n = slow.time.size();
     Random random(5);
     for (Eigen::Index k = 0; k < 2 * n; ++k) // swings that nothing simulates
@@ -305,7 +305,7 @@ TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]"
         const auto place = free ? -1.0 : 0.25;
         int markers = 0;
         for (const Window& w : d.mismatch.significant)
-            if (w.channel.rfind("M1", 0) == 0) {
+            if (w.channel.rfind("m0", 0) == 0) {
                 ++markers;
                 CHECK(w.arcFraction == place);
             }
@@ -326,7 +326,7 @@ TEST_CASE("an effect whose trace stands out while no window does is marked where
             CHECK(all.empty());
             continue;
         }
-        if (!std::any_of(all.begin(), all.end(), [](const Window& w) { return w.byEffect; }))
+        if (!std::any_of(all.begin(), all.end(), [](const Window& w) { return w.by == Seen::Trace; }))
             continue;
         ++marked;
         std::size_t stretches = 0;
@@ -334,7 +334,7 @@ TEST_CASE("an effect whose trace stands out while no window does is marked where
             for (const Stretch& s : c.shows) {
                 REQUIRE(stretches < all.size());
                 const Window& w = all[stretches++];
-                CHECK((w.byEffect && w.run == c.name && w.timeFrom == s.from && w.timeTo == s.to));
+                CHECK((w.by == Seen::Trace && w.run == c.name && w.timeFrom == s.from && w.timeTo == s.to));
                 CHECK(w.run == "fast");
                 CHECK(w.displacementTo - w.displacementFrom > 0.008); // of 0.01 m, up or down
                 CHECK(w.p == d.mismatch.p);

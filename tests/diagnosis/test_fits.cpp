@@ -407,10 +407,10 @@ TEST_CASE("what legs say against each other widens an interval, what they agree 
             for (double& e : r)
                 e = random.normal();
             for (std::size_t run = 0; run < misfit.runs(); ++run)
-                for (int leg = 0; leg < 5; ++leg) {
+                for (std::size_t stroke = 0; stroke < 5; ++stroke) {
                     std::vector<Eigen::Index> rows;
                     for (Eigen::Index k = 0; k < misfit.rowsOf(run); ++k)
-                        if (misfit.leg(run, k) == leg)
+                        if (misfit.stroke(run, k) == stroke)
                             rows.push_back(misfit.start(run) + k);
                     if (const double own = J(rows, 2).norm(); own > 0.0)
                         r(rows) += apart * random.normal() / own * J(rows, 2);

@@ -75,11 +75,7 @@ RecordedRun inPieces(RecordedRun run, double length) {
             pieces.back().to = i + 1.0 < n ? leg.from + (i + 1.0) / n * (leg.to - leg.from) : leg.to;
         }
     }
-    run.legs = pieces;
-    for (Eigen::Index k = 0; k < run.time.size(); ++k)
-        run.leg[static_cast<std::size_t>(k)] = static_cast<int>(&run.legAt(run.time[k]) - run.legs.data());
-    for (std::size_t k = 0; k < run.markerLeg.size(); ++k)
-        run.markerLeg[k] = run.leg[k]; // seen at the times of the readings
+    run.drivenBy(std::move(pieces));
     return run;
 }
 
@@ -87,7 +83,7 @@ RecordedRun inPieces(RecordedRun run, double length) {
 
 TEST_CASE("in how many pieces a drive is given changes nothing", "[diagnosis]") {
     Data whole = latched(11, 6.437e-3);
-    RecordedRun& seen = toy::withMarker(whole, "m0", 0.5);
+    RecordedRun& seen = toy::withMarkers(whole, {0.5});
     seen.markers = 1e-4 * Eigen::VectorXd::LinSpaced(2 * seen.time.size(), 0.0, 20.0).array().sin();
     Data pieces = whole;
     for (RecordedRun& run : pieces.runs)
@@ -127,23 +123,31 @@ TEST_CASE("in how many pieces a drive is given changes nothing", "[diagnosis]") 
 TEST_CASE("a smooth start and a short rest are no turning points", "[diagnosis]") {
     RecordedRun run;
     run.time = Eigen::VectorXd::LinSpaced(1001, 0.0, 10.0); // rows 10 ms apart
-    run.legs = {
-        {Phase::Hold, 0.0, 0.5, 0.0},      {Phase::Hold, 0.5, 1.0, 0.0},         {Phase::Loading, 1.0, 1.05, 2e-4},
-        {Phase::Loading, 1.05, 1.1, 6e-4}, {Phase::Loading, 1.1, 3.0, 1e-3},     {Phase::Hold, 3.0, 3.02, 0.0},
-        {Phase::Loading, 3.02, 5.0, 1e-3}, {Phase::Hold, 5.0, 5.5, 0.0},         {Phase::Loading, 5.5, 6.0, 1e-3},
-        {Phase::Hold, 6.0, 6.02, 0.0},     {Phase::Unloading, 6.02, 7.0, -1e-3}, {Phase::Free, 7.0, 8.0, 0.0},
-        {Phase::Free, 8.0, 10.0, 0.0}};
-    const std::vector<Stroke> strokes = run.strokes();
+    run.drivenBy({{Phase::Hold, 0.0, 0.5, 0.0},
+                  {Phase::Hold, 0.5, 1.0, 0.0},
+                  {Phase::Loading, 1.0, 1.05, 2e-4},
+                  {Phase::Loading, 1.05, 1.1, 6e-4},
+                  {Phase::Loading, 1.1, 3.0, 1e-3},
+                  {Phase::Hold, 3.0, 3.02, 0.0},
+                  {Phase::Loading, 3.02, 5.0, 1e-3},
+                  {Phase::Hold, 5.0, 5.5, 0.0},
+                  {Phase::Loading, 5.5, 6.0, 1e-3},
+                  {Phase::Hold, 6.0, 6.02, 0.0},
+                  {Phase::Unloading, 6.02, 7.0, -1e-3},
+                  {Phase::Free, 7.0, 8.0, 0.0},
+                  {Phase::Free, 8.0, 10.0, 0.0}});
     std::vector<double> from;
-    for (const Stroke& s : strokes)
+    for (const Stroke& s : run.strokes)
         from.push_back(s.from);
     CHECK(from == std::vector<double>{0.0, 1.0, 5.0, 5.5, 6.0, 6.02, 7.0, 8.0});
-    CHECK(strokes[1].phase == Phase::Loading);
-    CHECK(strokes[1].to == 5.0);
-    for (std::size_t l = 0; l < run.legs.size(); ++l) { // by its number and by its time
-        const Leg& leg = run.legs[l];
-        CHECK(&strokes[strokeOf(strokes, static_cast<int>(l))] == &strokeAt(strokes, 0.5 * (leg.from + leg.to)));
-    }
+    CHECK(run.strokes[1].phase == Phase::Loading);
+    CHECK(run.strokes[1].to == 5.0);
+    std::vector<std::size_t> of;
+    for (const Leg& leg : run.legs)
+        of.push_back(leg.stroke);
+    CHECK(of == std::vector<std::size_t>{0, 0, 1, 1, 1, 1, 1, 2, 3, 4, 5, 6, 7});
+    CHECK(&run.strokeAt(3.01) == &run.strokes[1]); // the short rest
+    CHECK(run.stroke(501) == 2);
     CHECK(atTurningPoint(run, 1.05));
     CHECK_FALSE(atTurningPoint(run, 1.2)); // 50 ms ramps end at 1.1 s
     CHECK_FALSE(atTurningPoint(run, 3.02));
@@ -176,7 +180,7 @@ TEST_CASE("a jump that comes late is one observation, not one in every row it is
     CHECK(u[u.size() - 1] == Approx(d[d.size() - 1] / error).epsilon(1e-9));
     CHECK(u.head(u.size() - 1).cwiseAbs().maxCoeff() < 1e-9); // equal before and behind: rounding
     CHECK(misfit.counts(slow, u.size() - 1));
-    CHECK(misfit.leg(slow, u.size() - 1) == 1);
+    CHECK(misfit.stroke(slow, u.size() - 1) == 1);
     // Rows that say nothing are worth nothing: one unit each.
     const auto hidden = std::count(late1.hidden.begin(), late1.hidden.end(), true);
     CHECK(hidden >= 24); // 1 s, .4 s of which is left out anyway, on either side of it
@@ -291,18 +295,8 @@ TEST_CASE("stretches of a single run are stretches of time, markers and all", "[
         fifths.push_back(static_cast<int>(5 * k / n));
     CHECK(groupingOf(Misfit(data, noise, {exact.front()}, {exact.front()}, toy::exact().misfit)).fold == fifths);
 
-    // Two markers at every third reading.
-    data.statedMarkerNoise = 3e-5;
-    data.markerNames = {"m0", "m1"};
-    data.arcFraction = {0.3, 0.7};
-    run.markerCount = 2;
-    const Eigen::Index seen = (n + 2) / 3;
-    run.markerTime.resize(seen);
-    for (Eigen::Index k = 0; k < seen; ++k) {
-        run.markerTime[k] = run.time[3 * k];
-        run.markerLeg.push_back(run.leg[static_cast<std::size_t>(3 * k)]);
-    }
-    run.markers = Eigen::VectorXd::Zero(4 * seen);
+    toy::withMarkers(data, {0.3, 0.7}, 3);
+    const Eigen::Index seen = run.markerTime.size();
     Response there = exact.front();
     there.markers = run.markers;
     const Misfit misfit(data, noise, {there}, {there}, toy::exact().misfit);

@@ -88,10 +88,9 @@ TEST_CASE("readings of a steep curve are far apart, and in no steps", "[diagnosi
     Data data = toy::recordings(9);
     data.runs.resize(1);
     RecordedRun& run = data.runs.front();
-    run.legs = {{Phase::Loading, 0.0, 20.0, 1e-3}};
     run.time = Eigen::VectorXd::LinSpaced(21, 0.0, 20.0);
     run.displacement = 1e-3 * run.time;
-    run.leg.assign(21, 0);
+    run.drivenBy({{Phase::Loading, 0.0, 20.0, 1e-3}});
     run.force = Eigen::VectorXd::LinSpaced(21, 0.0, 16.0); // .8 N from row to row, as exact as it is read
     for (Eigen::Index k = 0; k < 21; ++k)
         run.force[k] = stepped(run.force[k] + 0.01 * std::sin(5.0 * static_cast<double>(k)), 1e-3);
@@ -114,14 +113,10 @@ namespace {
 Data moving(const std::function<double(double)>& track, double deviation) {
     Data data;
     data.runs = {toy::motion("slow", 1e-3, 25.0)};
-    RecordedRun& run = data.runs.front();
-    run.legs = {{Phase::Loading, 0.0, run.time[run.time.size() - 1], 1e-3}};
-    run.leg.assign(run.leg.size(), 0);
-    run.markerCount = 1;
-    run.markerTime = run.time;
-    run.markerLeg = run.leg;
+    RecordedRun& run = toy::withMarkers(data, {0.5});
+    data.statedMarkerNoise = 0.0;
     const Eigen::Index n = run.time.size();
-    run.markers.resize(2 * n);
+    run.drivenBy({{Phase::Loading, 0.0, run.time[n - 1], 1e-3}});
     Random random(6);
     for (Eigen::Index k = 0; k < 2 * n; ++k)
         run.markers[k] = track(run.time[k % n]) + deviation * random.normal();
@@ -158,8 +153,7 @@ TEST_CASE("the noise of short runs that nobody stated is told from all of them",
             run.time = run.time.segment(30, 22).eval();
             run.displacement = run.displacement.segment(30, 22).eval();
             run.force = run.force.segment(30, 22).eval();
-            run.legs = {{Phase::Loading, run.time[0], run.time[21], run.legs[1].speed}};
-            run.leg.assign(22, 0);
+            run.drivenBy({{Phase::Loading, run.time[0], run.time[21], run.legs[1].speed}});
         }
         const Noise noise = estimateNoise(data);
         CHECK(noise.white > 0.0);

@@ -221,7 +221,7 @@ TEST_CASE("a shift is found where it is", "[diagnosis]") {
 TEST_CASE("markers may lie beside their simulated places, another way in each leg", "[diagnosis]") {
     Data data = toy::recordings(3);
     data.runs.resize(1);
-    const RecordedRun& run = toy::withMarker(data, "m0", 0.5);
+    const RecordedRun& run = toy::withMarkers(data, {0.5});
     const Eigen::Index n = run.time.size();
     const std::vector<Response> there = {{{}, Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(2 * n)}};
     const Misfit misfit(data, estimateNoise(data), there, there, {});
@@ -306,15 +306,8 @@ TEST_CASE("a sample behind the drive's end says nothing and harms nothing", "[di
 TEST_CASE("what is left of markers is shown for each coordinate, rows that were not seen left out", "[diagnosis]") {
     Data data = toy::recordings(3);
     data.runs.resize(2);
-    data.statedMarkerNoise = 3e-5;
-    data.markerNames = {"m0", "m1"};
-    data.arcFraction = {0.3, 0.5};
-    RecordedRun& run = data.runs.front(); // the other run has no markers
-    run.markerCount = 2;
-    run.markerTime = run.time;
-    run.markerLeg = run.leg;
+    RecordedRun& run = toy::withMarkers(data, {0.3, 0.5}); // the other run has none
     const Eigen::Index n = run.time.size();
-    run.markers = Eigen::VectorXd::Zero(4 * n);
     run.markers.segment(3 * n, n / 2).setConstant(1e-3); // y of the second one, first half
     run.markers[3 * n + 7] = std::nan("");
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(data.runs[1].force.size());

@@ -22,11 +22,12 @@ inline RecordedRun motion(const std::string& name, double speed, double rate) {
     const double way = 0.01, leg = way / speed;
     const double knots[] = {0.0, 1.0, 1.0 + leg, 3.0 + leg, 3.0 + 2.0 * leg, 4.0 + 2.0 * leg};
     const double speeds[] = {0.0, speed, 0.0, -speed, 0.0};
+    std::vector<Leg> legs;
     for (int i = 0; i < 5; ++i)
-        run.legs.push_back({speeds[i] > 0.0   ? Phase::Loading
-                            : speeds[i] < 0.0 ? Phase::Unloading
-                                              : Phase::Hold,
-                            knots[i], knots[i + 1], speeds[i]});
+        legs.push_back({speeds[i] > 0.0   ? Phase::Loading
+                        : speeds[i] < 0.0 ? Phase::Unloading
+                                          : Phase::Hold,
+                        knots[i], knots[i + 1], speeds[i]});
     const auto n = static_cast<Eigen::Index>(std::floor(knots[5] * rate));
     run.time.resize(n);
     run.displacement.resize(n);
@@ -39,8 +40,8 @@ inline RecordedRun motion(const std::string& name, double speed, double rate) {
             d += speeds[l] * (knots[l + 1] - knots[l]), ++l;
         run.time[k] = t;
         run.displacement[k] = d + speeds[l] * (t - knots[l]);
-        run.leg.push_back(l);
     }
+    run.drivenBy(std::move(legs));
     return run;
 }
 
@@ -151,16 +152,18 @@ inline Data recordings(std::uint64_t seed, const std::string& hidden = {}, doubl
     return data;
 }
 
-/// The first run's specimen carries a marker, seen at every reading where it stood.
-inline RecordedRun& withMarker(Data& data, const std::string& name, double arcFraction) {
+/// The first run's specimen carries markers at these arc fractions, seen where they stood at every reading, or at
+/// fewer.
+inline RecordedRun& withMarkers(Data& data, const std::vector<double>& arcFraction, Eigen::Index every = 1) {
     data.statedMarkerNoise = 3e-5;
-    data.markerNames = {name};
-    data.arcFraction = {arcFraction};
+    data.arcFraction = arcFraction;
+    for (std::size_t m = 0; m < arcFraction.size(); ++m)
+        data.markerNames.push_back("m" + std::to_string(m));
     RecordedRun& run = data.runs.front();
-    run.markerCount = 1;
-    run.markerTime = run.time;
-    run.markerLeg = run.leg;
-    run.markers = Eigen::VectorXd::Zero(2 * run.time.size());
+    run.markerCount = arcFraction.size();
+    run.markerTime = run.time(Eigen::seq(0, Eigen::last, every)).eval();
+    run.markers = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(run.markerCount) * run.markerTime.size());
+    run.drivenBy(run.legs);
     return run;
 }
 

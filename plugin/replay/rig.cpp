@@ -253,6 +253,7 @@ bool Rig::move(double displacement, double duration, const std::function<bool()>
     world_.machineVelocity = {0.0, -speed};
     books_ = world_.ledger;
     lastDisplacement_ = this->displacement();
+    lastTime_ = world_.time;
     const step::FrameOutcome out = stepper_.advance(world_, duration, nullptr, [&](const step::World&) {
         readMeanForce();
         return observe && observe();
@@ -269,16 +270,40 @@ void Rig::readMeanForce() {
     const double kinetic = now.kinetic - books_.kinetic;
     constexpr double kQuiet = 0.1; // share of the loss that a change of kinetic energy may be worth
     constexpr double kMost = 0.05; // share of the force scale; more is no error of a slow step
+    constexpr double kSteps = 4.0; // long ones, that a mean is over
     const double most = kMost * std::abs(way) * std::max(std::abs(force()), forceScale_);
+    mean_ = {};
     mean_.known = way != 0.0 && lost > 0.0 && lost < most && std::abs(kinetic) < kQuiet * lost;
+    if (!mean_.known || (!told_.empty() && told_.back().way * way < 0.0))
+        told_.clear();
     if (mean_.known) {
         // By the work: the force at the step's end is as far from its mean as half a step of the head makes it, a
         // hysteresis of a fifth of what is taken out here.
-        mean_.force = (now.work - books_.work - lost) / way;
+        told_.push_back({way, now.work - books_.work - lost, world_.time - lastTime_});
+        mean_.step = told_.back().work / way;
+        double work = 0.0, longest = 0.0;
+        for (const Told& step : told_) {
+            work += step.work;
+            mean_.way += step.way;
+            longest = std::max(longest, std::abs(step.way));
+        }
+        while (std::abs(mean_.way - told_.front().way) > (kSteps - 0.5) * longest) {
+            work -= told_.front().work;
+            mean_.way -= told_.front().way;
+            told_.pop_front();
+        }
+        mean_.force = work / mean_.way;
+        double half = 0.5 * mean_.way;
+        for (auto step = told_.rbegin(); step != told_.rend() && half != 0.0; ++step) { // speeds may differ
+            const double share = std::min(1.0, half / step->way);
+            mean_.since += share * step->duration;
+            half = share < 1.0 ? 0.0 : half - step->way;
+        }
         forceScale_ = std::max(forceScale_, std::abs(mean_.force));
     }
     books_ = now;
     lastDisplacement_ = displacement();
+    lastTime_ = world_.time;
 }
 
 double Rig::bend() const {

@@ -7,6 +7,20 @@
 
 using namespace replaytest;
 
+namespace {
+
+/// Another drive for the first run, sampled at 50 Hz.
+void driven(experiment::Experiment& e, std::vector<double> times, std::vector<double> ways) {
+    experiment::Run& run = e.runs[0];
+    run.driveTime = std::move(times);
+    run.driveDisplacement = std::move(ways);
+    run.readings = {};
+    run.markers = {};
+    run.samplingRate = 50.0;
+}
+
+} // namespace
+
 TEST_CASE("rows are the recording's, displacement is as commanded", "[replay]") {
     const experiment::Experiment e = baseline(106);
     const replay::Simulated s = simulated(e, replay::nominal(e));
@@ -95,12 +109,7 @@ TEST_CASE("while a soft machine holds, the head follows what relaxes", "[replay]
     // d = x + c F also where the drive rests: as F falls, x grows. A rigid machine that is led along x(t) = d(t) - c
     // F(t) of the soft one must read the same F.
     experiment::Experiment e = baseline(106);
-    experiment::Run& run = e.runs[0];
-    run.driveTime = {0.0, 1.0, 6.0, 16.0, 21.0, 22.0};
-    run.driveDisplacement = {0.0, 0.0, 5e-3, 5e-3, 0.0, 0.0};
-    run.readings = {};
-    run.markers = {};
-    run.samplingRate = 50.0;
+    driven(e, {0.0, 1.0, 6.0, 16.0, 21.0, 22.0}, {0.0, 0.0, 5e-3, 5e-3, 0.0, 0.0});
     replay::Parameters p = replay::nominal(e);
     for (const char* text : {"viscoelastic_bending:law=standard_linear_solid", "viscoelastic_bending:branch_over_B=0.5",
                              "viscoelastic_bending:tau_s=1.0"})
@@ -117,9 +126,11 @@ TEST_CASE("while a soft machine holds, the head follows what relaxes", "[replay]
     const double compliance = std::exchange(p.seriesCompliance, 0.0);
     INFO(compliance << " m/N");
     const replay::Simulated rigid = simulated(led, p);
-    for (const double t : {3.0, 5.5, 6.5, 8.0, 12.0, 15.5, 17.0, 19.0})
-        CHECK(std::abs(forceAt(soft, t) - forceAt(rigid, t)) <
-              3e-3); // 0.4 % of the peak: steps, 15 arcs, 20 ms between led places
+    for (const double t : {3.0, 5.5, 6.5, 8.0, 12.0, 15.5, 17.0, 19.0}) {
+        INFO("at " << t << " s: " << forceAt(soft, t) << " N and " << forceAt(rigid, t));
+        // 0.4 % of the peak: steps, 15 arcs, 20 ms between led places
+        CHECK(std::abs(forceAt(soft, t) - forceAt(rigid, t)) < 3e-3);
+    }
     // It relaxes over seconds, less than a rigid machine would see, because it is still being pressed on.
     CHECK(forceAt(soft, 6.0) - forceAt(soft, 6.1) < 0.01);
     CHECK(forceAt(soft, 6.0) - forceAt(soft, 15.5) > 0.03);
@@ -163,26 +174,42 @@ TEST_CASE("a strip pinned by friction carries its critical load", "[replay]") {
 TEST_CASE("a strip that sticks gives back what it took", "[replay]") {
     // An elastic body whose only contact sticks has one force at a place, whichever way the head goes. Means that were
     // made of the force at a step's end were apart by 1.6e-3 of the peak 1 mm behind the touch; what is left is second
-    // order in a step of 20 um. (With something in series the drive is cut at twentieths of a leg, where one reading is
-    // off by 7e-4 because the step changes; these places lie between.)
+    // order in a step of 20 um. With something in series the drive is cut at twentieths of a leg, 0.3 mm, where the
+    // step size changes: there 4e-4 is left (by means over single steps 7e-4).
     experiment::Experiment e = baseline(104);
-    experiment::Run& run = e.runs[0];
-    run.driveTime = {0.0, 0.5, 6.5, 7.5, 13.5, 14.0};
-    run.driveDisplacement = {0.0, 0.0, 6e-3, 6e-3, 0.0, 0.0};
-    run.readings = {};
-    run.markers = {};
-    run.samplingRate = 50.0;
+    driven(e, {0.0, 0.5, 6.5, 7.5, 13.5, 14.0}, {0.0, 0.0, 6e-3, 6e-3, 0.0, 0.0});
     replay::Parameters p = replay::nominal(e);
     p.friction = 0.7;
     p.seriesCompliance = GENERATE(0.0, 2e-6, 3e-5); // m/N
     INFO(p.seriesCompliance << " m/N");
     const replay::Simulated s = simulated(e, p, replay::Resolution::full());
     const double critical = 20.19 * e.specimens[0].bendingModulus.value / std::pow(e.specimens[0].length, 2);
-    for (const double d : {2.55e-3, 3.15e-3, 3.75e-3, 4.35e-3, 4.95e-3}) { // from 1 mm behind the touch
+    for (double d = 2.5e-3; d < 5.9e-3; d += 5e-5) { // from 1 mm behind the touch
         const double down = 0.5 + d / 1e-3, up = 7.5 + (6e-3 - d) / 1e-3;
         INFO(1e3 * d << " mm: " << forceAt(s, down) << " N down, " << forceAt(s, up) << " N up");
         CHECK(forceAt(s, down) > 0.9 * critical);
-        CHECK(std::abs(forceAt(s, down) - forceAt(s, up)) < 2e-4 * critical);
+        const bool cut = p.seriesCompliance > 0.0 && std::abs(std::remainder(d, 3e-4)) < 8e-5;
+        CHECK(std::abs(forceAt(s, down) - forceAt(s, up)) < (cut ? 5e-4 : 2e-4) * critical);
+    }
+}
+
+TEST_CASE("a reading does not depend on where the steps fall", "[replay]") {
+    // A strip that is thicker by a hundredth of a micrometre takes other steps, and its force hardly changes: by 2e-4
+    // of the peak where it rises steepest (5 nm of surface, 50 N/mm of what gives in series). There steps move a
+    // reading by 0.04 um of the drive, 1.5e-3 of the peak. Behind the buckling steps halve and double in turn, and
+    // means over single steps were off by 1.2e-2: readings there were chance, and no fit found the best of the strips.
+    experiment::Experiment e = baseline(104);
+    driven(e, {0.0, 0.5, 2.5, 3.5, 5.5, 6.0}, {0.0, 0.0, 2e-3, 2e-3, 0.0, 0.0});
+    replay::Parameters p = replay::nominal(e);
+    p.friction = 0.7;
+    p.seriesCompliance = 2e-5; // m/N
+    const replay::Simulated a = simulated(e, p, replay::Resolution::full());
+    p.specimens[0].thickness += 1e-8;
+    const replay::Simulated b = simulated(e, p, replay::Resolution::full());
+    const double critical = 20.19 * e.specimens[0].bendingModulus.value / std::pow(e.specimens[0].length, 2);
+    for (std::size_t k = 0; k < a.readings.force.size(); ++k) {
+        INFO(1e3 * a.readings.displacement[k] << " mm: " << a.readings.force[k] << " N and " << b.readings.force[k]);
+        CHECK(std::abs(a.readings.force[k] - b.readings.force[k]) < 2e-3 * critical);
     }
 }
 

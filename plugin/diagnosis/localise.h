@@ -12,11 +12,9 @@
 // Westfall, S. S. Young, "Resampling-Based Multiple Testing" (1993), 2.3), of statistics in which u counts as three at
 // most, either way.
 //
-// Windows: dyadic in time in each run and each stroke of its protocol (half overlapping), dyadic in displacement per
-// phase over all runs (there unload against load too: a mean shift of opposite sign), whole runs, each coordinate of
-// each marker over time, and the place of each jump. The signatures of the catalogue's effects are a family of their
-// own, because there are few of them: p is that of the smaller of the two families' p, by its own distribution under
-// the null (min-p), and says whether anything is missing, wherever it was looked for.
+// The signatures of the catalogue's effects are a family of their own, because there are few of them: p is that of the
+// smaller of the two families' p, by its own distribution under the null (min-p), and says whether anything is missing,
+// wherever it was looked for.
 //
 // Report: of the windows of one run and channel the one with the largest statistic, then the largest of those that do
 // not overlap it, and so on (likelihood ratio selection: X. J. Jeng, T. T. Cai, H. Li, J. Am. Stat. Assoc. 105 (2010)
@@ -24,29 +22,12 @@
 // part is significant. What is reported is part of the family, so its p-values keep their meaning.
 
 #include "plugin/diagnosis/misfit.h"
+#include "plugin/diagnosis/windows.h"
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace supercircle::diagnosis {
-
-/// What says that something is there: a mean that is shifted, squares that are too large, or not the window itself but
-/// the trace of an effect in all readings, which shows here.
-enum class Seen : std::uint8_t { Shift, Energy, Trace };
-
-struct Window {
-    std::string run;                                     ///< name, or "all"
-    std::string phase;                                   ///< loading, unloading, hold, all
-    std::string axis;                                    ///< time, displacement, contrast (loading against unloading)
-    std::string channel;                                 ///< "force" or the marker's name with _x, _y
-    double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: earliest and latest)
-    double displacementFrom = 0.0, displacementTo = 0.0; ///< m
-    double arcFraction = -1.0;                           ///< of a marker, -1: none
-    double z = 0.0;                                      ///< standardised statistic
-    Seen by = Seen::Shift;
-    double p = 1.0; ///< family-wise
-};
 
 /// p, family-wise, at which something stands out of the noise.
 constexpr double kFamilyWise = 0.05;
@@ -66,9 +47,6 @@ struct Localisation {
 /// @param signatures whitened changes of all readings, a column each, that are looked for too; both signs count
 Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
                       std::uint64_t seed, int draws = 999, const Eigen::MatrixXd& signatures = {});
-
-/// Times, displacements and phase of a window that is rows [from, to) of a run's force.
-void setSpan(const RecordedRun& run, Eigen::Index from, Eigen::Index to, Window& window);
 
 /// Orthonormal basis of the columns' span; columns below 1e-8 of the largest are nothing.
 Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns);

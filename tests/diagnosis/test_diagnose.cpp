@@ -1,18 +1,12 @@
 #include "toy.h"
 
-#include "plugin/diagnosis/noise.h"
-
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/homogeneity.h"
-#include "plugin/diagnosis/weigh.h"
+#include "plugin/diagnosis/noise.h"
 #include "supercircle/step/parallel.h"
 
 #include <catch2/catch.hpp>
-#include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <limits>
-#include <sys/resource.h>
 
 using namespace supercircle::diagnosis;
 
@@ -363,66 +357,6 @@ TEST_CASE("the weights and the verdict are one statement", "[diagnosis]") {
     }
 }
 
-TEST_CASE("what leaves many times the noise is not named, and a broken forecast foretells nothing", "[diagnosis]") {
-    HeldOut nothing;
-    nothing.rows.setConstant(6, 100.0);
-    nothing.volume.setZero(6);
-    nothing.energy.setConstant(6, 1e6); // 100 times the noise
-    HeldOut better = nothing, broken = nothing, failed;
-    failed.failure = "the simulation of run 2 stopped"; // and there is nothing to count
-    better.energy.setConstant(6, 2e3);                  // 99.8 % explained, and still 4.5 times the noise
-    broken.energy[2] = std::numeric_limits<double>::quiet_NaN();
-    Weighing given;
-    given.catalogue = 20;
-    given.p = 1e-6;
-    const Weighed w = weigh(nothing, {better, usable(broken, nothing), usable(failed, nothing)}, given);
-    CHECK(w.rejected);
-    CHECK(w.effects[2] < 1e-6);
-    CHECK(w.unknown > 0.5);
-    CHECK(w.effects[1] < 1e-6);
-    CHECK(w.nothing + w.unknown + w.effects[0] + w.effects[1] + w.effects[2] == Approx(1.0));
-    // A pair that beats its part in some draws only counts for nothing, however far above all others it scores there.
-    HeldOut pair = better;
-    for (int k = 0; k < 6; ++k)
-        pair.energy[k] = k == 0 ? 4e4 : 110.0; // by thousands
-    given.parts = {{}, {}, {0}};
-    const Weighed paired = weigh(nothing, {better, usable(broken, nothing), pair}, given);
-    CHECK(paired.effects[2] == 0.0);
-    CHECK(paired.nothing + paired.unknown + paired.effects[0] + paired.effects[1] == Approx(1.0));
-    given.parts.clear();
-    better.energy.setConstant(6, 120.0);
-    const Weighed good = weigh(nothing, {better, usable(broken, nothing)}, given);
-    CHECK_FALSE(good.rejected);
-    CHECK(good.effects[0] > 0.9);
-    given.swings = true; // what the runs are about goes on while the head stands still
-    const Weighed beside = weigh(nothing, {better, usable(broken, nothing)}, given);
-    CHECK(beside.rejected);
-    CHECK(beside.unknown > 0.9);
-}
-
-TEST_CASE("an effect that leaves a third of the misfit stands for another one", "[diagnosis]") {
-    HeldOut nothing;
-    nothing.rows.setConstant(12, 100.0);
-    nothing.volume.setZero(12);
-    nothing.energy.setConstant(12, 220.0);
-    Weighing given;
-    given.catalogue = 20;
-    given.p = 1e-3;
-    const auto with = [&](double energy, double tails) {
-        HeldOut effect = nothing;
-        effect.energy.setConstant(12, energy);
-        given.tails = tails;
-        return weigh(nothing, {effect}, given);
-    };
-    // Noise of 1200 rows, its size known to 5 % and two standard errors of its energy: up to 1.18 a row.
-    CHECK(with(137.0, 0.0).rejected); // relaxation, out of the catalogue, called softening left as much
-    CHECK(with(137.0, 0.0).unknown > 0.5);
-    CHECK_FALSE(with(115.0, 0.0).rejected);
-    CHECK(with(115.0, 0.0).effects[0] > 0.8); // p = 0.001 is worth a factor of 53, no more
-    CHECK_FALSE(with(125.0, 0.0).rejected);   // beyond the noise, but less than a tenth of what there was
-    CHECK_FALSE(with(137.0, 30.0).rejected);  // where single readings scatter that much, it may be noise
-}
-
 TEST_CASE("a law that nobody named is learned and put into words", "[diagnosis]") {
     const Data data = toy::recordings(18, "cubic", 6e5); // 0.6 N at the end, with the stiffness at its bound less
     const toy::Spring spring(data, true, true);
@@ -482,103 +416,6 @@ TEST_CASE("a diagnosis has the same digits for any number of threads and after a
             CHECK(one.effects[i].parameters.front().value == other->effects[i].parameters.front().value);
         }
     }
-}
-
-TEST_CASE("kept runs come back bit for bit, torn ones do not", "[diagnosis]") {
-    const std::string file = std::string(SC_BINARY_DIR) + "/store.cache";
-    std::filesystem::remove(file);
-    Response r;
-    r.force = Eigen::VectorXd::LinSpaced(7, 0.0, 1.0 / 3.0);
-    r.markers.resize(0);
-    {
-        Store store;
-        REQUIRE(store.open(file, "a").empty());
-        store.keep("one", r);
-        store.keep("two", r);
-    }
-    std::filesystem::resize_file(file, std::filesystem::file_size(file) - 5);
-    {
-        Store store;
-        REQUIRE(store.open(file, "a").empty());
-        REQUIRE(store.find("one").has_value());
-        CHECK(store.find("one")->force == r.force);
-        CHECK_FALSE(store.find("two").has_value());
-        store.keep("two", r);
-    }
-    Store store;
-    REQUIRE(store.open(file, "a").empty());
-    CHECK(store.fromFile() == 2);
-    Store other;
-    REQUIRE(other.open(file, "another experiment").empty());
-    CHECK(other.fromFile() == 0);
-}
-
-TEST_CASE("a full disk costs what comes after it, and says so", "[diagnosis]") {
-    const std::string file = std::string(SC_BINARY_DIR) + "/full.cache";
-    std::filesystem::remove(file);
-    Response r;
-    r.force = Eigen::VectorXd::LinSpaced(100, 0.0, 1.0);
-    {
-        Store store;
-        REQUIRE(store.open(file, "a").empty());
-        store.keep("one", r);
-        // A limit on the size of files stands for the disk; the signal that comes with it would end the program.
-        struct rlimit before {};
-        REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
-        const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-        struct rlimit full = before;
-        full.rlim_cur = std::filesystem::file_size(file) + 300;
-        REQUIRE(setrlimit(RLIMIT_FSIZE, &full) == 0);
-        store.keep("two", r);
-        REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
-        std::signal(SIGXFSZ, handler);
-        CHECK(store.failure().find("full.cache: cannot be written: ") != std::string::npos);
-        store.keep("three", r);
-        CHECK(store.find("two").has_value()); // in memory
-        CHECK(store.find("three").has_value());
-    }
-    Store store;
-    REQUIRE(store.open(file, "a").empty());
-    CHECK(store.fromFile() == 1);
-    store.keep("four", r);
-    CHECK(store.failure().empty());
-    Store again;
-    REQUIRE(again.open(file, "a").empty());
-    CHECK(again.fromFile() == 2);
-}
-
-TEST_CASE("runs kept by another program are not believed", "[diagnosis]") {
-    /// A spring whose last run has a marker, elsewhere in another program.
-    struct Marked final : Model {
-        toy::Spring spring;
-        double at;
-        Marked(const Data& data, double place) : spring(data), at(place) {}
-        [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring.nominal(); }
-        [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring.candidates(); }
-        [[nodiscard]] std::string identity() const override { return "spring"; }
-        [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                        const std::atomic<bool>* interrupt) const override {
-            Response out = spring.simulate(r, p, f, interrupt);
-            if (r == 2)
-                out.markers = Eigen::Vector4d(at, std::nan(""), 0.0, 0.0);
-            return out;
-        }
-    };
-    const Data data = toy::recordings(17), longer = toy::recordings(17, {}, 0.0, 40.0);
-    REQUIRE(data.runs.size() == 3);
-    const Marked here(data, 0.25), elsewhere(data, 0.5), slower(longer, 0.25);
-    const Point point{{100.0, 0.1}, {}};
-    const Question last{2, point, Fineness::Coarse};
-    const auto checked = [&](const Model& later) {
-        Store store;
-        Evaluator(here, 3, {}, store).everywhere({point}, Fineness::Coarse);
-        Evaluator again(later, 3, {}, store);
-        again.checkStore(point, Fineness::Coarse);
-        return again.ask({last}).front();
-    };
-    CHECK(checked(here).markers[0] == 0.25);
-    CHECK(checked(elsewhere).markers[0] == 0.5);
-    CHECK(checked(slower).force.size() == longer.runs[2].force.size());
 }
 
 TEST_CASE("intervals of 90 % cover the truth nine times of ten", "[diagnosis][slow]") {

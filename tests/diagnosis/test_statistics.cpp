@@ -1,7 +1,6 @@
 #include "toy.h"
 
 #include "plugin/diagnosis/box.h"
-#include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/next.h"
@@ -9,11 +8,11 @@
 #include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/screen.h"
-#include "plugin/diagnosis/weigh.h"
 #include "plugin/diagnosis/whitening.h"
 
 #include <Eigen/Cholesky>
 #include <catch2/catch.hpp>
+#include <limits>
 #include <optional>
 
 using namespace supercircle::diagnosis;
@@ -423,125 +422,4 @@ TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]
     const std::atomic<bool> stop{true};
     Evaluator stopped(model, 1, {}, store, &stop);
     CHECK_FALSE(nextExperiment(stopped, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise));
-}
-
-TEST_CASE("a gain that chance does not give counts, however unevenly it is spread", "[diagnosis]") {
-    // 24 blocks of 50 rows; an effect that shows in two of them and costs a little in all.
-    const auto held = [](double inTwo, double elsewhere) {
-        HeldOut h;
-        h.rows = Eigen::VectorXd::Constant(24, 50.0);
-        h.energy = Eigen::VectorXd::Constant(24, 50.0 - elsewhere);
-        h.energy.head(2).array() -= inTwo; // of two blocks, half of it counts
-        h.volume = Eigen::VectorXd::Zero(24);
-        return h;
-    };
-    const HeldOut nothing = held(0.0, 0.0);
-    Weighing given;
-    given.catalogue = 25;
-    given.p = 0.001;
-    const Weighed shown = weigh(nothing, {held(17.6, -0.3)}, given); // gains 14 in log score
-    CHECK(shown.gain[0] == Approx(14.0));
-    CHECK(shown.gainLow[0] <= 0.0); // two blocks of 24: two standard errors do not hold
-    CHECK(shown.nothing < 0.4);
-    const Weighed chance = weigh(nothing, {held(6.6, -0.3)}, given); // z = 2.4, of some forty hypotheses
-    CHECK(chance.nothing > 0.8);
-    given.p = 0.3; // and nothing stands out of the noise: the family-wise bound holds mass back
-    CHECK(weigh(nothing, {held(17.6, -0.3)}, given).nothing > 0.25);
-}
-
-TEST_CASE("p has paid for the whole search, however many effects were worth a fit", "[diagnosis]") {
-    const auto held = [](double less) {
-        HeldOut h;
-        h.rows = Eigen::VectorXd::Constant(24, 50.0);
-        h.energy = Eigen::VectorXd::Constant(24, 50.0 - less);
-        h.volume = Eigen::VectorXd::Zero(24);
-        return h;
-    };
-    Weighing given;
-    given.catalogue = 20;
-    given.p = 0.02;
-    // The odds of 3 to 7 over the largest Bayes factor that p allows, 1 / (-e p ln p) = 4.70.
-    const double odds = 3.0 / 7.0 * -std::exp(1.0) * 0.02 * std::log(0.02);
-    for (const std::size_t fitted : {1, 3, 6})
-        CHECK(weigh(held(0.0), std::vector<HeldOut>(fitted, held(5.0)), given).nothing ==
-              Approx(odds / (1.0 + odds)).epsilon(1e-6));
-}
-
-TEST_CASE("a law learned alone leaves the catalogue's prior with nothing", "[diagnosis]") {
-    HeldOut h;
-    h.rows = Eigen::VectorXd::Constant(24, 50.0);
-    h.energy = h.rows;
-    h.volume = Eigen::VectorXd::Zero(24);
-    Weighing given;
-    given.catalogue = 1; // were the law an effect of it, nothing would be left
-    given.prior = {0.05};
-    given.parts = {{}};
-    given.outside = {1};
-    // Both foretell the same, so their shares are the priors': .3 and .6 to .05; "none of these" foretells worse.
-    CHECK(weigh(h, {h}, given).nothing > 0.9 / (0.9 + 0.05 + 0.1) - 1e-9);
-}
-
-TEST_CASE("something is missing only where something stands out of the noise", "[diagnosis]") {
-    Evidence e;
-    e.any = true;
-    e.p = 0.2;
-    e.nothing = 0.3;
-    e.bestGroup = 0.7;
-    CHECK(verdictOf(e) == "not_enough_information");
-    e.p = 0.01;
-    CHECK(verdictOf(e) == "ambiguous");
-    e.nothing = 0.9;
-    CHECK(verdictOf(e) == "not_enough_information"); // a hint, though hardly believed
-    e.p = 0.2;
-    CHECK(verdictOf(e) == "nothing_missing");
-    // A gain that chance does not give need not be spread over many blocks.
-    e = {};
-    e.any = true;
-    e.p = 0.005;
-    e.nothing = 0.03;
-    e.bestGroup = 0.95;
-    e.gainLow = -0.5;
-    e.gain = 14.0;
-    CHECK(verdictOf(e) == "named");
-    e.gain = 5.0;
-    CHECK(verdictOf(e) == "ambiguous");
-}
-
-TEST_CASE("an undecided verdict says how probable each rival is, effects that act together as one", "[diagnosis]") {
-    Diagnosis d;
-    d.verdict = "ambiguous";
-    d.nothing = 0.1;
-    d.unknown = 0.01;
-    for (const char* label : {"sensor_drift", "planar_drag", "gravity"}) {
-        FoundEffect f;
-        f.label = label;
-        f.group = {f.label};
-        f.probability = 0.8;
-        d.effects.push_back(f);
-    }
-    d.effects[0].with = {"planar_drag"};
-    d.effects[1].with = {"sensor_drift"};
-    d.effects[2].probability = 0.09;
-    Evidence e;
-    e.p = 0.01;
-    const std::string said = statementOf(d, e);
-    CHECK(said.find("sensor drift with planar drag 80 %, gravity 9 %, nothing missing 10 %.") != std::string::npos);
-    CHECK(said.find("none of these") == std::string::npos); // 1 %
-
-    d.verdict = "named"; // values of both that act, and none of what is shown by another hypothesis
-    d.effects[0].parameters = {{"a_N", "N", 0.25, {}}};
-    d.effects[1].parameters = {{"f_N_m", "N/m", 0.5, {}}};
-    CHECK(statementOf(d, e).find(
-              "explained by sensor drift: a_N = 0.25 N; together with planar drag: f_N_m = 0.5 N/m;") !=
-          std::string::npos);
-    d.effects[1].with.clear();
-    CHECK(statementOf(d, e).find("a_N = 0.25 N; together with planar drag; on runs") != std::string::npos);
-
-    d.noise.white = 0.01; // N
-    d.improvedHeldOut = 0.012;
-    CHECK(statementOf(d, e).find("The runs are explained by") == 0);
-    CHECK(statementOf(d, e).find("something else acts beside it") == std::string::npos);
-    d.improvedHeldOut = 0.015;
-    CHECK(statementOf(d, e).find("Most of what the runs show is explained by") == 0);
-    CHECK(statementOf(d, e).find("something else acts beside it") != std::string::npos);
 }

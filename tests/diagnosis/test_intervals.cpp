@@ -1,0 +1,214 @@
+// Intervals on springs in closed form: rough misfits, legs that disagree, products.
+
+#include "toy.h"
+
+#include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/present.h"
+#include "plugin/diagnosis/profile.h"
+#include "plugin/diagnosis/sandwich.h"
+
+#include <catch2/catch.hpp>
+
+using namespace supercircle::diagnosis;
+
+namespace {
+
+/// The dashpot, simulated with an error that is as if drawn anew at each value, as that of a stack whose feet stick
+/// here or there: `rough` noise units in all.
+class Rough final : public Model {
+public:
+    Rough(const Data& data, double rough) : spring_(data), rough_(rough) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
+    [[nodiscard]] std::string identity() const override { return "rough dashpot"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Response out = spring_.simulate(r, p, f, interrupt);
+        std::uint64_t seed = r;
+        for (const double v : {p.nominal[0], p.nominal[1], p.terms.empty() ? 0.0 : p.terms[0].values[0]})
+            seed = seed * 1000003 + static_cast<std::uint64_t>(std::llround(std::abs(v) * 1e7));
+        Random random(seed);
+        const double each = rough_ * toy::kWhite / std::sqrt(3.0 * static_cast<double>(out.force.size()));
+        for (double& force : out.force)
+            force += each * random.normal();
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    double rough_;
+};
+
+} // namespace
+
+TEST_CASE("intervals hold where the misfit is rough", "[diagnosis]") {
+    constexpr int kTrials = 60;
+    int covered = 0, atAnEnd = 0;
+    std::vector<double> widths;
+    for (int trial = 0; trial < kTrials; ++trial) {
+        const Data data = toy::recordings(700 + static_cast<std::uint64_t>(trial), "dashpot", 10.0);
+        const Rough model(data, 1.7);
+        Store store;
+        Evaluator evaluator(model, data.runs.size(), {}, store);
+        const Point stated{{100.0, 0.1}, {}};
+        const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        Fitted found = fit(evaluator, misfit, Point{stated.nominal, {{0, {5.0}}}});
+        const Variables v(model, found.point);
+        Profiled p;
+        for (int moves = 0; moves < 3; ++moves) {
+            const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
+            p = profileIntervals(evaluator, misfit, found, J,
+                                 dispersionsOf(misfit, v, found.residual, J, misfitPerRow(misfit, found)), moves < 2);
+            if (!p.better)
+                break;
+            found = fit(evaluator, misfit, v.at(p.better->x));
+        }
+        const auto c = [&](double x) { return v.scalar(2).value + x * v.scalar(2).step; };
+        const double low = c(p.intervals[0].low), high = c(p.intervals[0].high), is = c(found.x[2]);
+        covered += low <= 10.0 && 10.0 <= high ? 1 : 0;
+        atAnEnd += std::min(is - low, high - is) < 0.1 * (high - low) ? 1 : 0;
+        widths.push_back(high - low);
+    }
+    std::nth_element(widths.begin(), widths.begin() + kTrials / 2, widths.end());
+    INFO("covered " << covered << ", at an end " << atAnEnd << " of " << kTrials << ", width " << widths[kTrials / 2]);
+    CHECK(covered >= 47); // 54 of 90 %, three deviations less; without the hull 30
+    CHECK(atAnEnd <= 6);
+}
+
+TEST_CASE("what legs say against each other widens an interval, what they agree in does not", "[diagnosis]") {
+    // Linear: each leg pulls the number to a value of its own, `apart` of its own deviations from the others'.
+    const Data data = toy::recordings(31, "dashpot", 10.0);
+    const toy::Spring spring(data);
+    Store store;
+    Evaluator evaluator(spring, data.runs.size(), {}, store);
+    const Point point{{103.0, 0.08}, {{0, {10.0}}}};
+    const auto there = evaluator.everywhere({point}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Variables v(spring, point);
+    const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, v.of(point), 0.2);
+    Random random(5);
+    const auto typical = [&](double apart) {
+        constexpr int kTrials = 400;
+        double sum = 0.0;
+        for (int trial = 0; trial < kTrials; ++trial) {
+            Eigen::VectorXd r(misfit.rows());
+            for (double& e : r)
+                e = random.normal();
+            for (std::size_t run = 0; run < misfit.runs(); ++run)
+                for (std::size_t stroke = 0; stroke < 5; ++stroke) {
+                    std::vector<Eigen::Index> rows;
+                    for (Eigen::Index k = 0; k < misfit.rowsOf(run); ++k)
+                        if (misfit.stroke(run, k) == stroke)
+                            rows.push_back(misfit.start(run) + k);
+                    if (const double own = J(rows, 2).norm(); own > 0.0)
+                        r(rows) += apart * random.normal() / own * J(rows, 2);
+                }
+            const Eigen::VectorXd x = J.householderQr().solve(r);
+            r -= J * x;
+            sum += dispersionsOf(misfit, v, r, J, 1.0)[2] / kTrials;
+        }
+        return sum;
+    };
+    const double none = typical(0.0), some = typical(3.0);
+    INFO("no scatter " << none << ", three deviations " << some);
+    // Student's quantile of six legs and four that are promised is worth (1.81 / 1.645)^2 = 1.2, that no dispersion is
+    // less than one as much again. Of three deviations squared and one, six parts in ten count.
+    CHECK(none > 1.2);
+    CHECK(none < 1.6);
+    CHECK(some > 0.6 * 10.0);
+    CHECK(some < 1.2 * 10.0);
+}
+
+namespace {
+
+/// A dashpot of two numbers, of which readings show the product: p q v.
+class Split final : public Model {
+public:
+    explicit Split(const Data& data) : spring_(data) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "split dashpot"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
+                                    const std::atomic<bool>* interrupt) const override {
+        Point whole{p.nominal, {}};
+        for (const Term& t : p.terms)
+            whole.terms.push_back({0, {t.values[0] * outer(Scale::Logarithm, t.values[1])}});
+        return spring_.simulate(r, whole, f, interrupt);
+    }
+
+private:
+    toy::Spring spring_;
+    std::vector<Candidate> candidates_ = {{"split",
+                                           "",
+                                           "",
+                                           "",
+                                           {{"p", "N/m", "", 0.0, -1e3, 1e3, 2.0, Scale::Linear, true},
+                                            {"q", "s", "", 0.0, inner(Scale::Logarithm, 0.1),
+                                             inner(Scale::Logarithm, 10.0), 0.5, Scale::Logarithm, false}},
+                                           {{5.0, 0.0}},
+                                           {{"c", "N s/m", 1.0, 0, 1}}}};
+};
+
+} // namespace
+
+TEST_CASE("a product is known as well as if it were the parameter", "[diagnosis]") {
+    const Data data = toy::recordings(5, "dashpot", 20.0);
+    const Split split(data);
+    const toy::Spring whole(data);
+    const auto found = [&](const Model& model, const std::vector<double>& start) {
+        Store store;
+        Evaluator evaluator(model, data.runs.size(), {}, store);
+        const Point stated{{100.0, 0.1}, {}};
+        const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        Tried t;
+        t.candidates = {0};
+        t.fit = fit(evaluator, misfit, Point{stated.nominal, {{0, start}}});
+        const Variables v(model, t.fit.point);
+        const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, t.fit.x, 0.2);
+        const double perRow = misfitPerRow(misfit, t.fit);
+        Spread spread{linearIntervals(v, t.fit, J, dispersionsOf(misfit, v, t.fit.residual, J, perRow)), {{}}};
+        for (const Product& p : model.candidates()[0].products)
+            spread.products[0].push_back(productInterval(evaluator, misfit, t.fit, J, p, v.nominal));
+        return presentEffect(model, misfit, groupingOf(misfit), t, 0, spread);
+    };
+    const FoundEffect two = found(split, {5.0, inner(Scale::Logarithm, 3.0)}), one = found(whole, {5.0});
+    REQUIRE(two.products.size() == 1);
+    REQUIRE(one.products.empty());
+    const FittedParameter &product = two.products.front(), &c = one.parameters.front();
+    const auto width = [](const FittedParameter& p) { return p.ci90.high - p.ci90.low; };
+    // A search ends where a step would gain less than `enough`, a deviation squared; derivatives are good to some 1e-3.
+    CHECK(product.name == "c");
+    CHECK(product.value == Approx(c.value).margin(std::sqrt(FitSettings{}.enough) * width(c) / (2.0 * 1.645)));
+    CHECK(width(product) == Approx(width(c)).epsilon(0.01));
+    CHECK(width(two.parameters[0]) > 5.0 * width(c) / outer(Scale::Logarithm, 0.0)); // each factor is anybody's guess
+}
+
+TEST_CASE("of a product that is known each factor is known as the other one's bounds allow", "[diagnosis]") {
+    const Data data = toy::recordings(5, "dashpot", 20.0);
+    const Split split(data);
+    Store store;
+    Evaluator evaluator(split, data.runs.size(), {}, store);
+    const Point stated{{100.0, 0.1}, {}};
+    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Fitted found = fit(evaluator, misfit, Point{stated.nominal, {{0, {5.0, inner(Scale::Logarithm, 3.0)}}}});
+    const Variables v(split, found.point);
+    const Eigen::MatrixXd J = differentiateCarefully(evaluator, misfit, v, found.x, 0.2);
+    const auto known = profileIntervals(evaluator, misfit, found, J,
+                                        dispersionsOf(misfit, v, found.residual, J, misfitPerRow(misfit, found)))
+                           .intervals;
+    const auto at = [&](Eigen::Index k, double x) {
+        const Scalar& s = v.scalar(k);
+        return outer(s.scale, s.value + x * s.step);
+    };
+    const double c = productOf(split.candidates()[0].products[0], v, found.x, v.nominal);
+    INFO("p " << at(2, known[0].low) << " to " << at(2, known[0].high) << ", q " << at(3, known[1].low) << " to "
+              << at(3, known[1].high));
+    CHECK(at(3, known[1].low) < 0.11); // bounds of q: 0.1 and 10
+    CHECK(at(3, known[1].high) > 9.0);
+    CHECK(at(2, known[0].low) < c / 9.0);
+    CHECK(at(2, known[0].high) > c / 0.11);
+}

@@ -62,22 +62,16 @@ TEST_CASE("where nothing is missing one diagnosis in twenty stands out, the nois
 namespace {
 
 /// A spring that lies on the other side, half a newton away, but in a corner of what is stated.
-class TwoSided final : public Model {
+class TwoSided final : public toy::Spring {
 public:
-    explicit TwoSided(const Data& data) : spring_(data) {}
-    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
-    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
-    [[nodiscard]] std::string identity() const override { return "two sides"; }
+    using Spring::Spring;
     [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                     const std::atomic<bool>* interrupt) const override {
-        Response out = spring_.simulate(r, p, f, interrupt);
+        Response out = Spring::simulate(r, p, f, interrupt);
         const bool there = p.nominal[0] > 100.5 && p.nominal[1] < 0.095; // of 94 to 106, .05 to .15
         out.force = (there ? 1.0 : -1.0) * out.force;
         return out;
     }
-
-private:
-    toy::Spring spring_;
 };
 
 } // namespace
@@ -234,21 +228,15 @@ TEST_CASE("noise does not swing, nor does what relaxes", "[diagnosis]") {
 }
 
 TEST_CASE("a run that cannot be simulated is named, with the time", "[diagnosis]") {
-    class Breaks final : public Model {
+    class Breaks final : public toy::Spring {
     public:
-        explicit Breaks(const Data& data) : spring_(data) {}
-        [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
-        [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
-        [[nodiscard]] std::string identity() const override { return "breaks"; }
+        using Spring::Spring;
         [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                         const std::atomic<bool>* interrupt) const override {
-            Response out = spring_.simulate(r, p, f, interrupt);
+            Response out = Spring::simulate(r, p, f, interrupt);
             out.failure = r == 1 ? "the wire broke (at t = 2 s)" : "";
             return out;
         }
-
-    private:
-        toy::Spring spring_;
     };
     const Data data = toy::recordings(11);
     CHECK(run(data, Breaks(data)).failure ==
@@ -271,21 +259,15 @@ TEST_CASE("what a load cell reads that nobody tared is no physics", "[diagnosis]
 }
 
 TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]") {
-    class Follows final : public Model {
+    class Follows final : public toy::Spring {
     public:
-        explicit Follows(const Data& data) : spring_(data) {}
-        [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
-        [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
-        [[nodiscard]] std::string identity() const override { return "follows"; }
+        using Spring::Spring;
         [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                         const std::atomic<bool>* interrupt) const override {
-            Response out = spring_.simulate(r, p, f, interrupt);
+            Response out = Spring::simulate(r, p, f, interrupt);
             out.markers = Eigen::VectorXd::Zero(r == 0 ? 2 * out.force.size() : 0);
             return out;
         }
-
-    private:
-        toy::Spring spring_;
     };
     Data data = toy::recordings(11);
     RecordedRun& slow = toy::withMarkers(data, {0.25});
@@ -438,25 +420,18 @@ TEST_CASE("intervals of 90 % cover the truth nine times of ten", "[diagnosis][sl
 namespace {
 
 /// The toy with a drift of which no more than `most` is plausible.
-class ModestDrift final : public Model {
+class ModestDrift final : public toy::Spring {
 public:
-    ModestDrift(const Data& data, double most) : spring_(data), candidates_(spring_.candidates()) {
+    ModestDrift(const Data& data, double most) : Spring(data), candidates_(Spring::candidates()) {
         for (Candidate& c : candidates_)
             if (c.label == "drift") {
                 c.parameters.front().lower = -most;
                 c.parameters.front().upper = most;
             }
     }
-    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
-    [[nodiscard]] std::string identity() const override { return "modest drift"; }
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                    const std::atomic<bool>* stop) const override {
-        return spring_.simulate(r, p, f, stop);
-    }
 
 private:
-    toy::Spring spring_;
     std::vector<Candidate> candidates_;
 };
 

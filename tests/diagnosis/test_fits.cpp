@@ -29,21 +29,17 @@ void hide(Data& data, const Model& model, const std::vector<Term>& effects) {
 namespace {
 
 /// A spring one of whose readings jumps by 5 N where the stiffness passes a value, as by a snap that comes later.
-class Snapping final : public Model {
+class Snapping final : public toy::Spring {
 public:
-    Snapping(const Data& data, double at) : spring_(data), at_(at) {}
-    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
-    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
-    [[nodiscard]] std::string identity() const override { return "snapping spring"; }
+    Snapping(const Data& data, double at) : Spring(data), at_(at) {}
     [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                     const std::atomic<bool>* interrupt) const override {
-        Response out = spring_.simulate(r, p, f, interrupt);
+        Response out = Spring::simulate(r, p, f, interrupt);
         out.force[out.force.size() / 3] += p.nominal[0] > at_ ? 5.0 : 0.0;
         return out;
     }
 
 private:
-    toy::Spring spring_;
     double at_;
 };
 
@@ -71,15 +67,13 @@ namespace {
 
 /// A spring that gives way beyond a force: nothing happens below the threshold, as with yielding. Its inner number is
 /// the reciprocal of that force.
-class GivesWay final : public Model {
+class GivesWay final : public toy::Spring {
 public:
-    explicit GivesWay(const Data& data) : spring_(data), data_(data) {}
-    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    using Spring::Spring;
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
-    [[nodiscard]] std::string identity() const override { return "spring that gives way"; }
     [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                     const std::atomic<bool>* interrupt) const override {
-        Response out = spring_.simulate(r, Point{p.nominal, {}}, f, interrupt);
+        Response out = Spring::simulate(r, Point{p.nominal, {}}, f, interrupt);
         for (const Term& t : p.terms)
             if (t.candidate == 0)
                 for (double& force : out.force)
@@ -91,8 +85,6 @@ public:
     }
 
 private:
-    toy::Spring spring_;
-    const Data& data_;
     std::vector<Candidate> candidates_ = {
         {"gives_way", "", "", "", {{"most", "1/N", "", 0.0, 0.0, 10.0, 0.1, Scale::Linear, true}}, {{2.0}}},
         {"drift", "", "", "", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-2, Scale::Linear, true}}, {{0.05}}}};
@@ -147,15 +139,13 @@ namespace {
 
 /// A spring with a law of two numbers that do each other's work: a (1 - exp(-x / b)), of which little more than a / b
 /// shows where x stays below b.
-class Saturating final : public Model {
+class Saturating final : public toy::Spring {
 public:
-    explicit Saturating(const Data& data) : spring_(data), data_(data) {}
-    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    using Spring::Spring;
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
-    [[nodiscard]] std::string identity() const override { return "saturating spring"; }
     [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                     const std::atomic<bool>* interrupt) const override {
-        Response out = spring_.simulate(r, Point{p.nominal, {}}, f, interrupt);
+        Response out = Spring::simulate(r, Point{p.nominal, {}}, f, interrupt);
         for (const Term& t : p.terms)
             out.force.array() +=
                 t.values[0] *
@@ -164,8 +154,6 @@ public:
     }
 
 private:
-    toy::Spring spring_;
-    const Data& data_;
     std::vector<Candidate> candidates_ = {{"saturates",
                                            "",
                                            "",

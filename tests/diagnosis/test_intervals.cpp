@@ -16,15 +16,12 @@ namespace {
 
 /// The dashpot, simulated with an error that is as if drawn anew at each value, as that of a stack whose feet stick
 /// here or there: `rough` noise units in all.
-class Rough final : public Model {
+class Rough final : public toy::Spring {
 public:
-    Rough(const Data& data, double rough) : spring_(data), rough_(rough) {}
-    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
-    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
-    [[nodiscard]] std::string identity() const override { return "rough dashpot"; }
+    Rough(const Data& data, double rough) : Spring(data), rough_(rough) {}
     [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                     const std::atomic<bool>* interrupt) const override {
-        Response out = spring_.simulate(r, p, f, interrupt);
+        Response out = Spring::simulate(r, p, f, interrupt);
         std::uint64_t seed = r;
         for (const double v : {p.nominal[0], p.nominal[1], p.terms.empty() ? 0.0 : p.terms[0].values[0]})
             seed = seed * 1000003 + static_cast<std::uint64_t>(std::llround(std::abs(v) * 1e7));
@@ -36,7 +33,6 @@ public:
     }
 
 private:
-    toy::Spring spring_;
     double rough_;
 };
 
@@ -124,22 +120,19 @@ TEST_CASE("what legs say against each other widens an interval, what they agree 
 namespace {
 
 /// A dashpot of two numbers, of which readings show the product: p q v.
-class Split final : public Model {
+class Split final : public toy::Spring {
 public:
-    explicit Split(const Data& data) : spring_(data) {}
-    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    using Spring::Spring;
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
-    [[nodiscard]] std::string identity() const override { return "split dashpot"; }
     [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
                                     const std::atomic<bool>* interrupt) const override {
         Point whole{p.nominal, {}};
         for (const Term& t : p.terms)
             whole.terms.push_back({0, {t.values[0] * outer(Scale::Logarithm, t.values[1])}});
-        return spring_.simulate(r, whole, f, interrupt);
+        return Spring::simulate(r, whole, f, interrupt);
     }
 
 private:
-    toy::Spring spring_;
     std::vector<Candidate> candidates_ = {{"split",
                                            "",
                                            "",

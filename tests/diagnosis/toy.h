@@ -45,8 +45,8 @@ inline RecordedRun motion(const std::string& name, double speed, double rate) {
     return run;
 }
 
-/// Force = stiffness x + friction sign(v) + what is added.
-class Spring final : public Model {
+/// Force = stiffness x + friction sign(v) + what is added. Others read it and change what they read.
+class Spring : public Model {
 public:
     /// @param learns offers a law of displacement to be learned, and no cubic
     explicit Spring(const Data& data, bool dashpot = true, bool learns = false) : data_(data) {
@@ -113,8 +113,10 @@ public:
         return out;
     }
 
-private:
+protected:
     const Data& data_;
+
+private:
     std::vector<Scalar> nominal_;
     std::vector<Candidate> candidates_;
 };

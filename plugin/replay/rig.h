@@ -7,7 +7,6 @@
 #include "plugin/replay/simulate.h"
 #include "supercircle/step/stepper.h"
 
-#include <deque>
 #include <optional>
 
 namespace supercircle::replay {
@@ -30,18 +29,15 @@ public:
     [[nodiscard]] double displacement() const { return -world_.machineTravel.y(); }
     /// Force of the specimen on the head at the end of the last step, positive upwards, N; first order in the step.
     [[nodiscard]] double force() const { return world_.machineForce().y(); }
-    /// Mean force over the last steps without what the steps themselves lost (see the essay in rig.cpp), and whether it
-    /// could be told; where not, force() is all there is.
+    /// Mean force over the last step without what the step itself lost (see the essay in rig.cpp), and whether it could
+    /// be told; where not, force() is all there is.
     struct MeanForce {
         bool known = false;
-        double step = 0.0;  ///< over the last step alone, N
-        double force = 0.0; ///< N, where the head was half way:
-        double way = 0.0;   ///< of the head, downwards, 0 where the force is not known, m
-        double since = 0.0; ///< s
+        bool steady = false; ///< the step is as long as the one before: what is in gaps is the same at both its ends
+        double force = 0.0;  ///< N
+        double way = 0.0;    ///< of the head in the step, positive downwards, m
     };
     [[nodiscard]] const MeanForce& meanForce() const { return mean_; }
-    /// Lets means begin here: what the head does from now on may be another motion.
-    void beginMeans() { told_.clear(); }
     /// Point of the centre line, m.
     [[nodiscard]] rod::Vec2 point(std::size_t specimen, double arcFraction) const;
     /// Largest change of curvature from the natural one now, 1/m.
@@ -67,13 +63,7 @@ private:
     effects::Model common_;         ///< what effects do to all specimens and the set-up
     step::Ledger books_;            ///< at the end of the last step
     double lastDisplacement_ = 0.0; ///< m
-    double lastTime_ = 0.0;         ///< of the world, s
-    /// A step whose force could be told.
-    struct Told {
-        double way, work, duration; ///< m, J without losses, s
-    };
-    std::deque<Told> told_;   ///< the last ones, one way
-    double forceScale_ = 0.0; ///< largest mean force so far, N
+    double forceScale_ = 0.0;       ///< largest mean force so far, N
     double start_ = 0.0;
     double halfString_ = 0.0;       ///< of a braced bow, m
     bool ring_ = false;             ///< the specimen is closed

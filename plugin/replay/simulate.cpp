@@ -125,9 +125,8 @@ public:
             rig_.move(drive.displacement.front(), 1.0, {});
         trace_.addForce(clock_, rig_.force());
         trace_.addMarkers(rig_, e_, clock_);
-        lastDisplacement_ = rig_.displacement();
+        lastDisplacement_ = pressedAt_ = rig_.displacement();
         pressing_ = rig_.force();
-        read_ = {pressing_, lastDisplacement_};
         double late = 0.0; // of the leg before: it came to rest that much behind its end, s
         for (std::size_t i = 0; i < e_.specimens.size();
              ++i) { // ten times the Euler load of a rod clamped at both ends
@@ -151,9 +150,9 @@ public:
 
 private:
     /// What the drive shows: the head and all that gives in series with it.
-    [[nodiscard]] double position() const { return rig_.displacement() + giveUnder(pressing_); }
-    [[nodiscard]] double giveUnder(double force) const {
-        return give_ * force + 0.5 * apparatus_.slack * force / std::hypot(force, apparatus_.slackForce);
+    [[nodiscard]] double position() const {
+        return rig_.displacement() + give_ * pressing_ +
+               0.5 * apparatus_.slack * pressing_ / std::hypot(pressing_, apparatus_.slackForce);
     }
     [[nodiscard]] bool rigid() const { return give_ <= 0.0 && apparatus_.slack <= 0.0; }
 
@@ -161,28 +160,26 @@ private:
     /// specimen lost meanwhile has other causes.
     [[nodiscard]] bool meanCounts() const { return rig_.meanForce().known && !following_; }
 
-    /// The force that compresses what is in series, and what the load cell reads and where: both smoothed over 2 um of
+    /// The force that compresses what is in series and the place of the head where it does, both smoothed over 2 um of
     /// travel, without the spikes with which an inextensible strip meets the floor: 60 to 1000 N for a microsecond or
     /// two, hundreds of times the load under which it buckles. What is in series would have taken them up. Smoothed
     /// alike they stay points of one curve; the load cell, in series too, reads this force. A strip that touches gains
     /// a newton within a micrometre of the head's travel but, at 400 N/m, 2.5 mm of the drive's: read unsmoothed, its
     /// force ran ahead of the clock by a millimetre. Where the head follows a drive that rests it hardly travels: there
-    /// time smooths too. What compresses is the mean over the last step: over several steps it is exacter, but with the
-    /// lag of two steps a soft machine answers a slip too late.
+    /// time smooths too.
     void press() {
         constexpr double kSmooth = 2e-6; // m
         const double way = rig_.displacement() - lastDisplacement_;
         lastDisplacement_ = rig_.displacement();
         const double time = std::exchange(lastTime_, rig_.time());
         const bool known = meanCounts();
-        const double force = known ? rig_.meanForce().step : rig_.force();
+        const double force = known ? rig_.meanForce().force : rig_.force();
         if (std::abs(force) >= impact_)
             return;
         const double settled = following_ ? (rig_.time() - time) / kSettle : 0.0;
         const double share = -std::expm1(-std::abs(way) / kSmooth - settled);
         pressing_ += share * (force - pressing_);
-        read_.force += share * ((known ? rig_.meanForce().force : force) - read_.force);
-        read_.displacement += share * (rig_.displacement() - 0.5 * rig_.meanForce().way - read_.displacement);
+        pressedAt_ += share * (rig_.displacement() - (known ? 0.5 * way : 0.0) - pressedAt_);
     }
 
     /// How much farther the drive moves than the head: 1 + c K.
@@ -254,12 +251,10 @@ private:
             const bool byDisplacement = !rigid() && speed != 0.0;
             const double now = byDisplacement ? t0 + (position() - from) / speed : t0 + rig_.time() - begin;
             const double before = std::exchange(clock_, std::clamp(now, clock_, t1));
-            if (started_ && !meanCounts())
-                finishMeans(before);
             if (byDisplacement)
-                readPressing(t0 + (read_.displacement + giveUnder(read_.force) - from) / speed);
+                readPressing(t0 + (position() - rig_.displacement() + pressedAt_ - from) / speed);
             else
-                readForce();
+                readForce(before);
             trace_.addMarkers(rig_, e_, clock_);
             bendMost_ = std::max(bendMost_, rig_.bend());
             if (options_.progress)
@@ -269,7 +264,6 @@ private:
             return stopped_ || arrived;
         };
         means_ = 0;
-        rig_.beginMeans();
         started_ = false;
         lastTime_ = rig_.time();
         if (rigid() || speed == 0.0) {
@@ -300,44 +294,73 @@ private:
 
     /// The first step of a leg changes the velocity at once; its inertia, m v / dt, is a matter of the step size and no
     /// load cell is that quick, so it is passed over.
-    void readForce() {
+    void readForce(double before) {
         if (!std::exchange(started_, true))
             return;
-        const bool known = meanCounts();
-        means_ = known ? means_ + 1 : 0;
-        trace_.addForce(known ? clock_ - rig_.meanForce().since : clock_, known        ? rig_.meanForce().force
-                                                                          : following_ ? pressing_
-                                                                                       : rig_.force());
+        if (meanCounts())
+            take(0.5 * (before + clock_), rig_.meanForce().force);
+        else
+            take(clock_, following_ ? pressing_ : rig_.force());
     }
 
     /// Of a head that moves with something in series, at the time when it presses so.
     void readPressing(double at) {
         started_ = true;
-        means_ = meanCounts() ? means_ + 1 : 0;
-        trace_.addForce(std::clamp(at, trace_.forceTime.back(), clock_), read_.force);
+        const double last = doubtful_.empty() ? trace_.forceTime.back() : doubtful_.back().at;
+        take(std::clamp(at, last, clock_), pressing_);
     }
 
-    /// The force where means end, at the end of a leg or because something snaps there: carried on from those that lie
-    /// as far back. False: there were none.
-    bool finishMeans(double end) {
-        const double t = trace_.forceTime.back(), f = trace_.force.back();
-        std::size_t i = trace_.force.size() - 1;
-        for (int k = 1; k < means_ && t - trace_.forceTime[i] < end - t; ++k)
-            --i;
-        const double base = t - trace_.forceTime[i];
-        if (end <= t || base < 0.5 * (end - t))
-            return false;
-        trace_.addForce(end, f + (f - trace_.force[i]) * (end - t) / base);
-        means_ = 0;
-        return true;
+    /// Takes a step's force down, if no better one comes soon (see the essay in rig.cpp).
+    void take(double at, double force) {
+        constexpr double kShort = 0.5; // of the last step that was steady: on the way to another step size
+        const Rig::MeanForce& mean = rig_.meanForce();
+        const bool known = meanCounts(), brief = std::abs(mean.way) < kShort * steadyWay_;
+        if (known && mean.steady) {
+            steadyWay_ = std::abs(mean.way);
+            doubtful_.clear();
+            trace_.addForce(at, force);
+            ++means_;
+        } else if (known || brief) {
+            doubt(at, force, std::abs(mean.way));
+        } else {
+            believe();
+            trace_.addForce(at, force);
+            means_ = 0;
+        }
     }
 
-    /// @param force at the very end of a leg, where its slope may turn, if means do not tell it
-    void finishLeg(double force) {
+    void doubt(double at, double force, double way) {
+        constexpr double kSoon = 4.0; // of the longest step among them
+        doubtful_.push_back({at, force, way});
+        double all = 0.0, longest = 0.0;
+        for (const Doubtful& d : doubtful_) {
+            all += d.way;
+            longest = std::max(longest, d.way);
+        }
+        if (all > kSoon * longest)
+            believe();
+    }
+
+    void believe() {
+        for (const Doubtful& d : doubtful_)
+            trace_.addForce(d.at, d.force);
+        means_ = doubtful_.empty() ? means_ : 0;
+        doubtful_.clear();
+    }
+
+    /// The force at the very end of a leg, where its slope may turn: carried on from the last two means.
+    void finishLeg(double end) {
         if (clock_ > trace_.time.back())
             trace_.addMarkers(rig_, e_, clock_);
-        if (!finishMeans(clock_) && clock_ > trace_.forceTime.back())
-            trace_.addForce(clock_, force);
+        if (means_ < 2)
+            believe();
+        doubtful_.clear();
+        const double t2 = trace_.forceTime.back(), f2 = trace_.force.back();
+        if (clock_ <= t2)
+            return;
+        if (const std::size_t n = trace_.force.size(); means_ >= 2 && t2 > trace_.forceTime[n - 2])
+            end = f2 + (f2 - trace_.force[n - 2]) * (clock_ - t2) / (t2 - trace_.forceTime[n - 2]);
+        trace_.addForce(clock_, end);
     }
 
     Rig& rig_;
@@ -346,18 +369,22 @@ private:
     double give_;
     effects::ApparatusModel apparatus_;
     const Options& options_;
-    double clock_;          ///< of the recording, s
-    bool started_ = false;  ///< the leg has had its first step
-    int means_ = 0;         ///< readings in a row that are means
-    double pressing_ = 0.0; ///< N
-    struct {
-        double force = 0.0, displacement = 0.0; ///< N; of the head, m
-    } read_;                                    ///< see press()
-    double lastDisplacement_ = 0.0;             ///< m
-    double lastTime_ = 0.0;                     ///< of the set-up, s
-    double stiffness_ = 0.0;                    ///< of the specimen, N/m, as it answered last
-    bool following_ = false;                    ///< the drive brakes or rests
-    double impact_ = 0.0;                       ///< N, forces beyond it are impacts
+    double clock_;                  ///< of the recording, s
+    bool started_ = false;          ///< the leg has had its first step
+    int means_ = 0;                 ///< readings of this leg in a row that are steady means
+    double pressing_ = 0.0;         ///< N
+    double pressedAt_ = 0.0;        ///< head where it was pressing so, m
+    double lastDisplacement_ = 0.0; ///< m
+    double lastTime_ = 0.0;         ///< of the set-up, s
+    double stiffness_ = 0.0;        ///< of the specimen, N/m, as it answered last
+    /// A force that is used only if no better one comes soon.
+    struct Doubtful {
+        double at, force, way; ///< s, N, of the head in the step, m
+    };
+    std::vector<Doubtful> doubtful_; ///< behind the last of the trace
+    double steadyWay_ = 0.0;         ///< of the head in the last step that was as long as the one before, m
+    bool following_ = false;         ///< the drive brakes or rests
+    double impact_ = 0.0;            ///< N, forces beyond it are impacts
     bool stopped_ = false;
     double bendMost_ = 0.0; ///< 1/m
     Trace trace_;

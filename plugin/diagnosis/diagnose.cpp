@@ -49,12 +49,9 @@ public:
         if (!(out_.noise.total() > 0.0))
             withoutNoise();
         else if (nominal() && !evaluator_.stopped()) {
-            stage(0.2, "screening the catalogue");
-            look();
-            if (!evaluator_.stopped()) {
-                stage(0.33, "where");
-                locate();
-            }
+            lookAround();
+            if (!evaluator_.stopped())
+                summarise();
             if (!evaluator_.stopped())
                 tryHypotheses();
             if (!evaluator_.stopped() && out_.failure.empty())
@@ -76,6 +73,26 @@ private:
             settings_.progress(fraction, words);
     }
     [[nodiscard]] const std::vector<Candidate>& candidates() const { return evaluator_.model().candidates(); }
+
+    void lookAround() {
+        stage(0.2, "screening the catalogue");
+        look();
+        stage(0.31, "where");
+        locate();
+        if (!hardlyStandsOut())
+            return;
+        stage(0.33, "nominal fit from all over");
+        if (searchOn(evaluator_, settings_, *misfit_, base_)) {
+            look();
+            locate();
+        }
+    }
+    /// An alarm of so few squares that another fit may have it gone; with larger ones effects are tried anyway.
+    [[nodiscard]] bool hardlyStandsOut() const {
+        constexpr double kPlain = 6.0; // deviations
+        return !evaluator_.stopped() && !data_.free && out_.mismatch.p <= kFamilyWise &&
+               out_.mismatch.signature < kPlain;
+    }
 
     void withoutNoise();
     bool nominal();
@@ -136,6 +153,8 @@ bool Work::nominal() {
 }
 
 void Work::locate() {
+    if (evaluator_.stopped())
+        return;
     grouping_ = groupingOf(*misfit_);
     std::vector<const Eigen::VectorXd*> seen;
     for (const Screened& s : screened_)
@@ -146,9 +165,6 @@ void Work::locate() {
         signatures.col(static_cast<Index>(i)) = *seen[i];
     out_.mismatch = localise(*misfit_, base_.residual, freeColumns(evaluator_.model(), base_), settings_.seed,
                              settings_.draws, signatures);
-    summarise();
-    baseHeld_ = heldOutOf(evaluator_, *misfit_, grouping_, base_, settings_);
-    out_.homogeneity = homogeneityOf(*misfit_, base_);
 }
 
 void Work::tryHypotheses() {
@@ -164,6 +180,8 @@ void Work::look() {
 }
 
 void Work::summarise() {
+    baseHeld_ = heldOutOf(evaluator_, *misfit_, grouping_, base_, settings_);
+    out_.homogeneity = homogeneityOf(*misfit_, base_);
     std::map<std::string, SeenEffect> byLabel;
     std::vector<std::string> order;
     for (const Screened& s : screened_) {

@@ -155,8 +155,7 @@ double forceRmse(const Misfit& misfit, const std::vector<Response>& simulated, c
                 mean += d.back();
             }
         mean /= std::max<double>(1.0, static_cast<double>(d.size()));
-        // The zero is known to the noise of a mean; more than that is no matter of the zero.
-        const double known = 2.0 * misfit.noise().ofMean(std::max(0.1, misfit.data().zeroWindow), 0.02);
+        const double known = 2.0 * misfit.zeroOf(r); // more than that is no matter of the zero
         mean = std::clamp(mean, -known, known);
         for (const double v : d)
             sum += (v - mean) * (v - mean);

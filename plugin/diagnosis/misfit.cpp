@@ -167,9 +167,9 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         // A load cell that nobody tared reads something of its own, a few per cent of what it is read for; poses have
         // no such zero.
         const double untared = data.free ? noise.total() : std::max(5.0 * noise.total(), 0.05 * peak);
-        const double prior = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, run.spacing()) : untared;
+        part.zero = data.zeroWindow > 0.0 ? noise.ofMean(data.zeroWindow, run.spacing()) : untared;
         part.own.resize(run.force.size(), 3);
-        part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), prior));
+        part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), part.zero));
         part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
         part.own.col(2) =
             part.force.apply(ownScale(run, fine[r], part.errors.force) * (data.free ? 0.0 : settings.scale));

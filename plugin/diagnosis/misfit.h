@@ -97,6 +97,8 @@ public:
 
     [[nodiscard]] const Data& data() const { return data_; }
     [[nodiscard]] const Noise& noise() const { return noise_; }
+    /// Deviation to which the zero of a run's force is known, N.
+    [[nodiscard]] double zeroOf(std::size_t run) const { return parts_[run].zero; }
     [[nodiscard]] std::size_t runs() const { return data_.runs.size(); }
     [[nodiscard]] Eigen::Index rows() const { return start_.back(); }
     [[nodiscard]] Eigen::Index start(std::size_t run) const { return start_[run]; } ///< of a run in the stack
@@ -120,6 +122,7 @@ private:
     struct Part {
         RowErrors errors;
         Whitening force;
+        double zero = 0.0; ///< see zeroOf()
         /// Whitened changes by what each run has of its own, times their prior deviations: zero of the force, clock,
         /// scale.
         Eigen::MatrixXd own;

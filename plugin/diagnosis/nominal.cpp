@@ -12,10 +12,43 @@ namespace {
 
 using Index = Eigen::Index;
 
+/// Of points all over the box those whose coarse simulations are nearest to the recordings.
+std::vector<Point> nearest(Evaluator& evaluator, const Misfit& misfit, const Variables& v, std::uint64_t seed,
+                           std::size_t count) {
+    constexpr int kPoints = 32;
+    constexpr double kFar = 2.0; // steps within which is looked for what has no bounds
+    const Eigen::VectorXd lower = v.lower.cwiseMax(-kFar), width = v.upper.cwiseMin(kFar) - lower;
+    Random random(seed + 5);
+    std::vector<Point> points;
+    for (int i = 0; i < kPoints; ++i)
+        points.push_back(v.at(lower + width.unaryExpr([&](double w) { return w * random.uniform(); })));
+    const auto there = evaluator.everywhere(points, Fineness::Coarse);
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (const auto residual = misfit.residual(there[i]))
+            order.emplace_back(residual->squaredNorm() + misfit.charge(there[i]).sum(), i);
+    std::sort(order.begin(), order.end());
+    order.resize(std::min(count, order.size()));
+    std::vector<Point> out;
+    for (const auto& [size, i] : order)
+        out.push_back(points[i]);
+    return out;
+}
+
+Point otherSide(const Variables& v, const Eigen::VectorXd& x) {
+    return v.at(x.unaryExpr([](double at) { return at > 0.0 ? -0.7 : 0.7; }));
+}
+
+void differentiateAll(Evaluator& evaluator, const Misfit& misfit, Fitted& f) {
+    const Variables v(evaluator.model(), f.point);
+    std::vector<Index> all(static_cast<std::size_t>(v.size()));
+    std::iota(all.begin(), all.end(), Index{0});
+    differentiate(evaluator, misfit, v, f.x, 0.2, all, f.jacobian);
+}
+
 class Search {
 public:
-    Search(const Data& data, Evaluator& evaluator, const Noise& noise, const Settings& settings,
-           const std::function<void(double, const std::string&)>& stage)
+    Search(const Data& data, Evaluator& evaluator, const Noise& noise, const Settings& settings, const Stage& stage)
         : data_(data), evaluator_(evaluator), noise_(noise), settings_(settings), stage_(stage) {}
 
     Nominal run() {
@@ -37,10 +70,7 @@ public:
             fromAllOver();
         if (!out_.failure.empty() || evaluator_.stopped())
             return std::move(out_);
-        const Variables v = variables();
-        std::vector<Index> all(static_cast<std::size_t>(v.size()));
-        std::iota(all.begin(), all.end(), Index{0});
-        differentiate(evaluator_, *out_.misfit, v, out_.fit.x, 0.2, all, out_.fit.jacobian);
+        differentiateAll(evaluator_, *out_.misfit, out_.fit);
         return std::move(out_);
     }
 
@@ -69,10 +99,9 @@ private:
 
     void fromTheOtherSide() {
         stage_(0.14, "nominal fit from elsewhere");
-        const Eigen::VectorXd elsewhere = out_.fit.x.unaryExpr([](double x) { return x > 0.0 ? -0.7 : 0.7; });
         FitSettings given;
         given.rival = out_.fit.misfit / 2.0;
-        Fitted other = fit(evaluator_, *out_.misfit, variables().at(elsewhere), given);
+        Fitted other = fit(evaluator_, *out_.misfit, otherSide(variables(), out_.fit.x), given);
         if (other.failure.empty() && other.misfit < out_.fit.misfit - 1.0)
             out_.fit = std::move(other);
     }
@@ -81,7 +110,7 @@ private:
         constexpr std::size_t kStarts = 3;
         constexpr double kWorthIt = 0.5; // of the misfit: another branch, not the same one a little better
         stage_(0.16, "nominal fit from all over");
-        const std::vector<Point> starts = nearest(kStarts);
+        const std::vector<Point> starts = nearest(evaluator_, *out_.misfit, variables(), settings_.seed, kStarts);
         std::optional<Fitted> best;
         for (std::size_t i = 0; i < starts.size() && !evaluator_.stopped(); ++i) {
             FitSettings given;
@@ -94,34 +123,11 @@ private:
             fitFrom(best->point);
     }
 
-    /// Of points all over the box those whose coarse simulations are nearest to the recordings.
-    [[nodiscard]] std::vector<Point> nearest(std::size_t count) const {
-        constexpr int kPoints = 32;
-        constexpr double kFar = 2.0; // steps within which is looked for what has no bounds
-        const Variables v = variables();
-        const Eigen::VectorXd lower = v.lower.cwiseMax(-kFar), width = v.upper.cwiseMin(kFar) - lower;
-        Random random(settings_.seed + 5);
-        std::vector<Point> points;
-        for (int i = 0; i < kPoints; ++i)
-            points.push_back(v.at(lower + width.unaryExpr([&](double w) { return w * random.uniform(); })));
-        const auto there = evaluator_.everywhere(points, Fineness::Coarse);
-        std::vector<std::pair<double, std::size_t>> order;
-        for (std::size_t i = 0; i < points.size(); ++i)
-            if (const auto residual = out_.misfit->residual(there[i]))
-                order.emplace_back(residual->squaredNorm() + out_.misfit->charge(there[i]).sum(), i);
-        std::sort(order.begin(), order.end());
-        order.resize(std::min(count, order.size()));
-        std::vector<Point> out;
-        for (const auto& [misfit, i] : order)
-            out.push_back(points[i]);
-        return out;
-    }
-
     const Data& data_;
     Evaluator& evaluator_;
     const Noise& noise_;
     const Settings& settings_;
-    const std::function<void(double, const std::string&)>& stage_;
+    const Stage& stage_;
     Nominal out_;
 };
 
@@ -135,8 +141,29 @@ std::string firstFailure(const Data& data, const std::vector<Response>& all) {
 }
 
 Nominal fitNominal(const Data& data, Evaluator& evaluator, const Noise& noise, const Settings& settings,
-                   const std::function<void(double, const std::string&)>& stage) {
+                   const Stage& stage) {
     return Search(data, evaluator, noise, settings, stage).run();
+}
+
+bool searchOn(Evaluator& evaluator, const Settings& settings, const Misfit& misfit, Fitted& found) {
+    constexpr std::size_t kStarts = 3;
+    constexpr double kLower = 0.5; // squares: what a fit's end is uncertain by
+    const Variables v(evaluator.model(), found.point);
+    std::vector<Point> starts = nearest(evaluator, misfit, v, settings.seed, kStarts);
+    starts.push_back(otherSide(v, found.x));
+    bool lower = false;
+    for (std::size_t i = 0; i < starts.size() && !evaluator.stopped(); ++i) {
+        FitSettings given;
+        given.rival = found.misfit;
+        Fitted other = fit(evaluator, misfit, starts[i], given);
+        if (evaluator.stopped() || !other.failure.empty() || other.misfit > found.misfit - kLower)
+            continue;
+        found = std::move(other);
+        lower = true;
+    }
+    if (lower && !evaluator.stopped())
+        differentiateAll(evaluator, misfit, found);
+    return lower;
 }
 
 } // namespace supercircle::diagnosis

@@ -3,7 +3,9 @@
 //
 // A search stays on its branch: a strip that jumps to the other side than the recorded one does so wherever the search
 // goes from there, and an effect of no size that opened the other branch explained everything. Where the misfit is far
-// off, points all over the box are simulated coarsely, and those nearest to the recordings are starts as well.
+// off, points all over the box are simulated coarsely, and those nearest to the recordings are starts as well. So they
+// are where something stands out of the noise by little (searchOn): bent valleys let searches end three to twenty
+// squares above the best point, and 13 are an alarm.
 
 #include "plugin/diagnosis/diagnose.h"
 #include "plugin/diagnosis/fit.h"
@@ -23,8 +25,14 @@ struct Nominal {
 /// Name of the first run that cannot be simulated, and why; empty: all can.
 std::string firstFailure(const Data& data, const std::vector<Response>& all);
 
+using Stage = std::function<void(double, const std::string&)>;
+
 /// @param stage told how far the diagnosis is, 0.02 to 0.2
 Nominal fitNominal(const Data& data, Evaluator& evaluator, const Noise& noise, const Settings& settings,
-                   const std::function<void(double, const std::string&)>& stage);
+                   const Stage& stage);
+
+/// Looks for a lower misfit than that of a fit which was found, from the other side and from all over; whether there
+/// was one.
+bool searchOn(Evaluator& evaluator, const Settings& settings, const Misfit& misfit, Fitted& found);
 
 } // namespace supercircle::diagnosis

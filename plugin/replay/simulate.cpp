@@ -23,8 +23,11 @@
 #include "supercircle/effects/sensor.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 namespace supercircle::replay {
@@ -41,22 +44,112 @@ double cpuClock() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+/// What is to be thought of a step's force: a mean over a step as long as the one before, one that is off because it
+/// was not (both as the essay in rig.cpp has it), anything else.
+enum class Step : std::uint8_t { Steady, Doubtful, Other };
+
 /// What happens at every accepted step. Forces have times of their own: means belong to the middles of steps.
 struct Trace {
     std::vector<double> forceTime;          ///< s
     std::vector<double> force;              ///< on the head, upwards, N
+    std::vector<Step> step;                 ///< of each force
+    std::vector<double> way;                ///< of the head in the step, m
     std::vector<double> time;               ///< of the markers, s
     std::vector<std::vector<Vec2>> markers; ///< per marker, m
 
-    void addForce(double at, double value) {
+    void addForce(double at, double value, Step kind = Step::Other, double headWay = 0.0) {
         forceTime.push_back(at);
         force.push_back(value);
+        step.push_back(kind);
+        way.push_back(std::abs(headWay));
     }
     void addMarkers(const Rig& rig, const Experiment& e, double at) {
         time.push_back(at);
         markers.resize(e.markers.size());
         for (std::size_t m = 0; m < e.markers.size(); ++m)
             markers[m].push_back(rig.point(e.markers[m].specimen, e.markers[m].arcFraction));
+    }
+    void dropFrom(std::size_t first) { erase(first, force.size()); }
+    /// One past the last force that is not doubtful.
+    [[nodiscard]] std::size_t endOfSteady() const {
+        std::size_t end = step.size();
+        while (end > 0 && step[end - 1] == Step::Doubtful)
+            --end;
+        return end;
+    }
+
+    struct Line {
+        double time, force, slope; ///< s, N, N/s
+        [[nodiscard]] double at(double t) const { return force + slope * (t - time); }
+    };
+    /// Through the last two forces before `i`, or (ahead) the first two from it on, doubtful ones passed over; none
+    /// where they are not both steady means.
+    [[nodiscard]] std::optional<Line> tangentAt(std::size_t i, bool ahead = false) const {
+        std::array<std::size_t, 2> two{};
+        std::size_t found = 0;
+        while (found < 2 && (ahead ? i < step.size() : i > 0)) {
+            const std::size_t k = ahead ? i++ : --i;
+            if (step[k] != Step::Doubtful)
+                two[found++] = k;
+        }
+        if (found < 2 || step[two[0]] != Step::Steady || step[two[1]] != Step::Steady ||
+            forceTime[two[0]] == forceTime[two[1]])
+            return {};
+        return Line{forceTime[two[0]], force[two[0]],
+                    (force[two[1]] - force[two[0]]) / (forceTime[two[1]] - forceTime[two[0]])};
+    }
+
+    /// Puts what the steady means on either side say in the place of doubtful ones.
+    void mend() {
+        for (std::size_t from = 0; from < step.size(); ++from) {
+            std::size_t to = from;
+            while (to < step.size() && step[to] == Step::Doubtful)
+                ++to;
+            if (to > from)
+                mend(from, to);
+        }
+    }
+
+private:
+    /// A specimen that begins to slide there has a kink, where the tangents meet; a smooth curve is as near to their
+    /// corner as to the chord. Where they do not meet in between, the chord stands if it is closer to them than the
+    /// doubtful ones are to it: else something happens there.
+    void mend(std::size_t from, std::size_t to) {
+        constexpr double kSoon = 4.0;  // longest steps among them; later ones are no help
+        constexpr double kSame = 1e-4; // of the force: one line
+        const auto before = tangentAt(from), behind = tangentAt(to, true);
+        const auto first = static_cast<std::ptrdiff_t>(from), last = static_cast<std::ptrdiff_t>(to);
+        const double all = std::accumulate(way.begin() + first, way.begin() + last, 0.0);
+        if (!before || !behind || all > kSoon * *std::max_element(way.begin() + first, way.begin() + last))
+            return;
+        const double gap = behind->time - before->time, chord = (behind->force - before->force) / gap;
+        const double atFront = before->force - behind->at(before->time),
+                     atBack = behind->force - before->at(behind->time);
+        const double most = std::max(std::abs(atFront), std::abs(atBack));
+        const bool corner = atFront * atBack > 0.0 && most > kSame * std::abs(behind->force);
+        double doubt = kSame * std::abs(behind->force);
+        for (std::size_t i = from; i < to; ++i)
+            doubt = std::max(doubt, std::abs(force[i] - before->force - chord * (forceTime[i] - before->time)));
+        if (!corner && most > doubt)
+            return;
+        if (corner) {
+            const double at = before->time + gap * atFront / (atFront + atBack);
+            forceTime[from] = at;
+            force[from] = before->at(at);
+            step[from] = Step::Other;
+            ++from;
+        }
+        erase(from, to);
+    }
+
+    void erase(std::size_t from, std::size_t to) {
+        const auto cut = [&](auto& v) {
+            v.erase(v.begin() + static_cast<std::ptrdiff_t>(from), v.begin() + static_cast<std::ptrdiff_t>(to));
+        };
+        cut(forceTime);
+        cut(force);
+        cut(step);
+        cut(way);
     }
 };
 
@@ -263,7 +356,6 @@ private:
             arrived = byDisplacement && now >= t1;
             return stopped_ || arrived;
         };
-        means_ = 0;
         started_ = false;
         lastTime_ = rig_.time();
         if (rigid() || speed == 0.0) {
@@ -306,61 +398,33 @@ private:
     /// Of a head that moves with something in series, at the time when it presses so.
     void readPressing(double at) {
         started_ = true;
-        const double last = doubtful_.empty() ? trace_.forceTime.back() : doubtful_.back().at;
-        take(std::clamp(at, last, clock_), pressing_);
+        take(std::clamp(at, trace_.forceTime.back(), clock_), pressing_);
     }
 
-    /// Takes a step's force down, if no better one comes soon (see the essay in rig.cpp).
+    /// Takes a step's force down and says what is to be thought of it (see the essay in rig.cpp).
     void take(double at, double force) {
         constexpr double kShort = 0.5; // of the last step that was steady: on the way to another step size
         const Rig::MeanForce& mean = rig_.meanForce();
         const bool known = meanCounts(), brief = std::abs(mean.way) < kShort * steadyWay_;
-        if (known && mean.steady) {
+        if (known && mean.steady)
             steadyWay_ = std::abs(mean.way);
-            doubtful_.clear();
-            trace_.addForce(at, force);
-            ++means_;
-        } else if (known || brief) {
-            doubt(at, force, std::abs(mean.way));
-        } else {
-            believe();
-            trace_.addForce(at, force);
-            means_ = 0;
-        }
+        trace_.addForce(at, force,
+                        known && mean.steady ? Step::Steady
+                        : known || brief     ? Step::Doubtful
+                                             : Step::Other,
+                        mean.way);
     }
 
-    void doubt(double at, double force, double way) {
-        constexpr double kSoon = 4.0; // of the longest step among them
-        doubtful_.push_back({at, force, way});
-        double all = 0.0, longest = 0.0;
-        for (const Doubtful& d : doubtful_) {
-            all += d.way;
-            longest = std::max(longest, d.way);
-        }
-        if (all > kSoon * longest)
-            believe();
-    }
-
-    void believe() {
-        for (const Doubtful& d : doubtful_)
-            trace_.addForce(d.at, d.force);
-        means_ = doubtful_.empty() ? means_ : 0;
-        doubtful_.clear();
-    }
-
-    /// The force at the very end of a leg, where its slope may turn: carried on from the last two means.
+    /// The force at the very end of a leg, where its slope may turn: carried on from the last two steady means.
     void finishLeg(double end) {
         if (clock_ > trace_.time.back())
             trace_.addMarkers(rig_, e_, clock_);
-        if (means_ < 2)
-            believe();
-        doubtful_.clear();
-        const double t2 = trace_.forceTime.back(), f2 = trace_.force.back();
-        if (clock_ <= t2)
-            return;
-        if (const std::size_t n = trace_.force.size(); means_ >= 2 && t2 > trace_.forceTime[n - 2])
-            end = f2 + (f2 - trace_.force[n - 2]) * (clock_ - t2) / (t2 - trace_.forceTime[n - 2]);
-        trace_.addForce(clock_, end);
+        if (const auto tangent = trace_.tangentAt(trace_.endOfSteady())) {
+            trace_.dropFrom(trace_.endOfSteady());
+            end = tangent->at(clock_);
+        }
+        if (clock_ > trace_.forceTime.back())
+            trace_.addForce(clock_, end);
     }
 
     Rig& rig_;
@@ -371,20 +435,14 @@ private:
     const Options& options_;
     double clock_;                  ///< of the recording, s
     bool started_ = false;          ///< the leg has had its first step
-    int means_ = 0;                 ///< readings of this leg in a row that are steady means
     double pressing_ = 0.0;         ///< N
     double pressedAt_ = 0.0;        ///< head where it was pressing so, m
     double lastDisplacement_ = 0.0; ///< m
     double lastTime_ = 0.0;         ///< of the set-up, s
     double stiffness_ = 0.0;        ///< of the specimen, N/m, as it answered last
-    /// A force that is used only if no better one comes soon.
-    struct Doubtful {
-        double at, force, way; ///< s, N, of the head in the step, m
-    };
-    std::vector<Doubtful> doubtful_; ///< behind the last of the trace
-    double steadyWay_ = 0.0;         ///< of the head in the last step that was as long as the one before, m
-    bool following_ = false;         ///< the drive brakes or rests
-    double impact_ = 0.0;            ///< N, forces beyond it are impacts
+    double steadyWay_ = 0.0;        ///< of the head in the last step that was as long as the one before, m
+    bool following_ = false;        ///< the drive brakes or rests
+    double impact_ = 0.0;           ///< N, forces beyond it are impacts
     bool stopped_ = false;
     double bendMost_ = 0.0; ///< 1/m
     Trace trace_;
@@ -487,6 +545,7 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         const effects::Model common = effects::modelFor(parameters.effects, "all");
         Player player(rig, e, e.runs[run], parameters.seriesCompliance, common.apparatus, options);
         Trace trace = player.play();
+        trace.mend();
         withoutImpacts(trace.force);
         effects::SensorChain sensor(common.sensor);
         for (std::size_t i = 0; common.sensor.on() && i < trace.force.size(); ++i)

@@ -19,15 +19,13 @@
 
 #include "plugin/replay/free_scene.h"
 #include "plugin/replay/rig.h"
+#include "plugin/replay/trace.h"
 #include "supercircle/effects/play.h"
 #include "supercircle/effects/sensor.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ctime>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 namespace supercircle::replay {
@@ -43,115 +41,6 @@ double cpuClock() {
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
-
-/// What is to be thought of a step's force: a mean over a step as long as the one before, one that is off because it
-/// was not (both as the essay in rig.cpp has it), anything else.
-enum class Step : std::uint8_t { Steady, Doubtful, Other };
-
-/// What happens at every accepted step. Forces have times of their own: means belong to the middles of steps.
-struct Trace {
-    std::vector<double> forceTime;          ///< s
-    std::vector<double> force;              ///< on the head, upwards, N
-    std::vector<Step> step;                 ///< of each force
-    std::vector<double> way;                ///< of the head in the step, m
-    std::vector<double> time;               ///< of the markers, s
-    std::vector<std::vector<Vec2>> markers; ///< per marker, m
-
-    void addForce(double at, double value, Step kind = Step::Other, double headWay = 0.0) {
-        forceTime.push_back(at);
-        force.push_back(value);
-        step.push_back(kind);
-        way.push_back(std::abs(headWay));
-    }
-    void addMarkers(const Rig& rig, const Experiment& e, double at) {
-        time.push_back(at);
-        markers.resize(e.markers.size());
-        for (std::size_t m = 0; m < e.markers.size(); ++m)
-            markers[m].push_back(rig.point(e.markers[m].specimen, e.markers[m].arcFraction));
-    }
-    void dropFrom(std::size_t first) { erase(first, force.size()); }
-    /// One past the last force that is not doubtful.
-    [[nodiscard]] std::size_t endOfSteady() const {
-        std::size_t end = step.size();
-        while (end > 0 && step[end - 1] == Step::Doubtful)
-            --end;
-        return end;
-    }
-
-    struct Line {
-        double time, force, slope; ///< s, N, N/s
-        [[nodiscard]] double at(double t) const { return force + slope * (t - time); }
-    };
-    /// Through the last two forces before `i`, or (ahead) the first two from it on, doubtful ones passed over; none
-    /// where they are not both steady means.
-    [[nodiscard]] std::optional<Line> tangentAt(std::size_t i, bool ahead = false) const {
-        std::array<std::size_t, 2> two{};
-        std::size_t found = 0;
-        while (found < 2 && (ahead ? i < step.size() : i > 0)) {
-            const std::size_t k = ahead ? i++ : --i;
-            if (step[k] != Step::Doubtful)
-                two[found++] = k;
-        }
-        if (found < 2 || step[two[0]] != Step::Steady || step[two[1]] != Step::Steady ||
-            forceTime[two[0]] == forceTime[two[1]])
-            return {};
-        return Line{forceTime[two[0]], force[two[0]],
-                    (force[two[1]] - force[two[0]]) / (forceTime[two[1]] - forceTime[two[0]])};
-    }
-
-    /// Puts what the steady means on either side say in the place of doubtful ones.
-    void mend() {
-        for (std::size_t from = 0; from < step.size(); ++from) {
-            std::size_t to = from;
-            while (to < step.size() && step[to] == Step::Doubtful)
-                ++to;
-            if (to > from)
-                mend(from, to);
-        }
-    }
-
-private:
-    /// A specimen that begins to slide there has a kink, where the tangents meet; a smooth curve is as near to their
-    /// corner as to the chord. Where they do not meet in between, the chord stands if it is closer to them than the
-    /// doubtful ones are to it: else something happens there.
-    void mend(std::size_t from, std::size_t to) {
-        constexpr double kSoon = 4.0;  // longest steps among them; later ones are no help
-        constexpr double kSame = 1e-4; // of the force: one line
-        const auto before = tangentAt(from), behind = tangentAt(to, true);
-        const auto first = static_cast<std::ptrdiff_t>(from), last = static_cast<std::ptrdiff_t>(to);
-        const double all = std::accumulate(way.begin() + first, way.begin() + last, 0.0);
-        if (!before || !behind || all > kSoon * *std::max_element(way.begin() + first, way.begin() + last))
-            return;
-        const double gap = behind->time - before->time, chord = (behind->force - before->force) / gap;
-        const double atFront = before->force - behind->at(before->time),
-                     atBack = behind->force - before->at(behind->time);
-        const double most = std::max(std::abs(atFront), std::abs(atBack));
-        const bool corner = atFront * atBack > 0.0 && most > kSame * std::abs(behind->force);
-        double doubt = kSame * std::abs(behind->force);
-        for (std::size_t i = from; i < to; ++i)
-            doubt = std::max(doubt, std::abs(force[i] - before->force - chord * (forceTime[i] - before->time)));
-        if (!corner && most > doubt)
-            return;
-        if (corner) {
-            const double at = before->time + gap * atFront / (atFront + atBack);
-            forceTime[from] = at;
-            force[from] = before->at(at);
-            step[from] = Step::Other;
-            ++from;
-        }
-        erase(from, to);
-    }
-
-    void erase(std::size_t from, std::size_t to) {
-        const auto cut = [&](auto& v) {
-            v.erase(v.begin() + static_cast<std::ptrdiff_t>(from), v.begin() + static_cast<std::ptrdiff_t>(to));
-        };
-        cut(forceTime);
-        cut(force);
-        cut(step);
-        cut(way);
-    }
-};
 
 /// Rows of a trace and weights for linear interpolation at given times; times past the end are left out.
 struct Weights {
@@ -217,7 +106,7 @@ public:
         if (drive.displacement.front() != 0.0) // the head comes from displacement 0 to where the run starts
             rig_.move(drive.displacement.front(), 1.0, {});
         trace_.addForce(clock_, rig_.force());
-        trace_.addMarkers(rig_, e_, clock_);
+        addMarkers(clock_);
         lastDisplacement_ = pressedAt_ = rig_.displacement();
         pressing_ = rig_.force();
         double late = 0.0; // of the leg before: it came to rest that much behind its end, s
@@ -331,7 +220,7 @@ private:
             });
             clock_ = std::max(clock_, end);
             trace_.addForce(clock_, rigid() ? rig_.force() : pressing_); // which has no impacts
-            trace_.addMarkers(rig_, e_, clock_);
+            addMarkers(clock_);
         }
     }
 
@@ -348,7 +237,7 @@ private:
                 readPressing(t0 + (position() - rig_.displacement() + pressedAt_ - from) / speed);
             else
                 readForce(before);
-            trace_.addMarkers(rig_, e_, clock_);
+            addMarkers(clock_);
             bendMost_ = std::max(bendMost_, rig_.bend());
             if (options_.progress)
                 options_.progress((clock_ - run_.driveTime.front()) / (run_.driveTime.back() - run_.driveTime.front()));
@@ -401,6 +290,13 @@ private:
         take(std::clamp(at, trace_.forceTime.back(), clock_), pressing_);
     }
 
+    void addMarkers(double at) {
+        trace_.time.push_back(at);
+        trace_.markers.resize(e_.markers.size());
+        for (std::size_t m = 0; m < e_.markers.size(); ++m)
+            trace_.markers[m].push_back(rig_.point(e_.markers[m].specimen, e_.markers[m].arcFraction));
+    }
+
     /// Takes a step's force down and says what is to be thought of it (see the essay in rig.cpp).
     void take(double at, double force) {
         constexpr double kShort = 0.5; // of the last step that was steady: on the way to another step size
@@ -418,11 +314,9 @@ private:
     /// The force at the very end of a leg, where its slope may turn: carried on from the last two steady means.
     void finishLeg(double end) {
         if (clock_ > trace_.time.back())
-            trace_.addMarkers(rig_, e_, clock_);
-        if (const auto tangent = trace_.tangentAt(trace_.endOfSteady())) {
-            trace_.dropFrom(trace_.endOfSteady());
+            addMarkers(clock_);
+        if (const auto tangent = trace_.endTangent())
             end = tangent->at(clock_);
-        }
         if (clock_ > trace_.forceTime.back())
             trace_.addForce(clock_, end);
     }

@@ -105,7 +105,7 @@ public:
             effects::behindPlay({run_.driveTime, run_.driveDisplacement}, apparatus_.backlash);
         if (drive.displacement.front() != 0.0) // the head comes from displacement 0 to where the run starts
             rig_.move(drive.displacement.front(), 1.0, {});
-        trace_.addForce(clock_, rig_.force());
+        trace_.forces.push_back({clock_, rig_.force()});
         addMarkers(clock_);
         lastDisplacement_ = pressedAt_ = rig_.displacement();
         pressing_ = rig_.force();
@@ -219,7 +219,7 @@ private:
                 return stopped_;
             });
             clock_ = std::max(clock_, end);
-            trace_.addForce(clock_, rigid() ? rig_.force() : pressing_); // which has no impacts
+            trace_.forces.push_back({clock_, rigid() ? rig_.force() : pressing_}); // which has no impacts
             addMarkers(clock_);
         }
     }
@@ -287,7 +287,7 @@ private:
     /// Of a head that moves with something in series, at the time when it presses so.
     void readPressing(double at) {
         started_ = true;
-        take(std::clamp(at, trace_.forceTime.back(), clock_), pressing_);
+        take(std::clamp(at, trace_.forces.back().time, clock_), pressing_);
     }
 
     void addMarkers(double at) {
@@ -304,21 +304,18 @@ private:
         const bool known = meanCounts(), brief = std::abs(mean.way) < kShort * steadyWay_;
         if (known && mean.steady)
             steadyWay_ = std::abs(mean.way);
-        trace_.addForce(at, force,
-                        known && mean.steady ? Step::Steady
-                        : known || brief     ? Step::Doubtful
-                                             : Step::Other,
-                        mean.way);
+        const Kind kind = known && mean.steady ? Kind::Steady : known || brief ? Kind::Doubtful : Kind::Other;
+        trace_.forces.push_back({at, force, kind, std::abs(mean.way)});
     }
 
     /// The force at the very end of a leg, where its slope may turn: carried on from the last two steady means.
     void finishLeg(double end) {
         if (clock_ > trace_.time.back())
             addMarkers(clock_);
-        if (const auto tangent = trace_.endTangent())
+        if (const auto tangent = endTangent(trace_.forces))
             end = tangent->at(clock_);
-        if (clock_ > trace_.forceTime.back())
-            trace_.addForce(clock_, end);
+        if (clock_ > trace_.forces.back().time)
+            trace_.forces.push_back({clock_, end});
     }
 
     Rig& rig_;
@@ -344,19 +341,17 @@ private:
 
 /// Takes out impacts of rigid on inextensible: steps whose force is ten times what stands on either side of them. Such
 /// a force is an impulse over a step, as large as the step is short, and no load cell would show it.
-void withoutImpacts(std::vector<double>& force) {
+void withoutImpacts(std::vector<Reading>& readings) {
     constexpr std::ptrdiff_t kNear = 3, kFar = 8;
     constexpr double kShare = 10.0;
-    const auto n = static_cast<std::ptrdiff_t>(force.size());
-    double scale = 0.0; // what most steps show
-    if (n > 0) {
-        std::vector<double> sizes;
-        for (const double f : force)
-            sizes.push_back(std::abs(f));
-        std::nth_element(sizes.begin(), sizes.begin() + n / 2, sizes.end());
-        scale = sizes[static_cast<std::size_t>(n / 2)];
+    std::vector<double> force, sizes;
+    for (const Reading& r : readings) {
+        force.push_back(r.force);
+        sizes.push_back(std::abs(r.force));
     }
-    std::vector<double> kept = force;
+    const auto n = static_cast<std::ptrdiff_t>(force.size());
+    std::nth_element(sizes.begin(), sizes.begin() + n / 2, sizes.end());
+    const double scale = n > 0 ? sizes[static_cast<std::size_t>(n / 2)] : 0.0; // what most steps show
     for (std::ptrdiff_t i = 0; i < n; ++i) {
         double around = scale, before = 0.0, after = 0.0;
         for (std::ptrdiff_t k = kNear; k <= kFar; ++k) {
@@ -369,21 +364,23 @@ void withoutImpacts(std::vector<double>& force) {
             }
         }
         if (std::abs(force[static_cast<std::size_t>(i)]) > kShare * around)
-            kept[static_cast<std::size_t>(i)] = 0.5 * (before + after);
+            readings[static_cast<std::size_t>(i)].force = 0.5 * (before + after);
     }
-    force = std::move(kept);
 }
 
 void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& out) {
     const std::vector<double>& times = run.readings.time.empty() ? evenTimes(run, run.samplingRate) : run.readings.time;
-    const Weights at(trace.forceTime, times);
+    std::vector<double> forceTimes;
+    for (const Reading& reading : trace.forces)
+        forceTimes.push_back(reading.time);
+    const Weights at(forceTimes, times);
     experiment::Readings& r = out.readings;
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t k = 0; k < at.row.size(); ++k) {
         r.time.push_back(times[k]);
         r.displacement.push_back(commanded(run, times[k]));
-        r.force.push_back(at.at(k, [&](std::size_t i) { return trace.force[i]; }));
+        r.force.push_back(at.at(k, [&](std::size_t i) { return trace.forces[i].force; }));
         if (times[k] < times.front() + e.sensors.forceZeroWindow) {
             sum += r.force.back();
             ++count;
@@ -392,10 +389,10 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
     out.forceZero = count > 0 ? sum / static_cast<double>(count) : 0.0;
     for (double& f : r.force)
         f -= out.forceZero;
-    for (std::size_t i = 0; i < trace.force.size(); ++i) {
-        out.trace.time.push_back(trace.forceTime[i]);
-        out.trace.displacement.push_back(commanded(run, trace.forceTime[i]));
-        out.trace.force.push_back(trace.force[i] - out.forceZero);
+    for (const Reading& reading : trace.forces) {
+        out.trace.time.push_back(reading.time);
+        out.trace.displacement.push_back(commanded(run, reading.time));
+        out.trace.force.push_back(reading.force - out.forceZero);
     }
     const std::vector<double> markerTimes =
         run.markers.time.empty() ? evenTimes(run, run.markersSamplingRate) : run.markers.time;
@@ -439,11 +436,12 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         const effects::Model common = effects::modelFor(parameters.effects, "all");
         Player player(rig, e, e.runs[run], parameters.seriesCompliance, common.apparatus, options);
         Trace trace = player.play();
-        trace.mend();
-        withoutImpacts(trace.force);
+        trace.forces = mended(trace.forces);
+        withoutImpacts(trace.forces);
         effects::SensorChain sensor(common.sensor);
-        for (std::size_t i = 0; common.sensor.on() && i < trace.force.size(); ++i)
-            trace.force[i] = sensor.read(trace.forceTime[i], trace.force[i]);
+        if (common.sensor.on())
+            for (Reading& reading : trace.forces)
+                reading.force = sensor.read(reading.time, reading.force);
         out.stopped = player.stopped();
         out.bendMost = player.bendMost();
         read(trace, e, e.runs[run], out);

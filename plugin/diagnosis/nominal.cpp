@@ -12,10 +12,18 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Of points all over the box those whose coarse simulations are nearest to the recordings.
-std::vector<Point> nearest(Evaluator& evaluator, const Misfit& misfit, const Variables& v, std::uint64_t seed,
-                           std::size_t count) {
+/// Name of the first run that cannot be simulated, and why; empty: all can.
+std::string firstFailure(const Data& data, const std::vector<Response>& all) {
+    for (std::size_t r = 0; r < all.size(); ++r)
+        if (!all[r].failure.empty())
+            return data.runs[r].name + " cannot be simulated as it is described: " + all[r].failure;
+    return {};
+}
+
+/// Of points all over the box the three whose coarse simulations are nearest to the recordings.
+std::vector<Point> nearest(Evaluator& evaluator, const Misfit& misfit, const Variables& v, std::uint64_t seed) {
     constexpr int kPoints = 32;
+    constexpr std::size_t kStarts = 3;
     constexpr double kFar = 2.0; // steps within which is looked for what has no bounds
     const Eigen::VectorXd lower = v.lower.cwiseMax(-kFar), width = v.upper.cwiseMin(kFar) - lower;
     Random random(seed + 5);
@@ -28,7 +36,7 @@ std::vector<Point> nearest(Evaluator& evaluator, const Misfit& misfit, const Var
         if (const auto residual = misfit.residual(there[i]))
             order.emplace_back(residual->squaredNorm() + misfit.charge(there[i]).sum(), i);
     std::sort(order.begin(), order.end());
-    order.resize(std::min(count, order.size()));
+    order.resize(std::min(kStarts, order.size()));
     std::vector<Point> out;
     for (const auto& [size, i] : order)
         out.push_back(points[i]);
@@ -44,6 +52,24 @@ void differentiateAll(Evaluator& evaluator, const Misfit& misfit, Fitted& f) {
     std::vector<Index> all(static_cast<std::size_t>(v.size()));
     std::iota(all.begin(), all.end(), Index{0});
     differentiate(evaluator, misfit, v, f.x, 0.2, all, f.jacobian);
+}
+
+/// The lowest of the fits from several starts, if it is below `limit`.
+/// @param rival a misfit beside which a search that creeps is given up
+std::optional<Fitted> lowest(Evaluator& evaluator, const Misfit& misfit, const std::vector<Point>& starts, double rival,
+                             double limit) {
+    std::optional<Fitted> best;
+    for (std::size_t i = 0; i < starts.size() && !evaluator.stopped(); ++i) {
+        FitSettings given;
+        given.rival = rival;
+        Fitted other = fit(evaluator, misfit, starts[i], given);
+        if (evaluator.stopped() || !other.failure.empty() || other.misfit >= limit)
+            continue;
+        limit = other.misfit;
+        rival = std::min(rival, limit);
+        best = std::move(other);
+    }
+    return best;
 }
 
 class Search {
@@ -99,27 +125,17 @@ private:
 
     void fromTheOtherSide() {
         stage_(0.14, "nominal fit from elsewhere");
-        FitSettings given;
-        given.rival = out_.fit.misfit / 2.0;
-        Fitted other = fit(evaluator_, *out_.misfit, otherSide(variables(), out_.fit.x), given);
-        if (other.failure.empty() && other.misfit < out_.fit.misfit - 1.0)
-            out_.fit = std::move(other);
+        const double here = out_.fit.misfit;
+        if (auto other = lowest(evaluator_, *out_.misfit, {otherSide(variables(), out_.fit.x)}, here / 2.0, here - 1.0))
+            out_.fit = std::move(*other);
     }
 
     void fromAllOver() {
-        constexpr std::size_t kStarts = 3;
         constexpr double kWorthIt = 0.5; // of the misfit: another branch, not the same one a little better
         stage_(0.16, "nominal fit from all over");
-        const std::vector<Point> starts = nearest(evaluator_, *out_.misfit, variables(), settings_.seed, kStarts);
-        std::optional<Fitted> best;
-        for (std::size_t i = 0; i < starts.size() && !evaluator_.stopped(); ++i) {
-            FitSettings given;
-            given.rival = best ? best->misfit : kWorthIt * out_.fit.misfit;
-            Fitted other = fit(evaluator_, *out_.misfit, starts[i], given);
-            if (other.failure.empty() && other.misfit < given.rival)
-                best = std::move(other);
-        }
-        if (best && !evaluator_.stopped())
+        const double enough = kWorthIt * out_.fit.misfit;
+        const auto starts = nearest(evaluator_, *out_.misfit, variables(), settings_.seed);
+        if (const auto best = lowest(evaluator_, *out_.misfit, starts, enough, enough); best && !evaluator_.stopped())
             fitFrom(best->point);
     }
 
@@ -133,37 +149,22 @@ private:
 
 } // namespace
 
-std::string firstFailure(const Data& data, const std::vector<Response>& all) {
-    for (std::size_t r = 0; r < all.size(); ++r)
-        if (!all[r].failure.empty())
-            return data.runs[r].name + " cannot be simulated as it is described: " + all[r].failure;
-    return {};
-}
-
 Nominal fitNominal(const Data& data, Evaluator& evaluator, const Noise& noise, const Settings& settings,
                    const Stage& stage) {
     return Search(data, evaluator, noise, settings, stage).run();
 }
 
 bool searchOn(Evaluator& evaluator, const Settings& settings, const Misfit& misfit, Fitted& found) {
-    constexpr std::size_t kStarts = 3;
     constexpr double kLower = 0.5; // squares: what a fit's end is uncertain by
     const Variables v(evaluator.model(), found.point);
-    std::vector<Point> starts = nearest(evaluator, misfit, v, settings.seed, kStarts);
+    std::vector<Point> starts = nearest(evaluator, misfit, v, settings.seed);
     starts.push_back(otherSide(v, found.x));
-    bool lower = false;
-    for (std::size_t i = 0; i < starts.size() && !evaluator.stopped(); ++i) {
-        FitSettings given;
-        given.rival = found.misfit;
-        Fitted other = fit(evaluator, misfit, starts[i], given);
-        if (evaluator.stopped() || !other.failure.empty() || other.misfit > found.misfit - kLower)
-            continue;
-        found = std::move(other);
-        lower = true;
-    }
-    if (lower && !evaluator.stopped())
-        differentiateAll(evaluator, misfit, found);
-    return lower;
+    auto other = lowest(evaluator, misfit, starts, found.misfit, found.misfit - kLower);
+    if (!other || evaluator.stopped())
+        return false;
+    found = std::move(*other);
+    differentiateAll(evaluator, misfit, found);
+    return true;
 }
 
 } // namespace supercircle::diagnosis

@@ -22,9 +22,6 @@ struct Nominal {
     Fitted fit;                     ///< with derivatives of its own place
 };
 
-/// Name of the first run that cannot be simulated, and why; empty: all can.
-std::string firstFailure(const Data& data, const std::vector<Response>& all);
-
 using Stage = std::function<void(double, const std::string&)>;
 
 /// @param stage told how far the diagnosis is, 0.02 to 0.2

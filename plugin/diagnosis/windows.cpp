@@ -68,19 +68,25 @@ private:
         }
     }
 
-    void byDisplacement(const std::vector<std::size_t>& runs, Phase phase) {
+    /// Dyadic pieces of the longest way of all runs.
+    template <class Use>
+    void ofWay(const std::vector<std::size_t>& runs, int levels, const Use& use) {
         double most = 0.0;
         for (const std::size_t r : runs)
             most = std::max(most, misfit_.data().runs[r].displacement.maxCoeff());
-        for (int level = 0; level <= 3 && most > 0.0; ++level)
-            for (int piece = 0; piece < (1 << level); ++piece) {
-                const double from = most * piece / (1 << level), to = most * (piece + 1) / (1 << level);
-                Spot c;
-                c.window = {"all", name(phase), "displacement", "force", 0.0, 0.0, from, to, -1.0};
-                for (const std::size_t r : runs)
-                    collect(r, phase, from, to, c);
-                add(std::move(c));
-            }
+        for (int level = 0; level <= levels && most > 0.0; ++level)
+            for (int piece = 0; piece < (1 << level); ++piece)
+                use(most * piece / (1 << level), most * (piece + 1) / (1 << level));
+    }
+
+    void byDisplacement(const std::vector<std::size_t>& runs, Phase phase) {
+        ofWay(runs, 3, [&](double from, double to) {
+            Spot c;
+            c.window = {"all", name(phase), "displacement", "force", 0.0, 0.0, from, to, -1.0};
+            for (const std::size_t r : runs)
+                collect(r, phase, from, to, c);
+            add(std::move(c));
+        });
     }
 
     void collect(std::size_t r, Phase phase, double from, double to, Spot& c) const {
@@ -96,26 +102,21 @@ private:
     }
 
     void loadAgainstUnload(const std::vector<std::size_t>& runs) {
-        double most = 0.0;
-        for (const std::size_t r : runs)
-            most = std::max(most, misfit_.data().runs[r].displacement.maxCoeff());
-        for (int level = 0; level <= 2 && most > 0.0; ++level)
-            for (int piece = 0; piece < (1 << level); ++piece) {
-                const double from = most * piece / (1 << level), to = most * (piece + 1) / (1 << level);
-                Spot load, unload;
-                load.window = {"all", "loading against unloading", "contrast", "force", 0.0, 0.0, from, to, -1.0};
-                for (const std::size_t r : runs) {
-                    collect(r, Phase::Loading, from, to, load);
-                    collect(r, Phase::Unloading, from, to, unload);
-                }
-                if (load.rows.size() < 4 || unload.rows.size() < 4)
-                    continue;
-                const auto n = static_cast<Eigen::Index>(load.rows.size());
-                load.rows.insert(load.rows.end(), unload.rows.begin(), unload.rows.end());
-                load.sign = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(load.rows.size()));
-                load.sign.tail(load.sign.size() - n).setConstant(-1.0);
-                add(std::move(load));
+        ofWay(runs, 2, [&](double from, double to) {
+            Spot load, unload;
+            load.window = {"all", "loading against unloading", "contrast", "force", 0.0, 0.0, from, to, -1.0};
+            for (const std::size_t r : runs) {
+                collect(r, Phase::Loading, from, to, load);
+                collect(r, Phase::Unloading, from, to, unload);
             }
+            if (load.rows.size() < 4 || unload.rows.size() < 4)
+                return;
+            const auto n = static_cast<Eigen::Index>(load.rows.size());
+            load.rows.insert(load.rows.end(), unload.rows.begin(), unload.rows.end());
+            load.sign = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(load.rows.size()));
+            load.sign.tail(load.sign.size() - n).setConstant(-1.0);
+            add(std::move(load));
+        });
     }
 
     void markers(std::size_t r) {

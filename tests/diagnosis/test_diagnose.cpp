@@ -65,12 +65,11 @@ namespace {
 class TwoSided final : public toy::Spring {
 public:
     using Spring::Spring;
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                    const std::atomic<bool>* interrupt) const override {
-        Response out = Spring::simulate(r, p, f, interrupt);
+
+private:
+    void alter(std::size_t, const Point& p, Response& out) const override {
         const bool there = p.nominal[0] > 100.5 && p.nominal[1] < 0.095; // of 94 to 106, .05 to .15
         out.force = (there ? 1.0 : -1.0) * out.force;
-        return out;
     }
 };
 
@@ -231,11 +230,10 @@ TEST_CASE("a run that cannot be simulated is named, with the time", "[diagnosis]
     class Breaks final : public toy::Spring {
     public:
         using Spring::Spring;
-        [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                        const std::atomic<bool>* interrupt) const override {
-            Response out = Spring::simulate(r, p, f, interrupt);
+
+    private:
+        void alter(std::size_t r, const Point&, Response& out) const override {
             out.failure = r == 1 ? "the wire broke (at t = 2 s)" : "";
-            return out;
         }
     };
     const Data data = toy::recordings(11);
@@ -263,11 +261,10 @@ TEST_CASE("markers of free bodies have no place along a specimen", "[diagnosis]"
     class Follows final : public toy::Spring {
     public:
         using Spring::Spring;
-        [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                        const std::atomic<bool>* interrupt) const override {
-            Response out = Spring::simulate(r, p, f, interrupt);
+
+    private:
+        void alter(std::size_t r, const Point&, Response& out) const override {
             out.markers = Eigen::VectorXd::Zero(r == 0 ? 2 * out.force.size() : 0);
-            return out;
         }
     };
     Data data = toy::recordings(11);

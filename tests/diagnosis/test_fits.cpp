@@ -32,14 +32,12 @@ namespace {
 class Snapping final : public toy::Spring {
 public:
     Snapping(const Data& data, double at) : Spring(data), at_(at) {}
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                    const std::atomic<bool>* interrupt) const override {
-        Response out = Spring::simulate(r, p, f, interrupt);
-        out.force[out.force.size() / 3] += p.nominal[0] > at_ ? 5.0 : 0.0;
-        return out;
-    }
 
 private:
+    void alter(std::size_t, const Point& p, Response& out) const override {
+        out.force[out.force.size() / 3] += p.nominal[0] > at_ ? 5.0 : 0.0;
+    }
+
     double at_;
 };
 
@@ -71,9 +69,9 @@ class GivesWay final : public toy::Spring {
 public:
     using Spring::Spring;
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                    const std::atomic<bool>* interrupt) const override {
-        Response out = Spring::simulate(r, Point{p.nominal, {}}, f, interrupt);
+
+private:
+    void alter(std::size_t r, const Point& p, Response& out) const override {
         for (const Term& t : p.terms)
             if (t.candidate == 0)
                 for (double& force : out.force)
@@ -81,13 +79,11 @@ public:
         for (const Term& t : p.terms)
             if (t.candidate == 1) // of the sensor: behind everything
                 out.force += t.values[0] * data_.runs[r].time;
-        return out;
     }
 
-private:
     std::vector<Candidate> candidates_ = {
         {"gives_way", "", "", "", {{"most", "1/N", "", 0.0, 0.0, 10.0, 0.1, Scale::Linear, true}}, {{2.0}}},
-        {"drift", "", "", "", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-2, Scale::Linear, true}}, {{0.05}}}};
+        {"ramp", "", "", "", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-2, Scale::Linear, true}}, {{0.05}}}};
 };
 
 } // namespace
@@ -143,17 +139,15 @@ class Saturating final : public toy::Spring {
 public:
     using Spring::Spring;
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                    const std::atomic<bool>* interrupt) const override {
-        Response out = Spring::simulate(r, Point{p.nominal, {}}, f, interrupt);
+
+private:
+    void alter(std::size_t r, const Point& p, Response& out) const override {
         for (const Term& t : p.terms)
             out.force.array() +=
                 t.values[0] *
                 (1.0 - (-data_.runs[r].displacement.array() / outer(Scale::Logarithm, t.values[1])).exp());
-        return out;
     }
 
-private:
     std::vector<Candidate> candidates_ = {{"saturates",
                                            "",
                                            "",

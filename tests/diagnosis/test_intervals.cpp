@@ -20,9 +20,9 @@ namespace {
 class Rough final : public toy::Spring {
 public:
     Rough(const Data& data, double rough) : Spring(data), rough_(rough) {}
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                    const std::atomic<bool>* interrupt) const override {
-        Response out = Spring::simulate(r, p, f, interrupt);
+
+private:
+    void alter(std::size_t r, const Point& p, Response& out) const override {
         std::uint64_t seed = r;
         for (const double v : {p.nominal[0], p.nominal[1], p.terms.empty() ? 0.0 : p.terms[0].values[0]})
             seed = seed * 1000003 + static_cast<std::uint64_t>(std::llround(std::abs(v) * 1e7));
@@ -30,10 +30,8 @@ public:
         const double each = rough_ * toy::kWhite / std::sqrt(3.0 * static_cast<double>(out.force.size()));
         for (double& force : out.force)
             force += each * random.normal();
-        return out;
     }
 
-private:
     double rough_;
 };
 
@@ -157,7 +155,7 @@ public:
         Point whole{p.nominal, {}};
         for (const Term& t : p.terms)
             whole.terms.push_back({0, {t.values[0] * outer(Scale::Logarithm, t.values[1])}});
-        return Spring::simulate(r, whole, f, interrupt);
+        return Spring(data_).simulate(r, whole, f, interrupt);
     }
 
 private:

@@ -21,28 +21,23 @@ namespace {
 constexpr double kDrop = 0.5, kTravel = 0.01; // N, m
 
 /// The toy's spring, whose force falls by half a newton for the rest of the run where it first passes a place.
-class Latch final : public Model {
+class Latch final : public toy::Spring {
 public:
-    explicit Latch(const Data& data) : data_(data), spring_(data), nominal_(spring_.nominal()) {
+    explicit Latch(const Data& data) : Spring(data), nominal_(Spring::nominal()) {
         nominal_.push_back({"place", "m", "", 6e-3, 4e-3, 8e-3, 1e-3, Scale::Linear, false});
     }
     [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
-    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring_.candidates(); }
     [[nodiscard]] std::string identity() const override { return "spring with a latch"; }
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                    const std::atomic<bool>* interrupt) const override {
-        Response out = spring_.simulate(r, p, f, interrupt);
+
+private:
+    void alter(std::size_t r, const Point& p, Response& out) const override {
         const Leg& down = data_.runs[r].legs[1];
         const double open = down.from + p.nominal[2] / down.speed; // s
         for (Eigen::Index k = 0; k < out.force.size(); ++k)
             out.force[k] -= data_.runs[r].time[k] > open ? kDrop : 0.0;
         out.jumps = Eigen::VectorXd::Constant(1, open);
-        return out;
     }
 
-private:
-    const Data& data_;
-    toy::Spring spring_;
     std::vector<Scalar> nominal_;
 };
 

@@ -75,19 +75,12 @@ TEST_CASE("a full disk costs what comes after it, and says so", "[diagnosis]") {
 
 TEST_CASE("runs kept by another program are not believed", "[diagnosis]") {
     /// A spring whose last run has a marker, elsewhere in another program.
-    struct Marked final : Model {
-        toy::Spring spring;
+    struct Marked final : toy::Spring {
         double at;
-        Marked(const Data& data, double place) : spring(data), at(place) {}
-        [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring.nominal(); }
-        [[nodiscard]] const std::vector<Candidate>& candidates() const override { return spring.candidates(); }
-        [[nodiscard]] std::string identity() const override { return "spring"; }
-        [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness f,
-                                        const std::atomic<bool>* interrupt) const override {
-            Response out = spring.simulate(r, p, f, interrupt);
+        Marked(const Data& data, double place) : Spring(data), at(place) {}
+        void alter(std::size_t r, const Point&, Response& out) const override {
             if (r == 2)
                 out.markers = Eigen::Vector4d(at, std::nan(""), 0.0, 0.0);
-            return out;
         }
     };
     const Data data = toy::recordings(17), longer = toy::recordings(17, {}, 0.0, 40.0);

@@ -45,7 +45,7 @@ inline RecordedRun motion(const std::string& name, double speed, double rate) {
     return run;
 }
 
-/// Force = stiffness x + friction sign(v) + what is added. Others read it and change what they read.
+/// Force = stiffness x + friction sign(v) + what is added. Others alter what comes out.
 class Spring : public Model {
 public:
     /// @param learns offers a law of displacement to be learned, and no cubic
@@ -93,14 +93,18 @@ public:
             const double x = run.displacement[k];
             double f = p.nominal[0] * x + p.nominal[1] * (v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0);
             for (const Term& t : p.terms) {
-                const std::string& label = candidates_[t.candidate].label;
+                const std::string& label = candidates()[t.candidate].label;
                 if (label == "learned_force")
                     f += law(t.values, {100.0 * x}).front();
                 else
-                    f += t.values[0] * (label == "dashpot" ? v : label == "drift" ? run.time[k] : x * x * x);
+                    f += t.values[0] * (label == "dashpot" ? v
+                                        : label == "drift" ? run.time[k]
+                                        : label == "cubic" ? x * x * x
+                                                           : 0.0);
             }
             out.force[k] = f;
         }
+        alter(r, p, out);
         return out;
     }
 
@@ -117,6 +121,9 @@ protected:
     const Data& data_;
 
 private:
+    /// What another model does to the response of run `r`.
+    virtual void alter(std::size_t /*r*/, const Point& /*p*/, Response& /*out*/) const {}
+
     std::vector<Scalar> nominal_;
     std::vector<Candidate> candidates_;
 };

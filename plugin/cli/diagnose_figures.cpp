@@ -87,7 +87,7 @@ void markStretches(Canvas& canvas, const Plot& plot, const std::vector<diagnosis
 }
 
 void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run,
-                 const std::string& channel = "force") {
+                 const std::string& channel) {
     for (const diagnosis::Window& w : d.mismatch.significant)
         if (w.run == run && w.channel == channel && w.by != diagnosis::Seen::Trace) { // those are bars
             const double left = plot.at(w.timeFrom, 0.0).x, right = plot.at(w.timeTo, 0.0).x;
@@ -115,7 +115,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     legend(canvas, 80.0, 24.0, improved);
     const Range force = forceRange(c);
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
-    const bool driven = d.unit == "N";
+    const bool driven = d.driven();
     const report::Unit unit = driven ? report::readableUnit(peak, "N") : report::Unit{1.0, d.unit};
     PlotStyle style;
     style.x = {driven ? "displacement (mm)" : "time (s)", driven ? 1e3 : 1.0};
@@ -135,7 +135,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         range = {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
         const Plot plot({640.0, y, 520.0, 180.0}, report::padded({c.time.front(), c.time.back()}, 0.01), range);
         if (&u == &c.residual)
-            markWindows(canvas, plot, d, c.name);
+            markWindows(canvas, plot, d, c.name, d.channel);
         const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
         canvas.rectangle({plot.area.x, top, plot.area.width, bottom - top}, {.fill = theme::grid});
         PlotStyle s;

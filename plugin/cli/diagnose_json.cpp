@@ -16,7 +16,7 @@ Json finite(double v) {
     return std::isfinite(v) ? Json(v) : Json(nullptr);
 }
 
-Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
+Json windowsOf(const diagnosis::Localisation& l) {
     static constexpr const char* kKinds[] = {"shift", "energy", "effect"}; // of diagnosis::Seen
     Json all = Json::array();
     for (const Window& w : l.significant)
@@ -26,7 +26,7 @@ Json windowsOf(const diagnosis::Localisation& l, const std::string& channel) {
                        {"displacement_from_mm", 1e3 * w.displacementFrom},
                        {"displacement_to_mm", 1e3 * w.displacementTo},
                        {"phase", w.phase},
-                       {"channel", w.channel == "force" ? channel : w.channel},
+                       {"channel", w.channel},
                        {"z", w.z},
                        {"p_value", w.p},
                        {"arc_fraction", w.arcFraction < 0.0 ? Json(nullptr) : Json(w.arcFraction)},
@@ -136,7 +136,7 @@ std::string diagnosisJson(const Diagnosis& d) {
           {"correlated_std" + unit, d.noise.coloured},
           {"excess_kurtosis", d.noise.tails},
           {"marker_std_mm", 1e3 * d.noise.marker}}},
-        {"mismatch", windowsOf(d.mismatch, d.channel)},
+        {"mismatch", windowsOf(d.mismatch)},
         {"mismatch_p_value", d.mismatch.p},
         {"effects", effects},
         {"effect_windows", effectWindowsOf(d)},
@@ -150,7 +150,7 @@ std::string diagnosisJson(const Diagnosis& d) {
           {"baseline_misfit_per_row", finite(d.baselinePerRow)}}},
         {"nominal", nominal},
         {"homogeneity", {{"q", d.homogeneity.q}, {"degrees", d.homogeneity.degrees}, {"p_value", d.homogeneity.p}}},
-        {"left_over", windowsOf(d.left, d.channel)},
+        {"left_over", windowsOf(d.left)},
         {"learned_laws", learnedOf(d)},
         {"screen", screenOf(d)},
         {"next_experiment", next},

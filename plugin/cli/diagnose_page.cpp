@@ -96,7 +96,8 @@ std::string effectTable(const Diagnosis& d) {
     return html + "</table>";
 }
 
-std::string windowTable(const diagnosis::Localisation& l) {
+/// @param driven whether a machine moves something, else nothing has a displacement
+std::string windowTable(const diagnosis::Localisation& l, bool driven) {
     static constexpr const char* kOf[] = {"", " (energy)", " (of the whole trace)"}; // diagnosis::Seen
     const bool none = l.significant.empty(), trace = !none && l.significant.front().by == diagnosis::Seen::Trace;
     std::string html;
@@ -107,16 +108,19 @@ std::string windowTable(const diagnosis::Localisation& l) {
                (trace ? " Where the most probable effect shows (blue bars in the figures):" : "") + "</p>";
     if (none)
         return html;
-    html += "<table><tr><th>run</th><th>reading</th><th>time</th><th>displacement</th><th>phase</th>"
-            "<th>size (deviations)</th><th>p, over all windows</th></tr>";
+    html += std::string("<table><tr><th>run</th><th>reading</th><th>time</th>") +
+            (driven ? "<th>displacement</th>" : "") +
+            "<th>phase</th><th>size (deviations)</th><th>p, over all windows</th></tr>";
     for (std::size_t i = 0; i < l.significant.size() && i < 12; ++i) {
         const diagnosis::Window& w = l.significant[i];
-        html += "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
-                (w.arcFraction >= 0.0 ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
-                fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
-                fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>" +
-                w.phase + "</td><td>" + fixed(w.z, 1) + kOf[static_cast<std::size_t>(w.by)] + "</td><td>" +
-                fixed(w.p, 3) + "</td></tr>";
+        html +=
+            "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
+            (w.arcFraction >= 0.0 ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
+            fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
+            (driven ? fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>"
+                    : "") +
+            w.phase + "</td><td>" + fixed(w.z, 1) + kOf[static_cast<std::size_t>(w.by)] + "</td><td>" + fixed(w.p, 3) +
+            "</td></tr>";
     }
     return html + "</table>";
 }
@@ -128,7 +132,10 @@ std::string nominalTable(const Diagnosis& d) {
         html += "<tr><td>" + escaped(diagnosis::plainWords(n.name)) + "</td><td>" + rounded(n.stated, 4) + " ± " +
                 rounded(n.uncertainty, 2) + " " + (n.unit == "1" ? "" : escaped(n.unit)) + "</td><td>" +
                 rounded(n.fitted, 4) + "</td><td>" + fixed(n.tension, 2) + "</td></tr>";
-    html += "</table><p>Do single runs ask for the same parameters? Q = " + fixed(d.homogeneity.q, 1) + " with " +
+    html += "</table>";
+    if (d.homogeneity.degrees == 0.0) // one run
+        return html;
+    html += "<p>Do single runs ask for the same parameters? Q = " + fixed(d.homogeneity.q, 1) + " with " +
             fixed(d.homogeneity.degrees, 0) + " degrees of freedom, p = " + rounded(d.homogeneity.p, 2) +
             (d.homogeneity.p < 0.01 ? ": no. Something that changes from run to run is missing." : ": yes.") + "</p>";
     return html;
@@ -139,8 +146,8 @@ std::string learnedText(const Diagnosis& d) {
     for (std::size_t i = 0; i < d.learned.size(); ++i) {
         const diagnosis::LearnedLaw& l = d.learned[i];
         html += "<p>" + escaped(diagnosis::plainWords(l.label)) + ": " + escaped(l.words) + ". Gain on unseen runs " +
-                fixed(l.gain, 0) + " ± " + fixed(l.gainError, 0) + ", error there " + rounded(l.heldOutRmse, 4) +
-                " N, probability " + fixed(100.0 * l.probability, 1) + " %.</p>" + scroll(learnedFigure(d, i));
+                fixed(l.gain, 0) + " ± " + fixed(l.gainError, 0) + ", error there " + rounded(l.heldOutRmse, 4) + " " +
+                d.unit + ", probability " + fixed(100.0 * l.probability, 1) + " %.</p>" + scroll(learnedFigure(d, i));
     }
     return html;
 }
@@ -181,9 +188,10 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     html += section("Errors", looked ? errorTable(d) : "");
     for (std::size_t r = 0; r < d.runs.size(); ++r)
         html += section(escaped(d.runs[r].name), scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
-    html += section("Where the simulation without extra physics misses", looked ? windowTable(d.mismatch) : "");
+    html +=
+        section("Where the simulation without extra physics misses", looked ? windowTable(d.mismatch, d.driven()) : "");
     if (d.improved)
-        html += section("Where it still misses with the most probable effect", windowTable(d.left));
+        html += section("Where it still misses with the most probable effect", windowTable(d.left, d.driven()));
     html += section("Where on the specimen", scroll(specimenFigure(d, e)));
     html += section("Laws learned from the runs, where no effect of the catalogue explains them", learnedText(d));
     html += section("A first look at the whole catalogue", looked ? scroll(screenFigure(d)) : "");

@@ -443,9 +443,13 @@ Noise estimateNoise(const Data& data) {
         best.quietSeconds += q.time[q.time.size() - 1] - q.time[0];
     fromRepeats(sized.still ? *sized.still : data, best);
     char words[280];
-    std::snprintf(words, sizeof words, "%.1f s of rest in %zu stretches and neighbouring rows of all runs%s; ",
-                  best.quietSeconds, rests.size(), stated > 0.0 ? ", with the stated size as a prior" : "");
-    best.source = words;
+    best.source.clear();
+    if (!rests.empty()) {
+        std::snprintf(words, sizeof words, "%.1f s of rest in %zu stretches and ", best.quietSeconds, rests.size());
+        best.source = words;
+    }
+    best.source += "neighbouring rows of all runs";
+    best.source += stated > 0.0 ? ", with the stated size as a prior; " : "; ";
     if (stated < data.statedForceNoise) {
         std::snprintf(words, sizeof words, "the stated noise of %.3g %s was found to be %.3g %s; ",
                       data.statedForceNoise, data.unit.c_str(), best.total(), data.unit.c_str());

@@ -171,7 +171,7 @@ std::vector<Window> windowsOfEffect(const Data& data, const std::vector<RunCurve
             const std::vector<double>& t = curves[r].time;
             const auto from = std::lower_bound(t.begin(), t.end(), s.from) - t.begin();
             const auto to = std::upper_bound(t.begin(), t.end(), s.to) - t.begin();
-            Window w{curves[r].name, "all", "time", "force", s.from, s.to, 0.0, 0.0, -1.0};
+            Window w{curves[r].name, "all", "time", data.channel, s.from, s.to, 0.0, 0.0, -1.0};
             setSpan(data.runs[r], from, to, w);
             w.z = found.signature;
             w.p = found.p;

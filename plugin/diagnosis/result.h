@@ -102,9 +102,10 @@ struct Homogeneity {
 };
 
 struct Diagnosis {
-    std::string channel = "force", unit = "N"; ///< of everything that is said to be in N below
-    std::string failure;                       ///< the experiment cannot be simulated: why
-    bool stopped = false;                      ///< interrupted; what was simulated is kept
+    std::string channel = "force", unit = "N";                ///< of everything that is said to be in N below
+    [[nodiscard]] bool driven() const { return unit == "N"; } ///< else bodies move freely, and poses are read
+    std::string failure;                                      ///< the experiment cannot be simulated: why
+    bool stopped = false;                                     ///< interrupted; what was simulated is kept
     std::string verdict, statement;
     Noise noise;
     Localisation mismatch, left;      ///< of the nominal fit; of the best effect's

@@ -58,7 +58,8 @@ private:
                 if (b - a < 4)
                     continue;
                 Spot c;
-                c.window = {run.name, "all", "time", "force", run.time[a], run.time[b - 1], 0.0, 0.0, -1.0};
+                c.window = {run.name, "all", "time", misfit_.data().channel, run.time[a], run.time[b - 1],
+                            0.0,      0.0,   -1.0};
                 setSpan(run, a, b, c.window);
                 for (Eigen::Index k = a; k < b; ++k)
                     if (counts(r, k))
@@ -82,7 +83,7 @@ private:
     void byDisplacement(const std::vector<std::size_t>& runs, Phase phase) {
         ofWay(runs, 3, [&](double from, double to) {
             Spot c;
-            c.window = {"all", name(phase), "displacement", "force", 0.0, 0.0, from, to, -1.0};
+            c.window = {"all", name(phase), "displacement", misfit_.data().channel, 0.0, 0.0, from, to, -1.0};
             for (const std::size_t r : runs)
                 collect(r, phase, from, to, c);
             add(std::move(c));
@@ -104,7 +105,8 @@ private:
     void loadAgainstUnload(const std::vector<std::size_t>& runs) {
         ofWay(runs, 2, [&](double from, double to) {
             Spot load, unload;
-            load.window = {"all", "loading against unloading", "contrast", "force", 0.0, 0.0, from, to, -1.0};
+            load.window = {"all", "loading against unloading", "contrast", misfit_.data().channel, 0.0, 0.0, from, to,
+                           -1.0};
             for (const std::size_t r : runs) {
                 collect(r, Phase::Loading, from, to, load);
                 collect(r, Phase::Unloading, from, to, unload);
@@ -155,7 +157,7 @@ private:
             c.window = {run.name,
                         name(run.legAt(jump.time).phase),
                         "time",
-                        "force",
+                        misfit_.data().channel,
                         jump.time - s.snapBefore,
                         jump.time + s.snapAfter,
                         jump.displacement,

@@ -20,7 +20,7 @@ struct Window {
     std::string run;                                     ///< name, or "all"
     std::string phase;                                   ///< loading, unloading, hold, all
     std::string axis;                                    ///< time, displacement, contrast (loading against unloading)
-    std::string channel;                                 ///< "force" or the marker's name with _x, _y
+    std::string channel;                                 ///< Data::channel or the marker's name with _x, _y
     double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: earliest and latest)
     double displacementFrom = 0.0, displacementTo = 0.0; ///< m
     double arcFraction = -1.0;                           ///< of a marker, -1: none

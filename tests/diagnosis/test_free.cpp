@@ -6,6 +6,7 @@
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/replay_model.h"
+#include "plugin/diagnosis/windows.h"
 #include "plugin/experiment/load.h"
 #include "plugin/replay/simulate.h"
 #include "plugin/scene/document.h"
@@ -116,6 +117,8 @@ TEST_CASE("dry friction and quadratic drag of a pendulum are found again in its 
         CHECK(both.rmse(r) == Approx(std::hypot(0.08, 0.09 / std::sqrt(12.0))).epsilon(0.1));
     const Study dry(e, {{"bearing_friction", "dry"}});
     CHECK(dry.fitted.misfit > 20.0 * both.fitted.misfit); // one of the two is not enough
+    for (const Spot& spot : windowsOf(*dry.misfit))
+        CHECK(spot.window.channel == "angle"); // no force is read
 }
 
 TEST_CASE("a free run may be long", "[diagnosis][free]") {

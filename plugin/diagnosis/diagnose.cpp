@@ -106,6 +106,7 @@ private:
     void shareAlike();
     void rankEntries(const Weighed& w);
     void weighAll(Weighed& w) const;
+    [[nodiscard]] const Tried* best(const Weighed& w, const std::string& with, const std::string& without) const;
     void groups(const Weighed& w, Evidence& evidence);
     void conclusions(const Weighed& w, Evidence& evidence);
     [[nodiscard]] std::optional<std::size_t> rivalOfFirst() const;
@@ -206,20 +207,39 @@ void Work::summarise() {
         out_.seen.push_back(byLabel[label]);
 }
 
+/// The best hypothesis with an effect and without another one: beside it nothing is its rival, but alone it may be.
+const Tried* Work::best(const Weighed& w, const std::string& with, const std::string& without) const {
+    const Tried* found = nullptr;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < tried_.size(); ++i) {
+        const auto contains = [&](const std::string& label) {
+            return std::any_of(tried_[i].candidates.begin(), tried_[i].candidates.end(),
+                               [&](std::size_t c) { return candidates()[c].label == label; });
+        };
+        if (tried_[i].learned || !contains(with) || contains(without) || (found && !w.better(i, at)))
+            continue;
+        found = &tried_[i];
+        at = i;
+    }
+    return found;
+}
+
 /// Which effects cannot be told apart, and how probable the first one's group is. Effects that act together are no
 /// rivals.
 void Work::groups(const Weighed& w, Evidence& evidence) {
     for (std::size_t a = 0; a < entries_.size(); ++a) {
         FoundEffect& e = out_.effects[a];
         e.group = {e.label};
+        const Tried& s = tried_[entries_[a].model];
         for (std::size_t b = 0; b < entries_.size(); ++b) {
-            if (a == b || std::find(e.with.begin(), e.with.end(), entries_[b].label) != e.with.end())
+            const std::string& rival = entries_[b].label;
+            if (a == b || std::find(e.with.begin(), e.with.end(), rival) != e.with.end())
                 continue;
-            const Tried &s = tried_[entries_[a].model], &t = tried_[entries_[b].model];
-            const auto apart = misfit_->difference(s.fit.responses, t.fit.responses);
-            if ((apart && alike(s.held, t.held, apart->norm(), w.dispersion)) ||
-                alikeByNature(data_, e.label, entries_[b].label))
-                e.group.push_back(out_.effects[b].label);
+            const Tried* t = best(w, rival, e.label);
+            const auto apart =
+                t ? misfit_->difference(s.fit.responses, t->fit.responses) : std::optional<Eigen::VectorXd>();
+            if ((apart && alike(s.held, t->held, apart->norm(), w.dispersion)) || alikeByNature(data_, e.label, rival))
+                e.group.push_back(rival);
         }
     }
     if (entries_.empty())
@@ -236,9 +256,6 @@ void Work::groups(const Weighed& w, Evidence& evidence) {
 
 /// Labels with the probability of every hypothesis that contains them, and the best one to show each by.
 void Work::enter(const Weighed& w) {
-    const auto better = [&](std::size_t a, std::size_t b) {
-        return w.effects[a] != w.effects[b] ? w.effects[a] > w.effects[b] : w.gain[a] > w.gain[b];
-    };
     for (std::size_t i = 0; i < tried_.size(); ++i) {
         if (tried_[i].learned) {
             LearnedLaw law = describe(evaluator_.model(), *misfit_, tried_[i]);
@@ -258,7 +275,7 @@ void Work::enter(const Weighed& w) {
                 continue;
             }
             at->probability += w.effects[i];
-            if (better(i, at->model)) {
+            if (w.better(i, at->model)) {
                 at->model = i;
                 at->term = term;
             }

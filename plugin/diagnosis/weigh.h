@@ -68,6 +68,10 @@ struct Weighed {
     /// The best model leaves too much on unseen rows, is pressed beyond what is plausible, or rests swing.
     bool rejected = false;
     std::size_t best = 0; ///< the highest score of those without `parts` or beyond them; meaningless without effects
+    /// Whether `a` is the one of two effects to show.
+    [[nodiscard]] bool better(std::size_t a, std::size_t b) const {
+        return effects[a] != effects[b] ? effects[a] > effects[b] : gain[a] > gain[b];
+    }
 };
 
 struct Weighing {

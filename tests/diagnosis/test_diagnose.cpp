@@ -129,6 +129,20 @@ TEST_CASE("a dashpot is named, with its constant", "[diagnosis]") {
     CHECK(shown > 20);
 }
 
+TEST_CASE("what was tried beside an effect is no rival of it", "[diagnosis]") {
+    Data data = toy::recordings(12, "dashpot", 80.0, 100.0);
+    for (RecordedRun& run : data.runs) // what is in no catalogue: pairs are tried
+        run.force.array() += 0.03 * (9e3 * run.displacement.array()).sin();
+    data.runs[0].force.array() += 1.5e-3 * data.runs[0].time.array(); // a drift that other runs do not know
+    const Diagnosis d = run(data, toy::Spring(data));
+    INFO(d.verdict << ": " << d.statement);
+    REQUIRE(d.effects.size() > 1);
+    CHECK(d.effects.front().label == "dashpot");
+    CHECK(d.effects.front().group == std::vector<std::string>{"dashpot"});
+    // So much worse without the dashpot that they are shown beside it, where they are alike to it alone.
+    CHECK(std::any_of(d.effects.begin(), d.effects.end(), [](const FoundEffect& e) { return !e.with.empty(); }));
+}
+
 TEST_CASE("what one run alone shows is no forecast of that run, and the sentence says so", "[diagnosis]") {
     Data data = toy::recordings(12);
     const toy::Spring spring(data);

@@ -70,7 +70,9 @@ const Surrounding kSurroundings[] = {
     {"contact_arm", "1", "where obstacles push on the section: 0 centre line, 1 surface",
      [](Parameters& p) -> double& { return p.contactArm; }, [](const Experiment&) { return exact(0.0); }, true, 1.0},
     {"series_compliance", "m/N", "give in series with the specimen",
-     [](Parameters& p) -> double& { return p.seriesCompliance; }, [](const Experiment& e) { return exact(stretch(e)); },
+     [](Parameters& p) -> double& { return p.seriesCompliance; }, [](const Experiment&) { return exact(0.0); }, true},
+    {"touch_compliance", "m/N", "give of each touch, the stretch of a strip pressed lengthwise included",
+     [](Parameters& p) -> double& { return p.touchCompliance; }, [](const Experiment& e) { return exact(stretch(e)); },
      true},
 };
 
@@ -159,7 +161,7 @@ Parameters nominal(const Experiment& e) {
         return p;
     }
     p.friction = e.friction.value;
-    p.seriesCompliance = stretch(e);
+    p.touchCompliance = stretch(e);
     return p;
 }
 

@@ -33,9 +33,12 @@ struct Parameters {
     /// Where on the section the force of a rigid obstacle attacks, as a share of half the thickness: 1 is the surface
     /// (a sticking round end rolls, friction has the arm h/2), 0 the centre line. The gap is the same.
     double contactArm = 0.0;
-    /// Give of everything in series with the specimen, m/N: the head goes this much less far per newton of force. The
-    /// rods are inextensible, so the stretch L / EA of a strip pressed lengthwise stands here too (the nominal value).
+    /// Give of everything in series with the specimen, m/N: the head goes this much less far per newton of force.
     double seriesCompliance = 0.0;
+    /// Give of each touch, m/N. The rods are inextensible, so the stretch L / EA of a strip pressed lengthwise stands
+    /// here (the nominal value): without it meeting the floor is an impact of rigid on inextensible, whose bounce lets
+    /// the tip slip. A machine's give is no help there, its head is too heavy to follow within a millisecond.
+    double touchCompliance = 0.0;
     std::vector<SceneValue> scene;         ///< free scenes: as described, those of all runs first
     double readingZero = 0.0;              ///< free scenes: the reading where the scene says 0, rad or m
     std::vector<effects::Setting> effects; ///< extra physics; specimens go by their ids

@@ -190,7 +190,8 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
         failure_ = "specimen " + s.id + ": " + failure_;
         return;
     }
-    const effects::Model extra = effects::modelFor(p.effects, s.id);
+    effects::Model extra = effects::modelFor(p.effects, s.id);
+    extra.contact.compliance.normal += p.touchCompliance;
     rod::RodDefinition formed = d; // as it was made: defects of the natural shape included
     const effects::Section section =
         effects::sections(rod::RodModel(d), extra.material.profiles, extra.material.profiles.size());

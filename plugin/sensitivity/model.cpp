@@ -20,7 +20,7 @@ double usualScale(const Experiment& e, const std::string& name, double value) {
         return 5e-5; // m
     if (name == "friction")
         return std::max(0.02, 0.1 * value);
-    if (name == "series_compliance") {
+    if (name == "series_compliance" || name == "touch_compliance") {
         // m/N: the give at the largest recorded force is a fiftieth of a percent of the way of the head
         double force = 0.0, way = 0.0;
         for (const experiment::Run& run : e.runs) {
@@ -44,7 +44,7 @@ Column columnOf(const Experiment& e, const replay::ParameterInfo& info, double v
     const std::string base = info.name.substr(0, info.name.find('.'));
     if (base == "bending_modulus" || base == "thickness" || base == "linear_mass")
         c.lower = 1e-3 * value;
-    if (base == "friction" || base == "contact_arm" || base == "series_compliance")
+    if (base == "friction" || base == "contact_arm" || base == "series_compliance" || base == "touch_compliance")
         c.lower = 0.0;
     if (base == "contact_arm")
         c.upper = 1.0;

@@ -104,7 +104,10 @@ TEST_CASE("kept runs belong to an experiment, however the path to it is written"
 }
 
 TEST_CASE("nominal parameters are the stated intervals and an ordinary give", "[diagnosis]") {
-    const experiment::Experiment e = strip();
+    experiment::Experiment e = strip();
+    const bool lengthwise = GENERATE(false, true); // then what gives is at the touch
+    if (lengthwise)
+        e.protocol = experiment::Protocol::StripOnRigidFloor;
     const ReplayModel model(e);
     std::set<std::string> names;
     for (const Scalar& s : model.nominal()) {
@@ -113,7 +116,7 @@ TEST_CASE("nominal parameters are the stated intervals and an ordinary give", "[
         CHECK(s.step == Approx(0.5 * (s.upper - s.lower)));
     }
     CHECK(names == std::set<std::string>{"bending_modulus", "natural_curvature", "thickness", "linear_mass", "friction",
-                                         "gap_shift", "series_compliance"});
+                                         "gap_shift", lengthwise ? "touch_compliance" : "series_compliance"});
 }
 
 TEST_CASE("designs are runs that start at rest and never go back in time", "[diagnosis]") {

@@ -245,6 +245,34 @@ Apart apart(const Clean& a, const Clean& b, const Nuisance& n) {
     return out;
 }
 
+/// Distance of the markers of two recordings along x or y, rms over all rows, m; none: 0.
+double markersApart(const Clean& a, const Clean& b) {
+    double squares = 0.0, count = 0.0;
+    for (std::size_t r = 0; r < a.markers.size(); ++r)
+        for (std::size_t m = 0; m < a.markers[r].size(); ++m)
+            for (std::size_t i = 0; i < a.markers[r][m].size(); ++i) {
+                squares += (a.markers[r][m][i] - b.markers[r][m][i]).squaredNorm();
+                count += 2.0;
+            }
+    return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+}
+
+constexpr const char* kForeign = "the readings do not belong to this case";
+
+/// Whether two recordings have the same runs, rows and markers.
+bool belongs(const Clean& a, const Clean& b) {
+    if (a.force.size() != b.force.size() || a.markers.size() != b.markers.size())
+        return false;
+    for (std::size_t r = 0; r < a.force.size(); ++r) {
+        if (a.force[r].size() != b.force[r].size() || a.markers[r].size() != b.markers[r].size())
+            return false;
+        for (std::size_t m = 0; m < a.markers[r].size(); ++m)
+            if (a.markers[r][m].size() != b.markers[r][m].size())
+                return false;
+    }
+    return true;
+}
+
 /// A case, and the numbers that its noise will be drawn from.
 struct Drawn {
     std::string failure;
@@ -284,7 +312,7 @@ Drawn drawCase(const Plan& plan) {
 
 } // namespace
 
-Accuracy accuracyOf(const Plan& plan) {
+Accuracy accuracyOf(const Plan& plan, const Clean* other) {
     Accuracy out;
     const Drawn drawn = drawCase(plan);
     const Secret& s = drawn.secret;
@@ -294,23 +322,24 @@ Accuracy accuracyOf(const Plan& plan) {
     const Clean a = simulate(s.description, truth, {}), b = simulate(s.description, truth, finer(2.0));
     if (out.failure = a.failure + b.failure; !out.failure.empty())
         return out;
-    Apart readings = apart(a, b, s.nuisance);
-    double places = 0.0, seen = 0.0;
-    for (std::size_t r = 0; r < a.force.size(); ++r) {
-        for (std::size_t m = 0; m < a.markers[r].size(); ++m)
-            for (std::size_t i = 0; i < a.markers[r][m].size(); ++i) {
-                places += (a.markers[r][m][i] - b.markers[r][m][i]).squaredNorm();
-                seen += 2.0;
-            }
+    if (other != nullptr && !belongs(*other, a)) {
+        out.failure = kForeign;
+        return out;
     }
-    out.rms = readings.rms();
-    std::sort(readings.rows.begin(), readings.rows.end());
-    out.most = readings.rows[readings.rows.size() * 99 / 100];
     const Absorber absorber(s.description, s.offsets, s.nuisance);
     if (out.failure = absorber.failure(); !out.failure.empty())
         return out;
+    Apart readings = apart(a, b, s.nuisance);
+    out.rms = readings.rms();
+    std::sort(readings.rows.begin(), readings.rows.end());
+    out.most = readings.rows[readings.rows.size() * 99 / 100];
     out.detectable = absorber.apart(a, b);
-    out.markers = seen > 0.0 ? std::sqrt(places / seen) / s.nuisance.marker : 0.0;
+    out.markers = markersApart(a, b) / s.nuisance.marker;
+    if (other != nullptr) {
+        out.otherRms = apart(a, *other, s.nuisance).rms();
+        out.otherDetectable = absorber.apart(a, *other);
+        out.otherMarkers = markersApart(a, *other) / s.nuisance.marker;
+    }
     return out;
 }
 
@@ -330,12 +359,10 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
         out.failure = clean.failure + plain.failure;
         return out;
     }
-    for (std::size_t r = 0; r < s.description.runs.size(); ++r)
-        if (clean.force.size() <= r || clean.force[r].size() != plain.force[r].size() ||
-            clean.markers[r].size() != plain.markers[r].size()) {
-            out.failure = "the readings do not belong to this case";
-            return out;
-        }
+    if (!belongs(clean, plain)) {
+        out.failure = kForeign;
+        return out;
+    }
     out.files.emplace_back("experiment.json", writeDescription(s.description));
     Json runs = Json::array();
     for (std::size_t r = 0; r < s.description.runs.size(); ++r) {

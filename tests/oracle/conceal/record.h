@@ -41,7 +41,12 @@ struct Accuracy {
     double rms = 0.0, most = 0.0; ///< over rows; `most`: exceeded by a hundredth of them
     double markers = 0.0;         ///< rms in units of the markers' noise
     double detectable = 0.0;      ///< of it, Left::detectable
+    /// The same of the other simulator's readings against those that were recorded: of both over all rows, and how well
+    /// the best possible test would tell them apart with parameters anywhere inside their intervals.
+    double otherRms = 0.0, otherMarkers = 0.0, otherDetectable = 0.0;
 };
-Accuracy accuracyOf(const Plan& plan);
+
+/// @param other what another simulator reads with the true numbers and effects
+Accuracy accuracyOf(const Plan& plan, const Clean* other = nullptr);
 
 } // namespace supercircle::oracle

@@ -3,13 +3,15 @@
 //
 //   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--first N] [--limit N] [--jobs
 //   N]
-//         [--score] [--name NAME] [--further] [--own] [-- flags for diagnose ...]
+//         [--score] [--name NAME] [--further] [--own] [--apart] [-- flags for diagnose ...]
 //
 // --first A --limit B: cases A to B, counted from 1 in the order of the set; several processes may share a folder.
 // --score: score what there is, diagnose nothing. --name: folder of the diagnoses (default "diagnoses"), so that the
 // same cases can be diagnosed with other flags. --further: where a diagnosis does not decide and proposes a run, the
 // run is recorded with the same hidden effect and everything is diagnosed again. --own: the program's own simulator
-// records the cases instead of the second one (an ablation; with --name own).
+// records the cases instead of the second one (an ablation; with --name own). --apart: diagnoses nothing; how far the
+// two simulators' readings are apart in each case with the true numbers and effects, in units of its noise, and in how
+// many deviations the best possible test would tell them apart: what stands out there is no diagnosis' fault.
 
 #include "tests/oracle/conceal/record.h"
 #include "tests/oracle/prove/own.h"
@@ -34,7 +36,7 @@ struct Options {
     std::string program, out, part = "blind", name = "diagnoses", jobs = "2";
     std::size_t first = 1, limit = 1000000;
     std::uint64_t seed = 0;
-    bool scoreOnly = false, further = false, own = false;
+    bool scoreOnly = false, further = false, own = false, apart = false;
     std::vector<std::string> flags;
 };
 
@@ -74,25 +76,58 @@ bool provide(const Plan& plan, const fs::path& folder, const std::optional<Furth
     return fs::exists(folder / "answers" / (plan.name + ".json")) || write(conceal(plan, further), plan.name, folder);
 }
 
-/// The case as the program's own simulator records it, unless it is there.
-bool provideOwn(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& own) {
-    if (fs::exists(own / "answers" / (plan.name + ".json")))
-        return true;
+/// What the program's own simulator reads with the true numbers and effects.
+std::optional<Clean> replayCase(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& to) {
     if (!provide(plan, cases))
-        return false;
-    const fs::path experiment = cases / plan.name / "experiment.json", to = own / "replays" / plan.name;
+        return std::nullopt;
+    const fs::path experiment = cases / plan.name / "experiment.json";
     std::vector<std::string> words = {o.program, "replay", experiment.string(), "--out", to.string(), "--quiet"};
     for (const std::string& w : truthFlags((cases / "answers" / (plan.name + ".json")).string()))
         words.push_back(w);
     if (const int code = run(words); code != 0) {
         std::fprintf(stderr, "%s: replay ended with %d\n", plan.name.c_str(), code);
-        return false;
+        return std::nullopt;
     }
     std::ifstream in(experiment);
     const auto described = nlohmann::json::parse(in);
     const bool markers = described.at("runs").front().contains("markers_file");
-    const Clean clean = replayed(to.string(), described.at("runs").size(), markers);
-    return write(conceal(plan, std::nullopt, &clean), plan.name, own);
+    return replayed(to.string(), described.at("runs").size(), markers);
+}
+
+/// The case as the program's own simulator records it, unless it is there.
+bool provideOwn(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& own) {
+    if (fs::exists(own / "answers" / (plan.name + ".json")))
+        return true;
+    const auto clean = replayCase(o, plan, cases, own / "replays" / plan.name);
+    return clean && write(conceal(plan, std::nullopt, &*clean), plan.name, own);
+}
+
+/// How well the two simulators can be told apart in each case, at the truth.
+int compare(const Options& o, const std::vector<Plan>& all) {
+    const fs::path folder = fs::path(o.out) / o.part;
+    bool fine = true;
+    std::printf("%-9s %-6s %-44s %9s %6s   %9s %6s   %s\n", "case", "", "hidden", "itself", "best", "ours", "best",
+                "markers");
+    std::printf("%-9s %-6s %-44s %9s %6s   %9s %6s\n", "", "", "", "rms", "test", "rms", "test");
+    for (const Plan& plan : all) {
+        const auto clean = replayCase(o, plan, folder / "cases", folder / "apart" / plan.name);
+        const Accuracy a = clean ? accuracyOf(plan, &*clean) : Accuracy{"cannot be replayed"};
+        if (!a.failure.empty()) {
+            std::fprintf(stderr, "%s: %s\n", plan.name.c_str(), a.failure.c_str());
+            fine = false;
+            continue;
+        }
+        std::ifstream in(folder / "cases" / "answers" / (plan.name + ".json"));
+        const auto answer = nlohmann::json::parse(in);
+        std::string hidden;
+        for (const auto& label : answer.at("labels"))
+            hidden += (hidden.empty() ? "" : ", ") + label.get<std::string>();
+        std::printf("%-9s %-6s %-44s %9.3f %6.1f   %9.3f %6.1f   %.2f\n", plan.name.c_str(),
+                    answer.at("protocol").get<std::string>().c_str(), hidden.c_str(), a.rms, a.detectable, a.otherRms,
+                    a.otherDetectable, a.otherMarkers);
+        std::fflush(stdout);
+    }
+    return fine ? 0 : 3;
 }
 
 bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& to) {
@@ -162,6 +197,8 @@ int work(const Options& o) {
     if (all.size() > o.limit)
         all.resize(o.limit);
     all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(o.first - 1, all.size())));
+    if (o.apart)
+        return compare(o, all);
     std::vector<Judged> judged;
     const std::string title = "Proof of the diagnosis, part \"" + o.part + "\", seed " + std::to_string(seed) +
                               (o.name == "diagnoses" ? "" : ", " + o.name);
@@ -217,6 +254,10 @@ int main(int argc, char** argv) {
             o.own = true;
             continue;
         }
+        if (key == "--apart") {
+            o.apart = true;
+            continue;
+        }
         if (i + 1 >= argc) {
             good = false;
             break;
@@ -244,7 +285,7 @@ int main(int argc, char** argv) {
     if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || (o.part != "tuning" && o.part != "blind")) {
         std::fprintf(stderr,
                      "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--first N] [--limit N] [--jobs N]"
-                     " [--seed N] [--score] [--further] [--own] [--name NAME] [-- flags for diagnose ...]\n");
+                     " [--seed N] [--score] [--further] [--own] [--apart] [--name NAME] [-- flags for diagnose ...]\n");
         return 2;
     }
     try {

@@ -99,6 +99,10 @@ Eigen::MatrixXd shrinking(const Eigen::MatrixXd& N) {
 
 } // namespace
 
+double placeError(const Eigen::VectorXd& force, Eigen::Index k, double way, const MisfitSettings& s) {
+    return way > 0.0 ? steepest(force, k) * std::min(1.0, s.contactPlace / way) : 0.0;
+}
+
 RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& coarse,
                     double peakForce, const MisfitSettings& s) {
     RowErrors out;
@@ -127,7 +131,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     for (Eigen::Index k = 0; k < n && known; ++k) {
         const Leg& leg = run.legs[static_cast<std::size_t>(run.leg[static_cast<std::size_t>(k)])];
         const double way = std::abs(leg.speed) * dt; // of the head from row to row
-        const double place = way > 0.0 ? steepest(fine.force, k) * std::min(1.0, s.contactPlace / way) : 0.0;
+        const double place = placeError(fine.force, k, way, s);
         double grid = 0.0;
         if (both) {
             const Eigen::Index a = std::max<Eigen::Index>(0, k - reach), b = std::min(n, k + reach + 1);

@@ -55,6 +55,10 @@ struct MisfitSettings {
     double jumpFarthest = 0.2;   ///< share of a stroke by which one event may lie apart in two curves
 };
 
+/// Error of a simulated force in row k for contact places that agree to micrometres, N.
+/// @param way of the head from row to row, m
+double placeError(const Eigen::VectorXd& force, Eigen::Index k, double way, const MisfitSettings& settings);
+
 /// Rows that do not count, and the simulation's error in the others.
 struct RowErrors {
     Eigen::VectorXd force;      ///< standard deviation, N; infinite: missing

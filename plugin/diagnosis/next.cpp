@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/next.h"
 
+#include "plugin/diagnosis/misfit.h"
 #include "plugin/diagnosis/whitening.h"
 
 #include <Eigen/Cholesky>
@@ -13,16 +14,32 @@ namespace {
 
 using Index = Eigen::Index;
 
+/// How far the machine goes from row to row around each, m; 0 without a machine.
+Eigen::VectorXd ways(const Design& design, const Eigen::VectorXd& time) {
+    const auto at = [&](double t) { // of the head
+        std::size_t i = 1;
+        while (i + 1 < design.time.size() && design.time[i] < t)
+            ++i;
+        const double share = (t - design.time[i - 1]) / (design.time[i] - design.time[i - 1]);
+        return design.displacement[i - 1] +
+               std::clamp(share, 0.0, 1.0) * (design.displacement[i] - design.displacement[i - 1]);
+    };
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(time.size());
+    for (Index k = 1; k < time.size() && design.time.size() > 1; ++k)
+        out[k] = std::abs(at(time[k]) - at(time[k - 1]));
+    return out;
+}
+
 /// A run that was not made, as two rivals foretell it.
 class Foretold {
 public:
-    Foretold(Evaluator& evaluator, std::size_t design, double doubt, const Noise& noise)
-        : evaluator_(evaluator), design_(design), doubt_(doubt), noise_(noise) {}
+    Foretold(Evaluator& evaluator, std::size_t index, const Design& design, const Noise& noise)
+        : evaluator_(evaluator), index_(index), design_(design), noise_(noise) {}
 
     /// In units of what is not known about it; 0: it cannot be simulated, or is not more than `least`, which their
     /// plain distance shows before any derivative is taken (a dozen simulations a design).
     double distance(const Rival& a, const Rival& b, double least) {
-        const auto both = evaluator_.foretell(design_, {a.point, b.point});
+        const auto both = evaluator_.foretell(index_, {a.point, b.point});
         const DesignResponse &first = both[0], &second = both[1];
         if (!first.failure.empty() || !second.failure.empty() || first.force.size() != second.force.size() ||
             first.force.size() < 8)
@@ -30,7 +47,7 @@ public:
         // What no simulation is better than, for a tenth of a leg at a time: many readings do not average it away.
         const double peak = first.force.cwiseAbs().maxCoeff(), span = first.time[first.time.size() - 1] - first.time[0];
         white_.emplace(first.time, noise_.white, noise_.coloured, noise_.memory,
-                       Eigen::VectorXd::Constant(first.force.size(), doubt_ * kCoarse * peak),
+                       errorsOf(first.force, ways(design_, first.time), design_.doubt * kCoarse * peak),
                        std::clamp(0.05 * span, 0.02, 3.0));
         const Eigen::VectorXd one = white_->apply(Eigen::VectorXd::Ones(first.force.size()));
         shift_ = one / one.norm();
@@ -44,9 +61,9 @@ public:
         const Eigen::MatrixXd all = derivatives(moved);
         Eigen::MatrixXd jb(apart.size(), vb.size());
         jb << all.leftCols(vb.nominal), all.rightCols(vb.size() - vb.nominal);
-        Eigen::MatrixXd spread(apart.size(), va.size() + vb.size());
+        Eigen::MatrixXd spread(apart.size(), va.size() + vb.size() + 2);
         spread << all.leftCols(va.size()) * Eigen::MatrixXd(a.covariance.llt().matrixL()),
-            jb * Eigen::MatrixXd(b.covariance.llt().matrixL());
+            jb * Eigen::MatrixXd(b.covariance.llt().matrixL()), ownOf(first.force);
         const Eigen::MatrixXd inner =
             Eigen::MatrixXd::Identity(spread.cols(), spread.cols()) + spread.transpose() * spread;
         const Eigen::VectorXd along = spread.transpose() * apart;
@@ -76,13 +93,29 @@ private:
         }
     };
 
+    /// Errors of the simulated force in each row, N.
+    [[nodiscard]] Eigen::VectorXd errorsOf(const Eigen::VectorXd& force, const Eigen::VectorXd& way,
+                                           double everywhere) const {
+        Eigen::VectorXd out(force.size());
+        for (Index k = 0; k < out.size(); ++k)
+            out[k] = std::hypot(everywhere, placeError(force, k, way[k], settings_));
+        return out;
+    }
+    /// What the run has of its own, as a recorded one has (misfit.h): clock and scale.
+    [[nodiscard]] Eigen::MatrixXd ownOf(const Eigen::VectorXd& force) const {
+        Eigen::VectorXd clock = Eigen::VectorXd::Zero(force.size());
+        clock.segment(1, force.size() - 2) = 0.5 * (force.tail(force.size() - 2) - force.head(force.size() - 2));
+        Eigen::MatrixXd own(force.size(), 2);
+        own << whitened(settings_.clock * clock), whitened((design_.time.empty() ? 0.0 : settings_.scale) * force);
+        return own;
+    }
     [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& force) const {
         const Eigen::VectorXd u = white_->apply(force);
         return u - shift_ * shift_.dot(u);
     }
     /// d(whitened readings)/dx, a column each; zero where it cannot be simulated.
     [[nodiscard]] Eigen::MatrixXd derivatives(const Moved& moved) {
-        const auto there = evaluator_.foretell(design_, moved.points);
+        const auto there = evaluator_.foretell(index_, moved.points);
         Eigen::MatrixXd out = Eigen::MatrixXd::Zero(shift_.size(), static_cast<Index>(there.size()));
         for (std::size_t k = 0; k < there.size(); ++k) {
             if (!there[k].failure.empty() || there[k].force.size() != shift_.size())
@@ -95,9 +128,10 @@ private:
     }
 
     Evaluator& evaluator_;
-    std::size_t design_;
-    double doubt_;
+    std::size_t index_;
+    const Design& design_;
     const Noise& noise_;
+    MisfitSettings settings_;
     std::optional<Whitening> white_;
     Eigen::VectorXd shift_; ///< whitened constant shift, of length 1
 };
@@ -114,7 +148,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ar
     constexpr double kEnough =
         5.0; // noise units beyond which runs are all as good: the first one listed is the simplest
     for (std::size_t i = 0; i < designs.size() && farthest < kEnough && !evaluator.stopped(); ++i) {
-        const double d = Foretold(evaluator, i, designs[i].doubt, noise).distance(rivals[0], rivals[1], farthest);
+        const double d = Foretold(evaluator, i, designs[i], noise).distance(rivals[0], rivals[1], farthest);
         if (d > farthest) {
             farthest = d;
             best.run = designs[i];

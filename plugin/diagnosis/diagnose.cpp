@@ -53,7 +53,7 @@ public:
             if (!evaluator_.stopped())
                 summarise();
             if (!evaluator_.stopped())
-                tryHypotheses();
+                tryHypotheses(true);
             if (!evaluator_.stopped() && out_.failure.empty())
                 conclude();
         }
@@ -87,6 +87,18 @@ private:
             locate();
         }
     }
+    /// Once more from what the search came upon beside effects, if it is a better nominal fit.
+    void lookAgain(const Point& from) {
+        stage(0.34, "nominal fit once more");
+        if (!searchFrom(evaluator_, *misfit_, from, base_))
+            return;
+        look();
+        locate();
+        if (evaluator_.stopped())
+            return;
+        summarise();
+        tryHypotheses(false);
+    }
     /// An alarm of so few squares that another fit may have it gone; with larger ones effects are tried anyway.
     [[nodiscard]] bool hardlyStandsOut() const {
         constexpr double kPlain = 6.0; // deviations
@@ -99,7 +111,7 @@ private:
     void locate();
     void look();
     void summarise();
-    void tryHypotheses();
+    void tryHypotheses(bool first);
     [[nodiscard]] Spread spreadOf(const Entry& entry);
     void conclude();
     void enter(const Weighed& w);
@@ -168,12 +180,14 @@ void Work::locate() {
                              settings_.draws, signatures);
 }
 
-void Work::tryHypotheses() {
+void Work::tryHypotheses(bool first) {
     const Ground ground{data_, evaluator_, settings_, *misfit_,        grouping_,
                         base_, baseHeld_,  screened_, out_.mismatch.p, out_.noise.tails};
     Searched found = search(ground, [&](double fraction, const std::string& words) { stage(fraction, words); });
     tried_ = std::move(found.tried);
     out_.left = std::move(found.left);
+    if (first && found.elsewhere && !evaluator_.stopped())
+        lookAgain(*found.elsewhere);
 }
 
 void Work::look() {
@@ -183,6 +197,7 @@ void Work::look() {
 void Work::summarise() {
     baseHeld_ = heldOutOf(evaluator_, *misfit_, grouping_, base_, settings_);
     out_.homogeneity = homogeneityOf(*misfit_, base_);
+    out_.seen.clear();
     std::map<std::string, SeenEffect> byLabel;
     std::vector<std::string> order;
     for (const Screened& s : screened_) {

@@ -154,17 +154,29 @@ Nominal fitNominal(const Data& data, Evaluator& evaluator, const Noise& noise, c
     return Search(data, evaluator, noise, settings, stage).run();
 }
 
-bool searchOn(Evaluator& evaluator, const Settings& settings, const Misfit& misfit, Fitted& found) {
+namespace {
+
+bool moved(Evaluator& evaluator, const Misfit& misfit, const std::vector<Point>& starts, Fitted& found) {
     constexpr double kLower = 0.5; // squares: what a fit's end is uncertain by
-    const Variables v(evaluator.model(), found.point);
-    std::vector<Point> starts = nearest(evaluator, misfit, v, settings.seed);
-    starts.push_back(otherSide(v, found.x));
     auto other = lowest(evaluator, misfit, starts, found.misfit, found.misfit - kLower);
     if (!other || evaluator.stopped())
         return false;
     found = std::move(*other);
     differentiateAll(evaluator, misfit, found);
     return true;
+}
+
+} // namespace
+
+bool searchOn(Evaluator& evaluator, const Settings& settings, const Misfit& misfit, Fitted& found) {
+    const Variables v(evaluator.model(), found.point);
+    std::vector<Point> starts = nearest(evaluator, misfit, v, settings.seed);
+    starts.push_back(otherSide(v, found.x));
+    return moved(evaluator, misfit, starts, found);
+}
+
+bool searchFrom(Evaluator& evaluator, const Misfit& misfit, const Point& start, Fitted& found) {
+    return moved(evaluator, misfit, {start}, found);
 }
 
 } // namespace supercircle::diagnosis

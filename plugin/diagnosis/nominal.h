@@ -32,4 +32,7 @@ Nominal fitNominal(const Data& data, Evaluator& evaluator, const Noise& noise, c
 /// was one.
 bool searchOn(Evaluator& evaluator, const Settings& settings, const Misfit& misfit, Fitted& found);
 
+/// The same, from nominal numbers that something else came upon.
+bool searchFrom(Evaluator& evaluator, const Misfit& misfit, const Point& start, Fitted& found);
+
 } // namespace supercircle::diagnosis

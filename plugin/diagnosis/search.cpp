@@ -35,6 +35,7 @@ public:
                          [](const Tried& a, const Tried& b) { return a.fit.misfit < b.fit.misfit; });
         while (out_.tried.size() > 2 && out_.tried.back().fit.misfit > 3.0 * least_)
             out_.tried.pop_back();
+        dropIdle();
         for (Tried& t : out_.tried)
             if (!stopped())
                 t.held = scored(t.fit);
@@ -54,6 +55,7 @@ private:
     [[nodiscard]] std::vector<Probes> promising() const;
     [[nodiscard]] Probes startsOf(const Probes& probes) const;
     void tryLabel(const Probes& probes);
+    void dropIdle();
     void tryMore();
     void tryForms(double dispersion);
     [[nodiscard]] bool pairsCanCount(double dispersion) const;
@@ -123,6 +125,27 @@ void Search::tryLabel(const Probes& probes) {
     }
     if (any && best.fit.misfit <= g_.base.misfit - 1.0)
         out_.tried.push_back(std::move(best));
+}
+
+/// A law whose threshold was never reached changes no reading: what its fit gained are better nominal numbers, and it
+/// is no hypothesis.
+void Search::dropIdle() {
+    constexpr double kActs = 1.0; // noise units, of all readings together: half a square at most
+    for (auto t = out_.tried.begin(); t != out_.tried.end() && !stopped();) {
+        Point without = t->fit.point;
+        without.terms.clear();
+        const auto there = g_.evaluator.everywhere({without}, Fineness::Fine).front();
+        const auto changed = stopped() ? std::nullopt : g_.misfit.difference(t->fit.responses, there);
+        if (!changed || changed->norm() >= kActs) {
+            ++t;
+            continue;
+        }
+        if (!out_.elsewhere || t->fit.misfit < out_.least) {
+            out_.elsewhere = std::move(without);
+            out_.least = t->fit.misfit;
+        }
+        t = out_.tried.erase(t);
+    }
 }
 
 /// Where the best single effect leaves something: two at a time, and laws that are learned.

@@ -7,6 +7,7 @@
 #include "plugin/diagnosis/tried.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ Localisation leftBy(const Model& model, const Misfit& misfit, const Fitted& fitt
 struct Searched {
     std::vector<Tried> tried; ///< singles best first, then pairs, then learned laws; `parts` index into it
     Localisation left;        ///< by the first; meaningless without any
+    /// Nominal numbers with a lower misfit than the base's, which fits of effects that change no reading came upon.
+    std::optional<Point> elsewhere{};
+    double least = 0.0; ///< misfit there
 };
 
 /// Stops early, with what it has, when the evaluator is stopped.

@@ -5,10 +5,12 @@
 #include "plugin/diagnosis/box.h"
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/nominal.h"
 #include "plugin/diagnosis/pairs.h"
 #include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/profile.h"
 #include "plugin/diagnosis/screen.h"
+#include "plugin/diagnosis/search.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
@@ -302,4 +304,74 @@ TEST_CASE("an interval follows the valley of two numbers that do each other's wo
     REQUIRE(ended.better);
     CHECK(ended.better->misfit < beside.misfit - dispersion);
     CHECK_FALSE(profileIntervals(evaluator, misfit, found, J, dispersions, true).better);
+}
+
+namespace {
+
+/// A spring whose cubic law has a threshold that nothing reaches.
+class Unreached final : public toy::Spring {
+public:
+    using Spring::Spring;
+
+private:
+    void alter(std::size_t r, const Point& p, Response& out) const override {
+        for (const Term& t : p.terms)
+            if (candidates()[t.candidate].label == "cubic")
+                out.force -= (t.values[0] * data_.runs[r].displacement.array().cube()).matrix();
+    }
+};
+
+/// What a search finds beside a nominal fit that ended `off` steps of the stiffness from where it should, when the
+/// first look promises much of the cubic law.
+struct Beside {
+    Fitted right, base;
+    Searched found;
+};
+Beside searchBeside(const Data& data, const toy::Spring& model, double off) {
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const Settings settings = toy::exact();
+    Nominal nominal = fitNominal(data, evaluator, estimateNoise(data), settings, [](double, const std::string&) {});
+    REQUIRE(nominal.failure.empty());
+    Beside out{nominal.fit, nominal.fit, {}};
+    const Variables v(model, out.base.point);
+    out.base.x[0] += off;
+    out.base.point = v.at(out.base.x);
+    REQUIRE(evaluate(evaluator, *nominal.misfit, v, out.base));
+    Screened probe;
+    probe.candidate = 2;
+    probe.values = {1e5};
+    probe.stretch = 1.0;
+    probe.gain = 50.0;
+    probe.size = probe.own = 7.0;
+    probe.simulated = true;
+    probe.signature = -out.base.residual.normalized() * probe.size;
+    const Grouping grouping = groupingOf(*nominal.misfit);
+    const HeldOut held = heldOutOf(evaluator, *nominal.misfit, grouping, out.base, settings);
+    const std::vector<Screened> screened = {probe};
+    const Ground ground{data, evaluator, settings, *nominal.misfit, grouping, out.base, held, screened, 1e-3, 0.0};
+    out.found = search(ground, [](double, const std::string&) {});
+    if (out.found.elsewhere)
+        CHECK(searchFrom(evaluator, *nominal.misfit, *out.found.elsewhere, out.base));
+    return out;
+}
+
+} // namespace
+
+TEST_CASE("an effect that changes no reading is no hypothesis, and its better nominal numbers are kept",
+          "[diagnosis]") {
+    const Data data = toy::recordings(78);
+    const Unreached idle(data);
+    REQUIRE(idle.candidates()[2].label == "cubic");
+    const Beside without = searchBeside(data, idle, 0.3);
+    CHECK(without.found.tried.empty());
+    REQUIRE(without.found.elsewhere);
+    CHECK(without.found.elsewhere->terms.empty());
+    // The nominal problem is linear: a fit ends where its end is uncertain by half a square.
+    CHECK(without.base.misfit == Approx(without.right.misfit).margin(0.5));
+
+    const toy::Spring acting(data);
+    const Beside with = searchBeside(data, acting, 0.3);
+    CHECK(with.found.tried.size() == 1);
+    CHECK_FALSE(with.found.elsewhere);
 }

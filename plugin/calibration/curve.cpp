@@ -121,8 +121,8 @@ CurveResult frictionFromCurve(const experiment::Experiment& stated, const CurveS
     std::unique_ptr<Misfit> misfit;
     for (int round = 0; round < 2; ++round) { // the second weighs rows by what the simulation is like where it fits
         const auto fine = evaluator.everywhere({at}, Fineness::Fine).front();
-        const auto coarse = evaluator.everywhere({at}, Fineness::Coarse).front();
-        misfit = std::make_unique<Misfit>(data, noise, fine, coarse);
+        const auto finer = evaluator.everywhere({at}, Fineness::Finer).front();
+        misfit = std::make_unique<Misfit>(data, noise, fine, finer);
         fit = diagnosis::fit(evaluator, *misfit, at);
         out.stopped = evaluator.stopped();
         out.failure = out.stopped ? "" : fit.failure;

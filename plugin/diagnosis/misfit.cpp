@@ -103,7 +103,7 @@ double placeError(const Eigen::VectorXd& force, Eigen::Index k, double way, cons
     return way > 0.0 ? steepest(force, k) * std::min(1.0, s.contactPlace / way) : 0.0;
 }
 
-RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& coarse,
+RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& finer,
                     double peakForce, const MisfitSettings& s) {
     RowErrors out;
     const Eigen::Index n = run.force.size();
@@ -115,18 +115,16 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
             shortest = std::min(shortest, stroke.to - stroke.from);
     out.memory = std::isfinite(shortest) ? std::clamp(0.1 * shortest, 0.02, 3.0) : 1.0;
     const bool known = fine.failure.empty() && fine.force.size() == n;
-    const bool both = known && coarse.failure.empty() && coarse.force.size() == n;
+    const bool both = known && finer.failure.empty() && finer.force.size() == n;
     const double dt = run.spacing();
-    Eigen::VectorXd apart;
+    Eigen::VectorXd missing = Eigen::VectorXd::Zero(n);
     if (both) {
-        apart = fine.force - coarse.force;
-        bridge(apart, run.time, out.force, rowsIn(betweenJumps(run, fine, coarse, s), run.time));
+        Eigen::VectorXd apart = finer.force - fine.force;
+        bridge(apart, run.time, out.force, rowsIn(betweenJumps(run, fine, finer, s), run.time));
+        missing = (s.refinement * apart).unaryExpr([](double c) { return std::isfinite(c) ? c : 0.0; });
     }
-    Eigen::VectorXd finer = Eigen::VectorXd::Zero(n);
-    if (both)
-        finer = (apart / s.refinement).unaryExpr([](double c) { return std::isfinite(c) ? c : 0.0; });
     const bool elements = peakForce > 0.0; // free bodies have none: what differs there are steps
-    out.correction = elements ? finer : Eigen::VectorXd::Zero(n);
+    out.correction = elements ? missing : Eigen::VectorXd::Zero(n);
     const auto reach = std::max<Eigen::Index>(2, static_cast<Eigen::Index>(out.memory / dt));
     for (Eigen::Index k = 0; k < n && known; ++k) {
         const Leg& leg = run.legs[static_cast<std::size_t>(run.leg[static_cast<std::size_t>(k)])];
@@ -135,15 +133,15 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
         double grid = 0.0;
         if (both) {
             const Eigen::Index a = std::max<Eigen::Index>(0, k - reach), b = std::min(n, k + reach + 1);
-            const auto near = finer.segment(a, b - a).array();
+            const auto near = missing.segment(a, b - a).array();
             const double mean = near.mean(), varies = (near - mean).square().mean();
             grid = std::hypot(std::sqrt(varies), (elements ? s.uncorrected : 1.0) * mean);
         }
         out.force[k] = std::sqrt(out.force[k] * out.force[k] + place * place + grid * grid);
     }
     for (Eigen::Index k = 0; k < run.markers.size(); ++k) {
-        if (both && fine.markers.size() == run.markers.size() && coarse.markers.size() == run.markers.size())
-            out.markers[k] = std::hypot(out.markers[k], (fine.markers[k] - coarse.markers[k]) / 3.0);
+        if (both && fine.markers.size() == run.markers.size() && finer.markers.size() == run.markers.size())
+            out.markers[k] = std::hypot(out.markers[k], s.refinement * (finer.markers[k] - fine.markers[k]));
         if (!std::isfinite(run.markers[k]) || !std::isfinite(out.markers[k]))
             out.markers[k] = kMissing;
     }
@@ -158,16 +156,16 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
 }
 
 Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>& fine,
-               const std::vector<Response>& coarse, const MisfitSettings& settings)
+               const std::vector<Response>& finer, const MisfitSettings& settings)
     : data_(data), noise_(noise), settings_(settings), start_{0} {
     const double peak = data.free ? 0.0 : data.peakForce(); // the equations of free bodies are solved exactly
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
         Part part;
-        part.errors = rowErrors(run, noise, fine[r], coarse[r], peak, settings);
+        part.errors = rowErrors(run, noise, fine[r], finer[r], peak, settings);
         part.force =
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
-        addJumps(run, fine[r], coarse[r], part);
+        addJumps(run, fine[r], finer[r], part);
         // A load cell that nobody tared reads something of its own, a few per cent of what it is read for; poses have
         // no such zero.
         const double untared = data.free ? noise.total() : std::max(5.0 * noise.total(), 0.05 * peak);
@@ -215,7 +213,7 @@ void Misfit::addPlaces(const RecordedRun& run, double deviation, Part& part) {
     }
 }
 
-void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Response& coarse, Part& part) const {
+void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Response& finer, Part& part) const {
     const MisfitSettings& s = settings_;
     part.jumps = recordedJumps(run, s.snapShare, s.jumpNoise * noise_.total());
     const auto n = static_cast<Eigen::Index>(part.jumps.size());
@@ -225,15 +223,15 @@ void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Respon
     const double travel = run.displacement.maxCoeff() - run.displacement.minCoeff();
     for (Eigen::Index i = 0; i < n; ++i)
         shared[i] = s.jumpPlace * travel / std::abs(run.legAt(part.jumps[static_cast<std::size_t>(i)].time).speed);
-    if (fine.force.size() == run.force.size() && coarse.force.size() == run.force.size()) {
-        const auto a = jumpsOf(run, fine, s), b = jumpsOf(run, coarse, s);
+    if (fine.force.size() == run.force.size() && finer.force.size() == run.force.size()) {
+        const auto a = jumpsOf(run, fine, s), b = jumpsOf(run, finer, s);
         const auto inFine = sameJumps(run, part.jumps, a, s.jumpFarthest),
-                   inCoarse = sameJumps(run, a, b, s.jumpFarthest);
+                   inFiner = sameJumps(run, a, b, s.jumpFarthest);
         for (std::size_t i = 0; i < part.jumps.size(); ++i)
-            if (const int f = inFine[i]; f >= 0 && inCoarse[static_cast<std::size_t>(f)] >= 0) {
-                const double other = b[static_cast<std::size_t>(inCoarse[static_cast<std::size_t>(f)])].time;
+            if (const int f = inFine[i]; f >= 0 && inFiner[static_cast<std::size_t>(f)] >= 0) {
+                const double other = b[static_cast<std::size_t>(inFiner[static_cast<std::size_t>(f)])].time;
                 double& error = own[static_cast<Eigen::Index>(i)];
-                error = std::hypot(error, (a[static_cast<std::size_t>(f)].time - other) / 3.0);
+                error = std::hypot(error, s.refinement * (a[static_cast<std::size_t>(f)].time - other));
             }
     }
     Eigen::MatrixXd covariance = own.cwiseAbs2().asDiagonal();

@@ -83,7 +83,8 @@ struct Point {
     std::vector<Term> terms;
 };
 
-enum class Fineness : std::uint8_t { Coarse, Fine };
+/// Coarse for derivatives and searches, fine for residuals, finer to know the error of the fine one.
+enum class Fineness : std::uint8_t { Coarse, Fine, Finer };
 
 /// Readings of a simulated run.
 struct Response {

@@ -107,12 +107,12 @@ private:
     /// Rows weighed by what the simulation looks like at a point, then a fit from there. False: stopped, or why not.
     bool fitFrom(const Point& at) {
         const auto fine = evaluator_.everywhere({at}, Fineness::Fine).front();
-        const auto coarse = evaluator_.everywhere({at}, Fineness::Coarse).front();
+        const auto finer = evaluator_.everywhere({at}, Fineness::Finer).front();
         if (evaluator_.stopped())
             return false;
         if (out_.failure = firstFailure(data_, fine); !out_.failure.empty())
             return false;
-        out_.misfit = std::make_unique<Misfit>(data_, noise_, fine, coarse, settings_.misfit);
+        out_.misfit = std::make_unique<Misfit>(data_, noise_, fine, finer, settings_.misfit);
         out_.fit = fit(evaluator_, *out_.misfit, at);
         if (evaluator_.stopped())
             return false;

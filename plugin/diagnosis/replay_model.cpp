@@ -252,8 +252,9 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
     replay::Parameters p;
     if (out.failure = parametersAt(point, p); !out.failure.empty())
         return out;
-    const replay::Resolution resolution =
-        fineness == Fineness::Fine ? replay::Resolution::full() : replay::Resolution::coarse();
+    const replay::Resolution resolution = fineness == Fineness::Fine    ? replay::Resolution::full()
+                                          : fineness == Fineness::Finer ? replay::Resolution::finer()
+                                                                        : replay::Resolution::coarse();
     const replay::Simulated s = simulateWithin(experiment_, run, p, resolution, interrupt);
     out.failure = s.failure;
     const experiment::Run& recorded = experiment_.runs[run];

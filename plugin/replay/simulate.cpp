@@ -418,6 +418,13 @@ Resolution Resolution::coarse() {
     return {15, 1e-6, 5e-5, 0.5, 5e-3};
 }
 
+Resolution Resolution::finer() {
+    Resolution r = full();
+    r.elements = 61;
+    r.freeStep *= 0.5;
+    return r;
+}
+
 Simulated simulate(const Experiment& e, std::size_t run, const Parameters& parameters, const Resolution& resolution,
                    const Options& options) {
     Simulated out;

@@ -24,6 +24,8 @@ struct Resolution {
     static Resolution full();
     /// For derivatives and searches.
     static Resolution coarse();
+    /// The full one with arcs (of a free scene steps) half as long: their difference is what arcs are to blame for.
+    static Resolution finer();
 };
 
 /// What the sensors of the simulated machine read. Rows of readings as in the recording (the run's sampling times where

@@ -260,15 +260,15 @@ TEST_CASE("what finer elements would add is taken out of a simulation's force", 
     settings.contactPlace = settings.shareOfPeak = 0.0;
     // An error of 2 mN that grows as the square of the elements' length.
     constexpr double kError = 2e-3;
-    std::vector<Response> exact, fine, coarse;
+    std::vector<Response> exact, fine, finer;
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         exact.push_back(model.simulate(r, truth, Fineness::Fine, nullptr));
         fine.push_back(exact.back());
         fine.back().force.array() += kError;
-        coarse.push_back(exact.back());
-        coarse.back().force.array() += kError * (1.0 + settings.refinement);
+        finer.push_back(exact.back());
+        finer.back().force.array() += kError * (1.0 - 1.0 / settings.refinement);
     }
-    const Misfit misfit(data, estimateNoise(data), fine, coarse, settings);
+    const Misfit misfit(data, estimateNoise(data), fine, finer, settings);
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const Eigen::VectorXd left = misfit.departure(r, fine[r]).rows - (data.runs[r].force - exact[r].force);
         CHECK(left.cwiseAbs().maxCoeff() < 1e-12); // round-off of 1 N
@@ -277,22 +277,22 @@ TEST_CASE("what finer elements would add is taken out of a simulation's force", 
     }
     // Where the two differ without any order, half of the rows one way and half the other, all of it is doubt.
     for (std::size_t r = 0; r < data.runs.size(); ++r)
-        for (Eigen::Index k = 0; k < coarse[r].force.size(); k += 2)
-            coarse[r].force[k] = fine[r].force[k] - (coarse[r].force[k] - fine[r].force[k]);
-    const Misfit erratic(data, estimateNoise(data), fine, coarse, settings);
+        for (Eigen::Index k = 0; k < finer[r].force.size(); k += 2)
+            finer[r].force[k] = fine[r].force[k] - (finer[r].force[k] - fine[r].force[k]);
+    const Misfit erratic(data, estimateNoise(data), fine, finer, settings);
     CHECK(erratic.errors(0).force.segment(100, 50).mean() == Approx(kError).epsilon(0.05)); // windows of odd length
 }
 
 TEST_CASE("a sample behind the drive's end says nothing and harms nothing", "[diagnosis]") {
     Data data = toy::recordings(3);
     const toy::Spring model(data);
-    std::vector<Response> fine, coarse;
+    std::vector<Response> fine, finer;
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         fine.push_back(model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr));
         fine.back().force.tail(1).setConstant(std::numeric_limits<double>::quiet_NaN()); // nobody drives it there
-        coarse.push_back(fine.back());
+        finer.push_back(fine.back());
     }
-    const Misfit misfit(data, estimateNoise(data), fine, coarse);
+    const Misfit misfit(data, estimateNoise(data), fine, finer);
     const auto residual = misfit.residual(fine);
     REQUIRE(residual);
     CHECK(residual->allFinite());

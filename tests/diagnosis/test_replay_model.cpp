@@ -1,4 +1,5 @@
 #include "plugin/diagnosis/designs.h"
+#include "plugin/diagnosis/misfit.h"
 #include "plugin/diagnosis/replay_model.h"
 #include "plugin/experiment/load.h"
 #include "plugin/replay/parameters.h"
@@ -220,4 +221,50 @@ TEST_CASE("a learned moment with coefficients of zero is linear, and bends the c
         CHECK((linear.force - plain.force).norm() <= 1e-6 * plain.force.norm());
         CHECK((a.force - b.force).norm() <= 1e-2 * (b.force - plain.force).norm()); // the material's own step control
     }
+}
+
+TEST_CASE("what too few arcs do to an arch's force is known a hundred times better than it is large", "[diagnosis]") {
+    const auto e = experiment::load(std::string(SC_TEST_DATA) + "/recordings/training/case_12/experiment.json");
+    REQUIRE(e);
+    const ReplayModel model(*e);
+    const Data data = dataOf(*e);
+    constexpr std::size_t kRun = 2; // slow, there and back
+    diagnosis::Point at;
+    for (const Scalar& s : model.nominal())
+        at.nominal.push_back(s.value);
+    const std::atomic<bool>* const never = nullptr;
+    const Response fine = model.simulate(kRun, at, Fineness::Fine, never),
+                   finer = model.simulate(kRun, at, Fineness::Finer, never);
+    REQUIRE(fine.failure.empty());
+    REQUIRE(finer.failure.empty());
+    const double peak = data.peakForce();
+    const RowErrors errors = rowErrors(data.runs[kRun], estimateNoise(data), fine, finer, peak, {});
+
+    replay::Parameters p = replay::nominal(*e);
+    for (std::size_t i = 0; i < at.nominal.size(); ++i)
+        if (model.nominal()[i].name == "series_compliance")
+            p.seriesCompliance = at.nominal[i];
+    const auto force = [&](int elements) {
+        replay::Resolution r = replay::Resolution::full();
+        r.elements = elements;
+        const std::vector<double> f = replay::simulate(*e, kRun, p, r).readings.force;
+        return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Eigen::Index>(f.size())));
+    };
+    const Eigen::VectorXd many = force(121);
+    const Eigen::VectorXd exact = many + (many - force(61)) / 3.0;
+    std::vector<double> without, with; // share of the peak
+    for (Eigen::Index k = 0; k < exact.size(); ++k)
+        if (std::abs(exact[k]) > 0.05 * peak) {
+            without.push_back(std::abs(fine.force[k] - exact[k]) / peak);
+            with.push_back(std::abs(fine.force[k] + errors.correction[k] - exact[k]) / peak);
+        }
+    REQUIRE(with.size() > 1000);
+    const auto most = [](std::vector<double>& v) {
+        std::nth_element(v.begin(), v.begin() + static_cast<long>(9 * v.size() / 10), v.end());
+        return v[9 * v.size() / 10];
+    };
+    INFO("90 % of the rows within " << most(without) << ", corrected " << most(with));
+    CHECK(most(without) > 5e-4); // else there is nothing to correct
+    // The next order is (1/31)^2 of the first, some thousandth, times a number of order one or a few.
+    CHECK(most(with) < 0.01 * most(without));
 }

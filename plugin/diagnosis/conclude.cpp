@@ -199,8 +199,11 @@ std::string statementOf(const Diagnosis& d, const Evidence& e) {
     const std::string text = judged(d, e);
     if (d.noise.swing <= 0.0)
         return text;
-    return text + " At rest the reading swings by " + rounded(d.noise.swing, 3) + " " + d.unit + " with a period of " +
-           rounded(d.noise.swingPeriod, 3) + " s: whatever does that, no specimen does.";
+    return text +
+           (d.noise.swingInMisfit ? " Whatever the drive does the reading swings by "
+                                  : " At rest the reading swings by ") +
+           rounded(d.noise.swing, 3) + " " + d.unit + " with a period of " + rounded(d.noise.swingPeriod, 3) +
+           " s: whatever does that, no specimen does.";
 }
 
 bool alikeByNature(const Data& data, const std::string& a, const std::string& b) {

@@ -108,6 +108,7 @@ private:
 
     void withoutNoise();
     bool nominal();
+    bool fitBy(const Noise& noise);
     void locate();
     void look();
     void summarise();
@@ -141,6 +142,17 @@ private:
     bool any_ = false;           ///< whether there is a best one
 };
 
+/// Recorded minus simulated force where it counts, N; elsewhere not a number.
+Eigen::VectorXd forceLeft(const Misfit& misfit, std::size_t run, const Response& simulated) {
+    const Departure d = misfit.departure(run, simulated);
+    Eigen::VectorXd left =
+        Eigen::VectorXd::Constant(misfit.data().runs[run].force.size(), std::numeric_limits<double>::quiet_NaN());
+    for (Index k = 0; k < left.size() && d.rows.size() > 0; ++k)
+        if (misfit.counts(run, k))
+            left[k] = d.rows[k];
+    return left;
+}
+
 /// Everything is said in units of the noise: without one nothing is known beyond what was believed before.
 void Work::withoutNoise() {
     out_.verdict = "not_enough_information";
@@ -155,8 +167,19 @@ void Work::withoutNoise() {
 }
 
 bool Work::nominal() {
-    if (settings_.ablation.whitening)
-        out_.noise = out_.noise.asWhite();
+    if (!fitBy(out_.noise))
+        return false;
+    if (evaluator_.stopped() || data_.free || out_.noise.swing > 0.0)
+        return true;
+    std::vector<Eigen::VectorXd> left;
+    for (std::size_t r = 0; r < data_.runs.size(); ++r)
+        left.push_back(forceLeft(*misfit_, r, base_.responses[r]));
+    const Swing swing = swingOfMisfit(data_, left);
+    return swing.period <= 0.0 || fitBy(estimateNoise(data_, swing));
+}
+
+bool Work::fitBy(const Noise& noise) {
+    out_.noise = settings_.ablation.whitening ? noise.asWhite() : noise;
     Nominal found = fitNominal(data_, evaluator_, out_.noise, settings_,
                                [&](double fraction, const std::string& words) { stage(fraction, words); });
     out_.failure = std::move(found.failure);

@@ -377,16 +377,13 @@ Sized sizeOf(const std::vector<Rest>& rests, const std::vector<Roughness>& rough
 /// The same with a sine taken out, where the readings leave no doubt that there is one. Taken for noise, a disturbance
 /// of 9 mN made noise of 2.3 mN four, and a strong effect, plain to the eye, was "nothing missing".
 Sized withoutSwing(const Data& data, const std::vector<Rest>& rests, double stated, double least, Sized plain) {
-    // Size and phase in each run and one period, each worth what it takes to state it, among some hundred periods.
-    const double price = 15.0 + 3.0 * (2.0 * static_cast<double>(data.runs.size()) + 1.0);
+    constexpr double kPeriods = 2.0; // that a run rests for
+    const double price = priceOfSwing(data);
     const double white = std::max(plain.noise.white, 1e-300);
-    const Swing swing = largestSwing(data, rests, white, 0.55 * white, 0.25);
+    const Swing swing = largestSwing(data, rests, {white, 0.55 * white, 0.25}, kPeriods);
     if (swing.explained < 2.0 * price)
         return plain;
-    Data still = data;
-    for (std::size_t r = 0; r < still.runs.size(); ++r)
-        for (Eigen::Index k = 0; k < still.runs[r].force.size(); ++k)
-            still.runs[r].force[k] -= swing.at(r, still.runs[r].time[k]);
+    Data still = swing.takenOut(data);
     Sized other = sizeOf(restsOf(still), roughnessFor(still, stated), stated, least);
     if (other.logLikelihood < plain.logLikelihood + price)
         return plain;
@@ -414,9 +411,10 @@ bool refutes(const Data& data, const std::vector<Rest>& rests, const Noise& foun
 
 } // namespace
 
-Noise estimateNoise(const Data& data) {
-    if (data.free)
-        return freeNoise(data);
+Noise estimateNoise(const Data& recorded, const Swing& seen) {
+    if (recorded.free)
+        return freeNoise(recorded);
+    const Data data = seen.takenOut(recorded);
     const std::vector<Rest> rests = restsOf(data);
     const double least = leastForceNoise(data, stepOf);
     const auto sizedBy = [&](double stated) {
@@ -465,10 +463,14 @@ Noise estimateNoise(const Data& data) {
                       least * std::sqrt(12.0), data.unit.c_str());
         best.source += words;
     }
+    if (seen.period > 0.0) {
+        best.swing = seen.amplitude();
+        best.swingPeriod = seen.period;
+        best.swingInMisfit = true;
+    }
     if (best.swing > 0.0) {
-        std::snprintf(words, sizeof words,
-                      "; a swing of %.3g N with a period of %.3g s, which rests show, is none of it", best.swing,
-                      best.swingPeriod);
+        std::snprintf(words, sizeof words, "; a swing of %.3g N with a period of %.3g s, which %s, is none of it",
+                      best.swing, best.swingPeriod, best.swingInMisfit ? "the misfit shows" : "rests show");
         best.source += words;
     }
     return best;

@@ -19,12 +19,14 @@
 // and taken as zero; the source says so.
 //
 // Where a sine in the rests makes them so much more probable that there is no doubt, it is taken out first: a
-// disturbance that never rests would count as noise, and hide itself.
+// disturbance that never rests would count as noise, and hide itself. Rests that are too short to show one say that
+// noise is large instead; what a fit leaves of whole runs shows it (swings.h), and the estimate is made once more.
 //
 // Source: restricted likelihood: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320; scale by the median of absolute
 // values: P. J. Huber, E. M. Ronchetti, "Robust Statistics", 2nd ed. (2009), 5.1.
 
 #include "plugin/diagnosis/data.h"
+#include "plugin/diagnosis/swings.h"
 
 #include <string>
 #include <vector>
@@ -41,8 +43,9 @@ struct Noise {
     double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N
     double tails = 0.0;      ///< excess kurtosis of the white part, 0: not told from a normal distribution
     std::size_t repeats = 0; ///< runs that repeat another one
-    /// What rests show beyond noise, a sine of the reading: no part of it. N, s; 0: none.
+    /// What rests (or whole runs) show beyond noise, a sine of the reading: no part of it. N, s; 0: none.
     double swing = 0.0, swingPeriod = 0.0;
+    bool swingInMisfit = false; ///< whole runs show it, in what the nominal fit leaves of them; else rests
     /// What the readings leave open of the first three: equally probable draws of their posterior. Empty: nothing.
     struct Possible {
         double white = 0.0, coloured = 0.0, memory = 0.0;
@@ -55,6 +58,7 @@ struct Noise {
     [[nodiscard]] double ofMean(double span, double dt) const;
 };
 
-Noise estimateNoise(const Data& data);
+/// @param seen a sine that whole runs show (swingOfMisfit()): taken out
+Noise estimateNoise(const Data& data, const Swing& seen = {});
 
 } // namespace supercircle::diagnosis

@@ -53,6 +53,13 @@ Eigen::VectorXd Whitening::apply(const Eigen::VectorXd& raw) const {
     return out;
 }
 
+Eigen::MatrixXd Whitening::columns(const Eigen::MatrixXd& raw) const {
+    Eigen::MatrixXd out(raw.rows(), raw.cols());
+    for (Eigen::Index c = 0; c < out.cols(); ++c)
+        out.col(c) = apply(raw.col(c));
+    return out;
+}
+
 Eigen::VectorXd Whitening::transposed(const Eigen::VectorXd& whitened) const {
     Eigen::VectorXd out = Eigen::VectorXd::Zero(whitened.size());
     double a = 0.0, b = 0.0; // by how much the sum rises with the states behind a row

@@ -28,6 +28,8 @@ public:
 
     /// Standardised innovations of `raw`; 0 in missing rows.
     [[nodiscard]] Eigen::VectorXd apply(const Eigen::VectorXd& raw) const;
+    /// The same of each column.
+    [[nodiscard]] Eigen::MatrixXd columns(const Eigen::MatrixXd& raw) const;
     /// The transposed map: <apply(a), b> = <a, transposed(b)> for all a that are 0 in missing rows.
     [[nodiscard]] Eigen::VectorXd transposed(const Eigen::VectorXd& whitened) const;
     [[nodiscard]] double logDeterminant() const { return logDeterminant_; } ///< of the covariance of the rows present

@@ -237,13 +237,16 @@ struct Apart {
     }
 };
 
-Apart apart(const Clean& a, const Clean& b, const Nuisance& n) {
+/// @param from first run that counts
+Apart apart(const Clean& a, const Clean& b, const Nuisance& n, std::size_t from = 0) {
     Apart out;
-    for (std::size_t r = 0; r < a.force.size(); ++r)
+    for (std::size_t r = from; r < a.force.size(); ++r)
         for (std::size_t i = 0; i < a.force[r].size(); ++i)
             out.rows.push_back(std::abs(a.force[r][i] - b.force[r][i]) / n.total());
     return out;
 }
+
+constexpr double kMostApart = 8.0; // noise units; beside a jump readings say when it comes, not how large it is
 
 /// Distance of the markers of two recordings along x or y, rms over all rows, m; none: 0.
 double markersApart(const Clean& a, const Clean& b) {
@@ -285,10 +288,6 @@ struct Drawn {
 /// answer can be right or wrong there.
 Drawn drawCase(const Plan& plan) {
     constexpr int kTries = 8;
-    constexpr double kMost = 8.0; // noise units; beside a jump readings say when it comes, not how large it is
-    // Errors that resolution halves are this large themselves, and half a noise unit that keeps its sign hides an
-    // effect of ten deviations.
-    constexpr double kSure = 0.25;
     for (int i = 0;; ++i) {
         Drawn d{{}, Draw(plan.seed + 15485863ULL * static_cast<std::uint64_t>(i)), {}};
         d.secret = drawSecret(d.draw, plan);
@@ -300,8 +299,8 @@ Drawn drawCase(const Plan& plan) {
         const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
         const Clean usual = simulate(s.description, truth, {}), coarse = simulate(s.description, truth, finer(0.5));
         const bool both = usual.failure.empty() && coarse.failure.empty();
-        s.ownError = both ? apart(usual, coarse, s.nuisance).rms(kMost) : std::numeric_limits<double>::infinity();
-        if (s.ownError <= kSure)
+        s.ownError = both ? apart(usual, coarse, s.nuisance).rms(kMostApart) : std::numeric_limits<double>::infinity();
+        if (s.ownError <= kSureOfItself)
             return d;
         if (i + 1 == kTries) {
             d.failure = "the second simulator is never sure of what it records";
@@ -377,7 +376,14 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
                         {"rms_effect_N", rms(clean.force[r], plain.force[r])},
                         {"peak_N", *std::max_element(clean.force[r].begin(), clean.force[r].end())}});
     }
-    out.answer = answerOf(s, truth, runs).dump(1) + "\n";
+    Json answer = answerOf(s, truth, runs);
+    if (further) {
+        const Clean coarse = simulate(s.description, truth, finer(0.5));
+        answer["further_own_error"] = // infinite is null in JSON
+            belongs(clean, coarse) ? apart(clean, coarse, s.nuisance, clean.force.size() - 1).rms(kMostApart)
+                                   : std::numeric_limits<double>::infinity();
+    }
+    out.answer = answer.dump(1) + "\n";
     return out;
 }
 

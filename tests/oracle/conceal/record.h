@@ -25,6 +25,11 @@ struct Further {
 
 struct Clean;
 
+/// Noise units (root mean square of the readings) by which half the resolution may change what the second simulator
+/// records. Errors that resolution halves are this large themselves, and half a noise unit that keeps its sign hides an
+/// effect of ten deviations.
+constexpr double kSureOfItself = 0.25;
+
 /// The files of the same plan are the same bytes every time; a further run is recorded behind the others with the same
 /// specimen, effects and sensors, and changes nothing in them but the description's list of runs.
 /// @param instead readings that take the place of the second simulator's, with the same noise

@@ -168,10 +168,16 @@ void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Ju
             continue;
         const Judged now =
             judge((cases / "answers" / (was.name + ".json")).string(), (to / was.name / "diagnosis.json").string());
-        decided.count(settled(now));
-        if (was.verdict == "not_enough_information")
+        // A run in which the second simulator is not sure of itself settles nothing: such cases are drawn again, too.
+        const bool counts = now.furtherOwnError <= kSureOfItself;
+        if (counts)
+            decided.count(settled(now));
+        if (counts && was.verdict == "not_enough_information")
             weakDecided.count(settled(now));
-        lines += "  " + was.name + " (" + was.verdict + "): " + was.next + "\n    " +
+        char sure[64];
+        std::snprintf(sure, sizeof sure, " (second simulator sure to %.2f%s)", now.furtherOwnError,
+                      counts ? "" : ", not counted");
+        lines += "  " + was.name + " (" + was.verdict + "): " + was.next + sure + "\n    " +
                  (settled(now) ? "settled" : "open or wrong") + ": " + now.statement + "\n";
     }
     const auto share = [](const Share& s) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -233,6 +234,9 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
                 if (hidden.at("label") == j.first)
                     compareParameters(hidden, effects.front(), j);
         compareErrors(answer, d, j);
+        if (answer.contains("further_own_error")) // null: infinite
+            j.furtherOwnError = answer["further_own_error"].is_number() ? answer["further_own_error"].get<double>()
+                                                                        : std::numeric_limits<double>::infinity();
         if (!d.at("next_experiment").is_null())
             j.next = d.at("next_experiment").at("what");
     } catch (const Json::exception& e) {

@@ -30,6 +30,8 @@ struct Judged {
     double seconds = 0.0;
     double pNothing = 0.0, pUnknown = 0.0, pFirst = 0.0, pTruth = 0.0;
     std::string next; ///< experiment it proposes
+    /// Noise units by which the second simulator is off itself in a run that was asked for; infinite: not known.
+    double furtherOwnError = 0.0;
 };
 
 /// Throws std::runtime_error if a file cannot be read or is not what it should be.

@@ -68,6 +68,21 @@ std::string shownOnlyBy(const FoundEffect& e) {
     return text;
 }
 
+/// What the effect does for runs that its fit had not seen. A weak effect, or one that markers show, leaves the error
+/// of a single force as it was: what speaks for it is many readings that agree.
+std::string onUnseenRuns(const Diagnosis& d, const FoundEffect& e) {
+    const std::string before = rounded(d.baselineHeldOut, 3), after = rounded(d.improvedHeldOut, 3);
+    const std::string noise = " (sensor noise " + rounded(d.noise.total(), 3) + " " + d.unit + ")";
+    const double tens = std::round(std::max(0.0, e.gain) / std::log(10.0));
+    const std::string change = before == after                         ? "stays at "
+                               : d.improvedHeldOut < d.baselineHeldOut ? "falls from " + before + " to "
+                                                                       : "rises from " + before + " to ";
+    std::string text = "on runs it had not seen the error of a reading " + change + after + " " + d.unit + noise;
+    if (!(d.improvedHeldOut < d.baselineHeldOut && before != after) && tens >= 1.0)
+        text += ", but together they are 10^" + rounded(tens, 6) + " times as probable as without";
+    return text + ".";
+}
+
 std::string named(const Diagnosis& d) {
     const FoundEffect& e = d.effects.front();
     const bool all = d.improvedHeldOut <= kAll * d.noise.total();
@@ -80,10 +95,7 @@ std::string named(const Diagnosis& d) {
         // Shown by another hypothesis its values are not those that act here.
         text += "; together with " + (other != d.effects.end() ? withValues(*other) : plainWords(label));
     }
-    text += "; on runs it had not seen the error falls from " + rounded(d.baselineHeldOut, 3) + " to " +
-            rounded(d.improvedHeldOut, 3) + " " + d.unit + " (sensor noise " + rounded(d.noise.total(), 3) + " " +
-            d.unit + ").";
-    text += shownOnlyBy(e);
+    text += "; " + onUnseenRuns(d, e) + shownOnlyBy(e);
     if (!all)
         text += " What is left is more than noise: something else acts beside it, or its law is another one, and its "
                 "numbers carry a part of that.";

@@ -133,6 +133,7 @@ private:
     Diagnosis out_;
     std::unique_ptr<Misfit> misfit_;
     Fitted base_;
+    double noiseSquares_ = 1.0; ///< mostSquares()
     HeldOut baseHeld_;
     Grouping grouping_;
     std::vector<Screened> screened_;
@@ -182,6 +183,7 @@ bool Work::fitBy(const Noise& noise) {
     out_.noise = settings_.ablation.whitening ? noise.asWhite() : noise;
     Nominal found = fitNominal(data_, evaluator_, out_.noise, settings_,
                                [&](double fraction, const std::string& words) { stage(fraction, words); });
+    noiseSquares_ = mostSquares(data_, out_.noise, settings_.seed);
     out_.failure = std::move(found.failure);
     misfit_ = std::move(found.misfit);
     base_ = std::move(found.fit);
@@ -204,8 +206,8 @@ void Work::locate() {
 }
 
 void Work::tryHypotheses(bool first) {
-    const Ground ground{data_, evaluator_, settings_, *misfit_,        grouping_,
-                        base_, baseHeld_,  screened_, out_.mismatch.p, out_.noise.tails};
+    const Ground ground{data_,     evaluator_, settings_,       *misfit_,         grouping_,    base_,
+                        baseHeld_, screened_,  out_.mismatch.p, out_.noise.tails, noiseSquares_};
     Searched found = search(ground, [&](double fraction, const std::string& words) { stage(fraction, words); });
     tried_ = std::move(found.tried);
     out_.left = std::move(found.left);
@@ -369,6 +371,7 @@ void Work::weighAll(Weighed& w) const {
     }
     given.p = out_.mismatch.tail;
     given.tails = out_.noise.tails;
+    given.noiseSquares = noiseSquares_;
     const double swing = out_.noise.swing, noise = out_.noise.total(), left = baseHeld_.forceRmse;
     given.swings = swing > 0.0 && 0.5 * swing * swing > 0.5 * (left * left - noise * noise); // mean squares
     given.seed = settings_.seed + 1;

@@ -1,6 +1,8 @@
 #include "plugin/diagnosis/noise.h"
 
+#include "plugin/diagnosis/random.h"
 #include "plugin/diagnosis/rests.h"
+#include "plugin/diagnosis/whitening.h"
 
 #include <algorithm>
 #include <cmath>
@@ -474,6 +476,41 @@ Noise estimateNoise(const Data& recorded, const Swing& seen) {
         best.source += words;
     }
     return best;
+}
+
+double mostSquares(const Data& data, const Noise& noise, std::uint64_t seed) {
+    constexpr double kMore = 1.0 / 40.0;
+    constexpr Eigen::Index kRows = 2000; // of a run; more say nothing new
+    if (noise.possible.empty())
+        return 1.0;
+    std::vector<double> squares(noise.possible.size(), 0.0);
+    double expected = 0.0;
+    Random random(seed);
+    for (const RecordedRun& run : data.runs) {
+        const Eigen::VectorXd time = run.time.head(std::min(kRows, run.time.size()));
+        const Whitening whitening(time, noise.white, noise.coloured, noise.memory);
+        Eigen::VectorXd fast(time.size()), slow(time.size()); // the same numbers for all: what differs is their size
+        for (Eigen::Index k = 0; k < time.size(); ++k) {
+            fast[k] = random.normal();
+            slow[k] = random.normal();
+        }
+        const auto whitened = [&](const Noise::Possible& p) {
+            Eigen::VectorXd reading(time.size());
+            double a = 0.0;
+            for (Eigen::Index k = 0; k < time.size(); ++k) {
+                const double keep = k > 0 ? std::exp(-(time[k] - time[k - 1]) / p.memory) : 0.0;
+                a = keep * a + p.coloured * std::sqrt(1.0 - keep * keep) * slow[k];
+                reading[k] = a + p.white * fast[k];
+            }
+            return whitening.apply(reading).squaredNorm();
+        };
+        expected += whitened({noise.white, noise.coloured, noise.memory});
+        for (std::size_t i = 0; i < squares.size(); ++i)
+            squares[i] += whitened(noise.possible[i]);
+    }
+    std::sort(squares.begin(), squares.end());
+    const auto at = static_cast<std::size_t>((1.0 - kMore) * static_cast<double>(squares.size() - 1));
+    return expected > 0.0 ? std::max(1.0, squares[at] / expected) : 1.0;
 }
 
 } // namespace supercircle::diagnosis

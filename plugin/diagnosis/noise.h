@@ -28,6 +28,7 @@
 #include "plugin/diagnosis/data.h"
 #include "plugin/diagnosis/swings.h"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -60,5 +61,9 @@ struct Noise {
 
 /// @param seen a sine that whole runs show (swingOfMisfit()): taken out
 Noise estimateNoise(const Data& data, const Swing& seen = {});
+
+/// Mean square of whitened readings, 1 by the most probable noise, where the noise is larger than thought: a fortieth
+/// of what is possible has more. 1 where nothing is open.
+double mostSquares(const Data& data, const Noise& noise, std::uint64_t seed);
 
 } // namespace supercircle::diagnosis

@@ -156,7 +156,8 @@ void Search::tryMore() {
         least = std::min(least, dispersionOf(t.held));
     const double dispersion = std::max(1.0, least);
     rank(dispersion);
-    const double bound = noiseBound(g_.baseHeld.rows.sum(), g_.tails), excess = dispersionOf(g_.baseHeld) - 1.0;
+    const double bound = noiseBound(g_.baseHeld.rows.sum(), g_.tails, g_.noiseSquares),
+                 excess = dispersionOf(g_.baseHeld) - 1.0;
     const auto share = [&](const Tried& t) {
         const double beyond = dispersionOf(t.held) - bound;
         return excess > 0.0 ? std::max(0.0, beyond) / excess : beyond > 0.0 ? 1.0 : 0.0;

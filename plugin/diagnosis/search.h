@@ -23,8 +23,9 @@ struct Ground {
     const Fitted& base; ///< nominal fit
     const HeldOut& baseHeld;
     const std::vector<Screened>& screened;
-    double p = 1.0;     ///< family-wise, of the nominal fit's misfit
-    double tails = 0.0; ///< excess kurtosis of the noise
+    double p = 1.0;            ///< family-wise, of the nominal fit's misfit
+    double tails = 0.0;        ///< excess kurtosis of the noise
+    double noiseSquares = 1.0; ///< that it may have per row (mostSquares())
 };
 
 /// How a fit foretells what it has not seen, as the settings want it.

@@ -18,9 +18,9 @@ constexpr double kLeftByTheTrueOne = 0.1;
 /// How much rarer an effect is at a size beyond what is plausible: as two causes at once are than one.
 constexpr double kStretched = 0.1;
 
-Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double floor, double tails) {
+Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double floor, const Weighing& given) {
     const double rows = std::max(1.0, nothing.rows.sum());
-    floor *= noiseBound(rows, tails);
+    floor *= noiseBound(rows, given.tails, given.noiseSquares);
     const double toExplain = 0.5 * std::max(0.0, nothing.energy.sum() - floor * rows) / dispersion;
     const double cost = std::max(4.0 * std::log(std::max(2.0, rows)), 0.15 * toExplain);
     // It has the nominal parameters' uncertainty too.
@@ -29,8 +29,8 @@ Eigen::VectorXd unknownScore(const HeldOut& nothing, double dispersion, double f
 
 } // namespace
 
-double noiseBound(double rows, double tails) {
-    return 1.1 + 2.0 * std::sqrt((2.0 + tails) / std::max(1.0, rows));
+double noiseBound(double rows, double tails, double squares) {
+    return std::max(1.1, squares) + 2.0 * std::sqrt((2.0 + tails) / std::max(1.0, rows));
 }
 
 double dispersionOf(const HeldOut& h) {
@@ -148,8 +148,7 @@ Hypotheses hypothesesOf(const HeldOut& nothing, const std::vector<HeldOut>& effe
         least = std::min(least, dispersionOf(h));
     out.dispersion = std::max(1.0, least);
     Hypotheses all;
-    all.scores = {nothing.score(out.dispersion),
-                  unknownScore(nothing, out.dispersion, std::min(1.0, least), given.tails)};
+    all.scores = {nothing.score(out.dispersion), unknownScore(nothing, out.dispersion, std::min(1.0, least), given)};
     all.prior = {kNothing, kUnknown};
     const double catalogue = static_cast<double>(std::max<std::size_t>(1, given.catalogue));
     std::size_t named = 0;
@@ -195,7 +194,7 @@ void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
 /// as good at least.
 void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, const Weighing& given, Weighed& out) {
     const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(best) - 1.0;
-    const double bound = noiseBound(nothing.rows.sum(), given.tails) - 1.0;
+    const double bound = noiseBound(nothing.rows.sum(), given.tails, given.noiseSquares) - 1.0;
     out.rejected = (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) ||
                    left > kMoreThanTheTrueOne || given.isPressed(out.best) || given.swings;
     if (out.rejected)

@@ -78,6 +78,7 @@ struct Weighing {
     std::size_t catalogue = 1; ///< number of labels there are, also those that were not fitted
     double p = 0.0;            ///< family-wise, of the nominal fit
     double tails = 0.0;        ///< excess kurtosis of the noise
+    double noiseSquares = 1.0; ///< squares per row that noise may have if it is larger than thought (mostSquares())
     std::vector<double> prior; ///< of each effect; empty: shares of kCatalogue
     /// Of each effect: those it must beat by two standard errors to count at all (the parts of a pair, the best named
     /// effect for a learned law).
@@ -104,8 +105,9 @@ void leaveUnknownOut(Weighed& weighed);
 double surprise(double p);
 
 /// Standardised squared error per row that noise alone may leave: an energy of `rows` give or take sqrt(2 rows), more
-/// with heavy tails (excess kurtosis), of a noise whose size is known to some 5 %.
-double noiseBound(double rows, double tails);
+/// with heavy tails (excess kurtosis), of a noise whose size is known to 5 % at best.
+/// @param squares per row that noise may have if it is larger than thought (mostSquares())
+double noiseBound(double rows, double tails, double squares);
 
 /// Standardised squared error per row on unseen rows.
 double dispersionOf(const HeldOut& held);

@@ -1,6 +1,7 @@
 #include "toy.h"
 
 #include "plugin/diagnosis/noise.h"
+#include "plugin/diagnosis/whitening.h"
 
 #include <catch2/catch.hpp>
 #include <functional>
@@ -197,4 +198,39 @@ TEST_CASE("without any noise nothing is said, in words", "[diagnosis]") {
         CHECK(d.forwardRuns == 0);
         CHECK(d.failure.empty());
     }
+}
+
+TEST_CASE("noise that is larger than thought stays below what it may be", "[diagnosis]") {
+    // The bound is exceeded by a fortieth of what is possible, plus two deviations of a mean over rows that remember
+    // nothing: one or two of forty recordings at most, four by bad luck (a binomial of .05, p = .05).
+    int beyond = 0;
+    double most = 0.0;
+    for (std::uint64_t seed = 601; seed < 641; ++seed) {
+        const Data data = toy::recordings(seed);
+        const Noise noise = estimateNoise(data);
+        const double squares = mostSquares(data, noise, 1);
+        CHECK(squares >= 1.0);
+        most = std::max(most, squares);
+        const toy::Spring spring(data);
+        double sum = 0.0, rows = 0.0;
+        for (std::size_t r = 0; r < data.runs.size(); ++r) {
+            const RecordedRun& run = data.runs[r];
+            const Eigen::VectorXd left =
+                run.force - spring.simulate(r, {{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+            sum += Whitening(run.time, noise.white, noise.coloured, noise.memory).apply(left).squaredNorm();
+            rows += static_cast<double>(run.time.size());
+        }
+        beyond += sum / rows > squares + 2.0 * std::sqrt(2.0 / rows) ? 1 : 0;
+    }
+    CHECK(beyond <= 4);
+    CHECK(most < 1.5); // the slow part is known to a quarter: it says something
+
+    Noise sure = estimateNoise(toy::recordings(601));
+    sure.possible.assign(10, {sure.white, sure.coloured, sure.memory});
+    CHECK(mostSquares(toy::recordings(601), sure, 1) == Approx(1.0));
+    for (Noise::Possible& p : sure.possible) // twice as large: four times the squares
+        p = {2.0 * sure.white, 2.0 * sure.coloured, sure.memory};
+    CHECK(mostSquares(toy::recordings(601), sure, 1) == Approx(4.0));
+    sure.possible.clear();
+    CHECK(mostSquares(toy::recordings(601), sure, 1) == 1.0);
 }

@@ -189,4 +189,14 @@ TEST_CASE("an undecided verdict says how probable each rival is, effects that ac
     d.improvedHeldOut = 0.015;
     CHECK(statementOf(d, e).find("Most of what the runs show is explained by") == 0);
     CHECK(statementOf(d, e).find("something else acts beside it") != std::string::npos);
+
+    // "The error falls from 0.00106 to 0.00106 N" is no reason to believe in anything.
+    d.effects[0].gain = 12.0; // 10^5.2
+    d.baselineHeldOut = 0.02;
+    CHECK_THAT(statementOf(d, e),
+               Catch::Contains("the error of a reading falls from 0.02 to 0.015") && !Catch::Contains("10^"));
+    d.baselineHeldOut = 0.015003;
+    CHECK_THAT(statementOf(d, e), Catch::Contains("stays at 0.015") && Catch::Contains("10^5 times as probable"));
+    d.baselineHeldOut = 0.0145;
+    CHECK_THAT(statementOf(d, e), Catch::Contains("rises from 0.0145 to 0.015") && Catch::Contains("10^5 times"));
 }

@@ -123,6 +123,7 @@ std::string diagnosisJson(const Diagnosis& d) {
         next = {{"what", d.next->run.what},
                 {"separates", d.next->separates},
                 {"expected_power", d.next->power},
+                {"repeats", d.next->repeats},
                 {"drive", {{"time_s", d.next->run.time}, {"displacement_m", d.next->run.displacement}}},
                 {"sampling_Hz", d.next->run.rate}};
     const Json json = {

@@ -2,6 +2,7 @@
 
 #include "plugin/cli/diagnose_figures.h"
 
+#include "plugin/diagnosis/next.h"
 #include "plugin/record/rounded.h"
 #include "plugin/report/page_parts.h"
 #include "plugin/report/svg_canvas.h"
@@ -166,10 +167,11 @@ std::string driveTable(const diagnosis::Design& run) {
 std::string nextText(const Diagnosis& d) {
     if (!d.next)
         return {};
-    std::string both;
-    for (const std::string& label : d.next->separates)
-        both += (both.empty() ? "" : " from ") + escaped(diagnosis::plainWords(label));
-    return "<p>" + escaped(d.next->run.what) + ". It tells " + both + " with a power of at most " +
+    std::string all;
+    const std::vector<std::string>& labels = d.next->separates;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        all += (i == 0 ? "" : i + 1 == labels.size() ? " and " : ", ") + escaped(diagnosis::plainWords(labels[i]));
+    return "<p>" + escaped(diagnosis::inWords(*d.next)) + ". It tells " + all + " apart with a power of at most " +
            fixed(100.0 * d.next->power, 0) + " %.</p>" + driveTable(d.next->run);
 }
 

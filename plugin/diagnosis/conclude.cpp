@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/conclude.h"
 
+#include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/weigh.h"
 #include "plugin/record/rounded.h"
 
@@ -108,6 +109,10 @@ std::string percent(double p) {
     return record::fixed(100.0 * p, 0) + " %";
 }
 
+std::string nextOf(const Diagnosis& d) {
+    return d.next ? " Next: " + inWords(*d.next) + "." : "";
+}
+
 /// The rivals with their probabilities: effects, and what else has a share.
 std::string undecided(const Diagnosis& d, const Evidence& e) {
     constexpr double kWorthAWord = 0.03;
@@ -132,7 +137,7 @@ std::string undecided(const Diagnosis& d, const Evidence& e) {
     if (!d.effects.empty() && d.effects.front().group.size() > 1)
         text += " They cannot tell " + plainWords(d.effects.front().label) + " from " +
                 joined(d.effects.front().group, 1) + ".";
-    return text + (d.next ? " Next: " + d.next->run.what + "." : "");
+    return text + nextOf(d);
 }
 
 } // namespace
@@ -186,12 +191,12 @@ std::string judged(const Diagnosis& d, const Evidence& e) {
                                         : "Something stands out of the noise (p = ") +
                rounded(e.p, 3) + " for the largest of " + std::to_string(d.mismatch.family) + " statistics)" + likely +
                (e.nothing < kSuggestive ? ", too weak to decide: " : ", too little to believe in extra physics: ") +
-               "nothing is missing with a probability of " + rounded(e.nothing, 3) + "." +
-               (d.next ? " Next: " + d.next->run.what + "." : "");
+               "nothing is missing with a probability of " + rounded(e.nothing, 3) + "." + nextOf(d);
     }
     if (d.verdict == "not_enough_information")
         return "The simulation agrees with the runs, but most effects of the catalogue could be there at a size that "
-               "matters without being seen: these runs do not decide.";
+               "matters without being seen: these runs do not decide." +
+               nextOf(d);
     if (d.verdict == "named")
         return named(d);
     if (d.verdict == "unexplained")

@@ -131,6 +131,21 @@ const char* name(Phase phase) {
                                        : "free";
 }
 
+bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
+    if (a.legs.size() != b.legs.size())
+        return false;
+    for (std::size_t l = 0; l < a.legs.size(); ++l)
+        if (std::abs(a.legs[l].to - b.legs[l].to) > 1e-6 || std::abs(a.legs[l].speed - b.legs[l].speed) > 1e-9)
+            return false;
+    return true;
+}
+
+std::size_t Data::repeatsOf(std::size_t run) const {
+    const auto alike = std::count_if(runs.begin(), runs.end(),
+                                     [&](const RecordedRun& r) { return &r == &runs[run] || sameDrive(r, runs[run]); });
+    return static_cast<std::size_t>(alike);
+}
+
 std::string Data::markerChannel(Eigen::Index coordinate) const {
     return markerNames[static_cast<std::size_t>(coordinate / 2)] + (coordinate % 2 == 0 ? "_x" : "_y");
 }

@@ -65,6 +65,9 @@ private:
     }
 };
 
+/// Whether the machine does the same in both.
+bool sameDrive(const RecordedRun& a, const RecordedRun& b);
+
 struct Data {
     std::vector<RecordedRun> runs;
     std::string channel = "force";   ///< what RecordedRun::force holds ...
@@ -78,6 +81,8 @@ struct Data {
     std::vector<std::string> markerNames;
     /// Name of a marker coordinate: x and y of the first marker, of the second, ...
     [[nodiscard]] std::string markerChannel(Eigen::Index coordinate) const;
+    /// How many runs do the same as this one, itself included.
+    [[nodiscard]] std::size_t repeatsOf(std::size_t run) const;
     [[nodiscard]] double peakForce() const;
 };
 

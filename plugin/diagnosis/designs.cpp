@@ -84,7 +84,7 @@ struct Plan {
     double doubt = 1.0; ///< Design::doubt
 };
 
-constexpr double kDoubtOfFast = 5.0;
+constexpr double kDoubtOfFast = 12.0; // half a per cent of the peak
 
 std::vector<Plan> plansFor(const experiment::Experiment& e) {
     const Habits h = habitsOf(e);

@@ -2,15 +2,14 @@
 
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/fit.h"
-#include "plugin/diagnosis/forms.h"
 #include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/learn.h"
-#include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/nominal.h"
 #include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/profile.h"
 #include "plugin/diagnosis/search.h"
+#include "plugin/diagnosis/suspects.h"
 #include "plugin/diagnosis/weigh.h"
 
 #include <algorithm>
@@ -122,7 +121,6 @@ private:
     [[nodiscard]] const Tried* best(const Weighed& w, const std::string& with, const std::string& without) const;
     void groups(const Weighed& w, Evidence& evidence);
     void conclusions(const Weighed& w, Evidence& evidence);
-    [[nodiscard]] std::optional<std::size_t> rivalOfFirst() const;
     void suggest();
     void present();
 
@@ -491,48 +489,23 @@ void Work::conclusions(const Weighed& w, Evidence& e) {
     e.blind = matter > 0.0 ? blind / matter : 1.0;
 }
 
-/// What the first effect is most worth being told from: one that these runs cannot tell it from, else whatever is most
-/// probable beside it. Empty: that nothing is missing.
-std::optional<std::size_t> Work::rivalOfFirst() const {
-    const FoundEffect& first = out_.effects.front();
-    const auto inGroup = [&](std::size_t i) {
-        return std::find(first.group.begin(), first.group.end(), out_.effects[i].label) != first.group.end();
-    };
-    std::optional<std::size_t> best;
-    for (std::size_t i = 1; i < entries_.size(); ++i) // the most probable first
-        if (entries_[i].model != entries_.front().model && (!best || (inGroup(i) && !inGroup(*best))))
-            best = i;
-    if (best && !inGroup(*best) && out_.nothing > entries_[*best].probability)
-        best.reset();
-    return best;
-}
-
 void Work::suggest() {
     // Where nothing known holds, no run that tells two refuted effects from each other says what does.
     const bool open = out_.verdict == "ambiguous" || out_.verdict == "not_enough_information" ||
                       (out_.verdict == "named" && out_.effects.front().group.size() > 1);
-    if (!open || !settings_.next)
+    if (!open || !settings_.next || evaluator_.model().designs().empty())
         return;
     stage(0.96, "next experiment");
-    const auto rival = [&](const std::string& label, const Fitted& f) {
-        return Rival{label, f.point, f.x,
-                     posteriorOf(Variables(evaluator_.model(), f.point), f.jacobian, misfitPerRow(*misfit_, f))};
-    };
-    if (entries_.empty()) { // nothing came near being believed: what comes nearest
-        const auto nearest = std::max_element(screened_.begin(), screened_.end(),
-                                              [](const Screened& a, const Screened& b) { return a.gain < b.gain; });
-        if (nearest == screened_.end() || nearest->gain <= 0.0)
-            return;
-        const Tried t = fitProbe(evaluator_, *misfit_, base_, *nearest, 0.0);
-        if (t.fit.failure.empty())
-            out_.next = nextExperiment(evaluator_,
-                                       {rival(candidates()[nearest->candidate].label, t.fit), rival("nothing", base_)},
-                                       out_.noise);
-        return;
+    std::vector<Named> named;
+    const std::vector<std::string> group =
+        out_.effects.empty() ? std::vector<std::string>() : out_.effects.front().group;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+        const std::string& label = out_.effects[i].label;
+        named.push_back({label, entries_[i].probability, &tried_[entries_[i].model],
+                         std::find(group.begin(), group.end(), label) != group.end()});
     }
-    const auto of = [&](std::size_t i) { return rival(out_.effects[i].label, tried_[entries_[i].model].fit); };
-    const auto other = rivalOfFirst();
-    out_.next = nextExperiment(evaluator_, {of(0), other ? of(*other) : rival("nothing", base_)}, out_.noise);
+    out_.next =
+        nextExperiment(evaluator_, suspects(evaluator_, *misfit_, base_, named, screened_, out_.nothing), out_.noise);
 }
 
 void Work::present() {

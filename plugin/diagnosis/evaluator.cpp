@@ -35,6 +35,8 @@ bool same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 void Evaluator::checkStore(const Point& point, Fineness fineness) {
     std::vector<char> differs(runs_, 0);
     spread(runs_, [&](std::size_t r) {
+        if (model_.twin(r) != r)
+            return;
         const Question question{r, model_.simulated(point), fineness};
         const auto known = store_.find(keyOf(question));
         if (!known || stopped())
@@ -54,7 +56,7 @@ std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
     std::vector<std::size_t> open;
     std::vector<Response> results(questions.size());
     for (std::size_t i = 0; i < questions.size(); ++i) {
-        inner.push_back({questions[i].run, model_.simulated(questions[i].point), questions[i].fineness});
+        inner.push_back({model_.twin(questions[i].run), model_.simulated(questions[i].point), questions[i].fineness});
         keys.push_back(keyOf(inner[i]));
         asked_.insert(keys.back());
         if (auto known = store_.find(keys[i]))

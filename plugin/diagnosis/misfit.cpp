@@ -99,16 +99,22 @@ Eigen::MatrixXd shrinking(const Eigen::MatrixXd& N) {
 
 } // namespace
 
+MisfitSettings MisfitSettings::inEachOf(std::size_t n) const {
+    MisfitSettings out = *this;
+    out.repeated = std::sqrt(static_cast<double>(std::max<std::size_t>(1, n)));
+    return out;
+}
+
 double placeError(const Eigen::VectorXd& force, Eigen::Index k, double way, const MisfitSettings& s) {
-    return way > 0.0 ? steepest(force, k) * std::min(1.0, s.contactPlace / way) : 0.0;
+    return way > 0.0 ? s.repeated * steepest(force, k) * std::min(1.0, s.contactPlace / way) : 0.0;
 }
 
 RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& fine, const Response& finer,
                     double peakForce, const MisfitSettings& s) {
     RowErrors out;
     const Eigen::Index n = run.force.size();
-    out.force = Eigen::VectorXd::Constant(n, std::hypot(s.shareOfPeak * peakForce, noise.runToRun));
-    out.markers = Eigen::VectorXd::Constant(run.markers.size(), std::hypot(noise.marker, s.markerPlace));
+    out.force = Eigen::VectorXd::Constant(n, std::hypot(s.repeated * s.shareOfPeak * peakForce, noise.runToRun));
+    out.markers = Eigen::VectorXd::Constant(run.markers.size(), std::hypot(noise.marker, s.repeated * s.markerPlace));
     double shortest = kMissing;
     for (const Stroke& stroke : run.strokes)
         if (stroke.phase != Phase::Hold)
@@ -135,13 +141,14 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
             const Eigen::Index a = std::max<Eigen::Index>(0, k - reach), b = std::min(n, k + reach + 1);
             const auto near = missing.segment(a, b - a).array();
             const double mean = near.mean(), varies = (near - mean).square().mean();
-            grid = std::hypot(std::sqrt(varies), (elements ? s.uncorrected : 1.0) * mean);
+            grid = s.repeated * std::hypot(std::sqrt(varies), (elements ? s.uncorrected : 1.0) * mean);
         }
         out.force[k] = std::sqrt(out.force[k] * out.force[k] + place * place + grid * grid);
     }
     for (Eigen::Index k = 0; k < run.markers.size(); ++k) {
         if (both && fine.markers.size() == run.markers.size() && finer.markers.size() == run.markers.size())
-            out.markers[k] = std::hypot(out.markers[k], s.refinement * (finer.markers[k] - fine.markers[k]));
+            out.markers[k] =
+                std::hypot(out.markers[k], s.repeated * s.refinement * (finer.markers[k] - fine.markers[k]));
         if (!std::isfinite(run.markers[k]) || !std::isfinite(out.markers[k]))
             out.markers[k] = kMissing;
     }
@@ -161,11 +168,12 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
     const double peak = data.free ? 0.0 : data.peakForce(); // the equations of free bodies are solved exactly
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
+        const MisfitSettings here = settings.inEachOf(data.free ? 1 : data.repeatsOf(r));
         Part part;
-        part.errors = rowErrors(run, noise, fine[r], finer[r], peak, settings);
+        part.errors = rowErrors(run, noise, fine[r], finer[r], peak, here);
         part.force =
             Whitening(run.time, noise.white, noise.coloured, noise.memory, part.errors.force, part.errors.memory);
-        addJumps(run, fine[r], finer[r], part);
+        addJumps(run, fine[r], finer[r], here, part);
         // A load cell that nobody tared reads something of its own, a few per cent of what it is read for; poses have
         // no such zero.
         const double untared = data.free ? noise.total() : std::max(5.0 * noise.total(), 0.05 * peak);
@@ -173,11 +181,11 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
         part.own.resize(run.force.size(), 3);
         part.own.col(0) = part.force.apply(Eigen::VectorXd::Constant(run.force.size(), part.zero));
         part.own.col(1) = part.force.apply(clockShift(run, fine[r], part.errors.force) * settings.clock);
-        part.own.col(2) =
-            part.force.apply(ownScale(run, fine[r], part.errors.force) * (data.free ? 0.0 : settings.scale));
+        part.own.col(2) = part.force.apply(ownScale(run, fine[r], part.errors.force) *
+                                           (data.free ? 0.0 : here.repeated * here.scale));
         part.shrink = shrinking(part.own);
-        addPlaces(run, settings.markerShift, part);
-        addLandings(run, settings.landing, part);
+        addPlaces(run, here.repeated * here.markerShift, part);
+        addLandings(run, here.repeated * here.landing, part);
         start_.push_back(start_.back() + run.rows() + static_cast<Eigen::Index>(part.jumps.size()));
         parts_.push_back(std::move(part));
     }
@@ -213,8 +221,8 @@ void Misfit::addPlaces(const RecordedRun& run, double deviation, Part& part) {
     }
 }
 
-void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Response& finer, Part& part) const {
-    const MisfitSettings& s = settings_;
+void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Response& finer, const MisfitSettings& s,
+                      Part& part) const {
     part.jumps = recordedJumps(run, s.snapShare, s.jumpNoise * noise_.total());
     const auto n = static_cast<Eigen::Index>(part.jumps.size());
     if (n == 0)
@@ -222,7 +230,8 @@ void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Respon
     Eigen::VectorXd own = Eigen::VectorXd::Constant(n, run.spacing() / std::sqrt(12.0)), shared(n); // s
     const double travel = run.displacement.maxCoeff() - run.displacement.minCoeff();
     for (Eigen::Index i = 0; i < n; ++i)
-        shared[i] = s.jumpPlace * travel / std::abs(run.legAt(part.jumps[static_cast<std::size_t>(i)].time).speed);
+        shared[i] =
+            s.repeated * s.jumpPlace * travel / std::abs(run.legAt(part.jumps[static_cast<std::size_t>(i)].time).speed);
     if (fine.force.size() == run.force.size() && finer.force.size() == run.force.size()) {
         const auto a = jumpsOf(run, fine, s), b = jumpsOf(run, finer, s);
         const auto inFine = sameJumps(run, part.jumps, a, s.jumpFarthest),
@@ -231,7 +240,7 @@ void Misfit::addJumps(const RecordedRun& run, const Response& fine, const Respon
             if (const int f = inFine[i]; f >= 0 && inFiner[static_cast<std::size_t>(f)] >= 0) {
                 const double other = b[static_cast<std::size_t>(inFiner[static_cast<std::size_t>(f)])].time;
                 double& error = own[static_cast<Eigen::Index>(i)];
-                error = std::hypot(error, s.refinement * (a[static_cast<std::size_t>(f)].time - other));
+                error = std::hypot(error, s.repeated * s.refinement * (a[static_cast<std::size_t>(f)].time - other));
             }
     }
     Eigen::MatrixXd covariance = own.cwiseAbs2().asDiagonal();

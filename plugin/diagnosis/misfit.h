@@ -20,7 +20,8 @@
 //   simulator's error belongs to a run as a whole, fast ones before all (0.13 % in the fast run of a strip, 0.02 % in
 //   the slow ones: eight memories in a row the same way, which was a defect of the natural curvature). They are normal
 //   variables with known priors, integrated out by shrinking their directions N: (1 + N N')^(-1/2) = 1 - N S N';
-// - repeats scatter by more than their sensors: in every row, remembered as long as the simulation's error is;
+// - repeats scatter by more than their sensors: in every row, remembered as long as the simulation's error is. What the
+//   simulation is off by is the same in each of them (inEachOf());
 // - where a specimen comes to rest after a snap depends on how it flew: from one snap to the next each coordinate of
 //   each marker has a shift of its own, known to a tenth of a millimetre, integrated out in the same way;
 // - so has each in each stroke of the drive, as far as a simulated marker's place can be trusted: where feet stick
@@ -47,6 +48,7 @@ struct MisfitSettings {
     /// Error of the fine simulation in the difference of the finer one to it: 1 / (1 - (31/61)^2).
     double refinement = 1.348;
     double uncorrected = 0.25;   ///< share of the correction that is left as doubt
+    double repeated = 1.0;       ///< factor of all errors of a simulation: inEachOf()
     double markerPlace = 1.5e-5; ///< of a simulated marker, m, in single rows
     double markerShift = 5e-6;   ///< and in what they share over a stroke
     double clock = 0.1;          ///< rows by which clocks of reading and drive may differ
@@ -57,6 +59,11 @@ struct MisfitSettings {
     double jumpPlace = 5e-3;     ///< to which a simulated jump's place is known, share of the travel, alike in a run
     double jumpNoise = 6.0;      ///< deviations of the noise that a recorded jump or snap has at least
     double jumpFarthest = 0.2;   ///< share of a stroke by which one event may lie apart in two curves
+
+    /// In each of n runs that repeat one another. A simulation is wrong in all of them alike, which no number of
+    /// repeats averages away: with errors sqrt(n) times as large in each, taken for independent, what they have in
+    /// common is known no better than from one run.
+    [[nodiscard]] MisfitSettings inEachOf(std::size_t n) const;
 };
 
 /// Error of a simulated force in row k for contact places that agree to micrometres, N.
@@ -152,7 +159,8 @@ private:
     [[nodiscard]] Places placesOf(std::size_t run, const Response& simulated) const;
     [[nodiscard]] bool complete(std::size_t run, const Response& simulated) const;
     void bridgeAll(std::size_t run, const Stretches& between, Departure& d) const;
-    void addJumps(const RecordedRun& run, const Response& fine, const Response& finer, Part& part) const;
+    void addJumps(const RecordedRun& run, const Response& fine, const Response& finer, const MisfitSettings& s,
+                  Part& part) const;
     static void addLandings(const RecordedRun& run, double deviation, Part& part);
     static void takeShiftOut(const Part& part, const Part::Shared& shift, Eigen::Ref<Eigen::VectorXd> markers);
     static void addPlaces(const RecordedRun& run, double deviation, Part& part);

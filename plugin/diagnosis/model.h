@@ -120,6 +120,8 @@ public:
     virtual ~Model() = default;
     [[nodiscard]] virtual const std::vector<Scalar>& nominal() const = 0;
     [[nodiscard]] virtual const std::vector<Candidate>& candidates() const = 0;
+    /// The first run that does the same as this one and is read at the same times: their simulations are the same.
+    [[nodiscard]] virtual std::size_t twin(std::size_t run) const { return run; }
     /// Deterministic; called from several threads at a time.
     [[nodiscard]] virtual Response simulate(std::size_t run, const Point& point, Fineness fineness,
                                             const std::atomic<bool>* interrupt) const = 0;

@@ -30,135 +30,271 @@ Eigen::VectorXd ways(const Design& design, const Eigen::VectorXd& time) {
     return out;
 }
 
-/// A run that was not made, as two rivals foretell it.
+/// How well runs refute a rival that is not true.
+struct Told {
+    double distance = 0.0; ///< expected, in deviations of the test's statistic if that rival were true
+    double open = 0.0;     ///< deviation of it, because what is true is known from a fit only
+    double noise = 1.0;    ///< deviation of the statistic around it
+    /// What it is with a probability of .9.
+    [[nodiscard]] double surely() const { return std::max(0.0, distance - 1.28 * open); }
+    /// Of a one-sided test at 5 %, over what is open (its assurance).
+    [[nodiscard]] double power() const {
+        return boost::math::cdf(boost::math::normal(), (distance - 1.6448536269514722) / std::hypot(noise, open));
+    }
+};
+
+/// A run that was not made, as rivals foretell it.
 class Foretold {
 public:
-    Foretold(Evaluator& evaluator, std::size_t index, const Design& design, const Noise& noise)
-        : evaluator_(evaluator), index_(index), design_(design), noise_(noise) {}
+    Foretold(Evaluator& evaluator, std::size_t index, const Design& design, const Noise& noise,
+             const std::vector<Rival>& rivals)
+        : evaluator_(evaluator), index_(index), design_(design), noise_(noise), rivals_(rivals) {}
 
-    /// In units of what is not known about it; 0: it cannot be simulated, or is not more than `least`, which their
-    /// plain distance shows before any derivative is taken (a dozen simulations a design).
-    double distance(const Rival& a, const Rival& b, double least) {
-        const auto both = evaluator_.foretell(index_, {a.point, b.point});
-        const DesignResponse &first = both[0], &second = both[1];
-        if (!first.failure.empty() || !second.failure.empty() || first.force.size() != second.force.size() ||
-            first.force.size() < 8)
-            return 0.0;
-        // What no simulation is better than, for a tenth of a leg at a time: many readings do not average it away.
-        const double peak = first.force.cwiseAbs().maxCoeff(), span = first.time[first.time.size() - 1] - first.time[0];
-        white_.emplace(first.time, noise_.white, noise_.coloured, noise_.memory,
-                       errorsOf(first.force, ways(design_, first.time), design_.doubt * kCoarse * peak),
-                       std::clamp(0.05 * span, 0.02, 3.0));
-        const Eigen::VectorXd one = white_->apply(Eigen::VectorXd::Ones(first.force.size()));
-        shift_ = one / one.norm();
-        const Eigen::VectorXd apart = whitened(first.force - second.force);
-        if (!apart.allFinite() || apart.norm() < std::max(kLittle, least))
-            return 0.0;
-        const Variables va(evaluator_.model(), a.point), vb(evaluator_.model(), b.point);
-        Moved moved;
-        moved.add(va, a.x, 0, first);
-        moved.add(vb, b.x, vb.nominal, second); // nominal parameters do much the same in either
-        const Eigen::MatrixXd all = derivatives(moved);
-        Eigen::MatrixXd jb(apart.size(), vb.size());
-        jb << all.leftCols(vb.nominal), all.rightCols(vb.size() - vb.nominal);
-        Eigen::MatrixXd spread(apart.size(), va.size() + vb.size() + 2);
-        spread << all.leftCols(va.size()) * Eigen::MatrixXd(a.covariance.llt().matrixL()),
-            jb * Eigen::MatrixXd(b.covariance.llt().matrixL()), ownOf(first.force);
-        const Eigen::MatrixXd inner =
-            Eigen::MatrixXd::Identity(spread.cols(), spread.cols()) + spread.transpose() * spread;
-        const Eigen::VectorXd along = spread.transpose() * apart;
-        const double square = apart.squaredNorm() - along.dot(inner.ldlt().solve(along));
-        return std::isfinite(square) ? std::sqrt(std::max(0.0, square)) : 0.0;
+    /// False if it cannot be simulated.
+    bool simulate() {
+        std::vector<Point> points;
+        for (const Rival& r : rivals_)
+            points.push_back(r.point);
+        responses_ = evaluator_.foretell(index_, points);
+        const Index rows = responses_.front().force.size();
+        for (const DesignResponse& r : responses_)
+            if (!r.failure.empty() || r.force.size() != rows || rows < 8)
+                return false;
+        way_ = ways(design_, responses_.front().time);
+        columns_.resize(rows, static_cast<Index>(rivals_.size()));
+        for (std::size_t i = 0; i < rivals_.size(); ++i)
+            columns_.col(static_cast<Index>(i)) = responses_[i].force;
+        return true;
+    }
+    /// What refitting may take up, and what is not known of the predictions: derivatives by the nominal parameters,
+    /// which do much the same in all rivals, and by each rival's own numbers.
+    void differentiate() {
+        std::vector<Point> points;
+        std::vector<double> steps;
+        std::vector<std::size_t> from;
+        own_.clear();
+        nominal_ = 0;
+        for (std::size_t i = 0; i < rivals_.size(); ++i) {
+            const Rival& r = rivals_[i];
+            const Variables v(evaluator_.model(), r.point);
+            nominal_ = v.nominal;
+            own_.push_back(static_cast<Index>(points.size()) + (i == 0 ? v.nominal : 0));
+            for (Index k = i == 0 ? 0 : v.nominal; k < v.size(); ++k) {
+                Eigen::VectorXd y = r.x;
+                steps.push_back(r.x[k] + kStep <= v.upper[k] ? kStep : -kStep); // to the side that has room
+                y[k] += steps.back();
+                points.push_back(v.at(y));
+                from.push_back(i);
+            }
+        }
+        const auto there = evaluator_.foretell(index_, points);
+        const auto n = static_cast<Index>(rivals_.size());
+        columns_.conservativeResize(Eigen::NoChange, n + static_cast<Index>(there.size()));
+        for (std::size_t k = 0; k < there.size(); ++k) { // zero where it cannot be simulated
+            const Index at = n + static_cast<Index>(k);
+            columns_.col(at).setZero();
+            if (!there[k].failure.empty() || there[k].force.size() != columns_.rows())
+                continue;
+            const Eigen::VectorXd change = (there[k].force - responses_[from[k]].force) / steps[k];
+            if (change.allFinite())
+                columns_.col(at) = change;
+        }
+    }
+    /// How well so many of these runs, fitted together, refute whichever other rival is hardest to refute if one is
+    /// true. @param refit false: none is refitted, which is more than there is
+    [[nodiscard]] std::vector<Told> told(std::size_t repeats, bool refit) const {
+        const Eigen::MatrixXd sums = products(repeats);
+        std::vector<Told> out;
+        for (std::size_t a = 0; a < rivals_.size(); ++a) {
+            std::optional<Told> hardest;
+            for (std::size_t b = 0; b < rivals_.size(); ++b)
+                if (!within(a, b))
+                    if (const Told t = refuted(sums, a, b, refit); !hardest || t.surely() < hardest->surely())
+                        hardest = t;
+            out.push_back(hardest.value_or(Told{}));
+        }
+        return out;
     }
 
 private:
-    static constexpr double kLittle = 1.0;  ///< noise units: less is not worth derivatives
-    static constexpr double kCoarse = 1e-3; ///< accuracy of a simulation that nothing corrects, share of the peak
+    static constexpr double kStep = 0.2; ///< of x
 
-    /// Points beside a rival's, one for each number, to the side that has room.
-    struct Moved {
-        static constexpr double kStep = 0.2; ///< of x
-        std::vector<Point> points;
-        std::vector<double> steps;
-        std::vector<const DesignResponse*> from;
-
-        void add(const Variables& v, const Eigen::VectorXd& x, Index first, const DesignResponse& at) {
-            for (Index k = first; k < v.size(); ++k) {
-                Eigen::VectorXd y = x;
-                steps.push_back(x[k] + kStep <= v.upper[k] ? kStep : -kStep);
-                y[k] += steps.back();
-                points.push_back(v.at(y));
-                from.push_back(&at);
-            }
+    /// One of so many runs behind its noise and what simulations are off by, which all of them share (misfit.h).
+    class Sight {
+    public:
+        Sight(const Foretold& f, const MisfitSettings& s) {
+            const Eigen::VectorXd &time = f.responses_.front().time, &force = f.responses_.front().force;
+            const double everywhere = std::hypot(
+                s.repeated * f.design_.doubt * s.shareOfPeak * force.cwiseAbs().maxCoeff(), f.noise_.runToRun);
+            Eigen::VectorXd errors(force.size());
+            for (Index k = 0; k < errors.size(); ++k)
+                errors[k] = std::hypot(everywhere, placeError(force, k, f.way_[k], s));
+            // For a tenth of a leg at a time: many readings do not average it away.
+            white_ = Whitening(time, f.noise_.white, f.noise_.coloured, f.noise_.memory, errors,
+                               std::clamp(0.05 * (time[time.size() - 1] - time[0]), 0.02, 3.0));
+            const Eigen::VectorXd one = white_.apply(Eigen::VectorXd::Ones(force.size()));
+            shift_ = one / one.norm();
         }
+        /// Whitened, a constant shift taken out.
+        [[nodiscard]] Eigen::MatrixXd each(const Eigen::MatrixXd& forces) const {
+            const Eigen::MatrixXd u = white_.columns(forces);
+            return u - shift_ * (shift_.transpose() * u);
+        }
+
+    private:
+        Whitening white_;
+        Eigen::VectorXd shift_; ///< of length 1
     };
 
-    /// Errors of the simulated force in each row, N.
-    [[nodiscard]] Eigen::VectorXd errorsOf(const Eigen::VectorXd& force, const Eigen::VectorXd& way,
-                                           double everywhere) const {
-        Eigen::VectorXd out(force.size());
-        for (Index k = 0; k < out.size(); ++k)
-            out[k] = std::hypot(everywhere, placeError(force, k, way[k], settings_));
+    /// Of all columns, behind what each run has of its own as a recorded one has (misfit.h), clock and scale; all runs
+    /// together.
+    [[nodiscard]] Eigen::MatrixXd products(std::size_t repeats) const {
+        const MisfitSettings s = MisfitSettings{}.inEachOf(repeats);
+        const Sight sight(*this, s);
+        const Eigen::VectorXd& force = responses_.front().force;
+        Eigen::MatrixXd own = Eigen::MatrixXd::Zero(force.size(), 2);
+        own.col(0).segment(1, force.size() - 2) =
+            s.clock * 0.5 * (force.tail(force.size() - 2) - force.head(force.size() - 2));
+        own.col(1) = (design_.time.empty() ? 0.0 : s.repeated * s.scale) * force;
+        own = sight.each(own);
+        const Eigen::MatrixXd seen = sight.each(columns_), taken = own.transpose() * seen;
+        const Eigen::MatrixXd alone = Eigen::MatrixXd::Identity(own.cols(), own.cols()) + own.transpose() * own;
+        return static_cast<double>(repeats) * (seen.transpose() * seen - taken.transpose() * alone.ldlt().solve(taken));
+    }
+    /// Whether b can do all that a does: it cannot be refuted where a is true.
+    [[nodiscard]] bool within(std::size_t a, std::size_t b) const {
+        const std::vector<Term>&of = rivals_[a].point.terms, &by = rivals_[b].point.terms;
+        return std::all_of(of.begin(), of.end(), [&](const Term& t) {
+            return std::any_of(by.begin(), by.end(), [&](const Term& u) { return u.candidate == t.candidate; });
+        });
+    }
+    /// Which columns one deviation of each of a rival's numbers is made of.
+    [[nodiscard]] Eigen::MatrixXd deviations(std::size_t rival) const {
+        const Eigen::LLT<Eigen::MatrixXd> llt(rivals_[rival].covariance);
+        const Eigen::MatrixXd factor =
+            llt.info() == Eigen::Success
+                ? Eigen::MatrixXd(llt.matrixL())
+                : Eigen::MatrixXd(rivals_[rival].covariance.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+        const auto n = static_cast<Index>(rivals_.size());
+        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(columns_.cols(), factor.cols());
+        out.middleRows(n, nominal_) = factor.topRows(nominal_);
+        out.middleRows(n + own_[rival], factor.rows() - nominal_) = factor.bottomRows(factor.rows() - nominal_);
         return out;
     }
-    /// What the run has of its own, as a recorded one has (misfit.h): clock and scale.
-    [[nodiscard]] Eigen::MatrixXd ownOf(const Eigen::VectorXd& force) const {
-        Eigen::VectorXd clock = Eigen::VectorXd::Zero(force.size());
-        clock.segment(1, force.size() - 2) = 0.5 * (force.tail(force.size() - 2) - force.head(force.size() - 2));
-        Eigen::MatrixXd own(force.size(), 2);
-        own << whitened(settings_.clock * clock), whitened((design_.time.empty() ? 0.0 : settings_.scale) * force);
-        return own;
-    }
-    [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& force) const {
-        const Eigen::VectorXd u = white_->apply(force);
-        return u - shift_ * shift_.dot(u);
-    }
-    /// d(whitened readings)/dx, a column each; zero where it cannot be simulated.
-    [[nodiscard]] Eigen::MatrixXd derivatives(const Moved& moved) {
-        const auto there = evaluator_.foretell(index_, moved.points);
-        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(shift_.size(), static_cast<Index>(there.size()));
-        for (std::size_t k = 0; k < there.size(); ++k) {
-            if (!there[k].failure.empty() || there[k].force.size() != shift_.size())
-                continue;
-            const Eigen::VectorXd change = whitened(there[k].force - moved.from[k]->force) / moved.steps[k];
-            if (change.allFinite())
-                out.col(static_cast<Index>(k)) = change;
-        }
-        return out;
+    /// @param a what is true @param b what is refitted
+    [[nodiscard]] Told refuted(const Eigen::MatrixXd& sums, std::size_t a, std::size_t b, bool refit) const {
+        Eigen::VectorXd apart = Eigen::VectorXd::Zero(sums.cols());
+        apart[static_cast<Index>(a)] = 1.0;
+        apart[static_cast<Index>(b)] = -1.0;
+        const Eigen::VectorXd seen = sums * apart;
+        if (!refit)
+            return {std::sqrt(std::max(0.0, apart.dot(seen)))};
+        const Eigen::MatrixXd of = deviations(a), by = deviations(b);
+        const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(by.cols(), by.cols()) + by.transpose() * sums * by;
+        const Eigen::VectorXd left = seen - sums * by * inner.ldlt().solve(by.transpose() * seen);
+        const double square = apart.dot(left);
+        if (!std::isfinite(square) || square <= 0.0)
+            return {};
+        return {std::sqrt(square), (of.transpose() * left).norm() / std::sqrt(square),
+                std::sqrt(std::max(0.0, 1.0 - (by.transpose() * left).squaredNorm() / square))};
     }
 
     Evaluator& evaluator_;
     std::size_t index_;
     const Design& design_;
     const Noise& noise_;
-    MisfitSettings settings_;
-    std::optional<Whitening> white_;
-    Eigen::VectorXd shift_; ///< whitened constant shift, of length 1
+    const std::vector<Rival>& rivals_;
+    std::vector<DesignResponse> responses_; ///< of the rivals
+    Eigen::VectorXd way_;                   ///< of the head from row to row, m
+    /// Forces of the rivals, their derivatives by nominal parameters and by each rival's own numbers, N.
+    Eigen::MatrixXd columns_;
+    Index nominal_ = 0;      ///< number of nominal parameters
+    std::vector<Index> own_; ///< first derivative by a rival's own numbers
 };
+
+constexpr std::size_t kMostRepeats = 8;
+constexpr double kEnough = 4.0; ///< units beyond which runs are all as good: a gain of 8 on the runs
+
+/// A design, made so many times.
+struct Offer {
+    std::size_t repeats = kMostRepeats;
+    double worth = 0.0;   ///< 1: whichever rival is true, all others are refuted
+    double power = 0.0;   ///< mean over the rivals
+    double promise = 0.0; ///< worth of as many runs as may be made
+    [[nodiscard]] bool enough() const { return worth >= 0.98; }
+    /// What takes fewer runs, or where none tells enough what tells more.
+    [[nodiscard]] bool better(const Offer& other) const {
+        return enough() && other.enough() ? repeats < other.repeats : promise > other.promise;
+    }
+};
+
+Offer offerOf(const Foretold& run, const std::vector<Rival>& rivals, std::size_t repeats, bool refit) {
+    const std::vector<Told> told = run.told(repeats, refit);
+    Offer out{repeats};
+    double weights = 0.0;
+    for (std::size_t i = 0; i < rivals.size(); ++i)
+        if (!rivals[i].point.terms.empty()) {
+            weights += rivals[i].weight;
+            out.worth += rivals[i].weight * std::min(1.0, told[i].surely() / kEnough);
+            out.power += rivals[i].weight * told[i].power();
+        }
+    if (weights > 0.0) {
+        out.worth /= weights;
+        out.power /= weights;
+    }
+    return out;
+}
+
+/// As few runs as tell enough; where even the most do not, as few as tell nearly as much.
+Offer bestOffer(const Foretold& run, const std::vector<Rival>& rivals, std::size_t most) {
+    constexpr double kNearly = 0.9;
+    const Offer farthest = offerOf(run, rivals, most, true);
+    Offer out = farthest;
+    for (std::size_t n = 1; n < most; ++n)
+        if (const Offer offer = offerOf(run, rivals, n, true);
+            offer.enough() || (!farthest.enough() && offer.worth >= kNearly * farthest.worth)) {
+            out = offer;
+            break;
+        }
+    out.promise = farthest.worth;
+    return out;
+}
 
 } // namespace
 
-std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::array<Rival, 2>& rivals,
+std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals,
                                              const Noise& noise) {
-    if (noise.total() <= 0.0)
+    if (noise.total() <= 0.0 || rivals.size() < 2)
         return std::nullopt;
-    double farthest = 0.0;
-    NextExperiment best;
+    constexpr double kLittle = 0.25; // of what is enough: less is not worth derivatives
+    Offer best;
+    NextExperiment out;
     const std::vector<Design> designs = evaluator.model().designs();
-    constexpr double kEnough =
-        5.0; // noise units beyond which runs are all as good: the first one listed is the simplest
-    for (std::size_t i = 0; i < designs.size() && farthest < kEnough && !evaluator.stopped(); ++i) {
-        const double d = Foretold(evaluator, i, designs[i], noise).distance(rivals[0], rivals[1], farthest);
-        if (d > farthest) {
-            farthest = d;
-            best.run = designs[i];
+    for (std::size_t i = 0; i < designs.size() && !evaluator.stopped(); ++i) {
+        if (best.enough() && best.repeats == 1)
+            break; // the first one listed is the simplest
+        Foretold run(evaluator, i, designs[i], noise, rivals);
+        const std::size_t most = best.enough() ? best.repeats - 1 : kMostRepeats;
+        if (!run.simulate() ||
+            offerOf(run, rivals, most, false).worth < std::max(kLittle, std::min(0.98, best.promise)))
+            continue;
+        run.differentiate();
+        if (const Offer offer = bestOffer(run, rivals, most); offer.better(best)) {
+            best = offer;
+            out.run = designs[i];
         }
     }
-    if (farthest <= 0.0 || evaluator.stopped())
+    if (best.worth <= 0.0 || evaluator.stopped())
         return std::nullopt;
-    best.separates = {rivals[0].label, rivals[1].label};
-    best.power = boost::math::cdf(boost::math::normal(), farthest - 1.6448536269514722);
-    return best;
+    out.repeats = best.repeats;
+    for (const Rival& r : rivals)
+        out.separates.push_back(r.label);
+    out.power = best.power;
+    return out;
+}
+
+std::string inWords(const NextExperiment& next) {
+    return next.run.what + (next.repeats > 1 ? ", made " + std::to_string(next.repeats) + " times" : "");
 }
 
 } // namespace supercircle::diagnosis

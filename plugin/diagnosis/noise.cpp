@@ -215,13 +215,10 @@ double markerNoiseOf(const Data& data) {
     return std::max(noise, leastNoise(step));
 }
 
+/// Whether what they read can be subtracted row by row.
 bool repeats(const RecordedRun& a, const RecordedRun& b) {
-    if (a.legs.size() != b.legs.size() || a.time.size() != b.time.size() || a.time.size() < 20)
-        return false;
-    for (std::size_t l = 0; l < a.legs.size(); ++l)
-        if (std::abs(a.legs[l].to - b.legs[l].to) > 1e-6 || std::abs(a.legs[l].speed - b.legs[l].speed) > 1e-9)
-            return false;
-    return (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3;
+    return sameDrive(a, b) && a.time.size() == b.time.size() && a.time.size() >= 20 &&
+           (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3;
 }
 
 /// Sets runToRun and repeats. Robust, because snaps come a row earlier or later.

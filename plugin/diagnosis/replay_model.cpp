@@ -125,6 +125,23 @@ double largestBend(const experiment::Experiment& e, const std::atomic<bool>* int
     return simulateWithin(e, farthest, replay::nominal(e), replay::Resolution::coarse(), interrupt).bendMost;
 }
 
+/// Of each run the first one that is simulated alike.
+std::vector<std::size_t> twinsOf(const experiment::Experiment& e) {
+    const auto alikeInAll = [](const experiment::Run& a, const experiment::Run& b) {
+        return a.driveTime == b.driveTime && a.driveDisplacement == b.driveDisplacement &&
+               a.readings.time == b.readings.time && a.samplingRate == b.samplingRate &&
+               a.markers.time == b.markers.time && a.markersSamplingRate == b.markersSamplingRate;
+    };
+    std::vector<std::size_t> out;
+    for (std::size_t r = 0; r < e.runs.size(); ++r) {
+        std::size_t first = e.scene ? r : 0; // runs of free scenes have parameters of their own
+        while (first < r && !alikeInAll(e.runs[first], e.runs[r]))
+            ++first;
+        out.push_back(first);
+    }
+    return out;
+}
+
 Eigen::VectorXd vectorOf(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
@@ -133,7 +150,8 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
 
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without,
                          const std::atomic<bool>* interrupt)
-    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without, largestBend(e, interrupt))) {
+    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without, largestBend(e, interrupt))),
+      twins_(twinsOf(e)) {
     const Sizes s = sizesOf(e);
     travel_ = s.travel;
     duration_ = s.duration;

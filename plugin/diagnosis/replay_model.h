@@ -20,6 +20,7 @@ public:
 
     [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
     [[nodiscard]] const std::vector<Candidate>& candidates() const override { return menu_.candidates; }
+    [[nodiscard]] std::size_t twin(std::size_t run) const override { return twins_[run]; }
     [[nodiscard]] Response simulate(std::size_t run, const Point& point, Fineness fineness,
                                     const std::atomic<bool>* interrupt) const override;
     [[nodiscard]] Point simulated(const Point& point) const override;
@@ -37,6 +38,7 @@ private:
     const experiment::Experiment& experiment_;
     std::vector<Scalar> nominal_;
     Menu menu_;
+    std::vector<std::size_t> twins_;       ///< see twin()
     double travel_ = 1.0, duration_ = 1.0; ///< by which learned readings are measured: m, s
 };
 

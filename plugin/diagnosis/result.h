@@ -66,6 +66,7 @@ struct NominalResult {
 
 struct NextExperiment {
     Design run;
+    std::size_t repeats = 1; ///< how often to make it
     std::vector<std::string> separates;
     double power = 0.0;
 };

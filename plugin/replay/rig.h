@@ -45,6 +45,20 @@ public:
     [[nodiscard]] const step::Counters& counters() const { return world_.counters; }
 
 private:
+    /// Keeps steps from growing where they only shrink again. A step of another length than the one before finds the
+    /// rod elsewhere than it would have left it (rig.cpp), takes that for an error, and the next ones are halved; as
+    /// soon as all is quiet they grow, and so on, eight steps of four lengths in turn for as long as the head goes.
+    class Patience {
+    public:
+        void begin(double time) { time_ = time; } ///< of a motion
+        /// Longest next step, s. @param time at the end of a step @param most without patience, s
+        double longest(double time, double most);
+
+    private:
+        double time_ = 0.0, last_ = 0.0, before_ = 0.0, cap_ = 0.0; // s
+        int steps_ = 0, grew_ = 0, until_ = 0, pause_ = 0;
+    };
+
     void addSpecimen(const experiment::Specimen& specimen, const SpecimenParameters& own, const Parameters& p,
                      double arm);
     void place(const experiment::Carrier& carrier, rod::Vec2& point, double& angle, const Parameters& p) const;
@@ -53,6 +67,7 @@ private:
     void addStrings(const experiment::Experiment& e, double half);
     void chooseSettings(const Parameters& p, double arm);
     void settle();
+    [[nodiscard]] double frictionToo(double lost, double stored, double work) const;
     void readMeanForce();
 
     Resolution resolution_;
@@ -60,13 +75,15 @@ private:
     step::Stepper stepper_;
     std::string failure_;
     MeanForce mean_;
-    effects::Model common_;         ///< what effects do to all specimens and the set-up
+    effects::Model common_; ///< what effects do to all specimens and the set-up
+    Patience patience_;
     step::Ledger books_;            ///< at the end of the last step
     double lastDisplacement_ = 0.0; ///< m
     double forceScale_ = 0.0;       ///< largest mean force so far, N
     double start_ = 0.0;
     double halfString_ = 0.0;       ///< of a braced bow, m
     bool ring_ = false;             ///< the specimen is closed
+    bool pressesOnly_ = false;      ///< the normal forces of what slides are the head's force
     std::optional<rod::Vec2> nock_; ///< where a bow's strings meet at the start
 };
 

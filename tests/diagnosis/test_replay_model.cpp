@@ -1,4 +1,5 @@
 #include "plugin/diagnosis/designs.h"
+#include "plugin/diagnosis/evaluator.h"
 #include "plugin/diagnosis/misfit.h"
 #include "plugin/diagnosis/replay_model.h"
 #include "plugin/experiment/load.h"
@@ -118,6 +119,32 @@ TEST_CASE("nominal parameters are the stated intervals and an ordinary give", "[
     }
     CHECK(names == std::set<std::string>{"bending_modulus", "natural_curvature", "thickness", "linear_mass", "friction",
                                          "gap_shift", lengthwise ? "touch_compliance" : "series_compliance"});
+}
+
+TEST_CASE("a repeat is the same simulation, read otherwise", "[diagnosis]") {
+    const auto loaded = experiment::load(SC_TEST_DATA "/recordings/baseline/case_101/experiment.json");
+    REQUIRE(loaded);
+    experiment::Experiment e = *loaded;
+    e.runs.resize(1);
+    e.runs.push_back(e.runs.front()); // a repeat
+    e.runs.push_back(e.runs.front()); // another way
+    for (double& d : e.runs.back().driveDisplacement)
+        d *= 0.9;
+    e.runs[1].readings.force[5] += 1.0;
+    const ReplayModel model(e);
+    CHECK(model.twin(0) == 0);
+    CHECK(model.twin(1) == 0);
+    CHECK(model.twin(2) == 2);
+    Store store;
+    Evaluator evaluator(model, e.runs.size(), {}, store);
+    diagnosis::Point stated;
+    for (const Scalar& s : model.nominal())
+        stated.nominal.push_back(s.value);
+    const auto read = evaluator.everywhere({stated}, Fineness::Coarse).front();
+    CHECK(evaluator.asked() == 2);
+    REQUIRE(read[0].failure.empty());
+    CHECK(read[0].force == read[1].force);
+    CHECK(read[0].force != read[2].force);
 }
 
 TEST_CASE("designs are runs that start at rest and never go back in time", "[diagnosis]") {

@@ -340,6 +340,30 @@ TEST_CASE("what is left of markers is shown for each coordinate, rows that were 
     }
 }
 
+TEST_CASE("repeats do not average away what a simulation is off by, and noise they do", "[diagnosis]") {
+    const auto squares = [](std::size_t repeats, double white) { // of a wave in every run
+        Data data = toy::recordings(3);
+        data.runs.resize(1);
+        const toy::Spring model(data);
+        const Response there = model.simulate(0, {{100.0, 0.1}, {}}, Fineness::Fine, nullptr);
+        for (Eigen::Index k = 0; k < there.force.size(); ++k)
+            data.runs[0].force[k] = there.force[k] + 1e-3 * std::sin(2.0 * data.runs[0].time[k]);
+        data.runs.resize(repeats, data.runs.front());
+        CHECK(data.repeatsOf(0) == repeats);
+        Noise noise;
+        noise.white = white;
+        noise.coloured = 0.0;
+        noise.memory = 0.25;
+        const std::vector<Response> all(repeats, there);
+        return Misfit(data, noise, all, all, {}).residual(all)->squaredNorm();
+    };
+    // Noise of a hundredth of the simulation's error (4e-4 of a peak of 1 N): the squares of one run and those of four
+    // are the same but for what the noise and each run's own clock and zero are worth.
+    CHECK(squares(4, 4e-6) == Approx(squares(1, 4e-6)).epsilon(0.05));
+    // Noise of a hundred times that error: four times as much.
+    CHECK(squares(4, 4e-2) == Approx(4.0 * squares(1, 4e-2)).epsilon(0.01));
+}
+
 TEST_CASE("the rest whose mean was taken for zero is not where something is missing", "[diagnosis]") {
     Data data = toy::recordings(3);
     RecordedRun& slow = data.runs.front();
@@ -439,6 +463,53 @@ TEST_CASE("a further run is worth what its own clock does not take up", "[diagno
     REQUIRE(next);
     CHECK(next->run.what == "quick");
     CHECK(next->power > 0.99);
+}
+
+TEST_CASE("what no single run tells is told by as many as it takes", "[diagnosis]") {
+    const TwoDesigns model;
+    Noise noise;
+    noise.white = 0.1;
+    noise.coloured = 0.0;
+    noise.memory = 0.25;
+    constexpr double kSize = 0.02; // N
+    /// Between a swing and nothing. @param slope how far it is open, in its steps @param known of the swing, N
+    const auto asked = [&](double slope, double known) {
+        Rival swing{"swing", {{0.0}, {{0, {kSize}}}}, {}, {}}, nothing{"nothing", {{0.0}, {}}, {}, {}};
+        for (Rival* r : {&swing, &nothing}) {
+            r->x = Variables(model, r->point).of(r->point);
+            r->covariance = Eigen::MatrixXd::Identity(r->x.size(), r->x.size()) * known * known;
+            r->covariance(0, 0) = slope * slope;
+        }
+        Store store;
+        Evaluator evaluator(model, 1, {}, store);
+        return nextExperiment(evaluator, {swing, nothing}, noise);
+    };
+    // Where the slope is known the first design shows the swing ten times as large: one run.
+    const auto next = asked(1e-6, 1e-6);
+    REQUIRE(next);
+    CHECK(next->run.what == "alike");
+    CHECK(next->repeats == 1);
+    CHECK(inWords(*next) == "alike");
+    // Where it is open only the second tells: a sine in 200 readings, a constant and a slope taken out, n runs sqrt(n)
+    // times as well.
+    const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0), sine = time.array().sin();
+    Eigen::MatrixXd taken(200, 2);
+    taken << Eigen::VectorXd::Ones(200), time;
+    const double one = (sine - taken * taken.colPivHouseholderQr().solve(sine)).norm() * kSize / 0.1;
+    REQUIRE(one > 1.5);
+    REQUIRE(one < 2.0);
+    const auto several = asked(1.0, 1e-6);
+    REQUIRE(several);
+    CHECK(several->run.what == "apart");
+    CHECK(several->repeats == static_cast<std::size_t>(std::ceil(std::pow(4.0 / one, 2))));
+    CHECK(inWords(*several) == "apart, made " + std::to_string(several->repeats) + " times");
+    // A swing that is known to a quarter may be smaller: more runs, and a power below one, its mean over that.
+    const auto more = asked(1.0, kSize / 4.0);
+    REQUIRE(more);
+    CHECK(more->repeats > several->repeats);
+    const double d = std::sqrt(static_cast<double>(more->repeats)) * one;
+    const double power = 0.5 * std::erfc(-(d - 1.645) / std::hypot(1.0, d / 4.0) / std::sqrt(2.0));
+    CHECK(more->power == Approx(power).margin(0.005)); // clock, scale and contact places take little of it
 }
 
 TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]") {

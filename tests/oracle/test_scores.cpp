@@ -129,6 +129,10 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     const auto run = proposedRun(f.put("diagnosis.json", diagnosis));
     REQUIRE(run);
     CHECK(run->drive.at(2.0) == Approx(0.005));
+    CHECK(run->repeats == 1);
+    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"repeats\": 3, ");
+    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->repeats == 3);
+    CHECK(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).next == "fast, made 3 times");
 
     const std::vector<Plan> all = plans("tuning", 1);
     const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) { return p.kind == "nothing"; });
@@ -142,6 +146,20 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     CHECK(own.get<double>() > 0.0);
     CHECK(own.get<double>() < kSureOfItself);
     CHECK(before.answer.find("further_own_error") == std::string::npos); // their sums are published
+    // Made twice it is recorded twice: another noise, and nothing else.
+    Further twice = *run;
+    twice.repeats = 2;
+    const Concealed repeated = conceal(*plan, twice);
+    REQUIRE(repeated.failure.empty());
+    const std::size_t ofOne = after.files.size() - before.files.size();
+    REQUIRE(repeated.files.size() == after.files.size() + ofOne);
+    const auto runs = nlohmann::json::parse(repeated.answer).at("runs");
+    const auto &first = runs.at(runs.size() - 2), &second = runs.back();
+    CHECK(first.at("rows") == second.at("rows"));
+    CHECK(first.at("rms_noise_N") != second.at("rms_noise_N"));
+    CHECK(first.at("peak_N") == second.at("peak_N"));
+    CHECK(repeated.files[repeated.files.size() - ofOne].second !=
+          repeated.files[repeated.files.size() - 2 * ofOne].second);
     for (std::size_t i = 1; i < before.files.size(); ++i) // the first is the description, which lists the new run
         CHECK(after.files[i] == before.files[i]);
 }

@@ -349,7 +349,8 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
     Secret& s = drawn.secret;
     if (out.failure = drawn.failure; !out.failure.empty())
         return out;
-    if (further)
+    const std::size_t asked = s.description.runs.size(); // the first run that was asked for
+    for (std::size_t i = 0; further && i < further->repeats; ++i)
         addRun(s.description, further->drive, further->rate);
     const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
     const Clean clean = instead != nullptr ? *instead : simulate(s.description, truth, {});
@@ -380,7 +381,7 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
     if (further) {
         const Clean coarse = simulate(s.description, truth, finer(0.5));
         answer["further_own_error"] = // infinite is null in JSON
-            belongs(clean, coarse) ? apart(clean, coarse, s.nuisance, clean.force.size() - 1).rms(kMostApart)
+            belongs(clean, coarse) ? apart(clean, coarse, s.nuisance, asked).rms(kMostApart)
                                    : std::numeric_limits<double>::infinity();
     }
     out.answer = answer.dump(1) + "\n";

@@ -19,8 +19,9 @@ struct Concealed {
 
 /// A run that a diagnosis asked for.
 struct Further {
-    Drive drive;       ///< s, m
-    double rate = 0.0; ///< Hz
+    Drive drive;             ///< s, m
+    double rate = 0.0;       ///< Hz
+    std::size_t repeats = 1; ///< how often it is made
 };
 
 struct Clean;

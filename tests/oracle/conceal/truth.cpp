@@ -34,6 +34,17 @@ Resolution coarse(std::size_t rods) {
 Clean simulate(const Description& d, const Setup& truth, const Resolution& resolution) {
     Clean out;
     for (const RunPlan& run : d.runs) {
+        const auto same = std::find_if(d.runs.begin(), d.runs.end(), [&](const RunPlan& other) {
+            return &other == &run ||
+                   (other.drive.time == run.drive.time && other.sampling == run.sampling &&
+                    other.drive.displacement == run.drive.displacement && other.markersSampling == run.markersSampling);
+        });
+        if (&*same != &run) { // a repeat: every run begins with the specimen as it was made
+            const auto i = static_cast<std::size_t>(same - d.runs.begin());
+            out.force.push_back(std::vector<double>(out.force[i]));
+            out.markers.push_back(std::vector<std::vector<Vec2>>(out.markers[i]));
+            continue;
+        }
         const std::vector<double> times = run.times(run.sampling);
         Simulation sim(truth, resolution);
         if (!sim.settle(kSettle)) {

@@ -1,17 +1,19 @@
 // prove: conceals cases (those that are not there yet), lets `supercircle diagnose` loose on each (those it has not
 // diagnosed yet), and scores what it said. Can be stopped at any time; the same command goes on.
 //
-//   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--first N] [--limit N] [--jobs
-//   N]
-//         [--score] [--name NAME] [--further] [--own] [--apart] [-- flags for diagnose ...]
+//   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--first N] [--limit N]
+//         [--only N,N,...] [--jobs N] [--score] [--name NAME] [--from NAME] [--further] [--own] [--apart]
+//         [-- flags for diagnose ...]
 //
 // --first A --limit B: cases A to B, counted from 1 in the order of the set; several processes may share a folder.
-// --score: score what there is, diagnose nothing. --name: folder of the diagnoses (default "diagnoses"), so that the
-// same cases can be diagnosed with other flags. --further: where a diagnosis does not decide and proposes a run, the
-// run is recorded with the same hidden effect and everything is diagnosed again. --own: the program's own simulator
-// records the cases instead of the second one (an ablation; with --name own). --apart: diagnoses nothing; how far the
-// two simulators' readings are apart in each case with the true numbers and effects, in units of its noise, and in how
-// many deviations the best possible test would tell them apart: what stands out there is no diagnosis' fault.
+// --only 2,5: of these cases those with these numbers. --score: score what there is, diagnose nothing. --name: folder
+// of the diagnoses (default "diagnoses"), so that the same cases can be diagnosed with other flags. --from: what the
+// diagnoses of that name have simulated needs no simulation again (the digits are the same). --further: where a
+// diagnosis does not decide and proposes a run, the run is recorded with the same hidden effect and everything is
+// diagnosed again. --own: the program's own simulator records the cases instead of the second one (an ablation; with
+// --name own). --apart: diagnoses nothing; how far the two simulators' readings are apart in each case with the true
+// numbers and effects, in units of its noise, and in how many deviations the best possible test would tell them apart:
+// what stands out there is no diagnosis' fault.
 
 #include "tests/oracle/conceal/record.h"
 #include "tests/oracle/prove/own.h"
@@ -23,6 +25,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -33,7 +37,8 @@ namespace fs = std::filesystem;
 using namespace supercircle::oracle;
 
 struct Options {
-    std::string program, out, part = "blind", name = "diagnoses", jobs = "2";
+    std::string program, out, part = "blind", name = "diagnoses", from, jobs = "2";
+    std::set<std::size_t> only; ///< empty: all
     std::size_t first = 1, limit = 1000000;
     std::uint64_t seed = 0;
     bool scoreOnly = false, further = false, own = false, apart = false;
@@ -130,6 +135,16 @@ int compare(const Options& o, const std::vector<Plan>& all) {
     return fine ? 0 : 3;
 }
 
+/// Kept simulations of another diagnosis of the same case.
+void takeOver(const fs::path& from, const fs::path& to) {
+    if (!fs::is_directory(from))
+        return;
+    fs::create_directories(to);
+    for (const auto& file : fs::directory_iterator(from))
+        if (file.path().extension() == ".cache")
+            fs::copy_file(file.path(), to / file.path().filename(), fs::copy_options::skip_existing);
+}
+
 bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const fs::path& to) {
     if (fs::exists(to / "diagnosis.json"))
         return true;
@@ -199,10 +214,11 @@ int work(const Options& o) {
     const auto make = [&](const Plan& plan) {
         return o.own ? provideOwn(o, plan, second, cases) : provide(plan, cases);
     };
-    std::vector<Plan> all = plans(o.part, seed);
-    if (all.size() > o.limit)
-        all.resize(o.limit);
-    all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(o.first - 1, all.size())));
+    std::vector<Plan> all;
+    const std::vector<Plan> set = plans(o.part, seed);
+    for (std::size_t number = o.first; number <= std::min(o.limit, set.size()); ++number)
+        if (o.only.empty() || o.only.count(number) > 0)
+            all.push_back(set[number - 1]);
     if (o.apart)
         return compare(o, all);
     std::vector<Judged> judged;
@@ -211,6 +227,8 @@ int work(const Options& o) {
     for (std::size_t i = 0; i < all.size(); ++i) {
         const fs::path to = folder / all[i].name;
         const bool there = fs::exists(to / "diagnosis.json");
+        if (!there && !o.scoreOnly && !o.from.empty())
+            takeOver(fs::path(o.out) / o.part / o.from / all[i].name, to);
         if (!there && (o.scoreOnly || !make(all[i]) || !diagnose(o, all[i], cases, to)))
             continue;
         judged.push_back(
@@ -235,6 +253,14 @@ int work(const Options& o) {
     if (o.further)
         settle(o, all, judged, folder);
     return judged.empty() ? 3 : 0;
+}
+
+std::set<std::size_t> numbersOf(const std::string& list) {
+    std::set<std::size_t> out;
+    std::istringstream in(list);
+    for (std::string word; std::getline(in, word, ',');)
+        out.insert(std::strtoull(word.c_str(), nullptr, 10));
+    return out;
 }
 
 } // namespace
@@ -277,6 +303,10 @@ int main(int argc, char** argv) {
             o.part = value;
         else if (key == "--name")
             o.name = value;
+        else if (key == "--from")
+            o.from = value;
+        else if (key == "--only")
+            o.only = numbersOf(value);
         else if (key == "--jobs")
             o.jobs = value;
         else if (key == "--first")
@@ -289,9 +319,10 @@ int main(int argc, char** argv) {
             good = false;
     }
     if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || (o.part != "tuning" && o.part != "blind")) {
-        std::fprintf(stderr,
-                     "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--first N] [--limit N] [--jobs N]"
-                     " [--seed N] [--score] [--further] [--own] [--apart] [--name NAME] [-- flags for diagnose ...]\n");
+        std::fprintf(stderr, "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--first N] [--limit N] "
+                             "[--only N,N] [--jobs N]"
+                             " [--seed N] [--score] [--further] [--own] [--apart] [--name NAME] [--from NAME] [-- "
+                             "flags for diagnose ...]\n");
         return 2;
     }
     try {

@@ -196,6 +196,11 @@ void compareErrors(const Json& answer, const Json& d, Judged& j) {
             j.overKnowing = held / e.at("heldout_rmse_N").get<double>();
 }
 
+std::string wordsOf(const Json& next) {
+    const auto repeats = next.value("repeats", 1);
+    return next.at("what").get<std::string>() + (repeats > 1 ? ", made " + std::to_string(repeats) + " times" : "");
+}
+
 } // namespace
 
 Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
@@ -238,7 +243,7 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
             j.furtherOwnError = answer["further_own_error"].is_number() ? answer["further_own_error"].get<double>()
                                                                         : std::numeric_limits<double>::infinity();
         if (!d.at("next_experiment").is_null())
-            j.next = d.at("next_experiment").at("what");
+            j.next = wordsOf(d.at("next_experiment"));
     } catch (const Json::exception& e) {
         throw std::runtime_error(diagnosisFile + " or its answer: " + e.what());
     }
@@ -267,7 +272,8 @@ std::optional<Further> proposedRun(const std::string& diagnosisFile) {
         const Json& drive = next.at("drive");
         return Further{
             {drive.at("time_s").get<std::vector<double>>(), drive.at("displacement_m").get<std::vector<double>>()},
-            next.at("sampling_Hz")};
+            next.at("sampling_Hz"),
+            next.value("repeats", std::size_t{1})};
     } catch (const Json::exception& e) {
         throw std::runtime_error(diagnosisFile + ": " + e.what());
     }

@@ -1,0 +1,31 @@
+#pragma once
+// What may act, as a further run would have to tell it apart.
+//
+// Where the runs say that something is missing these are the effects that were fitted, by their probability. Where they
+// say that nothing is, near the limit of detection, a fit's probability says little more than which effect happened to
+// be worth one: there it is what explains most at first sight, fitted for the purpose.
+
+#include "plugin/diagnosis/next.h"
+#include "plugin/diagnosis/screen.h"
+#include "plugin/diagnosis/tried.h"
+
+#include <string>
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+/// A label of the report.
+struct Named {
+    std::string label;
+    double probability = 0.0;
+    const Tried* shown = nullptr; ///< the hypothesis it is shown by
+    bool twin = false;            ///< in the first one's group
+};
+
+/// Four effects at most, the most probable first, and behind them nothing if it may be.
+/// @param named most probable first
+/// @param nothing its probability
+std::vector<Rival> suspects(Evaluator& evaluator, const Misfit& misfit, const Fitted& base,
+                            const std::vector<Named>& named, const std::vector<Screened>& screened, double nothing);
+
+} // namespace supercircle::diagnosis

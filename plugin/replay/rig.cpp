@@ -319,18 +319,18 @@ double Rig::frictionToo(double lost, double stored, double work) const {
 void Rig::readMeanForce() {
     const step::Ledger& now = world_.ledger;
     const double way = displacement() - lastDisplacement_;
+    const double work = now.work - books_.work;
     const double lost = (now.numerical - books_.numerical) + (now.pushOut - books_.pushOut);
     const double kinetic = now.kinetic - books_.kinetic;
-    constexpr double kQuiet = 0.1;  // share of the loss that a change of kinetic energy may be worth
-    constexpr double kStill = 2e-4; // or of the head's work: what short steps lose is next to nothing
-    constexpr double kMost = 0.05;  // share of the force scale; more is no error of a slow step
+    constexpr double kMost = 0.05; // share of the force scale; more is no error of a slow step
     const double most = kMost * std::abs(way) * std::max(std::abs(force()), forceScale_);
+    constexpr double kQuiet = 0.1;  // share of the loss that a change of kinetic energy may be worth, ...
+    constexpr double kStill = 2e-4; // ... or of the work, where friction is put right: short steps lose next to nothing
+    const double quiet = std::max(kQuiet * lost, pressesOnly_ ? kStill * std::abs(work) : 0.0);
     constexpr double kAlike = 0.05;
     mean_.steady = std::abs(way - mean_.way) <= kAlike * std::abs(way);
     mean_.way = way;
-    const double work = now.work - books_.work;
-    mean_.known =
-        way != 0.0 && lost > 0.0 && lost < most && std::abs(kinetic) < std::max(kQuiet * lost, kStill * std::abs(work));
+    mean_.known = way != 0.0 && lost > 0.0 && lost < most && std::abs(kinetic) < quiet;
     if (mean_.known) {
         // By the work: the force at the step's end is as far from its mean as half a step of the head makes it, a
         // hysteresis of a fifth of what is taken out here.

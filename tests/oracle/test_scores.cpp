@@ -158,6 +158,8 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     CHECK(first.at("rows") == second.at("rows"));
     CHECK(first.at("rms_noise_N") != second.at("rms_noise_N"));
     CHECK(first.at("peak_N") == second.at("peak_N"));
+    CHECK(nlohmann::json::parse(repeated.answer).at("further_own_error").get<double>() ==
+          Approx(std::sqrt(2.0) * own.get<double>()));
     CHECK(repeated.files[repeated.files.size() - ofOne].second !=
           repeated.files[repeated.files.size() - 2 * ofOne].second);
     for (std::size_t i = 1; i < before.files.size(); ++i) // the first is the description, which lists the new run

@@ -380,9 +380,11 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
     Json answer = answerOf(s, truth, runs);
     if (further) {
         const Clean coarse = simulate(s.description, truth, finer(0.5));
-        answer["further_own_error"] = // infinite is null in JSON
-            belongs(clean, coarse) ? apart(clean, coarse, s.nuisance, asked).rms(kMostApart)
-                                   : std::numeric_limits<double>::infinity();
+        // Repeats average their noise away, this they have in common. Infinite is null in JSON.
+        answer["further_own_error"] = belongs(clean, coarse)
+                                          ? std::sqrt(static_cast<double>(further->repeats)) *
+                                                apart(clean, coarse, s.nuisance, asked).rms(kMostApart)
+                                          : std::numeric_limits<double>::infinity();
     }
     out.answer = answer.dump(1) + "\n";
     return out;

@@ -30,7 +30,8 @@ struct Judged {
     double seconds = 0.0;
     double pNothing = 0.0, pUnknown = 0.0, pFirst = 0.0, pTruth = 0.0;
     std::string next; ///< experiment it proposes
-    /// Noise units by which the second simulator is off itself in a run that was asked for; infinite: not known.
+    /// By which the second simulator is off itself in a run that was asked for, in units of the noise of the mean of
+    /// its repeats; infinite: not known.
     double furtherOwnError = 0.0;
 };
 

@@ -309,7 +309,7 @@ bool Rig::move(double displacement, double duration, const std::function<bool()>
 /// By how much more than its loss a step's work is too large, because its friction is of too large a force.
 /// @param stored work less friction, J @param work of the head, J
 double Rig::frictionToo(double lost, double stored, double work) const {
-    constexpr double kSmall = 0.05, kLarge = 0.1; // of what is stored: more is no error of a slow step
+    constexpr double kSmall = 0.2, kLarge = 0.4; // of what is stored: more is no error of a slow step
     if (!pressesOnly_ || stored * work <= 0.0)
         return 1.0;
     const double share = std::clamp((kLarge - std::abs(lost / stored)) / (kLarge - kSmall), 0.0, 1.0);

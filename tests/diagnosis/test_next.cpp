@@ -1,0 +1,221 @@
+// Which further run is asked for, on models whose readings are sines and straight lines.
+
+#include "plugin/diagnosis/next.h"
+
+#include <Eigen/QR>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace supercircle::diagnosis;
+
+namespace {
+
+/// A model of designs alone.
+class Designs : public Model {
+public:
+    Designs(std::vector<Design> designs, std::vector<Candidate> candidates)
+        : designs_(std::move(designs)), candidates_(std::move(candidates)) {}
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "designs"; }
+    [[nodiscard]] Response simulate(std::size_t, const Point&, Fineness, const std::atomic<bool>*) const override {
+        return {};
+    }
+    [[nodiscard]] std::vector<Design> designs() const override { return designs_; }
+
+protected:
+    /// An effect of one linear amplitude.
+    static Candidate effect(const std::string& label, const std::string& unit, double lower, double upper,
+                            double step) {
+        return {label, "", "", "", {{"a", unit, "", 0.0, lower, upper, step, Scale::Linear, true}}, {{step}}};
+    }
+
+private:
+    std::vector<Design> designs_;
+    std::vector<Scalar> nominal_ = {{"slope", "N/s", "", 0.0, -50.0, 50.0, 50.0, Scale::Linear, false}};
+    std::vector<Candidate> candidates_;
+};
+
+/// In the first design an effect looks like the nominal parameter, and large; in the second like nothing else.
+class TwoDesigns final : public Designs {
+public:
+    TwoDesigns()
+        : Designs({{"alike", 0}, {"apart", 0}},
+                  {effect("swing", "N", -9.0, 9.0, 1.0), effect("other", "N", -9.0, 9.0, 1.0)}) {}
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
+                                                const std::atomic<bool>*) const override {
+        DesignResponse out;
+        out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
+        out.force = p.nominal[0] * out.time;
+        for (const Term& t : p.terms)
+            if (t.candidate == 0)
+                out.force +=
+                    t.values[0] * (i == 0 ? Eigen::VectorXd(10.0 * out.time) : out.time.array().sin().matrix());
+        return out;
+    }
+};
+
+/// A sensor that may be late, in a run that is read twenty times a second and in the same one read four hundred times.
+class TwoRates final : public Designs {
+public:
+    TwoRates() : Designs({{"slow", 0}, {"quick", 0}}, {effect("late", "s", 0.0, 1.0, 0.01)}) {}
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
+                                                const std::atomic<bool>*) const override {
+        DesignResponse out;
+        out.time = Eigen::VectorXd::LinSpaced(i == 0 ? 200 : 4000, 0.0, 10.0);
+        const double late = p.terms.empty() ? 0.0 : p.terms.front().values[0];
+        out.force = 30.0 * (out.time.array() - late).sin().matrix();
+        return out;
+    }
+};
+
+/// Two effects, the first of which shows well in the first design, where the second does not; both show in the second.
+class TwoSuspects final : public Designs {
+public:
+    TwoSuspects()
+        : Designs({{"one", 0}, {"both", 0}},
+                  {effect("first", "N", -9.0, 9.0, 1.0), effect("second", "N", -9.0, 9.0, 1.0)}) {}
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
+                                                const std::atomic<bool>*) const override {
+        DesignResponse out;
+        out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
+        out.force = p.nominal[0] * out.time;
+        for (const Term& t : p.terms)
+            if (t.candidate == 0)
+                out.force += t.values[0] * (2.0 * out.time.array()).sin().matrix();
+            else if (i == 1)
+                out.force += t.values[0] * (3.0 * out.time.array()).sin().matrix();
+        return out;
+    }
+};
+
+Noise quiet() {
+    Noise noise;
+    noise.white = 0.1;
+    noise.coloured = 0.0;
+    noise.memory = 0.25;
+    return noise;
+}
+
+} // namespace
+
+TEST_CASE("a further run shows whatever it may be, not only what is likeliest", "[diagnosis]") {
+    const TwoSuspects model;
+    // A sine of .08 N in 200 readings of .1 N: eight deviations.
+    std::vector<Rival> rivals = {{"first", {{0.0}, {{0, {0.08}}}}, {}, {}, 0.6},
+                                 {"second", {{0.0}, {{1, {0.08}}}}, {}, {}, 0.4},
+                                 {"nothing", {{0.0}, {}}, {}, {}, 0.0}};
+    for (Rival& r : rivals) {
+        r.x = Variables(model, r.point).of(r.point);
+        r.covariance = 1e-6 * Eigen::MatrixXd::Identity(r.x.size(), r.x.size());
+    }
+    Store store;
+    Evaluator evaluator(model, 1, {}, store);
+    const auto next = nextExperiment(evaluator, rivals, quiet());
+    REQUIRE(next);
+    CHECK(next->run.what == "both");
+    CHECK(next->repeats == 1);
+    CHECK(next->separates == std::vector<std::string>{"first", "second", "nothing"});
+    CHECK(next->power > 0.99);
+    // The likeliest alone would do with the first.
+    const auto narrow = nextExperiment(evaluator, {rivals[0], rivals[2]}, quiet());
+    REQUIRE(narrow);
+    CHECK(narrow->run.what == "one");
+    // Where one is a part of the other, the other cannot be refuted if it acts alone, and is not waited for.
+    rivals[1].point.terms.push_back({0, {0.05}}); // "second" beside the first
+    rivals[1].x = Variables(model, rivals[1].point).of(rivals[1].point);
+    rivals[1].covariance = 1e-6 * Eigen::MatrixXd::Identity(rivals[1].x.size(), rivals[1].x.size());
+    const auto nested = nextExperiment(evaluator, rivals, quiet());
+    REQUIRE(nested);
+    CHECK(nested->run.what == "both");
+    CHECK(nested->power > 0.99);
+    CHECK_FALSE(nextExperiment(evaluator, {rivals[0]}, quiet()));
+}
+
+TEST_CASE("a further run is worth what its own clock does not take up", "[diagnosis]") {
+    // 5 ms in 200 readings on slopes of 30 N/s are 15 deviations of .1 N, and a tenth of a row, to which a clock is
+    // known; in rows of 2.5 ms they are two.
+    const TwoRates model;
+    const Noise noise = quiet();
+    Rival late{"late", {{0.0}, {{0, {0.005}}}}, {}, {}}, nothing{"nothing", {{0.0}, {}}, {}, {}};
+    for (Rival* r : {&late, &nothing}) {
+        r->x = Variables(model, r->point).of(r->point);
+        r->covariance = 1e-8 * Eigen::MatrixXd::Identity(r->x.size(), r->x.size());
+    }
+    Store store;
+    Evaluator evaluator(model, 1, {}, store);
+    const auto next = nextExperiment(evaluator, {late, nothing}, noise);
+    REQUIRE(next);
+    CHECK(next->run.what == "quick");
+    CHECK(next->power > 0.99);
+}
+
+TEST_CASE("what no single run tells is told by as many as it takes", "[diagnosis]") {
+    const TwoDesigns model;
+    const Noise noise = quiet();
+    constexpr double kSize = 0.02; // N
+    /// Between a swing and nothing. @param slope how far it is open, in its steps @param known of the swing, N
+    const auto asked = [&](double slope, double known) {
+        Rival swing{"swing", {{0.0}, {{0, {kSize}}}}, {}, {}}, nothing{"nothing", {{0.0}, {}}, {}, {}};
+        for (Rival* r : {&swing, &nothing}) {
+            r->x = Variables(model, r->point).of(r->point);
+            r->covariance = Eigen::MatrixXd::Identity(r->x.size(), r->x.size()) * known * known;
+            r->covariance(0, 0) = slope * slope;
+        }
+        Store store;
+        Evaluator evaluator(model, 1, {}, store);
+        return nextExperiment(evaluator, {swing, nothing}, noise);
+    };
+    // Where the slope is known the first design shows the swing ten times as large: one run.
+    const auto next = asked(1e-6, 1e-6);
+    REQUIRE(next);
+    CHECK(next->run.what == "alike");
+    CHECK(next->repeats == 1);
+    CHECK(inWords(*next) == "alike");
+    // Where it is open only the second tells: a sine in 200 readings, a constant and a slope taken out, n runs sqrt(n)
+    // times as well.
+    const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0), sine = time.array().sin();
+    Eigen::MatrixXd taken(200, 2);
+    taken << Eigen::VectorXd::Ones(200), time;
+    const double one = (sine - taken * taken.colPivHouseholderQr().solve(sine)).norm() * kSize / 0.1;
+    REQUIRE(one > 1.5);
+    REQUIRE(one < 2.0);
+    const auto several = asked(1.0, 1e-6);
+    REQUIRE(several);
+    CHECK(several->run.what == "apart");
+    CHECK(several->repeats == static_cast<std::size_t>(std::ceil(std::pow(4.0 / one, 2))));
+    CHECK(inWords(*several) == "apart, made " + std::to_string(several->repeats) + " times");
+    // A swing that is known to a quarter may be smaller: more runs, and a power below one, its mean over that.
+    const auto more = asked(1.0, kSize / 4.0);
+    REQUIRE(more);
+    CHECK(more->repeats > several->repeats);
+    const double d = std::sqrt(static_cast<double>(more->repeats)) * one;
+    const double power = 0.5 * std::erfc(-(d - 1.645) / std::hypot(1.0, d / 4.0) / std::sqrt(2.0));
+    CHECK(more->power == Approx(power).margin(0.005)); // clock, scale and contact places take little of it
+}
+
+TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]") {
+    const TwoDesigns model;
+    const Noise noise = quiet();
+    const auto rival = [&](const std::string& label, std::size_t candidate, double slope) {
+        Rival r{label, {{0.0}, {{candidate, {1.0}}}}, {}, {}};
+        r.x = Variables(model, r.point).of(r.point);
+        r.covariance = Eigen::Vector2d(slope * slope, 1e-4).asDiagonal(); // of the slope in its steps, of the amplitude
+        return r;
+    };
+    Store store;
+    Evaluator evaluator(model, 1, {}, store);
+    // The slope is open: the first run's large difference would be taken up by it.
+    auto next = nextExperiment(evaluator, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise);
+    REQUIRE(next);
+    CHECK(next->run.what == "apart");
+    CHECK(next->power > 0.99); // a sine of 1 N, noise .1 N, 200 readings
+    // It is known: the first one listed will do.
+    next = nextExperiment(evaluator, {rival("swing", 0, 1e-6), rival("other", 1, 1e-6)}, noise);
+    REQUIRE(next);
+    CHECK(next->run.what == "alike");
+    // Who interrupts gets none, and soon.
+    const std::atomic<bool> stop{true};
+    Evaluator stopped(model, 1, {}, store, &stop);
+    CHECK_FALSE(nextExperiment(stopped, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise));
+}

@@ -213,6 +213,7 @@ private:
 };
 
 constexpr std::size_t kMostRepeats = 8;
+constexpr double kAll = 0.98;   ///< of the suspects, by weight, that are told well enough
 constexpr double kEnough = 4.0; ///< units beyond which runs are all as good: a gain of 8 on the runs
 
 /// A design, made so many times.
@@ -221,7 +222,7 @@ struct Offer {
     double worth = 0.0;   ///< 1: whichever rival is true, all others are refuted
     double power = 0.0;   ///< mean over the rivals
     double promise = 0.0; ///< worth of as many runs as may be made
-    [[nodiscard]] bool enough() const { return worth >= 0.98; }
+    [[nodiscard]] bool enough() const { return worth >= kAll; }
     /// What takes fewer runs, or where none tells enough what tells more.
     [[nodiscard]] bool better(const Offer& other) const {
         return enough() && other.enough() ? repeats < other.repeats : promise > other.promise;
@@ -276,7 +277,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
         Foretold run(evaluator, i, designs[i], noise, rivals);
         const std::size_t most = best.enough() ? best.repeats - 1 : kMostRepeats;
         if (!run.simulate() ||
-            offerOf(run, rivals, most, false).worth < std::max(kLittle, std::min(0.98, best.promise)))
+            offerOf(run, rivals, most, false).worth < std::max(kLittle, std::min(kAll, best.promise)))
             continue;
         run.differentiate();
         if (const Offer offer = bestOffer(run, rivals, most); offer.better(best)) {

@@ -36,22 +36,54 @@ private:
     std::vector<Candidate> candidates_;
 };
 
-/// In the first design an effect looks like the nominal parameter, and large; in the second like nothing else.
-class TwoDesigns final : public Designs {
+/// Two designs and two effects beside a straight line, 200 readings in ten seconds.
+class Pairs : public Designs {
 public:
-    TwoDesigns()
-        : Designs({{"alike", 0}, {"apart", 0}},
-                  {effect("swing", "N", -9.0, 9.0, 1.0), effect("other", "N", -9.0, 9.0, 1.0)}) {}
+    Pairs(const char* oneRun, const char* otherRun, const char* oneEffect, const char* otherEffect)
+        : Designs({{oneRun, 0}, {otherRun, 0}},
+                  {effect(oneEffect, "N", -9.0, 9.0, 1.0), effect(otherEffect, "N", -9.0, 9.0, 1.0)}) {}
     [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
                                                 const std::atomic<bool>*) const override {
         DesignResponse out;
         out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
         out.force = p.nominal[0] * out.time;
         for (const Term& t : p.terms)
-            if (t.candidate == 0)
-                out.force +=
-                    t.values[0] * (i == 0 ? Eigen::VectorXd(10.0 * out.time) : out.time.array().sin().matrix());
+            out.force += t.values[0] * shape(i, t.candidate, out.time);
         return out;
+    }
+
+private:
+    /// What one newton of an effect does in a design.
+    [[nodiscard]] virtual Eigen::VectorXd shape(std::size_t design, std::size_t effect,
+                                                const Eigen::VectorXd& time) const = 0;
+};
+
+/// In the first design an effect looks like the nominal parameter, and large; in the second like nothing else. The
+/// other effect does nothing.
+class TwoDesigns final : public Pairs {
+public:
+    TwoDesigns() : Pairs("alike", "apart", "swing", "other") {}
+
+private:
+    [[nodiscard]] Eigen::VectorXd shape(std::size_t design, std::size_t effect,
+                                        const Eigen::VectorXd& time) const override {
+        if (effect == 1)
+            return Eigen::VectorXd::Zero(time.size());
+        return design == 0 ? Eigen::VectorXd(10.0 * time) : Eigen::VectorXd(time.array().sin());
+    }
+};
+
+/// The first effect shows in both designs, the second in the second one only.
+class TwoSuspects final : public Pairs {
+public:
+    TwoSuspects() : Pairs("one", "both", "first", "second") {}
+
+private:
+    [[nodiscard]] Eigen::VectorXd shape(std::size_t design, std::size_t effect,
+                                        const Eigen::VectorXd& time) const override {
+        if (effect == 1 && design == 0)
+            return Eigen::VectorXd::Zero(time.size());
+        return ((effect == 0 ? 2.0 : 3.0) * time.array()).sin();
     }
 };
 
@@ -65,26 +97,6 @@ public:
         out.time = Eigen::VectorXd::LinSpaced(i == 0 ? 200 : 4000, 0.0, 10.0);
         const double late = p.terms.empty() ? 0.0 : p.terms.front().values[0];
         out.force = 30.0 * (out.time.array() - late).sin().matrix();
-        return out;
-    }
-};
-
-/// Two effects, the first of which shows well in the first design, where the second does not; both show in the second.
-class TwoSuspects final : public Designs {
-public:
-    TwoSuspects()
-        : Designs({{"one", 0}, {"both", 0}},
-                  {effect("first", "N", -9.0, 9.0, 1.0), effect("second", "N", -9.0, 9.0, 1.0)}) {}
-    [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
-                                                const std::atomic<bool>*) const override {
-        DesignResponse out;
-        out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
-        out.force = p.nominal[0] * out.time;
-        for (const Term& t : p.terms)
-            if (t.candidate == 0)
-                out.force += t.values[0] * (2.0 * out.time.array()).sin().matrix();
-            else if (i == 1)
-                out.force += t.values[0] * (3.0 * out.time.array()).sin().matrix();
         return out;
     }
 };

@@ -67,26 +67,90 @@ Point Variables::at(const Eigen::VectorXd& x) const {
     return p;
 }
 
-void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x,
-                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into) {
-    std::vector<Point> points;
-    std::vector<double> span;
-    for (const Eigen::Index c : only) {
-        Eigen::VectorXd up = x, down = x;
+namespace {
+
+std::vector<Eigen::Index> range(Eigen::Index from, Eigen::Index to) {
+    std::vector<Eigen::Index> all;
+    for (Eigen::Index i = from; i < to; ++i)
+        all.push_back(i);
+    return all;
+}
+
+/// Two neighbours of x in one coordinate, inside the box.
+struct Neighbours {
+    Neighbours(const Variables& v, const Eigen::VectorXd& x, Eigen::Index c, double difference) : up(x), down(x) {
         up[c] = std::min(x[c] + difference, v.upper[c]);
         down[c] = std::max(x[c] - difference, v.lower[c]);
-        points.push_back(v.at(up));
-        points.push_back(v.at(down));
-        span.push_back(up[c] - down[c]);
+        span = up[c] - down[c];
     }
-    const auto answers = evaluator.everywhere(points, Fineness::Coarse);
+    Eigen::VectorXd up, down;
+    double span = 0.0;
+};
+
+/// Above and below, of one after the other.
+std::vector<Point> pointsOf(const Variables& v, const std::vector<Neighbours>& all) {
+    std::vector<Point> points;
+    for (const Neighbours& n : all) {
+        points.push_back(v.at(n.up));
+        points.push_back(v.at(n.down));
+    }
+    return points;
+}
+
+/// How far to go for the derivative by a number whose first one, over `span`, changed all readings by `change`.
+/// Where a step of the simulation ends just before a kink of the force at one place and just behind it at the next, a
+/// single reading changes by half a noise unit. Beside a number that hardly changes any reading that is most of its
+/// column: of an arch's thickness two thirds were such readings, so that a residual projected on what the nominal
+/// numbers can do kept what they can do, and gravity stood out of a recording that lacks nothing (p = .007). A step
+/// that is k times as long has them divided by k, and numbers as faint as that are linear enough for it.
+double widened(double difference, double change) {
+    constexpr double kPlain = 20.0, kWidest = 1.0; // noise units; steps
+    return change > 0.0 ? std::clamp(difference * kPlain / change, difference, kWidest) : kWidest;
+}
+
+/// Nominal numbers have a stated interval, in which they are believed and the step is half; what an effect does may
+/// begin at a threshold, and free scenes have numbers without bounds.
+bool mayWiden(const Misfit& misfit, const Variables& v, Eigen::Index c) {
+    return c < v.nominal && !misfit.data().free;
+}
+
+/// Columns that are worth a wider difference, and the places of it.
+struct Faint {
+    Faint(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x, double difference,
+          const std::vector<Eigen::Index>& taken, const std::vector<Neighbours>& near, const Eigen::MatrixXd& J) {
+        for (std::size_t i = 0; i < taken.size(); ++i)
+            if (const double wider = widened(difference, J.col(taken[i]).norm() * near[i].span);
+                wider > difference && mayWiden(misfit, v, taken[i])) {
+                columns.push_back(taken[i]);
+                wide.emplace_back(v, x, taken[i], wider);
+            }
+    }
+    std::vector<Eigen::Index> columns;
+    std::vector<Neighbours> wide;
+};
+
+} // namespace
+
+void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x,
+                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into, Fineness fineness) {
     into.conservativeResize(misfit.rows(), v.size());
-    for (std::size_t i = 0; i < only.size(); ++i) {
-        const auto change = misfit.difference(answers[2 * i], answers[2 * i + 1]);
-        into.col(only[i]).setZero();
-        if (change && span[i] > 0.0)
-            into.col(only[i]) = *change / span[i];
+    const auto take = [&](const std::vector<Eigen::Index>& columns, const std::vector<Neighbours>& beside) {
+        const auto answers = evaluator.everywhere(pointsOf(v, beside), fineness);
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const auto change = misfit.difference(answers[2 * i], answers[2 * i + 1]);
+            if (change && beside[i].span > 0.0)
+                into.col(columns[i]) = *change / beside[i].span;
+        }
+    };
+    std::vector<Neighbours> near;
+    for (const Eigen::Index c : only) {
+        into.col(c).setZero();
+        near.emplace_back(v, x, c, difference);
     }
+    take(only, near);
+    const Faint faint(misfit, v, x, difference, only, near, into);
+    if (!faint.columns.empty() && !evaluator.stopped())
+        take(faint.columns, faint.wide);
 }
 
 namespace {
@@ -118,23 +182,25 @@ Eigen::VectorXd slope(const Misfit& misfit, const std::vector<Response>& here, c
 
 Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& v,
                                        const Eigen::VectorXd& x, double difference) {
-    std::vector<Point> points = {v.at(x)};
-    Eigen::VectorXd up = x, down = x;
-    for (Eigen::Index c = 0; c < v.size(); ++c) {
-        up[c] = std::min(x[c] + difference, v.upper[c]);
-        down[c] = std::max(x[c] - difference, v.lower[c]);
-        Eigen::VectorXd y = x;
-        y[c] = up[c];
-        points.push_back(v.at(y));
-        y[c] = down[c];
-        points.push_back(v.at(y));
-    }
-    const auto answers = evaluator.everywhere(points, Fineness::Coarse);
-    Eigen::MatrixXd out(misfit.rows(), v.size());
-    for (Eigen::Index c = 0; c < v.size(); ++c) {
-        const std::size_t at = 2 * static_cast<std::size_t>(c) + 1;
-        out.col(c) = slope(misfit, answers.front(), answers[at], up[c] - x[c], answers[at + 1], x[c] - down[c]);
-    }
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(misfit.rows(), v.size());
+    const auto take = [&](const std::vector<Eigen::Index>& columns, const std::vector<Neighbours>& beside) {
+        std::vector<Point> points = pointsOf(v, beside);
+        points.push_back(v.at(x));
+        const auto answers = evaluator.everywhere(points, Fineness::Coarse);
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const Eigen::Index c = columns[i];
+            out.col(c) = slope(misfit, answers.back(), answers[2 * i], beside[i].up[c] - x[c], answers[2 * i + 1],
+                               x[c] - beside[i].down[c]);
+        }
+    };
+    const std::vector<Eigen::Index> all = range(0, v.size());
+    std::vector<Neighbours> near;
+    for (const Eigen::Index c : all)
+        near.emplace_back(v, x, c, difference);
+    take(all, near);
+    const Faint faint(misfit, v, x, difference, all, near, out);
+    if (!faint.columns.empty() && !evaluator.stopped())
+        take(faint.columns, faint.wide);
     return out;
 }
 
@@ -164,13 +230,6 @@ void learnFrom(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eig
 }
 
 namespace {
-
-std::vector<Eigen::Index> range(Eigen::Index from, Eigen::Index to) {
-    std::vector<Eigen::Index> all;
-    for (Eigen::Index i = from; i < to; ++i)
-        all.push_back(i);
-    return all;
-}
 
 /// One search from a start; a class because its steps share much.
 class Search {

@@ -2,8 +2,9 @@
 // Nominal parameters and effects fitted inside their bounds, by Levenberg-Marquardt steps that never leave the box.
 //
 // Derivatives come from the coarse simulation, residuals from the fine one: what discretisation does to the curve
-// cancels in a difference. Between refreshes the Jacobian learns from accepted steps (Broyden's rank-one update), so a
-// fit costs little more than its fine simulations.
+// cancels in a difference. (Those at the nominal fit's end come from the fine one: on them rests what stands out, and
+// they are two hundredths of a case's simulations.) Between refreshes the Jacobian learns from accepted steps
+// (Broyden's rank-one update), so a fit costs little more than its fine simulations.
 //
 // Sources: J. J. More, "The Levenberg-Marquardt algorithm", LNM 630 (1978); C. G. Broyden, Math. Comp. 19 (1965) 577.
 
@@ -66,10 +67,11 @@ bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& varia
 /// Broyden's update. @param change of the simulation, whitened, by the step
 void learnFrom(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change);
 
-/// d(whitened simulation)/dx by central differences (one-sided at bounds), coarse. Columns that cannot be simulated
-/// are zero. `only`: which columns; the others are left as in `into`.
+/// d(whitened simulation)/dx by central differences (one-sided at bounds), wider ones by a nominal number that hardly
+/// shows. Columns that cannot be simulated are zero. `only`: which columns; the others are left as in `into`.
 void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, const Eigen::VectorXd& x,
-                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into);
+                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into,
+                   Fineness fineness = Fineness::Coarse);
 
 /// The same where readings jump: of the two one-sided differences the one nearer to zero, reading by reading. A snap
 /// that comes one reading later on one side of x says nothing of its neighbourhood, but in a central difference it

@@ -65,6 +65,61 @@ TEST_CASE("a reading that jumps beside the fit does not count as a derivative", 
 
 namespace {
 
+/// A spring with a third stated number, which hardly changes any reading, and with steps that end just before or just
+/// behind readings: each of them has one of two values, half a noise unit apart, another one at every place.
+class Stepping final : public toy::Spring {
+public:
+    explicit Stepping(const Data& data, double ripple = 0.005)
+        : Spring(data), ripple_(ripple), nominal_(Spring::nominal()) {
+        nominal_.push_back({"faint", "1", "", 0.0, -2.0, 2.0, 1.0, Scale::Linear, false});
+    }
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
+
+private:
+    void alter(std::size_t r, const Point& p, Response& out) const override {
+        const RecordedRun& run = data_.runs[r];
+        for (Eigen::Index k = 0; k < out.force.size(); ++k) {
+            const double chance = 1e4 * std::sin(12.9898 * static_cast<double>(k) + 78.233 * p.nominal[2]);
+            const bool rare = chance - std::floor(chance) < 0.01;
+            out.force[k] += 0.8 * run.displacement[k] * p.nominal[2] + (rare ? ripple_ : 0.0);
+        }
+    }
+
+    double ripple_;
+    std::vector<Scalar> nominal_;
+};
+
+} // namespace
+
+TEST_CASE("of a number that hardly shows derivatives are taken over more of its interval", "[diagnosis]") {
+    const Data data = toy::recordings(3);
+    const Stepping model(data), smooth(data, 0.0);
+    Store store, other;
+    Evaluator evaluator(model, data.runs.size(), {}, store), plain(smooth, data.runs.size(), {}, other);
+    const Point at{{103.0, 0.08, 0.0}, {}};
+    const auto there = plain.everywhere({at}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Variables v(model, at);
+    Eigen::MatrixXd truth, stepping;
+    differentiate(plain, misfit, v, v.of(at), 0.2, {1, 2}, truth);
+    const auto before = evaluator.asked();
+    differentiate(evaluator, misfit, v, v.of(at), 0.2, {1, 2}, stepping);
+    const double faint = truth.col(2).norm(), off = (stepping - truth).col(2).norm();
+    CAPTURE(faint, off);
+    // Two readings of a hundred change by half a noise unit between any two places. Over 2 x 0.2 that is more than the
+    // column itself; over five times as much a fifth of it.
+    const auto change =
+        misfit.difference(evaluator.everywhere({v.at(v.of({{103.0, 0.08, 0.2}, {}}))}, Fineness::Coarse).front(),
+                          evaluator.everywhere({v.at(v.of({{103.0, 0.08, -0.2}, {}}))}, Fineness::Coarse).front());
+    const double near = (*change / 0.4 - truth.col(2)).norm();
+    CAPTURE(near);
+    CHECK(near > 4.0 * off);
+    // Friction, which shows well, is taken where it was asked for, the other one twice.
+    CHECK(evaluator.asked() - before == 6 * data.runs.size());
+}
+
+namespace {
+
 /// A spring that gives way beyond a force: nothing happens below the threshold, as with yielding. Its inner number is
 /// the reciprocal of that force.
 class GivesWay final : public toy::Spring {

@@ -78,6 +78,8 @@ std::string effectTable(const Diagnosis& d) {
                 values += " (the largest that is plausible; the runs want more)";
             if (!p.only.empty())
                 values += " (shown by " + escaped(p.only) + " only)";
+            if (!p.about.empty())
+                values += " <small>" + escaped(p.about) + "</small>";
         };
         std::for_each(e.parameters.begin(), e.parameters.end(), write);
         if (!e.products.empty())

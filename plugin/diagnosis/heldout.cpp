@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 namespace supercircle::diagnosis {
 
@@ -79,6 +80,34 @@ void cutInto(Grouping& g, const Misfit& misfit, int parts) {
     g.folds = g.blocks = parts;
 }
 
+/// Which runs are left out together: those that repeat one another, as long as others remain to learn from. A run whose
+/// repeats have been seen has been seen.
+std::vector<int> foldsOf(const Data& data) {
+    std::vector<int> fold;
+    int folds = 0;
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        std::size_t first = data.free ? r : 0;
+        while (first < r && !sameDrive(data.runs[first], data.runs[r]))
+            ++first;
+        fold.push_back(first < r ? fold[first] : folds++);
+    }
+    if (folds < 2)
+        std::iota(fold.begin(), fold.end(), 0);
+    return fold;
+}
+
+/// "run_1.csv", "run_4.csv and 2 repeats".
+std::string nameOf(const Data& data, const std::vector<int>& folds, int fold) {
+    std::string name;
+    std::size_t repeats = 0;
+    for (std::size_t r = 0; r < folds.size(); ++r)
+        if (folds[r] == fold) {
+            repeats += name.empty() ? 0 : 1;
+            name = name.empty() ? data.runs[r].name : name;
+        }
+    return repeats == 0 ? name : name + " and " + std::to_string(repeats) + (repeats == 1 ? " repeat" : " repeats");
+}
+
 /// A jump belongs to where the force jumps.
 void joinForce(Grouping& g, const Misfit& misfit, std::size_t r, Index row) {
     const RecordedRun& run = misfit.data().runs[r];
@@ -100,6 +129,7 @@ void joinForce(Grouping& g, const Misfit& misfit, std::size_t r, Index row) {
 Grouping groupingOf(const Misfit& misfit) {
     Grouping g;
     const bool byRun = misfit.runs() > 1;
+    const std::vector<int> runFolds = foldsOf(misfit.data());
     for (std::size_t r = 0; r < misfit.runs(); ++r) {
         const RecordedRun& run = misfit.data().runs[r];
         // Cycles of a single run: a new one begins with each loading.
@@ -114,7 +144,7 @@ Grouping groupingOf(const Misfit& misfit) {
                 g.block.push_back(-1);
                 continue;
             }
-            g.fold.push_back(byRun ? static_cast<int>(r) : std::max(0, cycle[stroke] - 1));
+            g.fold.push_back(byRun ? runFolds[r] : std::max(0, cycle[stroke] - 1));
             const auto at = blocks.emplace(std::pair(stroke, misfit.isMarker(r, k)), g.blocks);
             g.blocks += at.second ? 1 : 0;
             g.block.push_back(at.first->second);
@@ -123,8 +153,7 @@ Grouping groupingOf(const Misfit& misfit) {
     for (const int f : g.fold)
         g.folds = std::max(g.folds, f + 1);
     for (int f = 0; f < g.folds; ++f)
-        g.names.push_back(byRun ? misfit.data().runs[static_cast<std::size_t>(f)].name
-                                : "cycle " + std::to_string(f + 1));
+        g.names.push_back(byRun ? nameOf(misfit.data(), runFolds, f) : "cycle " + std::to_string(f + 1));
     if (g.folds < 2) {
         constexpr int kParts = 5;
         cutInto(g, misfit, kParts);

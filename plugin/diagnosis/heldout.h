@@ -4,8 +4,9 @@
 // Each group of rows in turn is left out, the model is fitted to the rest (the linearised minimum inside the box,
 // simulated, and one correction), and the group is foretold. Its log predictive density counts the parameters'
 // uncertainty: the covariance of the whitened error is 1 + J C J', C = (J_t' J_t + P)^-1 from the training rows and the
-// priors P (uniform intervals by their variance). Groups are runs; of a single run its cycles, of a single cycle fifths
-// of its time.
+// priors P (uniform intervals by their variance). Groups are runs, those that repeat one another together as long as
+// that leaves two groups: a run whose repeats have been seen has been seen, and what a model gets wrong in all of them
+// alike would be learnt from the others. Of a single run groups are its cycles, of a single cycle fifths of its time.
 //
 // A number that one group alone shows cannot be foretold for that group: left at its fitted value, the group's error is
 // a fit's. The log density pays for it (the number's prior is part of C), the error in N does not; HeldOut::only says
@@ -26,7 +27,7 @@ struct Grouping {
     std::vector<int> fold;  ///< left out together; -1: does not count
     std::vector<int> block; ///< scored together (a stroke of a run): unit of the bootstrap
     int folds = 0, blocks = 0;
-    std::vector<std::string> names; ///< of folds: runs, "cycle 2", "fifth 3"
+    std::vector<std::string> names; ///< of folds: runs, "run_4.csv and 2 repeats", "cycle 2", "fifth 3"
 };
 Grouping groupingOf(const Misfit& misfit);
 

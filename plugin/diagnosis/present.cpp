@@ -33,7 +33,7 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Groupi
             const auto at = [&](double x) {
                 return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
             };
-            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(low), at(high)}, {}};
+            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(low), at(high)}, {}, s.about};
             const auto number = static_cast<std::size_t>(k);
             if (!t.learned && number < t.held.only.size() && t.held.only[number] >= 0)
                 p.only = grouping.names[static_cast<std::size_t>(t.held.only[number])];
@@ -49,6 +49,7 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Groupi
                                       c.products[i].unit,
                                       productOf(c.products[i], v, t.fit.x, first),
                                       spread.products[term][i],
+                                      {},
                                       {}});
         first += n;
     }

@@ -20,6 +20,7 @@ struct FittedParameter {
     double value = 0.0;
     Interval ci90;
     std::string only = {}; ///< the run, cycle or fifth without which nothing is known of it (HeldOut::only), else empty
+    std::string about = {}; ///< what it is, in words (Scalar::about)
 };
 
 /// An effect that was fitted to all runs.

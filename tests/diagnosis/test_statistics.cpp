@@ -2,6 +2,7 @@
 
 #include "plugin/diagnosis/box.h"
 #include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/localise.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/present.h"
@@ -361,6 +362,45 @@ TEST_CASE("repeats do not average away what a simulation is off by, and noise th
     CHECK(squares(4, 4e-6) == Approx(squares(1, 4e-6)).epsilon(0.05));
     // Noise of a hundred times that error: four times as much.
     CHECK(squares(4, 4e-2) == Approx(4.0 * squares(1, 4e-2)).epsilon(0.01));
+}
+
+TEST_CASE("runs that repeat one another are left out together", "[diagnosis]") {
+    // A force in the fast runs alone, 0.05 N and alike in all of them, which no friction or stiffness of the slow ones
+    // knows: learnt from one fast run it would foretell the other one.
+    const auto leftOut = [](bool alone) {
+        Data data = toy::recordings(3);
+        const std::vector<RecordedRun> r = data.runs; // slow, fast, slower
+        data.runs =
+            alone ? std::vector<RecordedRun>{r[1], r[1], r[1]} : std::vector<RecordedRun>{r[0], r[1], r[2], r[1]};
+        data.runs.back().name = "fast again";
+        for (RecordedRun& run : data.runs)
+            if (run.name != "slow" && run.name != "slower")
+                run.force += 0.05 * run.displacement.unaryExpr([](double x) { return x > 0.0 ? 1.0 : 0.0; });
+        const toy::Spring model(data);
+        Store store;
+        Evaluator evaluator(model, data.runs.size(), {}, store);
+        const auto there = evaluator.everywhere({Point{{103.0, 0.08}, {}}}, Fineness::Fine).front();
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        const Grouping g = groupingOf(misfit);
+        const Fitted fitted = fit(evaluator, misfit, Point{{103.0, 0.08}, {{0, {5.0}}}}); // dashpot: 0.05 N at 5 mm/s
+        Grouping apart = g;                                                               // the last run by itself
+        for (Eigen::Index k = misfit.start(data.runs.size() - 1); k < misfit.rows(); ++k)
+            apart.fold[static_cast<std::size_t>(k)] = g.folds;
+        ++apart.folds;
+        const auto densityOf = [&](const Grouping& of) {
+            return leaveOut(evaluator, misfit, of, fitted).score(1.0).sum();
+        };
+        return std::tuple(g, densityOf(g), densityOf(apart));
+    };
+    const auto [three, together, apart] = leftOut(false);
+    CHECK(three.folds == 3);
+    CHECK(three.names == std::vector<std::string>{"slow", "fast and 1 repeat", "slower"});
+    // Learnt from the other fast run it looks foretold; ten in the log density decide any comparison of models.
+    CAPTURE(together, apart);
+    CHECK(apart - together > 10.0);
+    const Grouping alone = std::get<0>(leftOut(true)); // nothing else to learn from
+    CHECK(alone.folds == 3);
+    CHECK(alone.names.front() == "fast");
 }
 
 TEST_CASE("the rest whose mean was taken for zero is not where something is missing", "[diagnosis]") {

@@ -57,7 +57,7 @@ public:
                                    "material",
                                    "",
                                    "c v",
-                                   {{"c", "N s/m", "", 0.0, 0.0, 1e3, 2.0, Scale::Linear, true}},
+                                   {{"c", "N s/m", "force per speed", 0.0, 0.0, 1e3, 2.0, Scale::Linear, true}},
                                    {{5.0}}});
         candidates_.push_back(
             {"drift", "sensor", "", "a t", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-3, Scale::Linear, true}}, {{5e-3}}});

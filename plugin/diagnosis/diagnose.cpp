@@ -4,10 +4,10 @@
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/heldout.h"
 #include "plugin/diagnosis/homogeneity.h"
-#include "plugin/diagnosis/learn.h"
 #include "plugin/diagnosis/nominal.h"
 #include "plugin/diagnosis/present.h"
 #include "plugin/diagnosis/profile.h"
+#include "plugin/diagnosis/ranking.h"
 #include "plugin/diagnosis/search.h"
 #include "plugin/diagnosis/suspects.h"
 #include "plugin/diagnosis/weigh.h"
@@ -25,14 +25,6 @@ namespace supercircle::diagnosis {
 namespace {
 
 using Index = Eigen::Index;
-
-/// A label of the report and the hypothesis it is best shown by.
-struct Entry {
-    std::string label;
-    std::size_t model = 0; ///< of tried_
-    std::size_t term = 0;
-    double probability = 0.0; ///< of all hypotheses that contain it
-};
 
 class Work {
 public:
@@ -114,12 +106,7 @@ private:
     void tryHypotheses(bool first);
     [[nodiscard]] Spread spreadOf(const Entry& entry);
     void conclude();
-    void enter(const Weighed& w);
-    void shareAlike();
-    void rankEntries(const Weighed& w);
     void weighAll(Weighed& w) const;
-    [[nodiscard]] const Tried* best(const Weighed& w, const std::string& with, const std::string& without) const;
-    void groups(const Weighed& w, Evidence& evidence);
     void conclusions(const Weighed& w, Evidence& evidence);
     void suggest();
     void present();
@@ -137,7 +124,7 @@ private:
     std::vector<Screened> screened_;
     std::vector<Tried> tried_;
     std::vector<Entry> entries_; ///< as out_.effects
-    std::size_t best_ = 0;       ///< of tried_: what the curves show
+    std::size_t best_ = 0;       ///< of tried_: what the first entry is shown by, and the curves show
     bool any_ = false;           ///< whether there is a best one
 };
 
@@ -245,113 +232,6 @@ void Work::summarise() {
         out_.seen.push_back(byLabel[label]);
 }
 
-/// The best hypothesis with an effect and without another one: beside it nothing is its rival, but alone it may be.
-const Tried* Work::best(const Weighed& w, const std::string& with, const std::string& without) const {
-    const Tried* found = nullptr;
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < tried_.size(); ++i) {
-        const auto contains = [&](const std::string& label) {
-            return std::any_of(tried_[i].candidates.begin(), tried_[i].candidates.end(),
-                               [&](std::size_t c) { return candidates()[c].label == label; });
-        };
-        if (tried_[i].learned || !contains(with) || contains(without) || (found && !w.better(i, at)))
-            continue;
-        found = &tried_[i];
-        at = i;
-    }
-    return found;
-}
-
-/// Which effects cannot be told apart, and how probable the first one's group is. Effects that act together are no
-/// rivals.
-void Work::groups(const Weighed& w, Evidence& evidence) {
-    for (std::size_t a = 0; a < entries_.size(); ++a) {
-        FoundEffect& e = out_.effects[a];
-        e.group = {e.label};
-        const Tried& s = tried_[entries_[a].model];
-        for (std::size_t b = 0; b < entries_.size(); ++b) {
-            const std::string& rival = entries_[b].label;
-            if (a == b || std::find(e.with.begin(), e.with.end(), rival) != e.with.end())
-                continue;
-            const Tried* t = best(w, rival, e.label);
-            const auto apart =
-                t ? misfit_->difference(s.fit.responses, t->fit.responses) : std::optional<Eigen::VectorXd>();
-            if ((apart && alike(s.held, t->held, apart->norm(), w.dispersion)) || alikeByNature(data_, e.label, rival))
-                e.group.push_back(rival);
-        }
-    }
-    if (entries_.empty())
-        return;
-    const std::vector<std::string>& group = out_.effects.front().group;
-    for (std::size_t i = 0; i < tried_.size(); ++i) { // a pair of two of the group is one hypothesis
-        const std::vector<std::size_t>& acting = tried_[i].candidates;
-        if (!tried_[i].learned && std::any_of(acting.begin(), acting.end(), [&](std::size_t c) {
-                return std::find(group.begin(), group.end(), candidates()[c].label) != group.end();
-            }))
-            evidence.bestGroup += w.effects[i];
-    }
-}
-
-/// Labels with the probability of every hypothesis that contains them, and the best one to show each by.
-void Work::enter(const Weighed& w) {
-    for (std::size_t i = 0; i < tried_.size(); ++i) {
-        if (tried_[i].learned) {
-            LearnedLaw law = describe(evaluator_.model(), *misfit_, tried_[i]);
-            law.probability = w.effects[i];
-            law.gain = w.gain[i];
-            law.gainError = w.gainError[i];
-            law.heldOutRmse = tried_[i].held.forceRmse;
-            out_.learned.push_back(std::move(law));
-            continue;
-        }
-        for (std::size_t term = 0; term < tried_[i].candidates.size(); ++term) {
-            const std::string& label = candidates()[tried_[i].candidates[term]].label;
-            const auto at =
-                std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.label == label; });
-            if (at == entries_.end()) {
-                entries_.push_back({label, i, term, w.effects[i]});
-                continue;
-            }
-            at->probability += w.effects[i];
-            if (w.better(i, at->model)) {
-                at->model = i;
-                at->term = term;
-            }
-        }
-    }
-    std::stable_sort(out_.learned.begin(), out_.learned.end(), [](const LearnedLaw& a, const LearnedLaw& b) {
-        return a.probability != b.probability ? a.probability > b.probability : a.gain > b.gain;
-    });
-}
-
-/// Which of two that are alike by nature fits better is no evidence for either: they share what they have.
-void Work::shareAlike() {
-    for (std::size_t a = 0; a < entries_.size(); ++a)
-        for (std::size_t b = a + 1; b < entries_.size(); ++b)
-            if (alikeByNature(data_, entries_[a].label, entries_[b].label))
-                entries_[a].probability = entries_[b].probability =
-                    0.5 * (entries_[a].probability + entries_[b].probability);
-}
-
-/// The most probable label first; of labels that act together the one that explains more by itself. What the first is
-/// shown by is what the curves show.
-void Work::rankEntries(const Weighed& w) {
-    const auto own = [&](const std::string& label) {
-        double most = -1e300;
-        for (std::size_t i = 0; i < tried_.size(); ++i)
-            if (!tried_[i].learned && tried_[i].candidates.size() == 1 &&
-                candidates()[tried_[i].candidates.front()].label == label)
-                most = std::max(most, w.gain[i]);
-        return most;
-    };
-    std::stable_sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
-        return std::abs(a.probability - b.probability) > 1e-3 ? a.probability > b.probability
-                                                              : own(a.label) > own(b.label);
-    });
-    any_ = !entries_.empty();
-    best_ = any_ ? entries_.front().model : 0;
-}
-
 void Work::weighAll(Weighed& w) const {
     std::vector<HeldOut> held;
     Weighing given;
@@ -428,9 +308,11 @@ void Work::conclude() {
     Weighed w;
     weighAll(w);
     out_.nothing = w.nothing;
-    enter(w);
-    shareAlike();
-    rankEntries(w);
+    const Ranking ranking(evaluator_.model(), *misfit_, tried_, w);
+    out_.learned = ranking.learned();
+    entries_ = ranking.entries();
+    any_ = !entries_.empty();
+    best_ = any_ ? entries_.front().model : 0;
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;
@@ -450,7 +332,10 @@ void Work::conclude() {
     e.nothing = out_.nothing;
     e.unknown = out_.unknown;
     e.any = any_;
-    groups(w, e);
+    for (std::size_t a = 0; a < entries_.size(); ++a)
+        out_.effects[a].group = ranking.groupOf(entries_, a, out_.effects[a].with);
+    if (any_)
+        e.bestGroup = ranking.probabilityOf(out_.effects.front().group);
     conclusions(w, e);
     out_.verdict = verdictOf(e);
     out_.improved = out_.improved && out_.verdict != "nothing_missing"; // what came nearest would only mislead

@@ -140,10 +140,18 @@ bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
     return true;
 }
 
+std::size_t Data::firstOf(std::size_t run) const {
+    std::size_t first = free ? run : 0; // nothing drives free runs alike
+    while (first < run && !sameDrive(runs[first], runs[run]))
+        ++first;
+    return first;
+}
+
 std::size_t Data::repeatsOf(std::size_t run) const {
-    const auto alike = std::count_if(runs.begin(), runs.end(),
-                                     [&](const RecordedRun& r) { return &r == &runs[run] || sameDrive(r, runs[run]); });
-    return static_cast<std::size_t>(alike);
+    std::size_t alike = 0;
+    for (std::size_t r = 0; r < runs.size(); ++r)
+        alike += firstOf(r) == firstOf(run) ? 1 : 0;
+    return alike;
 }
 
 std::string Data::markerChannel(Eigen::Index coordinate) const {

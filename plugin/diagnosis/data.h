@@ -81,7 +81,9 @@ struct Data {
     std::vector<std::string> markerNames;
     /// Name of a marker coordinate: x and y of the first marker, of the second, ...
     [[nodiscard]] std::string markerChannel(Eigen::Index coordinate) const;
-    /// How many runs do the same as this one, itself included.
+    /// The first run that does the same as this one (itself, if none does before it).
+    [[nodiscard]] std::size_t firstOf(std::size_t run) const;
+    /// How many runs do the same as this one, itself included; of free scenes 1.
     [[nodiscard]] std::size_t repeatsOf(std::size_t run) const;
     [[nodiscard]] double peakForce() const;
 };

@@ -124,8 +124,6 @@ private:
     std::vector<Screened> screened_;
     std::vector<Tried> tried_;
     std::vector<Entry> entries_; ///< as out_.effects
-    std::size_t best_ = 0;       ///< of tried_: what the first entry is shown by, and the curves show
-    bool any_ = false;           ///< whether there is a best one
 };
 
 /// Recorded minus simulated force where it counts, N; elsewhere not a number.
@@ -311,8 +309,6 @@ void Work::conclude() {
     const Ranking ranking(evaluator_.model(), *misfit_, tried_, w);
     out_.learned = ranking.learned();
     entries_ = ranking.entries();
-    any_ = !entries_.empty();
-    best_ = any_ ? entries_.front().model : 0;
     out_.unknown = w.unknown;
     for (const LearnedLaw& law : out_.learned)
         out_.unknown += law.probability;
@@ -331,10 +327,10 @@ void Work::conclude() {
     e.p = out_.mismatch.p;
     e.nothing = out_.nothing;
     e.unknown = out_.unknown;
-    e.any = any_;
+    e.any = !entries_.empty();
     for (std::size_t a = 0; a < entries_.size(); ++a)
         out_.effects[a].group = ranking.groupOf(entries_, a, out_.effects[a].with);
-    if (any_)
+    if (e.any)
         e.bestGroup = ranking.probabilityOf(out_.effects.front().group);
     conclusions(w, e);
     out_.verdict = verdictOf(e);
@@ -355,14 +351,15 @@ void Work::conclusions(const Weighed& w, Evidence& e) {
     out_.baselineHeldOut = baseHeld_.forceRmse;
     out_.baselinePerRow = misfitPerRow(*misfit_, base_);
     if (e.any) {
-        const Tried& best = tried_[best_];
-        e.gain = w.gain[best_];
-        e.gainLow = w.gainLow[best_];
+        const std::size_t first = entries_.front().model; // what the curves show
+        const Tried& best = tried_[first];
+        e.gain = w.gain[first];
+        e.gainLow = w.gainLow[first];
         out_.improved = true;
         out_.improvedTraining = forceRmse(*misfit_, best.fit.responses);
         out_.improvedHeldOut = best.held.forceRmse;
         improvementOf(baseHeld_, best.held, settings_.seed + 3, out_.improvement, out_.improvementCi);
-        if (best_ != 0) // of the first one it is known
+        if (first != 0) // of the first of all it is known
             out_.left = leftBy(evaluator_.model(), *misfit_, best.fit, settings_);
     }
     double matter = 0.0, blind = 0.0; // an effect matters here if a size worth knowing changes readings by 5 units
@@ -401,7 +398,7 @@ void Work::present() {
         shown.push_back(&tried_[entry.model].fit);
     }
     out_.similarity = presentSimilarity(*misfit_, base_, shown);
-    out_.runs = presentCurves(*misfit_, base_, out_.improved ? &tried_[best_].fit : nullptr);
+    out_.runs = presentCurves(*misfit_, base_, out_.improved ? &tried_[entries_.front().model].fit : nullptr);
     if (out_.mismatch.p <= kFamilyWise && out_.mismatch.significant.empty())
         out_.mismatch.significant = windowsOfEffect(data_, out_.runs, out_.mismatch);
 }

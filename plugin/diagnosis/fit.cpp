@@ -78,13 +78,17 @@ std::vector<Eigen::Index> range(Eigen::Index from, Eigen::Index to) {
 
 /// Two neighbours of x in one coordinate, inside the box.
 struct Neighbours {
-    Neighbours(const Variables& v, const Eigen::VectorXd& x, Eigen::Index c, double difference) : up(x), down(x) {
+    Neighbours(const Variables& v, const Eigen::VectorXd& x, Eigen::Index c, double difference)
+        : column(c), up(x), down(x) {
         up[c] = std::min(x[c] + difference, v.upper[c]);
         down[c] = std::max(x[c] - difference, v.lower[c]);
-        span = up[c] - down[c];
+        toUp = up[c] - x[c];
+        toDown = x[c] - down[c];
     }
+    [[nodiscard]] double span() const { return up[column] - down[column]; }
+    Eigen::Index column;
     Eigen::VectorXd up, down;
-    double span = 0.0;
+    double toUp = 0.0, toDown = 0.0;
 };
 
 /// Above and below, of one after the other.
@@ -97,60 +101,50 @@ std::vector<Point> pointsOf(const Variables& v, const std::vector<Neighbours>& a
     return points;
 }
 
-/// How far to go for the derivative by a number whose first one, over `span`, changed all readings by `change`.
+/// How far to go for the derivative by a number, where over `span` it changed all readings by `change`.
 /// Where a step of the simulation ends just before a kink of the force at one place and just behind it at the next, a
 /// single reading changes by half a noise unit. Beside a number that hardly changes any reading that is most of its
 /// column: of an arch's thickness two thirds were such readings, so that a residual projected on what the nominal
-/// numbers can do kept what they can do, and gravity stood out of a recording that lacks nothing (p = .007). A step
-/// that is k times as long has them divided by k, and numbers as faint as that are linear enough for it.
+/// numbers can do kept what they can do, and gravity stood out of a recording that lacks nothing (p = .007). Over a
+/// difference k times as wide they are divided by k, and numbers as faint as that are linear enough for it.
 double widened(double difference, double change) {
-    constexpr double kPlain = 20.0, kWidest = 1.0; // noise units; steps
+    constexpr double kPlain = 20.0, kWidest = 1.0; // noise units; of the stated half-width
     return change > 0.0 ? std::clamp(difference * kPlain / change, difference, kWidest) : kWidest;
 }
 
-/// Nominal numbers have a stated interval, in which they are believed and the step is half; what an effect does may
-/// begin at a threshold, and free scenes have numbers without bounds.
-bool mayWiden(const Misfit& misfit, const Variables& v, Eigen::Index c) {
-    return c < v.nominal && !misfit.data().free;
-}
-
-/// Columns that are worth a wider difference, and the places of it.
-struct Faint {
-    Faint(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x, double difference,
-          const std::vector<Eigen::Index>& taken, const std::vector<Neighbours>& near, const Eigen::MatrixXd& J) {
-        for (std::size_t i = 0; i < taken.size(); ++i)
-            if (const double wider = widened(difference, J.col(taken[i]).norm() * near[i].span);
-                wider > difference && mayWiden(misfit, v, taken[i])) {
-                columns.push_back(taken[i]);
-                wide.emplace_back(v, x, taken[i], wider);
-            }
+/// Derivatives by the numbers `only`, those that are faint over more of their interval. Only stated numbers: what an
+/// effect does may begin at a threshold, and numbers of free scenes have no bounds.
+/// @param take fills columns of `into` from their neighbours in x
+template <class Take>
+void inTwoGoes(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x, double difference,
+               const std::vector<Eigen::Index>& only, const Evaluator& evaluator, Eigen::MatrixXd& into,
+               const Take& take) {
+    std::vector<Neighbours> near, wide;
+    for (const Eigen::Index c : only) {
+        into.col(c).setZero();
+        near.emplace_back(v, x, c, difference);
     }
-    std::vector<Eigen::Index> columns;
-    std::vector<Neighbours> wide;
-};
+    take(near);
+    for (const Neighbours& n : near)
+        if (const double wider = widened(difference, into.col(n.column).norm() * n.span());
+            wider > difference && n.column < v.nominal && !misfit.data().free)
+            wide.emplace_back(v, x, n.column, wider);
+    if (!wide.empty() && !evaluator.stopped())
+        take(wide);
+}
 
 } // namespace
 
 void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x,
                    double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into, Fineness fineness) {
     into.conservativeResize(misfit.rows(), v.size());
-    const auto take = [&](const std::vector<Eigen::Index>& columns, const std::vector<Neighbours>& beside) {
+    inTwoGoes(misfit, v, x, difference, only, evaluator, into, [&](const std::vector<Neighbours>& beside) {
         const auto answers = evaluator.everywhere(pointsOf(v, beside), fineness);
-        for (std::size_t i = 0; i < columns.size(); ++i) {
-            const auto change = misfit.difference(answers[2 * i], answers[2 * i + 1]);
-            if (change && beside[i].span > 0.0)
-                into.col(columns[i]) = *change / beside[i].span;
-        }
-    };
-    std::vector<Neighbours> near;
-    for (const Eigen::Index c : only) {
-        into.col(c).setZero();
-        near.emplace_back(v, x, c, difference);
-    }
-    take(only, near);
-    const Faint faint(misfit, v, x, difference, only, near, into);
-    if (!faint.columns.empty() && !evaluator.stopped())
-        take(faint.columns, faint.wide);
+        for (std::size_t i = 0; i < beside.size(); ++i)
+            if (const auto change = misfit.difference(answers[2 * i], answers[2 * i + 1]);
+                change && beside[i].span() > 0.0)
+                into.col(beside[i].column) = *change / beside[i].span();
+    });
 }
 
 namespace {
@@ -182,25 +176,14 @@ Eigen::VectorXd slope(const Misfit& misfit, const std::vector<Response>& here, c
 
 Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& v,
                                        const Eigen::VectorXd& x, double difference) {
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(misfit.rows(), v.size());
-    const auto take = [&](const std::vector<Eigen::Index>& columns, const std::vector<Neighbours>& beside) {
-        std::vector<Point> points = pointsOf(v, beside);
-        points.push_back(v.at(x));
-        const auto answers = evaluator.everywhere(points, Fineness::Coarse);
-        for (std::size_t i = 0; i < columns.size(); ++i) {
-            const Eigen::Index c = columns[i];
-            out.col(c) = slope(misfit, answers.back(), answers[2 * i], beside[i].up[c] - x[c], answers[2 * i + 1],
-                               x[c] - beside[i].down[c]);
-        }
-    };
-    const std::vector<Eigen::Index> all = range(0, v.size());
-    std::vector<Neighbours> near;
-    for (const Eigen::Index c : all)
-        near.emplace_back(v, x, c, difference);
-    take(all, near);
-    const Faint faint(misfit, v, x, difference, all, near, out);
-    if (!faint.columns.empty() && !evaluator.stopped())
-        take(faint.columns, faint.wide);
+    Eigen::MatrixXd out(misfit.rows(), v.size());
+    const auto here = evaluator.everywhere({v.at(x)}, Fineness::Coarse).front();
+    inTwoGoes(misfit, v, x, difference, range(0, v.size()), evaluator, out, [&](const std::vector<Neighbours>& beside) {
+        const auto answers = evaluator.everywhere(pointsOf(v, beside), Fineness::Coarse);
+        for (std::size_t i = 0; i < beside.size(); ++i)
+            out.col(beside[i].column) =
+                slope(misfit, here, answers[2 * i], beside[i].toUp, answers[2 * i + 1], beside[i].toDown);
+    });
     return out;
 }
 

@@ -3,7 +3,7 @@
 //
 // Derivatives come from the coarse simulation, residuals from the fine one: what discretisation does to the curve
 // cancels in a difference. (Those at the nominal fit's end come from the fine one: on them rests what stands out, and
-// they are two hundredths of a case's simulations.) Between refreshes the Jacobian learns from accepted steps
+// they are a few hundredths of a case's simulations.) Between refreshes the Jacobian learns from accepted steps
 // (Broyden's rank-one update), so a fit costs little more than its fine simulations.
 //
 // Sources: J. J. More, "The Levenberg-Marquardt algorithm", LNM 630 (1978); C. G. Broyden, Math. Comp. 19 (1965) 577.

@@ -86,9 +86,7 @@ std::vector<int> foldsOf(const Data& data) {
     std::vector<int> fold;
     int folds = 0;
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
-        std::size_t first = data.free ? r : 0;
-        while (first < r && !sameDrive(data.runs[first], data.runs[r]))
-            ++first;
+        const std::size_t first = data.firstOf(r);
         fold.push_back(first < r ? fold[first] : folds++);
     }
     if (folds < 2)

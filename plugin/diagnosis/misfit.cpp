@@ -168,7 +168,7 @@ Misfit::Misfit(const Data& data, const Noise& noise, const std::vector<Response>
     const double peak = data.free ? 0.0 : data.peakForce(); // the equations of free bodies are solved exactly
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
-        const MisfitSettings here = settings.inEachOf(data.free ? 1 : data.repeatsOf(r));
+        const MisfitSettings here = settings.inEachOf(data.repeatsOf(r));
         Part part;
         part.errors = rowErrors(run, noise, fine[r], finer[r], peak, here);
         part.force =

@@ -55,7 +55,7 @@ struct Curve {
 };
 
 constexpr std::size_t kAcross = 4;
-constexpr double kPanelWidth = 220.0, kPanelHeight = 130.0, kLeft = 46.0, kTop = 64.0, kGapX = 44.0, kGapY = 50.0;
+constexpr double kPanelWidth = 220.0, kPanelHeight = 130.0, kLeft = 46.0, kTop = 64.0, kGapX = 54.0, kGapY = 66.0;
 constexpr double kWidth = kLeft + kAcross * (kPanelWidth + kGapX);
 constexpr double kHeight = kTop + (kShown.size() + kAcross - 1) / kAcross * (kPanelHeight + kGapY);
 

@@ -34,6 +34,7 @@ Stream makePipe() {
 }
 
 Stream makeTerminal() {
+    INFO("a test with a terminal needs pseudo-terminals: is /dev/pts mounted?");
     const int ours = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     REQUIRE(ours >= 0);
     REQUIRE(::grantpt(ours) == 0);

@@ -5,6 +5,7 @@
 // phi_bar 0.65 without friction), so the comparison with a reference of zero thickness is made by linear extrapolation
 // from 20 and 40 um.
 
+#include "plugin/validation/branches.h"
 #include "plugin/validation/experiments.h"
 #include "plugin/validation/reference.h"
 
@@ -16,10 +17,6 @@ namespace {
 
 constexpr double kThin = 2e-5;
 
-struct Pair {
-    double phiBar, mu;
-};
-
 Case press(const Pair& p, double thickness, int elements, double fixedDt = 0.0) {
     Case c{"two_shells", thin(thickness), fixedDt};
     c.parameters.insert(c.parameters.end(),
@@ -27,30 +24,13 @@ Case press(const Pair& p, double thickness, int elements, double fixedDt = 0.0) 
     return c;
 }
 
-std::string file(const char* branch, const Pair& p) {
-    return text("T3_%s_Phi%.2f_mu%.2f.csv", branch, p.phiBar, p.mu);
-}
-
-struct Span {
-    double from, to, back; ///< indentations over R
-};
-
 Span spanOf(double phiBar) {
     const double seated = -2.0 * std::cos(M_PI * phiBar);
     return {0.02 * seated, 0.92 * seated, 0.86 * seated};
 }
 
-struct Errors {
-    double load = 0.0, pull = 0.0, peak = 0.0, pullOff = 0.0;
-};
-
-Errors errorsOf(const Settings& settings, const Pair& p, const Legs& measured) {
-    const Curve up = reference(settings, file("load", p)), down = reference(settings, file("pull", p));
-    const auto [from, to, back] = spanOf(p.phiBar);
-    return {worstDifference(measured.load, up, from, to) / up.top(),
-            worstDifference(measured.pull, down, from, back) / -down.bottom(),
-            topBetween(measured.load, from, to) / up.top() - 1.0,
-            bottomBetween(measured.pull, from, back) / down.bottom() - 1.0};
+BranchErrors errorsOf(const Settings& settings, const Pair& p, const Legs& measured) {
+    return branchErrors(measured, solvedBranches(settings, "T3", p), spanOf(p.phiBar));
 }
 
 /// Curves at vanishing thickness.
@@ -62,38 +42,6 @@ Legs pressed(const Settings& settings, Experiment& e, const Pair& p, int element
     out.load = atZeroThickness(thin.load, twice.load, from, to);
     out.pull = atZeroThickness(thin.pull, twice.pull, from, back);
     return out;
-}
-
-Panel curves(const Settings& settings, double phiBar, const std::vector<std::pair<Pair, Legs>>& runs) {
-    Panel panel{text("Φ/2π = %.2f (upper branch: pushing, lower: pulling)", phiBar),
-                "indentation / R",
-                "force / (B/R²)",
-                false,
-                false,
-                {},
-                {}};
-    int colour = 0;
-    const auto [from, to, back] = spanOf(phiBar);
-    for (const auto& [p, run] : runs) {
-        if (p.phiBar != phiBar)
-            continue;
-        panel.lines.push_back(solid(reference(settings, file("load", p)), text("μ = %.2f", p.mu), colour));
-        panel.lines.push_back(solid(reference(settings, file("pull", p)), "", colour));
-        panel.lines.push_back(markers(run.load, from, to, 25, "", colour));
-        panel.lines.push_back(markers(run.pull, from, back, 25, "", colour));
-        ++colour;
-    }
-    return panel;
-}
-
-void addChecks(Experiment& e, const Pair& p, const Errors& err) {
-    const std::string name = text("Φ/2π = %.2f, μ = %.2f: ", p.phiBar, p.mu);
-    e.checks.push_back({name + "pushing, largest difference of the force", err.load, 0.0, err.load, "peak", 0.01,
-                        "two shells of 31 arcs; the square of the thickness is left, 0.3 %", false});
-    e.checks.push_back({name + "peak", 1.0 + err.peak, 1.0, err.peak, "peak", 0.01, "as above", false});
-    e.checks.push_back({name + "pulling, largest difference of the force", err.pull, 0.0, err.pull, "pull-off", 0.02,
-                        "as pushing, and the turn of the friction at the reversal", false});
-    e.checks.push_back({name + "pull-off", 1.0 + err.pullOff, 1.0, err.pullOff, "pull-off", 0.02, "as pulling", false});
 }
 
 Case push(const Pair& p, int elements, double travel, double thickness = kThin) {
@@ -164,7 +112,7 @@ void convergence(const Settings& settings, Experiment& e) {
     const std::vector<Pair> pairs{{0.65, 0.35}, {0.75, 0.0}, {0.75, 0.35}};
     std::vector<std::string> names;
     for (const Pair& p : pairs)
-        names.push_back(text("Φ/2π = %.2f, μ = %.2f", p.phiBar, p.mu));
+        names.push_back(nameOf(p));
     e.panels.push_back(
         study("pushing: largest difference over the peak, h → 0", "arcs per shell N", {7, 15, 31}, names, 0.01,
               [&](std::size_t i, double n) {
@@ -193,16 +141,17 @@ void twoShells(const Settings& settings, Experiment& e) {
     std::vector<std::pair<Pair, Legs>> runs;
     for (const Pair p : {Pair{0.75, 0.35}, {0.75, 0.0}, {0.65, 0.35}, {0.65, 0.0}}) {
         runs.emplace_back(p, pressed(settings, e, p, 31));
-        addChecks(e, p, errorsOf(settings, p, runs.back().second));
+        addBranchChecks(e, p, errorsOf(settings, p, runs.back().second),
+                        "two shells of 31 arcs; the square of the thickness is left, 0.3 %");
         e.commands.push_back(press(p, kThin, 31).command());
         e.commands.push_back(press(p, 2.0 * kThin, 31).command());
         if (settings.quick)
             break;
     }
-    e.panels.push_back(curves(settings, 0.75, runs));
+    e.panels.push_back(branchPanel(settings, "T3", 0.75, spanOf(0.75), runs));
     if (settings.quick)
         return;
-    e.panels.push_back(curves(settings, 0.65, runs));
+    e.panels.push_back(branchPanel(settings, "T3", 0.65, spanOf(0.65), runs));
     stuck(settings, e);
     convergence(settings, e);
 }

@@ -144,11 +144,4 @@ std::vector<std::string> Folder::entries() const {
     return names;
 }
 
-std::string contentOf(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    INFO(path);
-    REQUIRE(file);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 } // namespace supercircle::test

@@ -1,6 +1,8 @@
 #pragma once
 // Starts the built program the way a shell does, and looks at what it leaves behind.
 
+#include "tests/support/text.h"
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -47,8 +49,5 @@ public:
 private:
     std::string path_;
 };
-
-/// Content of a file; fails the test if there is none.
-std::string contentOf(const std::string& path);
 
 } // namespace supercircle::test

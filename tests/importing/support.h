@@ -3,13 +3,12 @@
 
 #include "plugin/importing/import.h"
 #include "tests/support/folder.h"
+#include "tests/support/text.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -18,22 +17,9 @@ namespace importingtest {
 
 using namespace supercircle;
 using importing::Quantity;
+using test::contentOf;
 using test::Folder;
-
-inline std::string contentOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    REQUIRE(in.good());
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
-/// `text` with the first occurrence of `what` replaced; fails the test if there is none.
-inline std::string with(std::string text, const std::string& what, const std::string& instead) {
-    const std::size_t at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), instead);
-}
+using test::with;
 
 /// The run: 1 s rest, 0.5 mm/s down for 8 s and up again, 1 s rest; rows at 20 Hz. The specimen is touched at 1 mm and
 /// pushes back with 2 N/mm.

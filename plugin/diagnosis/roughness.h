@@ -9,7 +9,7 @@
 namespace supercircle::diagnosis {
 
 /// Of a normal distribution: standard deviation over median absolute deviation.
-constexpr double kMadToSigma = 1.482602218505602;
+inline constexpr double kMadToSigma = 1.482602218505602;
 
 /// 0 of none.
 double median(std::vector<double> v);

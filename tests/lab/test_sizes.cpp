@@ -3,31 +3,22 @@
 // last digit if no setting of the numerics is a length or a time of its own.
 
 #include "tests/lab/play.h"
-
-#include <fstream>
-#include <iterator>
+#include "tests/support/text.h"
 
 using namespace supercircle;
 using namespace supercircle::test;
 
 namespace {
 
-void put(std::string& text, const std::string& what, const std::string& with) {
-    const std::size_t at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    text.replace(at, what.size(), with);
-}
-
 lab::Outcome pressOfSize(double R, double phiBar) {
     const std::string path = std::string(SC_SOURCE_DIR) + "/scenes/shell_on_cylinder.json";
-    std::ifstream in(path);
-    std::string text{std::istreambuf_iterator<char>(in), {}};
     const double k = R / 0.0192;
-    put(text, "\"R\": 0.0192", "\"R\": " + std::to_string(R));
-    put(text, "\"value\": 1e-8", "\"value\": " + std::to_string(k) + "e-8");
-    put(text, "\"value\": 0.0005, \"min\": 1e-5, \"max\": 0.001",
-        "\"value\": " + std::to_string(k * 500.0) + "e-6, \"min\": 1e-9, \"max\": 1");
-    put(text, "\"density\": { \"param\"", "\"width\": " + std::to_string(k * 1e4) + "e-6, \"density\": { \"param\"");
+    std::string text = with(contentOf(path), "\"R\": 0.0192", "\"R\": " + std::to_string(R));
+    text = with(text, "\"value\": 1e-8", "\"value\": " + std::to_string(k) + "e-8");
+    text = with(text, "\"value\": 0.0005, \"min\": 1e-5, \"max\": 0.001",
+                "\"value\": " + std::to_string(k * 500.0) + "e-6, \"min\": 1e-9, \"max\": 1");
+    text = with(text, "\"density\": { \"param\"",
+                "\"width\": " + std::to_string(k * 1e4) + "e-6, \"density\": { \"param\"");
     std::vector<scene::Problem> problems;
     const auto scene = scene::loadText(text, path, {{"phi_bar", phiBar}}, problems);
     for (const scene::Problem& p : problems)

@@ -3,12 +3,11 @@
 
 #include "plugin/include/supercircle/shells.hpp"
 #include "plugin/shells/snapshot_log.h"
+#include "tests/support/text.h"
 #include "tests/support/tumble.h"
 
 #include <catch2/catch.hpp>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <regex>
 #include <set>
 
@@ -20,8 +19,7 @@ namespace {
 /// Declarations of the class that answer with an Outcome, a handle or a report and are not const, without blanks and
 /// names of parameters: "drive(HoldHandle,DriveDef)".
 std::set<std::string> changingCalls() {
-    std::ifstream file(std::string(SC_SOURCE_DIR) + "/plugin/include/supercircle/shells.hpp");
-    std::string text((std::istreambuf_iterator<char>(file)), {});
+    std::string text = contentOf(std::string(SC_SOURCE_DIR) + "/plugin/include/supercircle/shells.hpp");
     text = std::regex_replace(text, std::regex("//[^\n]*"), "");
     text = text.substr(text.find("\nclass Shells {"));
     static const std::regex call(

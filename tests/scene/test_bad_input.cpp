@@ -1,6 +1,7 @@
 // Everything that can be wrong with a file gets a message that names the place and helps to mend it.
 
 #include "tests/scene/support.h"
+#include "tests/support/text.h"
 
 #include <filesystem>
 #include <fstream>
@@ -302,8 +303,7 @@ TEST_CASE("other blocks are checked") {
 
 TEST_CASE("no cut and no flipped byte of a good file crashes the loader") {
     std::vector<Problem> problems;
-    std::ifstream in(scenePath("squeeze"), std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const std::string text = test::contentOf(scenePath("squeeze"));
     REQUIRE(text.size() > 1000);
     const std::size_t end = text.rfind('}');
     for (std::size_t n = 0; n <= end; n += 3) {

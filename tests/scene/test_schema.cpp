@@ -6,6 +6,7 @@
 #endif
 
 #include "tests/scene/support.h"
+#include "tests/support/text.h"
 
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -16,7 +17,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 using namespace scenetest;
 using nlohmann::json;
@@ -24,9 +24,7 @@ using nlohmann::json;
 namespace {
 
 json readJson(const std::string& path) {
-    std::ifstream in(path);
-    REQUIRE(in.good());
-    return json::parse(in);
+    return json::parse(test::contentOf(path));
 }
 
 /// Complaints of the schema, empty if it accepts.
@@ -85,8 +83,7 @@ TEST_CASE("every level is accepted by loader and schema, and so is the one in th
         CHECK(good(path).game.has_value());
         CHECK(complaints(readJson(path)) == "");
     }
-    std::ifstream in(std::string(SC_SOURCE_DIR) + "/docs/levels.md");
-    const std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const std::string guide = test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/levels.md");
     const std::size_t begin = guide.find("```json\n") + 8;
     const std::string first = guide.substr(begin, guide.find("```", begin) - begin);
     CHECK(goodText(first).game.has_value());
@@ -179,10 +176,9 @@ TEST_CASE("schema and loader accept the same files") {
 }
 
 TEST_CASE("the guide names every key of the schema, and its first scene loads") {
-    std::ifstream in(std::string(SC_SOURCE_DIR) + "/docs/scenes.md");
-    std::string guide((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    std::ifstream levels(std::string(SC_SOURCE_DIR) + "/docs/levels.md"); // the section "game" has a page of its own
-    guide.append(std::istreambuf_iterator<char>(levels), std::istreambuf_iterator<char>());
+    // The section "game" has a page of its own.
+    const std::string guide = test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/scenes.md") +
+                              test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/levels.md");
     std::vector<std::string> keys;
     collectKeys(readJson(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json"), keys);
     CHECK(keys.size() > 100);

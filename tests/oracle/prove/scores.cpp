@@ -70,6 +70,14 @@ Confusion confusionOf(const std::vector<Judged>& all) {
     return c;
 }
 
+/// "plasticity 2; nothing_missing 1"
+std::string counted(const std::map<std::string, int>& row) {
+    std::string out;
+    for (const auto& [answer, n] : row)
+        out += (out.empty() ? "" : "; ") + answer + " " + std::to_string(n);
+    return out;
+}
+
 /// Cases by the probability of what was said first, against how often that was true.
 std::string reliability(const std::vector<Judged>& all) {
     const double edges[] = {0.0, 0.5, 0.8, 0.95, 1.0001};
@@ -190,12 +198,8 @@ std::string asText(const std::vector<Judged>& all, const std::string& title) {
                              : "MISSED") +
                "\n";
     out += "\n" + reliability(all) + "\n" + power(all) + "\nhidden: said\n";
-    for (const auto& [truth, row] : confusionOf(all)) {
-        out += "  " + padded(truth, 48);
-        for (const auto& [answer, n] : row)
-            out += answer + " " + std::to_string(n) + "; ";
-        out += "\n";
-    }
+    for (const auto& [truth, row] : confusionOf(all))
+        out += "  " + padded(truth, 48) + counted(row) + "\n";
     out += "\ncases\n";
     for (const Judged& j : all)
         out += "  " + padded(j.name, 12) + padded(j.protocol, 4) + padded(j.strength, 8) + padded(hidden(j), 44) +
@@ -259,12 +263,8 @@ std::string asPage(const std::vector<Judged>& all, const std::string& title, con
                              : "<span class=miss>missed</span>") +
                "</td></tr>";
     out += "</table><h2>Hidden and said</h2><table><tr><th>hidden</th><th>said</th></tr>";
-    for (const auto& [truth, row] : confusionOf(all)) {
-        out += "<tr><td>" + escaped(truth) + "</td><td>";
-        for (const auto& [answer, n] : row)
-            out += escaped(answer) + " " + std::to_string(n) + "; ";
-        out += "</td></tr>";
-    }
+    for (const auto& [truth, row] : confusionOf(all))
+        out += "<tr><td>" + escaped(truth) + "</td><td>" + escaped(counted(row)) + "</td></tr>";
     out += "</table><pre>" + escaped(reliability(all)) + "</pre><h2>Cases, before and after</h2>";
     for (const Judged& j : all)
         out += "<h3>" + j.name + " (" + j.protocol + " " + j.strength + "): hidden " + escaped(hidden(j)) +

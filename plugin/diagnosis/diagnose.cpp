@@ -106,7 +106,9 @@ private:
     void tryHypotheses(bool first);
     [[nodiscard]] Spread spreadOf(const Entry& entry);
     void conclude();
-    void weighAll(Weighed& w) const;
+    void weighAll(Weighed& w);
+    /// What a hypothesis leaves, looked for as the nominal fit's misfit was.
+    const Localisation& leftOf(std::size_t model);
     void conclusions(const Weighed& w, Evidence& evidence);
     void suggest();
     void present();
@@ -123,7 +125,8 @@ private:
     Grouping grouping_;
     std::vector<Screened> screened_;
     std::vector<Tried> tried_;
-    std::vector<Entry> entries_; ///< as out_.effects
+    std::vector<Entry> entries_;               ///< as out_.effects
+    std::map<std::size_t, Localisation> left_; ///< by what of tried_
 };
 
 /// Recorded minus simulated force where it counts, N; elsewhere not a number.
@@ -230,7 +233,14 @@ void Work::summarise() {
         out_.seen.push_back(byLabel[label]);
 }
 
-void Work::weighAll(Weighed& w) const {
+const Localisation& Work::leftOf(std::size_t model) {
+    const auto at = left_.find(model);
+    return at != left_.end()
+               ? at->second
+               : left_.emplace(model, leftBy(evaluator_.model(), *misfit_, tried_[model].fit, settings_)).first->second;
+}
+
+void Work::weighAll(Weighed& w) {
     std::vector<HeldOut> held;
     Weighing given;
     given.catalogue = out_.seen.size();
@@ -252,6 +262,11 @@ void Work::weighAll(Weighed& w) const {
     given.swings = swing > 0.0 && 0.5 * swing * swing > 0.5 * (left * left - noise * noise); // mean squares
     given.seed = settings_.seed + 1;
     w = weigh(baseHeld_, held, given);
+    if (!tried_.empty() && !evaluator_.stopped()) {
+        for (const Window& window : leftOf(w.best).significant)
+            given.left = std::max(given.left, std::abs(window.z));
+        w = weigh(baseHeld_, held, given);
+    }
     if (settings_.ablation.unknown)
         leaveUnknownOut(w);
 }
@@ -359,8 +374,7 @@ void Work::conclusions(const Weighed& w, Evidence& e) {
         out_.improvedTraining = forceRmse(*misfit_, best.fit.responses);
         out_.improvedHeldOut = best.held.forceRmse;
         improvementOf(baseHeld_, best.held, settings_.seed + 3, out_.improvement, out_.improvementCi);
-        if (first != 0) // of the first of all it is known
-            out_.left = leftBy(evaluator_.model(), *misfit_, best.fit, settings_);
+        out_.left = leftOf(first);
     }
     double matter = 0.0, blind = 0.0; // an effect matters here if a size worth knowing changes readings by 5 units
     for (const SeenEffect& s : out_.seen)

@@ -15,6 +15,9 @@ namespace {
 /// softening stood for it).
 constexpr double kLeftByTheTrueOne = 0.1;
 
+/// Deviations by which what is left stands out in a window: two simulators' differences reach 7.6.
+constexpr double kStandsOut = 8.0;
+
 /// How much rarer an effect is at a size beyond what is plausible: as two causes at once are than one.
 constexpr double kStretched = 0.1;
 
@@ -190,13 +193,13 @@ void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
     }
 }
 
-/// Where the best effect leaves too much, would have to be implausibly large or is beside the point, "none of these" is
-/// as good at least.
+/// Where the best effect leaves too much, in the mean or in one place, would have to be implausibly large or is beside
+/// the point, "none of these" is as good at least.
 void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, const Weighing& given, Weighed& out) {
     const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(best) - 1.0;
     const double bound = noiseBound(nothing.rows.sum(), given.tails, given.noiseSquares) - 1.0;
     out.rejected = (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) ||
-                   left > kMoreThanTheTrueOne || given.isPressed(out.best) || given.swings;
+                   left > kMoreThanTheTrueOne || given.left > kStandsOut || given.isPressed(out.best) || given.swings;
     if (out.rejected)
         all.drawn.col(1) = all.drawn.col(1).cwiseMax(all.drawn.col(Hypotheses::place(out.best)));
     if (left > kTooMuch || given.swings) // refuted by the noise: one in 150 that the noise was mistaken instead

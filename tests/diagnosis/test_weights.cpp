@@ -41,6 +41,16 @@ TEST_CASE("what leaves many times the noise is not named, and a broken forecast 
     const Weighed good = weigh(nothing, {better, usable(broken, nothing)}, given);
     CHECK_FALSE(good.rejected);
     CHECK(good.effects[0] > 0.9);
+    // A peak in one place, of which nothing shows in the mean: what two simulators' differences leave there is no
+    // reason.
+    given.left = 7.6;
+    CHECK(weigh(nothing, {better, usable(broken, nothing)}, given).effects[0] == good.effects[0]);
+    given.left = 9.3;
+    const Weighed peak = weigh(nothing, {better, usable(broken, nothing)}, given);
+    CHECK(peak.rejected);
+    CHECK(peak.unknown > 0.5);
+    CHECK(peak.effects[0] < good.effects[0]);
+    given.left = 0.0;
     given.swings = true; // what the runs are about goes on while the head stands still
     const Weighed beside = weigh(nothing, {better, usable(broken, nothing)}, given);
     CHECK(beside.rejected);

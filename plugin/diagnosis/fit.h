@@ -48,6 +48,7 @@ struct Fitted {
     double misfit = 0.0; ///< |residual|^2
     double cost = 0.0;   ///< the same with the penalty
     int iterations = 0;  ///< steps that were taken
+    bool atEdge = false; ///< of its branch, by its derivatives (nominal fits): a search cannot go on across it
 };
 
 struct FitSettings {
@@ -68,8 +69,10 @@ bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& varia
 void learnFrom(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change);
 
 /// d(whitened simulation)/dx by central differences (one-sided at bounds), wider ones by a nominal number that hardly
-/// shows. Columns that cannot be simulated are zero. `only`: which columns; the others are left as in `into`.
-void differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, const Eigen::VectorXd& x,
+/// shows. Columns that cannot be simulated are zero. `only`: which columns; the others are left as in `into`. Where a
+/// stated number a little to one side has the specimen on another branch, its column is that of the other side alone;
+/// whether there is such a number is what comes back.
+bool differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, const Eigen::VectorXd& x,
                    double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into,
                    Fineness fineness = Fineness::Coarse);
 

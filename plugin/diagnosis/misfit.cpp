@@ -46,6 +46,21 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double 
     }
 }
 
+/// Leaves out markers where the simulated force has just fallen to nothing.
+void leaveOutSwings(const RecordedRun& run, const Eigen::VectorXd& force, double peakForce, const MisfitSettings& s,
+                    RowErrors& out) {
+    const Eigen::Index seen = run.markerTime.size();
+    const auto held = [&](Eigen::Index k) { return std::abs(force[k]) > s.free * peakForce; };
+    for (Eigen::Index k = 1; k < force.size() && seen > 0; ++k) {
+        if (!held(k - 1) || held(k))
+            continue;
+        for (Eigen::Index i = 0; i < seen; ++i)
+            if (run.markerTime[i] > run.time[k - 1] && run.markerTime[i] < run.time[k] + s.swing)
+                for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
+                    out.markers[c * seen + i] = kMissing;
+    }
+}
+
 /// What says nothing where a jump happens at one time or another.
 std::pair<double, double> around(double t0, double t1, const MisfitSettings& s) {
     return {std::min(t0, t1) - s.snapBefore, std::max(t0, t1) + s.snapAfter};
@@ -155,6 +170,8 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     leaveOutSnaps(run, run.force, s.jumpNoise * noise.total(), s, out);
     if (known)
         leaveOutSnaps(run, fine.force, 0.0, s, out);
+    if (known && peakForce > 0.0)
+        leaveOutSwings(run, fine.force, peakForce, s, out);
     for (Eigen::Index k = 0; k < n; ++k)
         if (!std::isfinite(run.force[k]) || !std::isfinite(out.force[k]) ||
             (known && !std::isfinite(fine.force[k]))) // the last sample may come later than the drive's end

@@ -51,7 +51,7 @@ void differentiateAll(Evaluator& evaluator, const Misfit& misfit, Fitted& f) {
     const Variables v(evaluator.model(), f.point);
     std::vector<Index> all(static_cast<std::size_t>(v.size()));
     std::iota(all.begin(), all.end(), Index{0});
-    differentiate(evaluator, misfit, v, f.x, 0.2, all, f.jacobian, Fineness::Fine);
+    f.atEdge = differentiate(evaluator, misfit, v, f.x, 0.2, all, f.jacobian, Fineness::Fine);
 }
 
 /// The lowest of the fits from several starts, if it is below `limit`.

@@ -5,7 +5,9 @@
 // goes from there, and an effect of no size that opened the other branch explained everything. Where the misfit is far
 // off, points all over the box are simulated coarsely, and those nearest to the recordings are starts as well. So they
 // are where something stands out of the noise by little (searchOn): bent valleys let searches end three to twenty
-// squares above the best point, and 13 are an alarm.
+// squares above the best point, and 13 are an alarm. Where a search ended at the edge of its branch the box is looked
+// through however much stands out: behind a narrow passage of (curvature, friction) a control's misfit was 160 squares
+// lower (47 of seed 2039), and a step along either number alone leads off the branch.
 
 #include "plugin/diagnosis/diagnose.h"
 #include "plugin/diagnosis/fit.h"

@@ -65,6 +65,61 @@ TEST_CASE("a reading that jumps beside the fit does not count as a derivative", 
 
 namespace {
 
+/// A spring with a third stated number that changes no reading, but decides whether the specimen is on the branch that
+/// was recorded: it leaves it where the stiffness is beyond a value that grows with this number. From the stated values
+/// every way towards the truth along one number alone leads off the branch.
+class Branching final : public toy::Spring {
+public:
+    explicit Branching(const Data& data) : Spring(data), nominal_(Spring::nominal()) {
+        nominal_.push_back({"passage", "1", "", 0.0, -1.0, 1.0, 1.0, Scale::Linear, false});
+    }
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
+    static double edge(double passage) { return 101.0 + 4.0 * passage; }
+
+private:
+    void alter(std::size_t, const Point& p, Response& out) const override {
+        if (p.nominal[0] > edge(p.nominal[2]))
+            out.force *= 0.2;
+    }
+
+    std::vector<Scalar> nominal_;
+};
+
+} // namespace
+
+TEST_CASE("derivatives at the edge of a branch are those of the branch", "[diagnosis]") {
+    const Data data = toy::recordings(3);
+    const Branching model(data);
+    const toy::Spring smooth(data);
+    Store store, other;
+    Evaluator evaluator(model, data.runs.size(), {}, store), plain(smooth, data.runs.size(), {}, other);
+    const Point at{{100.5, 0.08, 0.0}, {}}, inner{{100.5, 0.08}, {}};
+    const auto there = plain.everywhere({inner}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, {});
+    const Variables v(model, at), w(smooth, inner);
+    Eigen::MatrixXd truth, found;
+    CHECK_FALSE(differentiate(plain, misfit, w, w.of(inner), 0.2, {0, 1}, truth));
+    CHECK(differentiate(evaluator, misfit, v, v.of(at), 0.2, {0, 1, 2}, found)); // .5 N/m ahead of the edge, 1.2 apart
+    CHECK((found.leftCols(2) - truth).norm() < 1e-9 * truth.norm()); // linear but for the edge: rounding only
+    CHECK(found.col(2).norm() < 1e-9 * truth.norm());
+    const Point inside{{98.0, 0.08, 0.0}, {}}; // the passage is looked at over its whole half-width: edge at 97
+    CHECK_FALSE(differentiate(evaluator, misfit, v, v.of(inside), 0.2, {0, 1}, found));
+}
+
+TEST_CASE("a nominal fit that ends at the edge of a branch is looked for elsewhere before anything is missing",
+          "[diagnosis]") {
+    const Data data = toy::recordings(11); // 103 N/m: in reach where the passage is beyond .5
+    const Branching model(data);
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const Diagnosis d = diagnose(data, evaluator, toy::exact());
+    CHECK(d.verdict == "nothing_missing");
+    REQUIRE(d.nominal.size() == 3);
+    CHECK(d.nominal[0].fitted == Approx(103.0).margin(0.4)); // four deviations of a stiffness behind such noise
+}
+
+namespace {
+
 /// A spring with a third stated number, which hardly changes any reading, and with steps that end just before or just
 /// behind readings: each of them has one of two values, half a noise unit apart, another one at every place.
 class Stepping final : public toy::Spring {

@@ -252,6 +252,30 @@ TEST_CASE("markers may lie beside their simulated places, another way in each le
     CHECK(size(shaken) == Approx(std::sqrt(rows) * 1e-5 / one).epsilon(0.01));
 }
 
+TEST_CASE("markers of a specimen that was let go do not count while it swings", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const RecordedRun& run = toy::withMarkers(data, {0.5});
+    const Eigen::Index n = run.time.size();
+    // Touched at 2 s, pressed with 1 N at 5 s, let go at 8 s: too slowly to be a snap.
+    Response there{{}, Eigen::VectorXd(n), Eigen::VectorXd::Zero(2 * n)};
+    for (Eigen::Index k = 0; k < n; ++k)
+        there.force[k] = std::max(0.0, 1.0 - std::abs(run.time[k] - 5.0) / 3.0);
+    const MisfitSettings settings;
+    const RowErrors errors = rowErrors(run, estimateNoise(data), there, there, 1.0, settings);
+    REQUIRE(errors.snaps.empty());
+    const double below = 8.0 - 3.0 * settings.free; // when a hundredth of the peak is left, a row sooner or later
+    for (Eigen::Index k = 0; k < n; ++k) {
+        const double t = run.time[k], row = run.spacing();
+        CAPTURE(t);
+        CHECK(std::isfinite(errors.force[k]));
+        CHECK(std::isfinite(errors.markers[k]) == std::isfinite(errors.markers[n + k])); // x and y alike
+        if (t < below - row || t > below + settings.swing + row)
+            CHECK(std::isfinite(errors.markers[k]));
+        if (t > below + row && t < below + settings.swing - row)
+            CHECK_FALSE(std::isfinite(errors.markers[k]));
+    }
+}
+
 TEST_CASE("what finer elements would add is taken out of a simulation's force", "[diagnosis]") {
     const Data data = toy::recordings(3);
     const toy::Spring model(data);

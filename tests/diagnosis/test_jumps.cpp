@@ -294,9 +294,12 @@ TEST_CASE("stretches of a single run are stretches of time, markers and all", "[
     const Eigen::Index seen = run.markerTime.size();
     Response there = exact.front();
     there.markers = run.markers;
-    const Misfit misfit(data, noise, {there}, {there}, toy::exact().misfit);
+    MisfitSettings settings = toy::exact().misfit;
+    settings.swing = 0.0; // all rows count
+    const Misfit misfit(data, noise, {there}, {there}, settings);
     const Grouping g = groupingOf(misfit);
     REQUIRE(g.folds == 5);
+    REQUIRE(std::all_of(g.fold.begin(), g.fold.end(), [](int f) { return f >= 0; }));
     std::vector<double> first(5, 1e9), last(5, 0.0), force(5, 0.0), markers(5, 0.0);
     for (Eigen::Index k = 0; k < misfit.rows(); ++k) {
         const bool byForce = misfit.isForce(0, k);

@@ -70,7 +70,7 @@ private:
         look();
         stage(0.31, "where");
         locate();
-        if (!hardlyStandsOut() && !endedAtAnEdge())
+        if (!hardlyStandsOut() && !heldAtAnEdge())
             return;
         stage(0.33, "nominal fit from all over");
         if (searchOn(evaluator_, settings_, *misfit_, base_)) {
@@ -90,14 +90,15 @@ private:
         summarise();
         tryHypotheses(false);
     }
-    [[nodiscard]] bool alarm() const { return !evaluator_.stopped() && !data_.free && out_.mismatch.p <= kFamilyWise; }
     /// An alarm of so few squares that another fit may have it gone; with larger ones effects are tried anyway.
     [[nodiscard]] bool hardlyStandsOut() const {
         constexpr double kPlain = 6.0; // deviations
-        return alarm() && out_.mismatch.signature < kPlain;
+        return !evaluator_.stopped() && !data_.free && out_.mismatch.p <= kFamilyWise &&
+               out_.mismatch.signature < kPlain;
     }
-    /// An alarm, and a search that was in no position to go on.
-    [[nodiscard]] bool endedAtAnEdge() const { return alarm() && base_.atEdge; }
+    /// Whatever stands out: what nominal numbers would do beyond the edge is absorbed and raises no alarm, but effects
+    /// would be measured against a fit that is none.
+    [[nodiscard]] bool heldAtAnEdge() const { return !evaluator_.stopped() && !data_.free && base_.atEdge; }
 
     void withoutNoise();
     bool nominal();

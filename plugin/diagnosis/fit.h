@@ -48,7 +48,7 @@ struct Fitted {
     double misfit = 0.0; ///< |residual|^2
     double cost = 0.0;   ///< the same with the penalty
     int iterations = 0;  ///< steps that were taken
-    bool atEdge = false; ///< of its branch, by its derivatives (nominal fits): a search cannot go on across it
+    bool atEdge = false; ///< of its branch, and held there (nominal fits): the derivatives promise more beyond it
 };
 
 struct FitSettings {

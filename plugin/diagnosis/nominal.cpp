@@ -1,5 +1,6 @@
 #include "plugin/diagnosis/nominal.h"
 
+#include "plugin/diagnosis/box.h"
 #include "plugin/diagnosis/random.h"
 
 #include <algorithm>
@@ -47,11 +48,20 @@ Point otherSide(const Variables& v, const Eigen::VectorXd& x) {
     return v.at(x.unaryExpr([](double at) { return at > 0.0 ? -0.7 : 0.7; }));
 }
 
+/// What the misfit would gain by a step to where the derivatives lead, inside the box.
+double promised(const Variables& v, const Fitted& f) {
+    Eigen::MatrixXd G = f.jacobian.transpose() * f.jacobian;
+    G.diagonal().array() += 1e-6 * std::max(1e-12, G.diagonal().mean()); // numbers that change nothing stay
+    const Eigen::VectorXd step = boxMinimum(G, f.jacobian.transpose() * f.residual, v.lower - f.x, v.upper - f.x);
+    return f.residual.squaredNorm() - (f.residual - f.jacobian * step).squaredNorm();
+}
+
 void differentiateAll(Evaluator& evaluator, const Misfit& misfit, Fitted& f) {
+    constexpr double kHeld = 3.0; // squares; a fit that ends by itself leaves .3
     const Variables v(evaluator.model(), f.point);
     std::vector<Index> all(static_cast<std::size_t>(v.size()));
     std::iota(all.begin(), all.end(), Index{0});
-    f.atEdge = differentiate(evaluator, misfit, v, f.x, 0.2, all, f.jacobian, Fineness::Fine);
+    f.atEdge = differentiate(evaluator, misfit, v, f.x, 0.2, all, f.jacobian, Fineness::Fine) && promised(v, f) > kHeld;
 }
 
 /// The lowest of the fits from several starts, if it is below `limit`.

@@ -134,10 +134,6 @@ void inTwoGoes(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& 
         take(wide);
 }
 
-} // namespace
-
-namespace {
-
 /// The quieter of two one-sided derivatives, if a branch ends between the other neighbour and here: a strip that slips
 /// or buckles to the other side reads something else everywhere. Such a column (17 472 noise units per half-width, 97
 /// on the branch) held its number, and with it what it stands for, where the search began: a control's nominal fit

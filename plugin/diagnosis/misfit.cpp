@@ -24,6 +24,14 @@ double steepest(const Eigen::VectorXd& force, Eigen::Index k) {
     return most;
 }
 
+void leaveOutMarkers(const RecordedRun& run, double from, double to, RowErrors& out) {
+    const Eigen::Index seen = run.markerTime.size();
+    for (Eigen::Index k = 0; k < seen; ++k)
+        if (run.markerTime[k] > from && run.markerTime[k] < to)
+            for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
+                out.markers[c * seen + k] = kMissing;
+}
+
 /// @param least smaller jumps are noise, N
 void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double least, const MisfitSettings& s,
                    RowErrors& out) {
@@ -39,26 +47,18 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double 
         for (Eigen::Index k = 0; k < run.time.size(); ++k)
             if (run.time[k] > jump.time - before && run.time[k] < jump.time + after)
                 out.force[k] = kMissing;
-        for (Eigen::Index k = 0; k < run.markerTime.size() && !turns; ++k)
-            if (run.markerTime[k] > jump.time - before && run.markerTime[k] < jump.time + after)
-                for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
-                    out.markers[c * run.markerTime.size() + k] = kMissing;
+        if (!turns)
+            leaveOutMarkers(run, jump.time - before, jump.time + after, out);
     }
 }
 
 /// Leaves out markers where the simulated force has just fallen to nothing.
 void leaveOutSwings(const RecordedRun& run, const Eigen::VectorXd& force, double peakForce, const MisfitSettings& s,
                     RowErrors& out) {
-    const Eigen::Index seen = run.markerTime.size();
     const auto held = [&](Eigen::Index k) { return std::abs(force[k]) > s.free * peakForce; };
-    for (Eigen::Index k = 1; k < force.size() && seen > 0; ++k) {
-        if (!held(k - 1) || held(k))
-            continue;
-        for (Eigen::Index i = 0; i < seen; ++i)
-            if (run.markerTime[i] > run.time[k - 1] && run.markerTime[i] < run.time[k] + s.swing)
-                for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount); ++c)
-                    out.markers[c * seen + i] = kMissing;
-    }
+    for (Eigen::Index k = 1; k < force.size(); ++k)
+        if (held(k - 1) && !held(k))
+            leaveOutMarkers(run, run.time[k - 1], run.time[k] + s.swing, out);
 }
 
 /// What says nothing where a jump happens at one time or another.
@@ -170,7 +170,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     leaveOutSnaps(run, run.force, s.jumpNoise * noise.total(), s, out);
     if (known)
         leaveOutSnaps(run, fine.force, 0.0, s, out);
-    if (known && peakForce > 0.0)
+    if (known && elements) // of a driven specimen
         leaveOutSwings(run, fine.force, peakForce, s, out);
     for (Eigen::Index k = 0; k < n; ++k)
         if (!std::isfinite(run.force[k]) || !std::isfinite(out.force[k]) ||

@@ -24,11 +24,11 @@
 //   simulation is off by is the same in each of them (inEachOf());
 // - where a specimen comes to rest after a snap depends on how it flew: from one snap to the next each coordinate of
 //   each marker has a shift of its own, known to a tenth of a millimetre, integrated out in the same way;
-// - a specimen that is let go swings, and how that dies away nobody has described: two simulators with the true numbers
-//   had the tip of a strip .4 mm apart there, and the few rows of its markers made adhesion of it. They are missing;
 // - so has each in each stroke of the drive, as far as a simulated marker's place can be trusted: where feet stick
 //   depends on what they did before. Taken for noise that is new in every row, a shift of 10 um stood out of two
-//   hundred rows, and was called adhesion, gravity or misalignment.
+//   hundred rows, and was called adhesion, gravity or misalignment;
+// - a specimen that is let go swings, and how that dies away nobody has described: two simulators with the true numbers
+//   had the tip of a strip .4 mm apart there, and the few rows of its markers made adhesion of it. They are missing.
 
 #include "plugin/diagnosis/data.h"
 #include "plugin/diagnosis/jumps.h"

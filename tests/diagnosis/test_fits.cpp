@@ -115,8 +115,8 @@ TEST_CASE("derivatives at the edge of a branch are those of the branch", "[diagn
 
 TEST_CASE("a nominal fit that ends at the edge of a branch is looked for elsewhere before anything is missing",
           "[diagnosis]") {
-    // 103 N/m are in reach where the passage is beyond .2. What is left in front of it is seven deviations and more,
-    // but a fifth of the noise's squares: so little that the fit alone looks nowhere else.
+    // 103 N/m are in reach where the passage is beyond .2. What is left in front of it is so little that the fit alone
+    // looks nowhere else, and it raises no alarm, because a stiffness could do it.
     const Data data = toy::recordings(11);
     const Branching model(data, 102.2);
     Store store;

@@ -205,7 +205,7 @@ void Work::tryHypotheses(bool first) {
 }
 
 void Work::look() {
-    screened_ = screen(evaluator_, *misfit_, base_, settings_.ablation.probes ? 1e-3 : 1.0);
+    screened_ = screen(evaluator_, *misfit_, base_, settings_.probeShare());
 }
 
 void Work::summarise() {
@@ -264,10 +264,15 @@ void Work::weighAll(Weighed& w) {
     const double swing = out_.noise.swing, noise = out_.noise.total(), left = baseHeld_.forceRmse;
     given.swings = swing > 0.0 && 0.5 * swing * swing > 0.5 * (left * left - noise * noise); // mean squares
     given.seed = settings_.seed + 1;
+    // Of a pair's parts it decides whether the pair is needed, of the best one whether that is believed.
+    given.left.assign(tried_.size(), 0.0);
+    for (const Tried& t : tried_)
+        for (const std::size_t part : t.learned ? std::vector<std::size_t>{} : t.parts)
+            if (!evaluator_.stopped())
+                given.left[part] = standsOut(leftOf(part));
     w = weigh(baseHeld_, held, given);
     if (!tried_.empty() && !evaluator_.stopped()) {
-        for (const Window& window : leftOf(w.best).significant)
-            given.left = std::max(given.left, std::abs(window.z));
+        given.left[w.best] = standsOut(leftOf(w.best));
         w = weigh(baseHeld_, held, given);
     }
     if (settings_.ablation.unknown)

@@ -25,6 +25,8 @@ struct Settings {
     bool next = true; ///< choose the next run where the question stays open, which simulates dozens that were not made
     MisfitSettings misfit;
     Ablation ablation;
+    /// Share of the probes' sizes at which effects are simulated (screen()).
+    [[nodiscard]] double probeShare() const { return ablation.probes ? 1e-3 : 1.0; }
     std::function<void(double fraction, const std::string& stage)> progress;
 };
 

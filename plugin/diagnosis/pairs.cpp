@@ -3,6 +3,7 @@
 #include "plugin/diagnosis/forms.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 namespace supercircle::diagnosis {
@@ -11,57 +12,60 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Probes of other labels by what they explain of the single's residual, one per label, best first.
-std::vector<Screened> complements(const Model& model, const std::vector<Screened>& screened, const Tried& single) {
-    const Variables v(model, single.fit.point);
-    std::vector<Screened> best;
-    for (const Screened& s : screened) {
-        const std::string& label = model.candidates()[s.candidate].label;
-        if (!s.simulated || s.size <= 1e-6 || label == model.candidates()[single.candidates.front()].label)
-            continue;
-        Screened again = s;
-        again.values = model.candidates()[s.candidate].probes[s.probe];
-        explain(single.fit, v, model.candidates()[s.candidate], again);
-        const auto same = std::find_if(best.begin(), best.end(), [&](const Screened& b) {
-            return model.candidates()[b.candidate].label == label;
-        });
-        if (same == best.end())
-            best.push_back(again);
-        else if (again.gain > same->gain)
-            *same = again;
-    }
-    std::stable_sort(best.begin(), best.end(), [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
-    return best;
+/// The derivatives of a fit have learnt from its steps; what another effect adds is judged by those of its end.
+Fitted settled(Evaluator& evaluator, const Misfit& misfit, Fitted f) {
+    const Variables v(evaluator.model(), f.point);
+    std::vector<Index> all(static_cast<std::size_t>(v.size()));
+    std::iota(all.begin(), all.end(), Index{0});
+    differentiate(evaluator, misfit, v, f.x, FitSettings{}.difference, all, f.jacobian);
+    return f;
 }
 
 } // namespace
 
-std::vector<Tried> fitPairs(Evaluator& evaluator, const Misfit& misfit, const std::vector<Screened>& screened,
-                            const std::vector<Tried>& singles) {
+std::vector<Tried> fitPairs(Evaluator& evaluator, const Misfit& misfit, const std::vector<Tried>& singles,
+                            double share) {
+    constexpr double kLeast = 12.0;               // squares; less is luck, as with singles, for two
+    constexpr double kBehind = 3.0, kNoise = 1.2; // times the best misfit; squares per row
     const Model& model = evaluator.model();
+    const auto labelOf = [&](std::size_t candidate) -> const std::string& {
+        return model.candidates()[candidate].label;
+    };
     std::vector<Tried> pairs;
     std::set<std::pair<std::string, std::string>> known;
     double least = 0.0;
-    for (std::size_t i = 0; i < singles.size() && i < 2; ++i) {
-        const std::string& first = model.candidates()[singles[i].candidates.front()].label;
+    for (std::size_t i = 0; i < singles.size() && i < 2 && !evaluator.stopped(); ++i) {
+        const std::size_t candidate = singles[i].candidates.front();
+        const std::string& first = labelOf(candidate);
+        const Fitted base = settled(evaluator, misfit, singles[i].fit);
+        const std::vector<Screened> screened = screen(evaluator, misfit, base, share);
+        std::set<std::size_t> fitted;
         std::size_t taken = 0;
-        for (const Screened& s : complements(model, screened, singles[i])) {
-            const std::string& second = model.candidates()[s.candidate].label;
-            if (taken >= (i == 0 ? 2U : 1U) || s.gain < 12.0 || evaluator.stopped())
+        for (const Probes& probes : byLabel(model, screened, kLeast)) {
+            const std::string& second = labelOf(probes.front()->candidate);
+            if (second == first)
+                continue;
+            // The first look is linear and may be wrong by much, but a second best effect that is far behind what is
+            // there already is not caught up with.
+            if (taken >= (i == 0 ? 2U : 1U) || evaluator.stopped() ||
+                (i > 0 && least > 0.0 && base.misfit - probes.front()->gain > kBehind * least))
                 break;
             ++taken;
             if (!known.emplace(std::min(first, second), std::max(first, second)).second)
                 continue;
-            Tried t = fitProbe(evaluator, misfit, singles[i].fit, s, least);
-            t.candidates.insert(t.candidates.begin(), singles[i].candidates.front());
-            if (!t.fit.failure.empty())
+            std::optional<Tried> t = fitLabel(evaluator, misfit, base, probes, least, fitted);
+            if (!t)
                 continue;
-            least = least > 0.0 ? std::min(least, t.fit.misfit) : t.fit.misfit;
+            t->candidates.insert(t->candidates.begin(), candidate);
+            if (misfitPerRow(misfit, t->fit) > kNoise && !evaluator.stopped())
+                if (auto better = fromStated(evaluator, misfit, *t))
+                    t = std::move(better);
+            least = std::min(least, t->fit.misfit);
             for (std::size_t k = 0; k < singles.size(); ++k)
-                if (const std::string& label = model.candidates()[singles[k].candidates.front()].label;
+                if (const std::string& label = labelOf(singles[k].candidates.front());
                     label == first || label == second)
-                    t.parts.push_back(k);
-            pairs.push_back(std::move(t));
+                    t->parts.push_back(k);
+            pairs.push_back(std::move(*t));
         }
     }
     return pairs;

@@ -6,7 +6,6 @@
 #include "plugin/diagnosis/weigh.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 namespace supercircle::diagnosis {
@@ -15,8 +14,6 @@ namespace {
 
 /// Share of the misfit on unseen runs that a named effect may leave before laws are learned.
 constexpr double kLeftOver = 0.05;
-
-using Probes = std::vector<const Screened*>;
 
 class Search {
 public:
@@ -53,11 +50,13 @@ private:
         return usable(heldOutOf(g_.evaluator, g_.misfit, g_.grouping, f, g_.settings), g_.baseHeld);
     }
     [[nodiscard]] std::vector<Probes> promising() const;
-    [[nodiscard]] Probes startsOf(const Probes& probes) const;
     void tryLabel(const Probes& probes);
     void dropIdle();
     void tryMore();
     void tryForms(double dispersion);
+    void tryAfresh(double dispersion);
+    void settle(double dispersion);
+    [[nodiscard]] bool leavesTooMuch() const;
     [[nodiscard]] bool pairsCanCount(double dispersion) const;
     void tryPairs();
     void tryLearned(double left);
@@ -70,20 +69,9 @@ private:
     double least_ = 0.0;           ///< misfit of any fit so far
 };
 
-/// Probes by label, the label with the best one first.
 std::vector<Probes> Search::promising() const {
-    std::map<std::string, Probes> byLabel;
-    for (const Screened& s : g_.screened)
-        if (s.simulated && s.gain > 8.0) // less is luck: 8 is a p-value of half a per cent for one number
-            byLabel[labelOf(s)].push_back(&s);
-    std::vector<Probes> ranked;
-    for (auto& [label, probes] : byLabel) {
-        std::stable_sort(probes.begin(), probes.end(),
-                         [](const Screened* a, const Screened* b) { return a->gain > b->gain; });
-        ranked.push_back(probes);
-    }
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const Probes& a, const Probes& b) { return a.front()->gain > b.front()->gain; });
+    // Less is luck: 8 is a p-value of half a per cent for one number.
+    std::vector<Probes> ranked = byLabel(g_.evaluator.model(), g_.screened, 8.0);
     // A first look is linear and may be wrong by much, not by a factor of thirty.
     while (ranked.size() > 3 &&
            (ranked.size() > g_.settings.fits || ranked.back().front()->gain < ranked.front().front()->gain / 30.0))
@@ -91,40 +79,10 @@ std::vector<Probes> Search::promising() const {
     return ranked;
 }
 
-/// Of each of an effect's two best forms the best probe, or of one form the two best; of free scenes all forms.
-Probes Search::startsOf(const Probes& probes) const {
-    const Screened& first = *probes.front();
-    Probes starts = {&first};
-    for (const Screened* p : probes)
-        if (starts.size() < 2 && p->candidate != first.candidate && p->gain > 0.3 * first.gain)
-            starts.push_back(p);
-    // Free runs are cheap, and what a base that lost its beat says of forms is worth little: each gets its chance.
-    for (const Screened* p : probes)
-        if (g_.data.free &&
-            std::none_of(starts.begin(), starts.end(), [&](const Screened* s) { return s->candidate == p->candidate; }))
-            starts.push_back(p);
-    if (probes.size() > 1 && starts.size() < 2 && probes[1]->gain > 0.3 * first.gain)
-        starts.push_back(probes[1]);
-    return starts;
-}
-
 void Search::tryLabel(const Probes& probes) {
-    Tried best;
-    bool any = false;
-    for (const Screened* s : startsOf(probes)) {
-        if (stopped())
-            return;
-        fitted_.insert(s->candidate);
-        Tried t = fitProbe(g_.evaluator, g_.misfit, g_.base, *s, least_);
-        if (!t.fit.failure.empty())
-            continue;
-        least_ = least_ > 0.0 ? std::min(least_, t.fit.misfit) : t.fit.misfit;
-        if (!any || t.fit.misfit < best.fit.misfit)
-            best = std::move(t);
-        any = true;
-    }
-    if (any && best.fit.misfit <= g_.base.misfit - 1.0)
-        out_.tried.push_back(std::move(best));
+    auto best = fitLabel(g_.evaluator, g_.misfit, g_.base, probes, least_, fitted_);
+    if (best && !stopped() && best->fit.misfit <= g_.base.misfit - 1.0)
+        out_.tried.push_back(std::move(*best));
 }
 
 /// A law whose threshold was never reached changes no reading: what its fit gained are better nominal numbers, and it
@@ -167,6 +125,8 @@ void Search::tryMore() {
         out_.left = leftBy(g_.evaluator.model(), g_.misfit, out_.tried.front().fit, g_.settings);
         if (out_.left.p <= 0.01 && share(out_.tried.front()) > kLeftOver)
             tryForms(dispersion);
+        if (leavesTooMuch())
+            tryAfresh(dispersion);
         left = share(out_.tried.front());
         if (out_.left.p <= 0.01 && pairsCanCount(dispersion)) {
             const std::size_t singles = out_.tried.size();
@@ -190,13 +150,43 @@ void Search::tryForms(double dispersion) {
         if (better->held.score(dispersion).sum() > known.held.score(dispersion).sum())
             known = std::move(*better);
     }
+    settle(dispersion);
+}
+
+/// Which is the best, and what it leaves.
+void Search::settle(double dispersion) {
     rank(dispersion);
     out_.left = leftBy(g_.evaluator.model(), g_.misfit, out_.tried.front().fit, g_.settings);
 }
 
-/// Whether what the best single effect leaves beyond pure noise, all of it, would make a pair material.
+/// More than an effect that is all there is.
+bool Search::leavesTooMuch() const {
+    return diagnosis::leavesTooMuch(g_.baseHeld, out_.tried.front().held, g_.tails, g_.noiseSquares,
+                                    standsOut(out_.left));
+}
+
+/// The two best singles once more, from the stated numbers.
+void Search::tryAfresh(double dispersion) {
+    stage_(0.79, "the best laws from the stated numbers");
+    bool any = false;
+    for (std::size_t i = 0; i < out_.tried.size() && i < 2 && !stopped(); ++i) {
+        auto better = fromStated(g_.evaluator, g_.misfit, out_.tried[i]);
+        if (!better || stopped())
+            continue;
+        better->held = scored(better->fit);
+        out_.tried[i] = std::move(*better);
+        any = true;
+    }
+    if (any)
+        settle(dispersion);
+}
+
+/// Whether what the best single effect leaves beyond pure noise, all of it, would make a pair material, or is more than
+/// an effect leaves that is all there is.
 bool Search::pairsCanCount(double dispersion) const {
     const HeldOut& best = out_.tried.front().held;
+    if (leavesTooMuch())
+        return true;
     const double rows = best.rows.sum(), floor = rows - 2.0 * std::sqrt(2.0 * rows);
     const double gain = best.score(dispersion).sum() - g_.baseHeld.score(dispersion).sum();
     return 0.5 * (best.energy.sum() - floor) / dispersion > kMaterial * gain;
@@ -204,7 +194,7 @@ bool Search::pairsCanCount(double dispersion) const {
 
 void Search::tryPairs() {
     stage_(0.8, "two effects at a time");
-    for (Tried& t : fitPairs(g_.evaluator, g_.misfit, g_.screened, out_.tried)) {
+    for (Tried& t : fitPairs(g_.evaluator, g_.misfit, out_.tried, g_.settings.probeShare())) {
         if (stopped())
             return;
         t.held = scored(t.fit);

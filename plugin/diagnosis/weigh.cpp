@@ -18,6 +18,11 @@ constexpr double kLeftByTheTrueOne = 0.1;
 /// Deviations by which what is left stands out in a window: two simulators' differences reach 7.6.
 constexpr double kStandsOut = 8.0;
 
+/// Noise variances beyond the noise itself. Twice its size in all: effects that are there leave up to 1.4 times (the
+/// training cases, by a simulator of another kind), one that imitated wear 2.1. Three times: whatever was explained,
+/// this was not.
+constexpr double kMoreThanTheTrueOne = 3.0, kTooMuch = 8.0;
+
 /// How much rarer an effect is at a size beyond what is plausible: as two causes at once are than one.
 constexpr double kStretched = 0.1;
 
@@ -38,6 +43,20 @@ double noiseBound(double rows, double tails, double squares) {
 
 double dispersionOf(const HeldOut& h) {
     return h.rows.sum() > 0.0 ? h.energy.sum() / h.rows.sum() : 1.0;
+}
+
+bool leavesTooMuch(const HeldOut& nothing, const HeldOut& effect, double tails, double noiseSquares, double most) {
+    const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(effect) - 1.0;
+    const double bound = noiseBound(nothing.rows.sum(), tails, noiseSquares) - 1.0;
+    return (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) || left > kMoreThanTheTrueOne ||
+           most > kStandsOut;
+}
+
+double standsOut(const Localisation& left) {
+    double most = 0.0;
+    for (const Window& window : left.significant)
+        most = std::max(most, std::abs(window.z));
+    return most;
 }
 
 HeldOut usable(HeldOut h, const HeldOut& nothing) {
@@ -89,15 +108,6 @@ bool alike(const HeldOut& a, const HeldOut& b, double distance, double dispersio
     const Paired p = paired(a.score(dispersion), b.score(dispersion));
     return std::abs(p.difference) < 2.0 * p.error && std::abs(p.difference) < 8.0;
 }
-
-namespace {
-
-/// Noise variances beyond the noise itself. Twice its size in all: effects that are there leave up to 1.4 times (the
-/// training cases, by a simulator of another kind), one that imitated wear 2.1. Three times: whatever was explained,
-/// this was not.
-constexpr double kMoreThanTheTrueOne = 3.0, kTooMuch = 8.0;
-
-} // namespace
 
 double surprise(double p) {
     constexpr double kE = 2.718281828459045;
@@ -159,9 +169,8 @@ Hypotheses hypothesesOf(const HeldOut& nothing, const std::vector<HeldOut>& effe
         all.scores.push_back(effects[i].score(out.dispersion));
         all.prior.push_back((i < given.prior.size() ? given.prior[i] : kCatalogue / catalogue) *
                             (given.isPressed(i) ? kStretched : 1.0));
-        const bool combined = i < given.parts.size() && !given.parts[i].empty(),
-                   outside = i < given.outside.size() && given.outside[i] != 0;
-        named += combined || outside ? 0 : 1;
+        const bool combined = i < given.parts.size() && !given.parts[i].empty();
+        named += combined || given.isOutside(i) ? 0 : 1;
         const Paired p = paired(all.scores.back(), all.scores.front());
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);
@@ -175,7 +184,9 @@ Hypotheses hypothesesOf(const HeldOut& nothing, const std::vector<HeldOut>& effe
 
 /// An effect whose gain is within chance foretells no better than nothing; a pair that says no more than one of its
 /// parts does not count. The best of what counts into `out`.
-void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
+/// @param refuted whether an effect by itself leaves too much
+template <class Refuted>
+void holdToChance(Hypotheses& all, const Weighing& given, const Refuted& refuted, Weighed& out) {
     const std::size_t effects = out.gain.size();
     for (std::size_t m = 0; m < effects; ++m)
         out.gainLow.push_back(lowEnd(all.drawn, Hypotheses::place(m), 0));
@@ -186,7 +197,7 @@ void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
             all.drawn.col(at) = all.drawn.col(at).cwiseMin(raw.col(0));
         for (const std::size_t part : m < given.parts.size() ? given.parts[m] : std::vector<std::size_t>{})
             if (lowEnd(raw, at, Hypotheses::place(part)) <= 0.0 ||
-                out.gain[m] - out.gain[part] < kMaterial * out.gain[part])
+                (out.gain[m] - out.gain[part] < kMaterial * out.gain[part] && (given.isOutside(m) || !refuted(part))))
                 all.priorOf(m) = 0.0;
         if (all.priorOf(m) > 0.0 && (all.priorOf(out.best) <= 0.0 || out.gain[m] > out.gain[out.best]))
             out.best = m;
@@ -196,10 +207,9 @@ void holdToChance(Hypotheses& all, const Weighing& given, Weighed& out) {
 /// Where the best effect leaves too much, in the mean or in one place, would have to be implausibly large or is beside
 /// the point, "none of these" is as good at least.
 void refute(Hypotheses& all, const HeldOut& nothing, const HeldOut& best, const Weighing& given, Weighed& out) {
-    const double excess = dispersionOf(nothing) - 1.0, left = dispersionOf(best) - 1.0;
-    const double bound = noiseBound(nothing.rows.sum(), given.tails, given.noiseSquares) - 1.0;
-    out.rejected = (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) ||
-                   left > kMoreThanTheTrueOne || given.left > kStandsOut || given.isPressed(out.best) || given.swings;
+    const double left = dispersionOf(best) - 1.0;
+    out.rejected = leavesTooMuch(nothing, best, given.tails, given.noiseSquares, given.leftBy(out.best)) ||
+                   given.isPressed(out.best) || given.swings;
     if (out.rejected)
         all.drawn.col(1) = all.drawn.col(1).cwiseMax(all.drawn.col(Hypotheses::place(out.best)));
     if (left > kTooMuch || given.swings) // refuted by the noise: one in 150 that the noise was mistaken instead
@@ -233,7 +243,10 @@ Eigen::VectorXd posterior(const Hypotheses& all, Eigen::Index draw, double most)
 Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given) {
     Weighed out;
     Hypotheses all = hypothesesOf(nothing, effects, given, out);
-    holdToChance(all, given, out);
+    const auto refuted = [&](std::size_t part) {
+        return leavesTooMuch(nothing, effects[part], given.tails, given.noiseSquares, given.leftBy(part));
+    };
+    holdToChance(all, given, refuted, out);
     if (!effects.empty())
         refute(all, nothing, effects[out.best], given, out);
     const double most = surprise(given.p);

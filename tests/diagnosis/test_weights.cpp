@@ -43,18 +43,45 @@ TEST_CASE("what leaves many times the noise is not named, and a broken forecast 
     CHECK(good.effects[0] > 0.9);
     // A peak in one place, of which nothing shows in the mean: what two simulators' differences leave there is no
     // reason.
-    given.left = 7.6;
+    given.left = {7.6};
     CHECK(weigh(nothing, {better, usable(broken, nothing)}, given).effects[0] == good.effects[0]);
-    given.left = 9.3;
+    given.left = {9.3};
     const Weighed peak = weigh(nothing, {better, usable(broken, nothing)}, given);
     CHECK(peak.rejected);
     CHECK(peak.unknown > 0.5);
     CHECK(peak.effects[0] < good.effects[0]);
-    given.left = 0.0;
+    given.left = {0.0};
     given.swings = true; // what the runs are about goes on while the head stands still
     const Weighed beside = weigh(nothing, {better, usable(broken, nothing)}, given);
     CHECK(beside.rejected);
     CHECK(beside.unknown > 0.9);
+}
+
+TEST_CASE("a second effect counts beside a strong one that leaves too much by itself", "[diagnosis]") {
+    HeldOut nothing;
+    nothing.rows.setConstant(6, 100.0);
+    nothing.volume.setZero(6);
+    nothing.energy.setConstant(6, 3e4);
+    HeldOut machine = nothing, pair = nothing;
+    machine.energy.setConstant(6, 830.0); // 97.5 % explained, and 7.3 noise variances left
+    pair.energy.setConstant(6, 100.0);
+    Weighing given;
+    given.catalogue = 20;
+    given.p = 1e-6;
+    given.prior = {0.03, 0.003};
+    given.parts = {{}, {0}};
+    const Weighed both = weigh(nothing, {machine, pair}, given);
+    CHECK(both.best == 1);
+    CHECK_FALSE(both.rejected);
+    CHECK(both.effects[1] > 0.9);
+    // As little beside one that leaves what two simulators differ by is no reason to believe in two causes, unless it
+    // stands out in one place.
+    machine.energy.setConstant(6, 300.0);
+    const Weighed little = weigh(nothing, {machine, pair}, given);
+    CHECK(little.effects[1] == 0.0);
+    CHECK(little.best == 0);
+    given.left = {9.3, 0.0};
+    CHECK(weigh(nothing, {machine, pair}, given).effects[1] > 0.9);
 }
 
 TEST_CASE("an effect that leaves a third of the misfit stands for another one", "[diagnosis]") {

@@ -72,6 +72,7 @@ public:
         std::vector<Point> points;
         std::vector<double> steps;
         std::vector<std::size_t> from;
+        std::vector<Index> number;
         own_.clear();
         nominal_ = 0;
         for (std::size_t i = 0; i < rivals_.size(); ++i) {
@@ -85,15 +86,26 @@ public:
                 y[k] += steps.back();
                 points.push_back(v.at(y));
                 from.push_back(i);
+                number.push_back(k);
             }
         }
-        const auto there = evaluator_.foretell(index_, points);
+        auto there = evaluator_.foretell(index_, points);
+        for (std::size_t k = 0; k < there.size(); ++k) { // what fails may be simulated to the other side
+            const Rival& r = rivals_[from[k]];
+            const Variables v(evaluator_.model(), r.point);
+            Eigen::VectorXd y = r.x;
+            y[number[k]] -= steps[k];
+            if (usable(there[k]) || y[number[k]] < v.lower[number[k]] || y[number[k]] > v.upper[number[k]])
+                continue;
+            steps[k] = -steps[k];
+            there[k] = evaluator_.foretell(index_, {v.at(y)}).front();
+        }
         const auto n = static_cast<Index>(rivals_.size());
         columns_.conservativeResize(Eigen::NoChange, n + static_cast<Index>(there.size()));
-        for (std::size_t k = 0; k < there.size(); ++k) { // zero where it cannot be simulated
+        for (std::size_t k = 0; k < there.size(); ++k) { // zero where neither can be simulated
             const Index at = n + static_cast<Index>(k);
             columns_.col(at).setZero();
-            if (!there[k].failure.empty() || there[k].force.size() != columns_.rows())
+            if (!usable(there[k]))
                 continue;
             const Eigen::VectorXd change = (there[k].force - responses_[from[k]].force) / steps[k];
             if (change.allFinite())
@@ -118,6 +130,10 @@ public:
 
 private:
     static constexpr double kStep = 0.2; ///< of x
+
+    [[nodiscard]] bool usable(const DesignResponse& r) const {
+        return r.failure.empty() && r.force.size() == columns_.rows();
+    }
 
     /// One of so many runs behind its noise and what simulations are off by, which all of them share (misfit.h).
     class Sight {

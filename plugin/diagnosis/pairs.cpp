@@ -26,6 +26,7 @@ Fitted settled(Evaluator& evaluator, const Misfit& misfit, Fitted f) {
 std::vector<Tried> fitPairs(Evaluator& evaluator, const Misfit& misfit, const std::vector<Tried>& singles,
                             double share) {
     constexpr double kLeast = 12.0;               // squares; less is luck, as with singles, for two
+    constexpr double kWorth = 0.25;               // of what the first effect leaves beyond noise
     constexpr double kBehind = 3.0, kNoise = 1.2; // times the best misfit; squares per row
     const Model& model = evaluator.model();
     const auto labelOf = [&](std::size_t candidate) -> const std::string& {
@@ -40,14 +41,15 @@ std::vector<Tried> fitPairs(Evaluator& evaluator, const Misfit& misfit, const st
         const Fitted base = settled(evaluator, misfit, singles[i].fit);
         const std::vector<Screened> screened = screen(evaluator, misfit, base, share);
         std::set<std::size_t> fitted;
+        const double excess = base.misfit - static_cast<double>(misfit.present());
         std::size_t taken = 0;
         for (const Probes& probes : byLabel(model, screened, kLeast)) {
             const std::string& second = labelOf(probes.front()->candidate);
             if (second == first)
                 continue;
-            // The first look is linear and may be wrong by much, but a second best effect that is far behind what is
-            // there already is not caught up with.
-            if (taken >= (i == 0 ? 2U : 1U) || evaluator.stopped() ||
+            // The first look is linear and may be wrong by much, but what takes little of a large misfit is not what
+            // made it, and a second best effect that is far behind what is there already is not caught up with.
+            if (taken >= (i == 0 ? 2U : 1U) || evaluator.stopped() || probes.front()->gain < kWorth * excess ||
                 (i > 0 && least > 0.0 && base.misfit - probes.front()->gain > kBehind * least))
                 break;
             ++taken;

@@ -168,7 +168,7 @@ std::string driveTable(const diagnosis::Design& run) {
 
 std::string nextText(const Diagnosis& d) {
     if (!d.next)
-        return {};
+        return d.nextTried > 0 ? "<p>" + escaped(diagnosis::noneTells(d)) + "</p>" : std::string();
     std::string all;
     const std::vector<std::string>& labels = d.next->separates;
     for (std::size_t i = 0; i < labels.size(); ++i)

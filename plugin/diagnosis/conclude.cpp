@@ -110,7 +110,9 @@ std::string percent(double p) {
 }
 
 std::string nextOf(const Diagnosis& d) {
-    return d.next ? " Next: " + inWords(*d.next) + "." : "";
+    if (d.next)
+        return " Next: " + inWords(*d.next) + ".";
+    return d.nextTried > 0 ? " " + noneTells(d) : "";
 }
 
 /// The rivals with their probabilities: effects, and what else has a share.

@@ -408,8 +408,10 @@ void Work::suggest() {
         named.push_back({label, entries_[i].probability, &tried_[entries_[i].model],
                          std::find(group.begin(), group.end(), label) != group.end()});
     }
-    out_.next =
-        nextExperiment(evaluator_, suspects(evaluator_, *misfit_, base_, named, screened_, out_.nothing), out_.noise);
+    const std::vector<Rival> rivals = suspects(evaluator_, *misfit_, base_, named, screened_, out_.nothing);
+    out_.next = nextExperiment(evaluator_, rivals, out_.noise);
+    if (!out_.next && rivals.size() > 1 && !evaluator_.stopped())
+        out_.nextTried = evaluator_.model().designs().size();
 }
 
 void Work::present() {

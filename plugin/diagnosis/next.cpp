@@ -310,6 +310,12 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
     return out;
 }
 
+std::string noneTells(const Diagnosis& d) {
+    return "None of the " + std::to_string(d.nextTried) + " further runs that were looked at, made up to " +
+           std::to_string(kMostRepeats) +
+           " times, would tell: it takes a reading with less noise, or stated numbers that are better known.";
+}
+
 std::string inWords(const NextExperiment& next) {
     return next.run.what + (next.repeats > 1 ? ", made " + std::to_string(next.repeats) + " times" : "");
 }

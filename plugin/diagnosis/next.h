@@ -51,6 +51,9 @@ struct Rival {
 std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals,
                                              const Noise& noise);
 
+/// Where none was found: how many were tried, and what else there is to do.
+std::string noneTells(const Diagnosis& d);
+
 /// "a run ten times slower, at 0.2 mm/s, made 3 times".
 std::string inWords(const NextExperiment& next);
 

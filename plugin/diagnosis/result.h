@@ -123,6 +123,8 @@ struct Diagnosis {
     std::vector<NominalResult> nominal;
     Homogeneity homogeneity;
     std::optional<NextExperiment> next;
+    std::size_t nextTried =
+        0; ///< further runs that were looked at, none of which would tell; 0: none was, or one would
     std::vector<std::string> similarityLabels;
     std::vector<std::vector<double>> similarity; ///< cosines of the fitted effects' signatures
     std::vector<RunCurves> runs;

@@ -209,6 +209,9 @@ TEST_CASE("an undecided verdict says how probable each rival is, effects that ac
     const std::string said = statementOf(d, e);
     CHECK(said.find("sensor drift with planar drag 80 %, gravity 9 %, nothing missing 10 %.") != std::string::npos);
     CHECK(said.find("none of these") == std::string::npos); // 1 %
+    CHECK_THAT(said, !Catch::Contains("further runs"));     // nobody has looked for one
+    d.nextTried = 6;
+    CHECK_THAT(statementOf(d, e), Catch::Contains("None of the 6 further runs that were looked at"));
 
     d.verdict = "named"; // values of both that act, and none of what is shown by another hypothesis
     d.effects[0].parameters = {{"a_N", "N", 0.25, {}}};

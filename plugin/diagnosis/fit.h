@@ -69,9 +69,9 @@ bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& varia
 void learnFrom(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change);
 
 /// d(whitened simulation)/dx by central differences (one-sided at bounds), wider ones by a nominal number that hardly
-/// shows; to one side where the other cannot be simulated, zero where neither can. `only`: which columns; the others are left as in `into`. Where a
-/// stated number a little to one side has the specimen on another branch, its column is that of the other side alone;
-/// whether there is such a number is what comes back.
+/// shows; to one side where the other cannot be simulated, zero where neither can. `only`: which columns; the others
+/// are left as in `into`. Where a stated number a little to one side has the specimen on another branch, its column is
+/// that of the other side alone; whether there is such a number is what comes back.
 bool differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& variables, const Eigen::VectorXd& x,
                    double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into,
                    Fineness fineness = Fineness::Coarse);

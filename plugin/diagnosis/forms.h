@@ -33,9 +33,9 @@ std::optional<Tried> fitLabel(Evaluator& evaluator, const Misfit& misfit, const 
                               double& least, std::set<std::size_t>& fitted);
 
 /// The same hypothesis fitted from the stated nominal numbers, if that ends lower. A fit without an effect, or with one
-/// of two, pushes the nominal numbers into a corner of what is stated, and from there a search may not get away: a drift
-/// beside friction that grows with speed ended at 9808 squares and the two of them at 3523, from the stated numbers at
-/// 6381 and 1474, which is what the true numbers have.
+/// of two, pushes the nominal numbers into a corner of what is stated, and from there a search may not get away: a
+/// drift beside friction that grows with speed ended at 9808 squares and the two of them at 3523, from the stated
+/// numbers at 6381 and 1474, which is what the true numbers have.
 std::optional<Tried> fromStated(Evaluator& evaluator, const Misfit& misfit, const Tried& known);
 
 /// Fits every form of the label of `known` that is not among `fitted`, from its best probe; the best of them if its

@@ -186,7 +186,7 @@ void Search::tryAfresh(double dispersion) {
 /// the misfit of all rows was .91, because the noise of the markers was stated too large, and the play left seven
 /// windows, the largest of 7.7 deviations.)
 bool Search::pairsCanCount(double dispersion) const {
-    if (leavesTooMuch())
+    if (leavesTooMuch() || standsOut(out_.left) > kSecondEffect)
         return true;
     const HeldOut& best = out_.tried.front().held;
     const double rows = best.rows.sum(), floor = rows - 2.0 * std::sqrt(2.0 * rows), place = standsOut(out_.left);

@@ -197,7 +197,8 @@ void holdToChance(Hypotheses& all, const Weighing& given, const Refuted& refuted
             all.drawn.col(at) = all.drawn.col(at).cwiseMin(raw.col(0));
         for (const std::size_t part : m < given.parts.size() ? given.parts[m] : std::vector<std::size_t>{})
             if (lowEnd(raw, at, Hypotheses::place(part)) <= 0.0 ||
-                (out.gain[m] - out.gain[part] < kMaterial * out.gain[part] && (given.isOutside(m) || !refuted(part))))
+                (out.gain[m] - out.gain[part] < kMaterial * out.gain[part] &&
+                 (given.isOutside(m) || !(refuted(part) || given.leftBy(part) > kSecondEffect))))
                 all.priorOf(m) = 0.0;
         if (all.priorOf(m) > 0.0 && (all.priorOf(out.best) <= 0.0 || out.gain[m] > out.gain[out.best]))
             out.best = m;

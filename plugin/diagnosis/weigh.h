@@ -62,6 +62,10 @@ constexpr double kNothing = 0.3, kUnknown = 0.1, kCatalogue = 1.0 - kNothing - k
 /// variances a row: the second effect was not even looked for, and the case "unexplained".
 constexpr double kMaterial = 0.03;
 
+/// Deviations of the largest window that an effect leaves, beyond which a second one is looked for and may be as small
+/// as it likes: effects that are there alone left 4.6 at most, those with a second one beside them 7.4 and 7.7.
+constexpr double kSecondEffect = 6.0;
+
 /// A gain that chance does not give. Without an effect the gain of a forecast that lies delta away (noise units) is
 /// z delta - delta^2 / 2 with z a normal deviate, at most z^2 / 2: six needs z = 3.5, once in 4000, or in a hundred
 /// searches of forty hypotheses.

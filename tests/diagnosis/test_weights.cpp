@@ -80,7 +80,9 @@ TEST_CASE("a second effect counts beside a strong one that leaves too much by it
     const Weighed little = weigh(nothing, {machine, pair}, given);
     CHECK(little.effects[1] == 0.0);
     CHECK(little.best == 0);
-    given.left = {9.3, 0.0};
+    given.left = {4.6, 0.0};
+    CHECK(weigh(nothing, {machine, pair}, given).effects[1] == 0.0);
+    given.left = {7.4, 0.0};
     CHECK(weigh(nothing, {machine, pair}, given).effects[1] > 0.9);
 }
 

@@ -172,30 +172,33 @@ bool differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& 
     const double loud = kLoud * std::sqrt(static_cast<double>(misfit.present()));
     bool edge = false;
     std::vector<Eigen::Index> lost; // to both sides
+    std::vector<Response> here;
+    const auto middle = [&]() -> const std::vector<Response>& {
+        if (here.empty())
+            here = evaluator.everywhere({v.at(x)}, fineness).front();
+        return here;
+    };
     into.conservativeResize(misfit.rows(), v.size());
     inTwoGoes(misfit, v, x, difference, only, evaluator, into, [&](const std::vector<Neighbours>& beside) {
         const auto answers = evaluator.everywhere(pointsOf(v, beside), fineness);
-        std::vector<Response> here;
         for (std::size_t i = 0; i < beside.size(); ++i) {
             const Neighbours& n = beside[i];
-            const auto change = misfit.difference(answers[2 * i], answers[2 * i + 1]);
+            const std::vector<Response>&up = answers[2 * i], &down = answers[2 * i + 1];
+            const auto change = misfit.difference(up, down);
             if (!(n.span() > 0.0))
                 continue;
-            if (change)
-                into.col(n.column) = *change / n.span();
-            // What an effect does may begin at a threshold, and free bodies go where they like.
-            if (change && (change->norm() < loud || n.column >= v.nominal || misfit.data().free))
-                continue;
-            if (here.empty())
-                here = evaluator.everywhere({v.at(x)}, fineness).front();
             if (!change) {
-                if (const auto one = fromTheOtherSide(misfit, here, n, answers[2 * i], answers[2 * i + 1]))
+                if (const auto one = fromTheOtherSide(misfit, middle(), n, up, down))
                     into.col(n.column) = *one;
                 else if (into.col(n.column).isZero(0.0))
                     lost.push_back(n.column);
                 continue;
             }
-            if (const auto quieter = onThisBranch(misfit, here, n, answers[2 * i], answers[2 * i + 1])) {
+            into.col(n.column) = *change / n.span();
+            // What an effect does may begin at a threshold, and free bodies go where they like.
+            if (change->norm() < loud || n.column >= v.nominal || misfit.data().free)
+                continue;
+            if (const auto quieter = onThisBranch(misfit, middle(), n, up, down)) {
                 into.col(n.column) = *quieter;
                 edge = true;
             }

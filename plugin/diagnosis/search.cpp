@@ -181,17 +181,17 @@ void Search::tryAfresh(double dispersion) {
         settle(dispersion);
 }
 
-/// Whether what the best single effect leaves beyond pure noise, all of it, would make a pair material, or what it
-/// leaves in one place, or is more than an effect leaves that is all there is. (Beside a play and plasticity of a strip
-/// the misfit of all rows was .91, because the noise of the markers was stated too large, and the play left seven
-/// windows, the largest of 7.7 deviations.)
+/// Whether the best single effect leaves room for a second one, or what it leaves beyond pure noise, all of it, would
+/// make a pair material. (The mean alone says little: beside a play and plasticity of a strip the misfit of all rows
+/// was .91, because the noise of the markers was stated too large, and the play left seven windows, the largest of 7.7
+/// deviations.)
 bool Search::pairsCanCount(double dispersion) const {
-    if (leavesTooMuch() || standsOut(out_.left) > kSecondEffect)
-        return true;
     const HeldOut& best = out_.tried.front().held;
-    const double rows = best.rows.sum(), floor = rows - 2.0 * std::sqrt(2.0 * rows), place = standsOut(out_.left);
+    if (leavesRoom(g_.baseHeld, best, g_.tails, g_.noiseSquares, standsOut(out_.left)))
+        return true;
+    const double rows = best.rows.sum(), floor = rows - 2.0 * std::sqrt(2.0 * rows);
     const double gain = best.score(dispersion).sum() - g_.baseHeld.score(dispersion).sum();
-    return 0.5 * std::max(best.energy.sum() - floor, place * place) / dispersion > kMaterial * gain;
+    return 0.5 * (best.energy.sum() - floor) / dispersion > kMaterial * gain;
 }
 
 void Search::tryPairs() {

@@ -15,7 +15,7 @@ namespace {
 /// softening stood for it).
 constexpr double kLeftByTheTrueOne = 0.1;
 
-/// Deviations by which what is left stands out in a window: two simulators' differences reach 7.6.
+/// Deviations by which what is left stands out in a window: effects that are there left 4.6, beside another one 7.7.
 constexpr double kStandsOut = 8.0;
 
 /// Noise variances beyond the noise itself. Twice its size in all: effects that are there leave up to 1.4 times (the
@@ -50,6 +50,11 @@ bool leavesTooMuch(const HeldOut& nothing, const HeldOut& effect, double tails, 
     const double bound = noiseBound(nothing.rows.sum(), tails, noiseSquares) - 1.0;
     return (left > bound && left - bound > kLeftByTheTrueOne * (excess - bound)) || left > kMoreThanTheTrueOne ||
            most > kStandsOut;
+}
+
+bool leavesRoom(const HeldOut& nothing, const HeldOut& effect, double tails, double noiseSquares, double most) {
+    constexpr double kAlone = 6.0; // deviations
+    return most > kAlone || leavesTooMuch(nothing, effect, tails, noiseSquares, most);
 }
 
 double standsOut(const Localisation& left) {
@@ -184,9 +189,9 @@ Hypotheses hypothesesOf(const HeldOut& nothing, const std::vector<HeldOut>& effe
 
 /// An effect whose gain is within chance foretells no better than nothing; a pair that says no more than one of its
 /// parts does not count. The best of what counts into `out`.
-/// @param refuted whether an effect by itself leaves too much
-template <class Refuted>
-void holdToChance(Hypotheses& all, const Weighing& given, const Refuted& refuted, Weighed& out) {
+/// @param room whether an effect leaves room for a second one
+template <class Room>
+void holdToChance(Hypotheses& all, const Weighing& given, const Room& room, Weighed& out) {
     const std::size_t effects = out.gain.size();
     for (std::size_t m = 0; m < effects; ++m)
         out.gainLow.push_back(lowEnd(all.drawn, Hypotheses::place(m), 0));
@@ -197,8 +202,7 @@ void holdToChance(Hypotheses& all, const Weighing& given, const Refuted& refuted
             all.drawn.col(at) = all.drawn.col(at).cwiseMin(raw.col(0));
         for (const std::size_t part : m < given.parts.size() ? given.parts[m] : std::vector<std::size_t>{})
             if (lowEnd(raw, at, Hypotheses::place(part)) <= 0.0 ||
-                (out.gain[m] - out.gain[part] < kMaterial * out.gain[part] &&
-                 (given.isOutside(m) || !(refuted(part) || given.leftBy(part) > kSecondEffect))))
+                (out.gain[m] - out.gain[part] < kMaterial * out.gain[part] && (given.isOutside(m) || !room(part))))
                 all.priorOf(m) = 0.0;
         if (all.priorOf(m) > 0.0 && (all.priorOf(out.best) <= 0.0 || out.gain[m] > out.gain[out.best]))
             out.best = m;
@@ -244,10 +248,10 @@ Eigen::VectorXd posterior(const Hypotheses& all, Eigen::Index draw, double most)
 Weighed weigh(const HeldOut& nothing, const std::vector<HeldOut>& effects, const Weighing& given) {
     Weighed out;
     Hypotheses all = hypothesesOf(nothing, effects, given, out);
-    const auto refuted = [&](std::size_t part) {
-        return leavesTooMuch(nothing, effects[part], given.tails, given.noiseSquares, given.leftBy(part));
+    const auto room = [&](std::size_t part) {
+        return leavesRoom(nothing, effects[part], given.tails, given.noiseSquares, given.leftBy(part));
     };
-    holdToChance(all, given, refuted, out);
+    holdToChance(all, given, room, out);
     if (!effects.empty())
         refute(all, nothing, effects[out.best], given, out);
     const double most = surprise(given.p);

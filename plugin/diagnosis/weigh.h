@@ -33,8 +33,8 @@
 // of the noise by more than eight deviations of a window's statistic, twice what is significant. A soft machine that
 // was in no catalogue was "local damage" and "plasticity" with .9 and left a peak of twelve noise units at each
 // reversal, 16 % of a noise variance per row. In that blind set (seed 2039) effects out of the catalogue left 7.2 to 37
-// deviations to whatever was put first, effects that were there 4.4 at most (4.6 in the training cases), and 7.6 a
-// strip with two, at whose jumps simulators differ.
+// deviations to whatever was put first, effects that were there 4.4 at most (4.6 in the training cases), and 7.6 a play
+// of which plasticity beside it was not found.
 //
 // Scores are tempered by the dispersion of the best model, c = max(1, chi^2 per row): what even the best model leaves
 // makes all of them less sure (quasi-likelihood).
@@ -57,14 +57,10 @@ namespace supercircle::diagnosis {
 constexpr double kNothing = 0.3, kUnknown = 0.1, kCatalogue = 1.0 - kNothing - kUnknown;
 
 /// Two simulators' common differences are worth this share of what an effect explains: a second effect or a learned law
-/// that adds less is not believed, unless the first by itself leaves too much (leavesTooMuch()). Of a machine that
+/// that adds less is not believed, unless the first leaves room for one (leavesRoom()). Of a machine that
 /// gives way under a strip that relaxes the machine was 97 % of the squares, and the 3 % it left were seven noise
 /// variances a row: the second effect was not even looked for, and the case "unexplained".
 constexpr double kMaterial = 0.03;
-
-/// Deviations of the largest window that an effect leaves, beyond which a second one is looked for and may be as small
-/// as it likes: effects that are there alone left 4.6 at most, those with a second one beside them 7.4 and 7.7.
-constexpr double kSecondEffect = 6.0;
 
 /// A gain that chance does not give. Without an effect the gain of a forecast that lies delta away (noise units) is
 /// z delta - delta^2 / 2 with z a normal deviate, at most z^2 / 2: six needs z = 3.5, once in 4000, or in a hundred
@@ -122,6 +118,11 @@ HeldOut usable(HeldOut held, const HeldOut& nothing);
 /// mean or in one place.
 /// @param standsOut of what it leaves
 bool leavesTooMuch(const HeldOut& nothing, const HeldOut& effect, double tails, double noiseSquares, double standsOut);
+
+/// Whether a second effect may be as small as it likes beside one: that leaves too much, or a window of more than six
+/// deviations. Effects that are there alone left 4.6 at most, those with a second one beside them 7.4 and 7.7.
+/// @param standsOut of what it leaves
+bool leavesRoom(const HeldOut& nothing, const HeldOut& effect, double tails, double noiseSquares, double standsOut);
 
 /// Deviations of the largest significant window; 0 if there is none.
 double standsOut(const Localisation& left);

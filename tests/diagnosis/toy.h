@@ -128,6 +128,13 @@ private:
     std::vector<Candidate> candidates_;
 };
 
+/// Adds what effects change to recordings of the toy.
+inline void hide(Data& data, const Model& model, const std::vector<Term>& effects) {
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force += model.simulate(r, Point{{103.0, 0.08}, effects}, Fineness::Fine, nullptr).force -
+                              model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+}
+
 constexpr double kWhite = 0.009, kColoured = 0.005, kMemory = 0.25; // N, N, s
 
 inline void addNoise(RecordedRun& run, Random& random) {

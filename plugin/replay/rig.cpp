@@ -51,6 +51,7 @@ using rod::Vec2;
 
 constexpr double kThinnest = 1e-3; ///< share of the thickness that stands for none
 constexpr double kRest = 2.0;      ///< s, in which a standing specimen comes to rest before the run starts
+constexpr double kParting = 1e-3;  ///< m/s, at which what overlaps where it was put is parted meanwhile
 
 Vec2 vec(const Point& p) {
     return {p.x, p.y};
@@ -129,6 +130,7 @@ void Rig::chooseSettings(const Parameters& p, double arm) {
     s.localError = resolution_.positionTolerance / h;
     for (double* relative : {&s.localError, &s.motionLimit, &s.margin, &s.relinearise, &s.rejectPenetration})
         *relative /= arm;
+    s.recovery = kParting / (arm * h);
 }
 
 void Rig::addObstacle(const Obstacle& o, const Parameters& p, double skin, double extent) {

@@ -279,6 +279,7 @@ Verdict Attempt::solve(World& world, const Settings& settings, StageTimes& times
     rods.resize(world.rods.size());
     impulses = world.impulses;
     stage.overlap = 2.0 * settings.rejectPenetration * h;
+    stage.closes = adaptive ? settings.localError * h : std::numeric_limits<double>::infinity();
     stage.recovery = settings.recovery * h;
     begin(world, settings);
     int widened = 0;

@@ -91,6 +91,36 @@ TEST_CASE("a higher head touches later by as much", "[replay]") {
         CHECK(forceAt(high, t + delay) == Approx(forceAt(low, t)).epsilon(2e-3));
 }
 
+TEST_CASE("a head that starts too low has parted what overlaps before the run", "[replay]") {
+    // No gravity, quasi-static, tips that slide: raw forces are those of a head that came down from above, at the same
+    // place, to twice the 2e-3 measured (a tip that sticks keeps the place where it was parted for good). And what is
+    // read is smooth: neighbours differ by no more than the curve's own slope, measured on the higher one, allows.
+    const experiment::Experiment e = baseline(102);
+    const auto raw = [](const replay::Simulated& s, double t) { return forceAt(s, t) + s.forceZero; };
+    const double margin = 1e-4; // m, of the higher head
+    for (const double overlap : {15e-6, 41e-6, 80e-6}) {
+        replay::Parameters p = replay::nominal(e);
+        p.friction = 0.1;
+        double gap = 0.0; // as stated: where the first force is
+        p.gapShift = margin;
+        const replay::Simulated high = simulated(e, p, replay::Resolution::full());
+        for (std::size_t k = 0; gap == 0.0 && k < high.readings.time.size(); ++k)
+            if (std::abs(raw(high, high.readings.time[k])) > 1e-5)
+                gap = high.readings.displacement[k] - margin;
+        p.gapShift = -gap - overlap;
+        const replay::Simulated low = simulated(e, p, replay::Resolution::full());
+        const double delay = (margin - p.gapShift) / 0.002; // at 2 mm/s
+        INFO("overlap " << overlap << ", gap " << gap);
+        double steepest = 0.0, most = 0.0;
+        for (double t = e.runs[0].driveTime[1] + 0.5; t < e.runs[0].driveTime[1] + 5.0; t += 0.02) {
+            CHECK(raw(low, t) == Approx(raw(high, t + delay)).epsilon(4e-3));
+            steepest = std::max(steepest, std::abs(raw(high, t + delay + 0.02) - raw(high, t + delay)));
+            most = std::max(most, std::abs(raw(low, t + 0.02) - raw(low, t)));
+        }
+        CHECK(most < 1.2 * steepest);
+    }
+}
+
 TEST_CASE("something soft in series shifts the curve by c F", "[replay]") {
     // The specimen of 106 squeezed slowly is rate independent: F(d) with give c is F(d - c F) without.
     const experiment::Experiment e = baseline(106);

@@ -60,8 +60,12 @@ std::vector<double> smoothed(const std::vector<double>& u, const std::vector<boo
     return out;
 }
 
-void legend(Canvas& canvas, double x, double y, bool improved) {
-    const auto entry = [&](const char* word, const Colour& colour, double width) {
+bool isPair(const Diagnosis& d) {
+    return !d.effects.empty() && !d.effects.front().with.empty();
+}
+
+void legend(Canvas& canvas, double x, double y, const Diagnosis& d, bool improved) {
+    const auto entry = [&](const std::string& word, const Colour& colour, double width) {
         canvas.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {colour, width});
         canvas.text({x + 30.0, y}, word, {theme::labelSize, theme::muted});
         x += 50.0 + report::textWidth(word, theme::labelSize);
@@ -69,14 +73,15 @@ void legend(Canvas& canvas, double x, double y, bool improved) {
     entry("recorded", theme::ink, 2.6);
     entry("best simulation without extra physics", theme::loading, 1.4);
     if (improved)
-        entry("with the most probable effect", theme::unloading, 1.4);
+        entry("with " + improvedBy(d), theme::unloading, 1.4);
     canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kMarked});
     canvas.text({x + 30.0, y}, "misfit beyond noise", {theme::labelSize, theme::muted});
     x += 50.0 + report::textWidth("misfit beyond noise", theme::labelSize);
     if (!improved)
         return;
     canvas.rectangle({x, y - 7.0, 24.0, kBar}, {.fill = theme::unloading});
-    canvas.text({x + 30.0, y}, "where the effect shows", {theme::labelSize, theme::muted});
+    canvas.text({x + 30.0, y}, isPair(d) ? "where the effects show" : "where the effect shows",
+                {theme::labelSize, theme::muted});
 }
 
 void markStretches(Canvas& canvas, const Plot& plot, const std::vector<diagnosis::Stretch>& shows) {
@@ -112,7 +117,7 @@ Range forceRange(const RunCurves& c) {
 void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     const RunCurves& c = d.runs[r];
     const bool improved = !c.improved.empty();
-    legend(canvas, 80.0, 24.0, improved);
+    legend(canvas, 80.0, 24.0, d, improved);
     const Range force = forceRange(c);
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
     const bool driven = d.driven();
@@ -151,7 +156,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     };
     residual(40.0, c.residual, theme::loading, "misfit (noise units)");
     if (improved)
-        residual(320.0, c.residualImproved, theme::unloading, "with the effect");
+        residual(320.0, c.residualImproved, theme::unloading, isPair(d) ? "with the effects" : "with the effect");
 }
 
 constexpr double kPanelWidth = 240.0, kPanelHeight = 110.0; // of a marker coordinate, without its axes
@@ -171,22 +176,22 @@ Range markerRange(const std::vector<std::vector<double>>& shown) {
     return {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
 }
 
-void markerLegend(Canvas& canvas, bool improved) {
+void markerLegend(Canvas& canvas, const Diagnosis& d, bool improved) {
     double x = 50.0;
-    const auto entry = [&](const char* word, const Colour& colour) {
+    const auto entry = [&](const std::string& word, const Colour& colour) {
         canvas.line({x, 20.0}, {x + 24.0, 20.0}, {colour, 1.4});
         canvas.text({x + 30.0, 24.0}, word, {theme::labelSize, theme::muted});
         x += 50.0 + report::textWidth(word, theme::labelSize);
     };
     entry("markers over time (s): misfit without extra physics (noise units)", theme::loading);
     if (improved)
-        entry("with the most probable effect", theme::unloading);
+        entry("with " + improvedBy(d), theme::unloading);
 }
 
 void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     const RunCurves& c = d.runs[r];
     const bool improved = !c.improved.empty();
-    markerLegend(canvas, improved);
+    markerLegend(canvas, d, improved);
     std::vector<std::vector<double>> before, after, all;
     for (const diagnosis::MarkerCurve& m : c.markers) {
         before.push_back(smoothed(m.residual, m.counts));
@@ -235,6 +240,10 @@ void drawProbabilities(Canvas& canvas, const Diagnosis& d) {
 }
 
 } // namespace
+
+std::string improvedBy(const Diagnosis& d) {
+    return isPair(d) ? "the most probable pair" : "the most probable effect";
+}
 
 std::string runFigure(const Diagnosis& d, std::size_t r) {
     SvgCanvas canvas(kRunWidth, kRunHeight, "run" + std::to_string(r + 1), "forces and residuals of " + d.runs[r].name);

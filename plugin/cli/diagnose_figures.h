@@ -11,6 +11,8 @@
 
 namespace supercircle::cli {
 
+/// What the improved simulation has: "the most probable effect", or that it is two.
+std::string improvedBy(const diagnosis::Diagnosis& diagnosis);
 /// Force over displacement, recorded and simulated; below over time in noise units what is left, windows marked.
 std::string runFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run);
 /// What is left of each marker coordinate over time, in noise units, windows marked; empty without markers.

@@ -195,7 +195,7 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     html +=
         section("Where the simulation without extra physics misses", looked ? windowTable(d.mismatch, d.driven()) : "");
     if (d.improved)
-        html += section("Where it still misses with the most probable effect", windowTable(d.left, d.driven()));
+        html += section("Where it still misses with " + improvedBy(d), windowTable(d.left, d.driven()));
     html += section("Where on the specimen", scroll(specimenFigure(d, e)));
     html += section("Laws learned from the runs, where no effect of the catalogue explains them", learnedText(d));
     html += section("A first look at the whole catalogue", looked ? scroll(screenFigure(d)) : "");

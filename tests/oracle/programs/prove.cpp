@@ -219,6 +219,9 @@ int work(const Options& o) {
     for (std::size_t number = o.first; number <= std::min(o.limit, set.size()); ++number)
         if (o.only.empty() || o.only.count(number) > 0)
             all.push_back(set[number - 1]);
+    if (all.empty())
+        throw std::runtime_error("no such case: the set has " + std::to_string(set.size()) +
+                                 ", and --first A --limit B are the first and the last of those wanted");
     if (o.apart)
         return compare(o, all);
     std::vector<Judged> judged;

@@ -293,10 +293,11 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
-    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
+    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, prediction, recovery,
            maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep,
            sleepDrift, sleepAfter, witness] = s;
-    (void)threads; // belongs to the machine
+    (void)threads;    // belongs to the machine
+    (void)prediction; // is as it is in every quality
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
        contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepDrift, sleepAfter,
        witness);

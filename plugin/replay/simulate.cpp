@@ -231,6 +231,34 @@ private:
         }
     }
 
+    /// Drives something in series with the specimen to `to`: the way left shrinks as the force grows, so it is gone in
+    /// parts and the head never overshoots. It is never slower than a twentieth of the drive: where a specimen suddenly
+    /// gives way, it would not arrive. Parts are short where the stiffness is not known yet: a leg begins as stiff as
+    /// any part so far, because what slid may stick when the drive turns. An arch that did was taken for as soft as
+    /// before, through all the way its feet stuck, six times too fast, and a viscous one read 20 mN of 290 too little.
+    /// @param length of the whole leg, m @param arrived what `observe` says of the clock
+    void inParts(double to, double length, double speed, const std::function<bool()>& observe, const bool& arrived) {
+        constexpr double kNear = 1e-7, kPart = 0.8, kOfLeg = 0.05, kFirst = 0.005, kSlowest = 20.0; // m, then 1
+        constexpr double kAlike = 1.25;                                                             // ratios
+        stiffness_ = std::max(stiffness_, stiffest_);
+        double part = kFirst;
+        for (int i = 0; i < 400 && !arrived && !stopped_ && rig_.failure().empty(); ++i) {
+            const double left = to - position();
+            if (left * speed <= kNear * std::abs(speed))
+                break;
+            const double way = std::copysign(std::min(kPart * std::abs(left), part * length), left);
+            const double force = pressing_, displacement = rig_.displacement(), expected = ratio();
+            rig_.move(way / std::min(kSlowest, expected), way / speed, observe);
+            const double enough = std::min(kNear, 0.2 * std::abs(way) / kSlowest);
+            if (const double moved = rig_.displacement() - displacement; std::abs(moved) > enough)
+                stiffness_ = std::max(0.0, (pressing_ - force) / moved);
+            stiffest_ = std::max(stiffest_, stiffness_);
+            const double change = ratio() / expected;
+            part =
+                change < kAlike && change * kAlike > 1.0 ? std::min(2.0 * part, kOfLeg) : std::max(0.5 * part, kFirst);
+        }
+    }
+
     void leg(double t0, double t1, double from, double to) {
         const double speed = (to - from) / (t1 - t0);
         const double begin = rig_.time();
@@ -262,30 +290,7 @@ private:
             finishLeg(rigid() ? rig_.force() : pressing_);
             return;
         }
-        // The way left shrinks as the force grows: what is left is gone in parts, so that the head never overshoots.
-        // It is never slower than a twentieth of the drive: where a specimen suddenly gives way, it would not arrive.
-        // Parts are short where the stiffness is not known yet: a leg begins as stiff as any part so far, because what
-        // slid may stick when the drive turns. An arch that did was taken for as soft as before, through all the way
-        // its feet stuck, six times too fast, and a viscous one read 20 mN of 290 too little.
-        constexpr double kNear = 1e-7, kPart = 0.8, kOfLeg = 0.05, kFirst = 0.005, kSlowest = 20.0; // m, then 1
-        constexpr double kAlike = 1.25;                                                             // ratios
-        stiffness_ = std::max(stiffness_, stiffest_);
-        double part = kFirst;
-        for (int i = 0; i < 400 && !arrived && !stopped_ && rig_.failure().empty(); ++i) {
-            const double left = to - position();
-            if (left * speed <= kNear * std::abs(speed))
-                break;
-            const double way = std::copysign(std::min(kPart * std::abs(left), part * std::abs(to - from)), left);
-            const double force = pressing_, displacement = rig_.displacement(), expected = ratio();
-            rig_.move(way / std::min(kSlowest, expected), way / speed, observe);
-            const double enough = std::min(kNear, 0.2 * std::abs(way) / kSlowest);
-            if (const double moved = rig_.displacement() - displacement; std::abs(moved) > enough)
-                stiffness_ = std::max(0.0, (pressing_ - force) / moved);
-            stiffest_ = std::max(stiffest_, stiffness_);
-            const double change = ratio() / expected;
-            part =
-                change < kAlike && change * kAlike > 1.0 ? std::min(2.0 * part, kOfLeg) : std::max(0.5 * part, kFirst);
-        }
+        inParts(to, std::abs(to - from), speed, observe, arrived);
         clock_ = stopped_ ? clock_ : t1;
         finishLeg(pressing_);
     }

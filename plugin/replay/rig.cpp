@@ -26,12 +26,12 @@
 // while they are of one length; in the first step of another length it is set free or taken up. There means were off
 // by 1.2 %, and where lengths halve and double in turn, by that every other step: readings that fell there were chance,
 // four times their noise, and no fit found the best of the strips. Such a mean is not used where the next ones come
-// soon. Most of it is gone since steps near obstacles are linearised in their predicted middle: the core bounds that
-// prediction by a quarter of a thickness, which is a thousandth of the specimen's here (see `arm`), so that they were
-// linearised where they began, a sticking tip crept 1.7 um in each cycle of 3 mm and every mean was off by .001 to .01
-// % of the peak (now .0002 where nothing slides, .0008 for the arch). Two other cures: means over as much way as four
-// long steps have smear the kink of a specimen that begins to slide (14 mN of 530), and booking normal force times gap
-// as stored takes two thirds of it.
+// soon. Most of it is gone since the core measures in thicknesses of the specimen as it is and not of the rod that
+// stands for it beside obstacles, a thousandth as thick (see `arm`): it predicts the middle of a step no farther than a
+// quarter of that, so that steps were linearised where they began, a sticking tip crept 1.7 um in each cycle of 3 mm
+// and every mean was off by .001 to .01 % of the peak (now .0002 where nothing slides, .0008 for the arch). Two other
+// cures: means over as much way as four long steps have smear the kink of a specimen that begins to slide (14 mN of
+// 530), and booking normal force times gap as stored takes two thirds of it.
 
 #include "plugin/replay/rig.h"
 
@@ -121,21 +121,19 @@ Rig::Rig(const Experiment& e, const Parameters& p, const Resolution& resolution)
         return;
     if (nock_)
         addStrings(e, halfString_);
-    chooseSettings(p, arm);
+    chooseSettings(p);
     settle();
 }
 
 /// The core measures its tolerances in thicknesses of the thinnest rod; here they belong to the specimen as it is.
-void Rig::chooseSettings(const Parameters& p, double arm) {
+void Rig::chooseSettings(const Parameters& p) {
     double h = std::numeric_limits<double>::infinity();
     for (const SpecimenParameters& s : p.specimens)
         h = std::min(h, s.thickness);
     step::Settings& s = stepper_.settings();
+    s.length = h;
     s.localError = resolution_.positionTolerance / h;
-    for (double* relative :
-         {&s.localError, &s.motionLimit, &s.margin, &s.relinearise, &s.rejectPenetration, &s.prediction})
-        *relative /= arm;
-    s.recovery = kParting / (arm * h);
+    s.recovery = kParting / h;
 }
 
 void Rig::addObstacle(const Obstacle& o, const Parameters& p, double skin, double extent) {

@@ -65,7 +65,7 @@ private:
     void addObstacle(const experiment::Obstacle& obstacle, const Parameters& p, double skin, double extent);
     /// The bow's strings; `half` is the length of each.
     void addStrings(const experiment::Experiment& e, double half);
-    void chooseSettings(const Parameters& p, double arm);
+    void chooseSettings(const Parameters& p);
     void settle();
     [[nodiscard]] double frictionToo(double lost, double stored, double work) const;
     void readMeanForce();

@@ -293,11 +293,11 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
-    auto& [dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, prediction, recovery,
+    auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
            maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep,
            sleepDrift, sleepAfter, witness] = s;
-    (void)threads;    // belongs to the machine
-    (void)prediction; // is as it is in every quality
+    (void)threads; // belongs to the machine
+    (void)length;  // is the thickness in every quality
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
        contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepDrift, sleepAfter,
        witness);

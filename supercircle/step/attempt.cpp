@@ -98,8 +98,8 @@ const std::vector<contact::Candidate>& Attempt::startCandidates(const World& wor
     return kept;
 }
 
-/// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a part of
-/// the thickness, so that no predicted frame can lie on the wrong side of a contact.
+/// First linearisation: in the predicted middle of the step. Rods near others are not predicted farther than a quarter
+/// of the thickness, so that no predicted frame can lie on the wrong side of a contact.
 void Attempt::begin(const World& world, const Settings& settings) {
     std::vector<char>& near = stage.marked;
     near.assign(world.rods.size(), 0);
@@ -113,7 +113,7 @@ void Attempt::begin(const World& world, const Settings& settings) {
             freezeRod(world.rods[i], rods[i]);
             return;
         }
-        const double farthest = near[i] ? settings.prediction * h : std::numeric_limits<double>::infinity();
+        const double farthest = near[i] ? 0.25 * h : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], dt, farthest, rods[i]);
     });
     predictMotion(world, stage);

@@ -91,7 +91,7 @@ void Stepper::prepare(World& world, double frame, Port* port) {
             b.state.velocity = world.machineVelocity;
     }
     startPaths(world, frame);
-    work_->attempt.h = world.rods.empty() ? 1e-3 : thinnest(world);
+    work_->attempt.h = settings_.length > 0.0 ? settings_.length : world.rods.empty() ? 1e-3 : thinnest(world);
     work_->attempt.useThreads(settings_.threads, loop);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;

@@ -101,6 +101,7 @@ struct ContactImpulse {
 
 /// Resolution of the numerics. Lengths are relative to the thinnest shell's thickness h, so that a scene scales.
 struct Settings {
+    double length = 0.0;             ///< m, what h stands for; 0: that thickness
     double dtMax = 4e-3;             ///< s
     double dtMin = 1e-6;             ///< s
     double fixedDt = 0.0;            ///< s; > 0 switches the adaptive step off
@@ -109,7 +110,6 @@ struct Settings {
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
     double relinearise = 0.001;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
-    double prediction = 0.25;        ///< h, no farther is a rod near others predicted for the first linearisation
     double recovery = 20.0;          ///< h/s, at which shells that were put into each other are parted
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;

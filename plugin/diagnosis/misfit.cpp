@@ -24,6 +24,16 @@ double steepest(const Eigen::VectorXd& force, Eigen::Index k) {
     return most;
 }
 
+double rangeOf(const Eigen::VectorXd& force) {
+    double lo = kMissing, hi = -kMissing;
+    for (const double f : force)
+        if (std::isfinite(f)) {
+            lo = std::min(lo, f);
+            hi = std::max(hi, f);
+        }
+    return std::max(0.0, hi - lo);
+}
+
 void leaveOutMarkers(const RecordedRun& run, double from, double to, RowErrors& out) {
     const Eigen::Index seen = run.markerTime.size();
     for (Eigen::Index k = 0; k < seen; ++k)
@@ -32,18 +42,19 @@ void leaveOutMarkers(const RecordedRun& run, double from, double to, RowErrors& 
                 out.markers[c * seen + k] = kMissing;
 }
 
-/// @param least smaller jumps are noise, N
-void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double least, const MisfitSettings& s,
-                   RowErrors& out) {
+/// @param noise smaller jumps are, N
+/// @param least smaller ones, of a curve without noise, are none where the machine does not turn round, N
+void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double noise, double least,
+                   const MisfitSettings& s, RowErrors& out) {
     const experiment::Readings readings{listOf(run.time), listOf(run.displacement), listOf(force)};
-    const double dt = run.spacing();
-    for (const replay::Landmark& jump : replay::findLandmarks(readings, s.snapShare)) {
-        if (std::abs(jump.after - jump.before) < least)
-            continue;
+    const double dt = run.spacing(), snap = std::max(least, s.snapShare * rangeOf(force));
+    for (const replay::Landmark& jump : replay::findLandmarks(readings, 0.0)) {
         const bool turns = atTurningPoint(run, jump.time);
+        if (std::abs(jump.after - jump.before) < (turns ? noise : snap))
+            continue;
         if (!turns)
             out.snaps.push_back(jump.time);
-        const double before = turns ? 1.5 * dt : s.snapBefore, after = turns ? 1.5 * dt : s.snapAfter;
+        const double before = turns ? s.turnRows * dt : s.snapBefore, after = turns ? s.turnRows * dt : s.snapAfter;
         for (Eigen::Index k = 0; k < run.time.size(); ++k)
             if (run.time[k] > jump.time - before && run.time[k] < jump.time + after)
                 out.force[k] = kMissing;
@@ -59,6 +70,35 @@ void leaveOutSwings(const RecordedRun& run, const Eigen::VectorXd& force, double
     for (Eigen::Index k = 1; k < force.size(); ++k)
         if (held(k - 1) && !held(k))
             leaveOutMarkers(run, run.time[k - 1], run.time[k] + s.swing, out);
+}
+
+/// Force that a curve has at once where it first is held, N: the straight line through the six rows behind, at that
+/// row. A steep rise that goes on is none.
+double jumpAtTouch(const Eigen::VectorXd& force, Eigen::Index k) {
+    constexpr Eigen::Index kMean = 3;
+    if (k < 1 || k + 2 * kMean >= force.size())
+        return 0.0;
+    const double near = force.segment(k + 1, kMean).mean(), far = force.segment(k + 1 + kMean, kMean).mean();
+    const double slope = (far - near) / kMean; // of a row
+    return near - 0.5 * (kMean + 1) * slope - force[k - 1];
+}
+
+/// Leaves out the rows within reach of a touch at which the force is there at once.
+void leaveOutTouches(const RecordedRun& run, const Eigen::VectorXd& force, double least, double peakForce,
+                     const MisfitSettings& s, RowErrors& out) {
+    const auto held = [&](Eigen::Index k) { return std::abs(force[k]) > std::max(s.free * peakForce, 0.5 * least); };
+    const double dt = run.spacing();
+    for (Eigen::Index k = 1; k < force.size() && s.touchPlace > 0.0; ++k) {
+        if (held(k - 1) || !held(k) || !(std::abs(jumpAtTouch(force, k)) > least))
+            continue;
+        const double speed = std::abs(run.legAt(run.time[k]).speed);
+        if (speed == 0.0)
+            continue;
+        const double reach = std::max(0.5 * dt, s.touchPlace / speed); // s
+        for (Eigen::Index i = 0; i < run.time.size(); ++i)
+            if (run.time[i] > run.time[k - 1] - reach && run.time[i] < run.time[k] + reach)
+                out.force[i] = kMissing;
+    }
 }
 
 /// What says nothing where a jump happens at one time or another.
@@ -167,11 +207,16 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
         if (!std::isfinite(run.markers[k]) || !std::isfinite(out.markers[k]))
             out.markers[k] = kMissing;
     }
-    leaveOutSnaps(run, run.force, s.jumpNoise * noise.total(), s, out);
+    const double visible = s.jumpNoise * noise.total();
+    leaveOutSnaps(run, run.force, visible, visible, s, out);
     if (known)
-        leaveOutSnaps(run, fine.force, 0.0, s, out);
-    if (known && elements) // of a driven specimen
+        leaveOutSnaps(run, fine.force, visible, 0.0, s, out);
+    if (elements) // of a driven specimen
+        leaveOutTouches(run, run.force, visible, peakForce, s, out);
+    if (known && elements) {
+        leaveOutTouches(run, fine.force, visible, peakForce, s, out);
         leaveOutSwings(run, fine.force, peakForce, s, out);
+    }
     for (Eigen::Index k = 0; k < n; ++k)
         if (!std::isfinite(run.force[k]) || !std::isfinite(out.force[k]) ||
             (known && !std::isfinite(fine.force[k]))) // the last sample may come later than the drive's end

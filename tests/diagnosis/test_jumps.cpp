@@ -228,6 +228,54 @@ TEST_CASE("a jump that comes late is one observation, not one in every row it is
     }
 }
 
+TEST_CASE("where a viscous specimen is touched, and where its machine turns round, rows say nothing", "[diagnosis]") {
+    Data data = toy::recordings(3);
+    const toy::Spring spring(data);
+    const std::size_t dashpot = 0, slow = 0, fast = 1;
+    REQUIRE(spring.candidates()[dashpot].label == "dashpot");
+    const Point elastic{{103.0, 0.0}, {}}, viscous{{103.0, 0.0}, {{dashpot, {20.0}}}}; // 20 and 100 mN at 1 and 5 mm/s
+    Noise noise;
+    noise.white = 0.01;
+    // A millimetre is driven before the spring is touched.
+    const auto touched = [&](std::size_t r, const Point& p) {
+        Response out = spring.simulate(r, p, Fineness::Fine, nullptr);
+        for (Eigen::Index k = 0; k < out.force.size(); ++k) {
+            const bool free = data.runs[r].displacement[k] < 1.01e-3;
+            out.force[k] = free ? 0.0 : out.force[k] - 0.103;
+        }
+        return out;
+    };
+    const auto missing = [&](std::size_t r, const Point& recorded, const Point& simulated, const MisfitSettings& s) {
+        data.runs[r].force = touched(r, recorded).force;
+        const Response there = touched(r, simulated);
+        const RowErrors errors = rowErrors(data.runs[r], noise, there, there, 1.0, s);
+        std::vector<double> times;
+        for (Eigen::Index k = 0; k < errors.force.size(); ++k)
+            if (!std::isfinite(errors.force[k]))
+                times.push_back(data.runs[r].time[k]);
+        return times;
+    };
+    const double dt = data.runs[fast].spacing(), touch = 1.0 + 1e-3 / 5e-3, top = 1.0 + 0.01 / 5e-3;
+    const auto near = [&](const std::vector<double>& times, double at) {
+        return std::count_if(times.begin(), times.end(), [&](double t) { return std::abs(t - at) < 2.1 * dt; });
+    };
+    for (const bool recorded : {true, false}) { // whichever of the two shows it
+        CAPTURE(recorded);
+        const auto out = missing(fast, recorded ? viscous : elastic, recorded ? elastic : viscous, {});
+        CHECK(near(out, touch) == 2); // the last reading ahead of it and the first behind
+        CHECK(near(out, top) >= 2);
+        CHECK(near(out, top) <= 4);
+        CHECK(near(out, touch) + near(out, top) + near(out, top + 2.0) == static_cast<long>(out.size())); // no others
+    }
+    // A slope that begins is no jump, and what the noise hides is none.
+    CHECK(missing(fast, elastic, elastic, {}).empty());
+    CHECK(missing(slow, viscous, viscous, {}).empty());
+    // The further a touch may be off, the more readings may have seen it: .2 mm are a row of the fast run.
+    MisfitSettings wide;
+    wide.touchPlace = 5e-4;
+    CHECK(near(missing(fast, viscous, viscous, wide), touch) > 2);
+}
+
 TEST_CASE("noise is no snap", "[diagnosis]") {
     for (const std::uint64_t seed : {1, 2, 3}) {
         CAPTURE(seed);

@@ -260,7 +260,8 @@ TEST_CASE("markers of a specimen that was let go do not count while it swings", 
     Response there{{}, Eigen::VectorXd(n), Eigen::VectorXd::Zero(2 * n)};
     for (Eigen::Index k = 0; k < n; ++k)
         there.force[k] = std::max(0.0, 1.0 - std::abs(run.time[k] - 5.0) / 3.0);
-    const MisfitSettings settings;
+    MisfitSettings settings;
+    settings.touchPlace = settings.turnRows = 0.0; // the recorded spring's friction is there at once
     const RowErrors errors = rowErrors(run, estimateNoise(data), there, there, 1.0, settings);
     REQUIRE(errors.snaps.empty());
     const double below = 8.0 - 3.0 * settings.free; // when a hundredth of the peak is left, a row sooner or later
@@ -282,6 +283,7 @@ TEST_CASE("what finer elements would add is taken out of a simulation's force", 
     const Point truth{{103.0, 0.08}, {}};
     MisfitSettings settings;
     settings.contactPlace = settings.shareOfPeak = 0.0;
+    settings.touchPlace = settings.turnRows = 0.0; // all rows count
     // An error of 2 mN that grows as the square of the elements' length.
     constexpr double kError = 2e-3;
     std::vector<Response> exact, fine, finer;
@@ -316,7 +318,7 @@ TEST_CASE("a sample behind the drive's end says nothing and harms nothing", "[di
         fine.back().force.tail(1).setConstant(std::numeric_limits<double>::quiet_NaN()); // nobody drives it there
         finer.push_back(fine.back());
     }
-    const Misfit misfit(data, estimateNoise(data), fine, finer);
+    const Misfit misfit(data, estimateNoise(data), fine, finer, toy::exact().misfit);
     const auto residual = misfit.residual(fine);
     REQUIRE(residual);
     CHECK(residual->allFinite());

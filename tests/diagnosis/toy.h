@@ -189,6 +189,7 @@ inline Settings exact(std::uint64_t seed = 1) {
     s.seed = seed;
     s.draws = 199;
     s.misfit.contactPlace = s.misfit.shareOfPeak = s.misfit.scale = 0.0;
+    s.misfit.touchPlace = s.misfit.turnRows = 0.0;
     return s;
 }
 

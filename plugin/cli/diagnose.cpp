@@ -18,6 +18,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 namespace supercircle::cli {
 
@@ -59,8 +60,10 @@ void print(const diagnosis::Diagnosis& d, const std::string& folder) {
         std::printf("  %-26s probability %.3f, gain on unseen runs %.1f +- %.1f, error there %.3g %s\n",
                     e.label.c_str(), e.probability, e.gain, e.gainError, e.heldOutRmse, d.unit.c_str());
     }
-    std::printf("  %-26s probability %.3f\n  %-26s probability %.3f\n", "nothing", d.nothing, "none of these",
-                d.unknown);
+    const std::pair<const char*, double> others[] = {
+        {"nothing", d.nothing}, {"too small to be seen here", d.unseen()}, {"none of these", d.unknown}};
+    for (const auto& [what, probability] : others)
+        std::printf("  %-26s probability %.3f\n", what, probability);
     std::printf("%zu simulated runs, %s; results: %s/diagnosis.json, pictures: %s/report.html\n", d.forwardRuns,
                 duration(d.elapsed).c_str(), folder.c_str(), folder.c_str());
 }

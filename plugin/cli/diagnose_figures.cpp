@@ -103,7 +103,7 @@ void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std
 constexpr double kRunWidth = 1180.0, kRunHeight = 560.0, kBarsWidth = 720.0;
 
 double barsHeight(const Diagnosis& d) {
-    return 26.0 * static_cast<double>(d.effects.size() + 2) + 20.0;
+    return 26.0 * static_cast<double>(d.effects.size() + 3) + 20.0;
 }
 
 /// Of what was recorded, and of the simulation that misses it as far as a quarter beyond.
@@ -228,6 +228,7 @@ void drawProbabilities(Canvas& canvas, const Diagnosis& d) {
     for (const diagnosis::FoundEffect& e : d.effects)
         bars.emplace_back(diagnosis::plainWords(e.label), e.probability);
     bars.emplace_back("nothing is missing", d.nothing);
+    bars.emplace_back("too small to be seen here", d.unseen());
     bars.emplace_back("none of these", d.unknown);
     for (std::size_t i = 0; i < bars.size(); ++i) {
         const double y = 10.0 + 26.0 * static_cast<double>(i);

@@ -67,7 +67,8 @@ Json screenOf(const Diagnosis& d) {
         all.push_back({{"label", s.label},
                        {"explains", s.gain},
                        {"absorbed_share", s.absorbed},
-                       {"visible_in_relevant_sizes", finite(s.visible)}});
+                       {"visible_in_relevant_sizes", finite(s.visible)},
+                       {"probability_unseen", s.unseen}});
     return all;
 }
 
@@ -142,6 +143,7 @@ std::string diagnosisJson(const Diagnosis& d) {
         {"effects", effects},
         {"effect_windows", effectWindowsOf(d)},
         {"probability_nothing", d.nothing},
+        {"probability_unseen", d.unseen()},
         {"probability_unknown", d.unknown},
         {"fit",
          {{"baseline", errors(d.baselineTraining, d.baselineHeldOut)},

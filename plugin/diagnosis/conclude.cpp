@@ -16,6 +16,8 @@ using record::rounded;
 
 constexpr double kSuggestive = 0.75; ///< less belief in "nothing" is a hint of something, as is p <= kFamilyWise
 
+constexpr double kWorthAWord = 0.03; ///< a probability
+
 std::string joined(const std::vector<std::string>& labels, std::size_t from = 0) {
     std::string out;
     for (std::size_t i = from; i < labels.size(); ++i)
@@ -117,7 +119,6 @@ std::string nextOf(const Diagnosis& d) {
 
 /// The rivals with their probabilities: effects, and what else has a share.
 std::string undecided(const Diagnosis& d, const Evidence& e) {
-    constexpr double kWorthAWord = 0.03;
     std::string rivals;
     const auto add = [&](const std::string& what, double p) {
         rivals += (rivals.empty() ? "" : ", ") + what + " " + percent(p);
@@ -132,6 +133,8 @@ std::string undecided(const Diagnosis& d, const Evidence& e) {
     }
     if (d.nothing > kWorthAWord)
         add("nothing missing", d.nothing);
+    if (d.unseen() > kWorthAWord)
+        add("something else, too small to be seen here", d.unseen());
     if (d.unknown > kWorthAWord)
         add("none of these", d.unknown);
     std::string text =
@@ -185,7 +188,12 @@ std::string judged(const Diagnosis& d, const Evidence& e) {
     if (d.verdict == "nothing_missing")
         return "Inside the stated uncertainties the simulation agrees with all runs to the noise (p = " +
                rounded(e.p, 3) + " for the largest of " + std::to_string(d.mismatch.family) +
-               " statistics): nothing is missing that these runs could show." + blindSpots(d);
+               " statistics): nothing is missing that these runs could show" +
+               (d.unseen() > kWorthAWord
+                    ? " (nothing at all with a probability of " + rounded(d.nothing, 2) +
+                          ", something that is too small for them with " + rounded(d.unseen(), 2) + ")."
+                    : ".") +
+               blindSpots(d);
     if (d.verdict == "not_enough_information" && (e.nothing < kSuggestive || e.p <= kFamilyWise)) {
         const std::string likely =
             d.effects.empty() ? std::string() : ", most likely " + plainWords(d.effects.front().label);
@@ -193,7 +201,8 @@ std::string judged(const Diagnosis& d, const Evidence& e) {
                                         : "Something stands out of the noise (p = ") +
                rounded(e.p, 3) + " for the largest of " + std::to_string(d.mismatch.family) + " statistics)" + likely +
                (e.nothing < kSuggestive ? ", too weak to decide: " : ", too little to believe in extra physics: ") +
-               "nothing is missing with a probability of " + rounded(e.nothing, 3) + "." + nextOf(d);
+               "nothing that they could show is missing with a probability of " + rounded(e.nothing, 3) + "." +
+               nextOf(d);
     }
     if (d.verdict == "not_enough_information")
         return "The simulation agrees with the runs, but most effects of the catalogue could be there at a size that "

@@ -10,7 +10,8 @@ struct Evidence {
     double p = 1.0;                   ///< of the largest window statistic of the nominal fit
     double bestGroup = 0.0;           ///< probability of the first effect's group
     double gain = 0.0, gainLow = 0.0; ///< of the first effect, and the low end of it (Weighed::gainLow)
-    double nothing = 1.0, unknown = 0.0;
+    double nothing = 1.0;             ///< that nothing is missing which these runs could show
+    double unknown = 0.0;
     double blind = 0.0; ///< share of the effects that matter in these runs but could not be seen
     bool any = false;   ///< whether an effect was fitted
 };

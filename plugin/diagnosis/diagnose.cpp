@@ -328,7 +328,11 @@ void Work::conclude() {
     stage(0.92, "weighing");
     Weighed w;
     weighAll(w);
-    out_.nothing = w.nothing;
+    std::vector<std::string> fitted;
+    for (const Tried& t : tried_)
+        for (const std::size_t c : t.candidates)
+            fitted.push_back(candidates()[c].label);
+    out_.nothing = shareUnseen(w.nothing, fitted, out_.seen);
     const Ranking ranking(evaluator_.model(), *misfit_, tried_, w);
     out_.learned = ranking.learned();
     entries_ = ranking.entries();
@@ -348,7 +352,7 @@ void Work::conclude() {
     }
     Evidence e;
     e.p = out_.mismatch.p;
-    e.nothing = out_.nothing;
+    e.nothing = w.nothing; // that shows
     e.unknown = out_.unknown;
     e.any = !entries_.empty();
     for (std::size_t a = 0; a < entries_.size(); ++a)
@@ -408,7 +412,8 @@ void Work::suggest() {
         named.push_back({label, entries_[i].probability, &tried_[entries_[i].model],
                          std::find(group.begin(), group.end(), label) != group.end()});
     }
-    const std::vector<Rival> rivals = suspects(evaluator_, *misfit_, base_, named, screened_, out_.nothing);
+    const std::vector<Rival> rivals =
+        suspects(evaluator_, *misfit_, base_, named, screened_, out_.nothing + out_.unseen());
     out_.next = nextExperiment(evaluator_, rivals, out_.noise);
     if (!out_.next && rivals.size() > 1 && !evaluator_.stopped())
         out_.nextTried = evaluator_.model().designs().size();

@@ -45,6 +45,7 @@ struct SeenEffect {
     double absorbed = 0.0; ///< share of its signature that the nominal parameters can imitate
     double visible = 0.0;  ///< smallest size seen with 80 % power, in units of a size that matters
     double reading = 0.0;  ///< |signature| of a size that matters, noise units
+    double unseen = 0.0;   ///< probability that it is there and too small to be seen (shareUnseen())
 };
 
 /// A law that was learned, at 41 places of its state.
@@ -104,6 +105,13 @@ struct Homogeneity {
 };
 
 struct Diagnosis {
+    /// Probability that an effect is there which is too small for these runs, of all together; beside `nothing`.
+    [[nodiscard]] double unseen() const {
+        double sum = 0.0;
+        for (const SeenEffect& s : seen)
+            sum += s.unseen;
+        return sum;
+    }
     std::string channel = "force", unit = "N";                ///< of everything that is said to be in N below
     [[nodiscard]] bool driven() const { return unit == "N"; } ///< else bodies move freely, and poses are read
     std::string failure;                                      ///< the experiment cannot be simulated: why

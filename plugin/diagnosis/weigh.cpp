@@ -73,6 +73,19 @@ HeldOut usable(HeldOut h, const HeldOut& nothing) {
     return h;
 }
 
+double shareUnseen(double nothing, const std::vector<std::string>& fitted, std::vector<SeenEffect>& seen) {
+    double all = kNothing;
+    for (SeenEffect& s : seen) {
+        const bool apart = std::find(fitted.begin(), fitted.end(), s.label) != fitted.end();
+        const double below = s.visible < 1.0 ? std::max(0.0, s.visible) : 1.0; // also where it is not a number
+        s.unseen = apart ? 0.0 : kCatalogue / static_cast<double>(seen.size()) * below;
+        all += s.unseen;
+    }
+    for (SeenEffect& s : seen)
+        s.unseen *= nothing / all;
+    return nothing * kNothing / all;
+}
+
 void leaveUnknownOut(Weighed& w) {
     const double rest = 1.0 - w.unknown;
     w.unknown = 0.0;

@@ -242,3 +242,27 @@ TEST_CASE("an undecided verdict says how probable each rival is, effects that ac
     d.baselineHeldOut = 0.0145;
     CHECK_THAT(statementOf(d, e), Catch::Contains("rises from 0.0145 to 0.015") && Catch::Contains("10^5 times"));
 }
+
+TEST_CASE("what may be there too small to be seen is not nothing", "[diagnosis]") {
+    const double inf = std::numeric_limits<double>::infinity();
+    std::vector<SeenEffect> seen(6);
+    const double visible[] = {0.0, 0.5, 1.0, 3.0, inf, 0.2};
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+        seen[k].label = std::string(1, static_cast<char>('a' + k));
+        seen[k].visible = visible[k];
+    }
+    // The last one was fitted. Shares of .6 / 6 = .1: 0, .05, .1, .1, .1 beside .3 for nothing.
+    const double nothing = shareUnseen(0.8, {"f"}, seen);
+    CHECK(nothing == Approx(0.8 * 0.3 / 0.65));
+    CHECK(seen[0].unseen == 0.0);
+    CHECK(seen[1].unseen == Approx(0.8 * 0.05 / 0.65));
+    for (const std::size_t k : {2u, 3u, 4u})
+        CHECK(seen[k].unseen == Approx(0.8 * 0.1 / 0.65));
+    CHECK(seen[5].unseen == 0.0);
+    double sum = nothing;
+    for (const SeenEffect& s : seen)
+        sum += s.unseen;
+    CHECK(sum == Approx(0.8)); // nothing else has more or less of it
+    std::vector<SeenEffect> none;
+    CHECK(shareUnseen(0.8, {}, none) == Approx(0.8));
+}

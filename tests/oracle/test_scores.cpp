@@ -61,6 +61,19 @@ TEST_CASE("a case is judged by its answer", "[oracle]") {
     CHECK(j.brier == Approx(0.5 * (0.1 * 0.1 + 0.1 * 0.1)));
 }
 
+TEST_CASE("an effect that may be there unseen has its probability, and not that of nothing", "[oracle]") {
+    const Folder f;
+    nlohmann::json d = nlohmann::json::parse(kDiagnosis);
+    d["verdict"] = "nothing_missing";
+    d["effects"] = nlohmann::json::array();
+    d["probability_nothing"] = 0.7;
+    d["screen"] = {{{"label", "wear"}, {"probability_unseen", 0.08}},
+                   {{"label", "gravity"}, {"probability_unseen", 0.12}}};
+    const Judged j = judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", d.dump()));
+    CHECK(j.pTruth == Approx(0.08));
+    CHECK(j.brier == Approx(0.5 * (0.92 * 0.92 + 0.7 * 0.7 + 0.1 * 0.1 + 0.12 * 0.12)));
+}
+
 TEST_CASE("numbers of two forms of a law are not compared", "[oracle]") {
     const Folder f;
     const auto judged = [&](const char* hidden, const char* law) {

@@ -154,7 +154,8 @@ void compareParameters(const Json& hidden, const Json& effect, Judged& j) {
             std::abs(truth.at("arc_fraction").get<double>() - found.at("arc_fraction").at("value").get<double>());
 }
 
-/// Classes: nothing, unknown, the true effect (with what cannot be told from it), every other effect.
+/// Classes: nothing, unknown, the true effect (with what cannot be told from it), every other effect, whether it was
+/// fitted or may be there too small to be seen.
 void weigh(const Json& d, Judged& j) {
     j.pNothing = d.at("probability_nothing");
     j.pUnknown = d.at("probability_unknown");
@@ -166,9 +167,13 @@ void weigh(const Json& d, Judged& j) {
     const bool unknown = j.kind == "removed" || j.kind == "outside", nothing = j.kind == "nothing";
     double others = 0.0;
     j.pTruth = nothing ? j.pNothing : unknown ? j.pUnknown : 0.0;
-    for (const Json& e : d.at("effects")) {
-        const double p = e.at("probability");
-        if (!nothing && !unknown && has(same, e.at("label")))
+    std::map<std::string, double> labels;
+    for (const Json& e : d.at("effects"))
+        labels[e.at("label")] += e.at("probability").get<double>();
+    for (const Json& s : d.value("screen", Json::array()))
+        labels[s.at("label")] += s.value("probability_unseen", 0.0);
+    for (const auto& [label, p] : labels) {
+        if (!nothing && !unknown && has(same, label))
             j.pTruth += p;
         else
             others += p * p;

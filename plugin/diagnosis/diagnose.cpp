@@ -3,6 +3,7 @@
 #include "plugin/diagnosis/conclude.h"
 #include "plugin/diagnosis/fit.h"
 #include "plugin/diagnosis/heldout.h"
+#include "plugin/diagnosis/hollows.h"
 #include "plugin/diagnosis/homogeneity.h"
 #include "plugin/diagnosis/nominal.h"
 #include "plugin/diagnosis/present.h"
@@ -292,7 +293,8 @@ Spread Work::spreadOf(const Entry& entry) {
         return {linear(f.jacobian), {}};
     Spread out;
     Eigen::MatrixXd careful;
-    constexpr int kMoves = 2; // to a better fit that the intervals come upon
+    std::vector<Fitted> elsewhere; // along the arc
+    constexpr int kMoves = 2;      // to a better fit that the intervals come upon
     for (int moves = 0; out.intervals.empty(); ++moves) {
         const Variables here(evaluator_.model(), f.point);
         careful = differentiateCarefully(evaluator_, *misfit_, here, f.x, 0.2);
@@ -300,18 +302,27 @@ Spread Work::spreadOf(const Entry& entry) {
             out.intervals = linear(careful);
             break;
         }
-        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful,
-                                      dispersionsOf(*misfit_, here, f.residual, careful, misfitPerRow(*misfit_, f)),
-                                      moves < kMoves);
-        if (!p.better || evaluator_.stopped()) {
-            out.intervals = std::move(p.intervals);
-            break;
+        const Eigen::VectorXd dispersions =
+            dispersionsOf(*misfit_, here, f.residual, careful, misfitPerRow(*misfit_, f));
+        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful, dispersions, moves < kMoves);
+        if (p.better && !evaluator_.stopped()) {
+            Fitted further = fit(evaluator_, *misfit_, here.at(p.better->x));
+            if (!further.failure.empty() || further.misfit > p.better->misfit)
+                further = std::move(*p.better);
+            further.point = here.at(further.x);
+            f = std::move(further);
+            continue;
         }
-        Fitted further = fit(evaluator_, *misfit_, here.at(p.better->x));
-        if (!further.failure.empty() || further.misfit > p.better->misfit)
-            further = std::move(*p.better);
-        further.point = here.at(further.x);
-        f = std::move(further);
+        if (elsewhere.empty())
+            elsewhere = otherHollows(evaluator_, *misfit_, f, screened_);
+        const auto lowest = std::min_element(elsewhere.begin(), elsewhere.end(),
+                                             [](const Fitted& a, const Fitted& b) { return a.misfit < b.misfit; });
+        if (lowest != elsewhere.end() && lowest->misfit < f.misfit - 1.0 && moves < kMoves && !evaluator_.stopped()) {
+            std::swap(f, *lowest);
+            continue;
+        }
+        out.intervals = std::move(p.intervals);
+        widenBy(elsewhere, here, f, dispersions, out.intervals);
     }
     const Variables v(evaluator_.model(), f.point);
     Index first = v.nominal;

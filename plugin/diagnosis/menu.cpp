@@ -92,7 +92,7 @@ public:
     }
     Writer& share(const std::string& name, double lower, double upper, double step) {
         if (effect_ != nullptr)
-            add(name, 0.5, lower, upper, step, Scale::Linear);
+            add(name, 0.5, lower, upper, step, Scale::Linear, true);
         return *this;
     }
     /// What the law is worth in all; both parameters come before.
@@ -134,10 +134,11 @@ private:
             ++i;
         return i;
     }
-    void add(const std::string& name, double value, double lower, double upper, double step, Scale scale) {
+    void add(const std::string& name, double value, double lower, double upper, double step, Scale scale,
+             bool place = false) {
         const std::size_t at = find(name);
         const effects::Parameter& p = effect_->parameters[at];
-        candidate_.parameters.push_back({name, p.unit, p.about, value, lower, upper, step, scale, false});
+        candidate_.parameters.push_back({name, p.unit, p.about, value, lower, upper, step, scale, false, place});
         recipe_.parameterAt.push_back(at);
     }
 

@@ -31,6 +31,7 @@ struct Scalar {
     double step = 0.0; ///< a change that shows: half-width of the stated interval, or a share of a typical value
     Scale scale = Scale::Linear;
     bool amplitude = false; ///< the effect is absent where all its amplitudes are 0
+    bool place = false;     ///< where on the arc it is: 0 first end, 1 last end
 };
 
 /// What the coefficients of a learned law mean, for words and pictures.

@@ -3,6 +3,7 @@
 #include "toy.h"
 
 #include "plugin/diagnosis/fit.h"
+#include "plugin/diagnosis/hollows.h"
 #include "plugin/diagnosis/noise.h"
 #include "plugin/diagnosis/nominal.h"
 #include "plugin/diagnosis/present.h"
@@ -230,4 +231,83 @@ TEST_CASE("of a product that is known each factor is known as the other one's bo
     CHECK(at(3, known[1].high) > 9.0);
     CHECK(at(2, known[0].low) < c / 9.0);
     CHECK(at(2, known[0].high) > c / 0.11);
+}
+
+namespace {
+
+/// A spring with a bump of the force that tells how far from the middle of its arc something is, not on which side.
+class Bump final : public Model {
+public:
+    explicit Bump(const Data& data) : spring_(data), data_(data) {
+        candidates_.push_back({"bump",
+                               "material",
+                               "",
+                               "a exp(-(x/way - |1 - 2 s|)^2 / .02)",
+                               {{"a", "N", "", 0.0, -1.0, 1.0, 0.05, Scale::Linear, true},
+                                {"s", "1", "", 0.5, 0.02, 0.98, 0.05, Scale::Linear, false, true}},
+                               {{0.05, 0.25}, {0.05, 0.75}}});
+    }
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "bump"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness fineness,
+                                    const std::atomic<bool>* stop) const override {
+        Response out = spring_.simulate(r, Point{p.nominal, {}}, fineness, stop);
+        for (const Term& t : p.terms)
+            for (Eigen::Index k = 0; k < out.force.size(); ++k) {
+                const double off = data_.runs[r].displacement[k] / 0.01 - std::abs(1.0 - 2.0 * t.values[1]);
+                out.force[k] += t.values[0] * std::exp(-off * off / 0.02);
+            }
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    const Data& data_;
+    std::vector<Candidate> candidates_;
+};
+
+} // namespace
+
+TEST_CASE("an interval of a place holds the other hollow of its misfit", "[diagnosis]") {
+    Data data = toy::recordings(41);
+    const Bump model(data);
+    const Point truth{{103.0, 0.08}, {{0, {0.04, 0.3}}}};
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        data.runs[r].force += model.simulate(r, truth, Fineness::Fine, nullptr).force -
+                              model.simulate(r, Point{truth.nominal, {}}, Fineness::Fine, nullptr).force;
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const Point stated{{100.0, 0.1}, {}};
+    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Fitted base = fit(evaluator, misfit, stated),
+                 found = fit(evaluator, misfit, {base.point.nominal, {{0, {0.05, 0.75}}}});
+    const Variables v(model, found.point);
+    const auto place = [&](double x) { return v.scalar(3).value + x * v.scalar(3).step; };
+    REQUIRE(place(found.x[3]) == Approx(0.7).margin(0.02)); // in the wrong half, as good as in the right one
+    const auto others = otherHollows(evaluator, misfit, found, screen(evaluator, misfit, base));
+    REQUIRE(!others.empty());
+    for (const Fitted& other : others) {
+        CHECK(place(other.x[3]) == Approx(0.3).margin(0.02));
+        CHECK(other.misfit == Approx(found.misfit).margin(1.0)); // a fit ends where less than .3 is to be gained
+    }
+    const Eigen::VectorXd one = Eigen::VectorXd::Ones(v.size());
+    std::vector<Interval> alone = linearIntervals(v, found, found.jacobian, one), both = alone;
+    widenBy(others, v, found, one, both);
+    CHECK(place(alone[1].low) > 0.6);
+    CHECK(place(both[1].low) < 0.3);
+    CHECK(both[1].high == alone[1].high);
+    // A hollow above the level is no place where it may be.
+    std::vector<Fitted> high = others;
+    for (Fitted& h : high)
+        h.misfit = found.misfit + 2.8; // k90^2 = 2.71
+    std::vector<Interval> none = alone;
+    widenBy(high, v, found, one, none);
+    CHECK(none[1].low == alone[1].low);
+    // What has no place has no other.
+    const toy::Spring spring(data);
+    Store springs;
+    Evaluator elastic(spring, data.runs.size(), {}, springs);
+    CHECK(otherHollows(elastic, misfit, fit(elastic, misfit, {{103.0, 0.08}, {{0, {5.0}}}}), {}).empty());
 }

@@ -201,7 +201,7 @@ std::string judged(const Diagnosis& d, const Evidence& e) {
                                         : "Something stands out of the noise (p = ") +
                rounded(e.p, 3) + " for the largest of " + std::to_string(d.mismatch.family) + " statistics)" + likely +
                (e.nothing < kSuggestive ? ", too weak to decide: " : ", too little to believe in extra physics: ") +
-               "nothing that they could show is missing with a probability of " + rounded(e.nothing, 3) + "." +
+               "nothing that these runs could show is missing with a probability of " + rounded(e.nothing, 3) + "." +
                nextOf(d);
     }
     if (d.verdict == "not_enough_information")

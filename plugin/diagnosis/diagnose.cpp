@@ -108,6 +108,7 @@ private:
     void look();
     void summarise();
     void tryHypotheses(bool first);
+    std::vector<Interval> profiled(Tried& t, Eigen::MatrixXd& careful);
     [[nodiscard]] Spread spreadOf(const Entry& entry);
     void conclude();
     void weighAll(Weighed& w);
@@ -280,32 +281,21 @@ void Work::weighAll(Weighed& w) {
         leaveUnknownOut(w);
 }
 
-/// The first effect and what is probable are worth some runs, what is more probable some more.
-Spread Work::spreadOf(const Entry& entry) {
-    Fitted& f = tried_[entry.model].fit;
-    const auto linear = [&](const Eigen::MatrixXd& jacobian) {
-        const Variables v(evaluator_.model(), f.point);
-        return linearIntervals(v, f, jacobian,
-                               dispersionsOf(*misfit_, v, f.residual, jacobian, misfitPerRow(*misfit_, f)));
-    };
-    const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
-    if (!worth || evaluator_.stopped())
-        return {linear(f.jacobian), {}};
-    Spread out;
-    Eigen::MatrixXd careful;
+/// Intervals of a hypothesis by profiles. A better fit that they or other places on the arc come upon takes its place.
+/// @param careful its derivatives, out
+std::vector<Interval> Work::profiled(Tried& t, Eigen::MatrixXd& careful) {
+    constexpr int kMoves = 2;
     std::vector<Fitted> elsewhere; // along the arc
-    constexpr int kMoves = 2;      // to a better fit that the intervals come upon
-    for (int moves = 0; out.intervals.empty(); ++moves) {
+    std::vector<Interval> intervals;
+    Fitted& f = t.fit;
+    int moves = 0;
+    for (;; ++moves) {
+        const bool may = moves < kMoves && !evaluator_.stopped();
         const Variables here(evaluator_.model(), f.point);
         careful = differentiateCarefully(evaluator_, *misfit_, here, f.x, 0.2);
-        // What does not stand out of the noise is a hint: its profiles took three thousand simulations of one control.
-        if (entry.probability < 0.3 || out_.mismatch.p > kFamilyWise) {
-            out.intervals = linear(careful);
-            break;
-        }
         const Eigen::VectorXd dispersions =
             dispersionsOf(*misfit_, here, f.residual, careful, misfitPerRow(*misfit_, f));
-        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful, dispersions, moves < kMoves);
+        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful, dispersions, may);
         if (p.better && !evaluator_.stopped()) {
             Fitted further = fit(evaluator_, *misfit_, here.at(p.better->x));
             if (!further.failure.empty() || further.misfit > p.better->misfit)
@@ -318,16 +308,43 @@ Spread Work::spreadOf(const Entry& entry) {
             elsewhere = otherHollows(evaluator_, *misfit_, f, screened_);
         const auto lowest = std::min_element(elsewhere.begin(), elsewhere.end(),
                                              [](const Fitted& a, const Fitted& b) { return a.misfit < b.misfit; });
-        if (lowest != elsewhere.end() && lowest->misfit < f.misfit - 1.0 && moves < kMoves && !evaluator_.stopped()) {
+        if (may && lowest != elsewhere.end() && lowest->misfit < f.misfit - 1.0) {
             std::swap(f, *lowest);
             continue;
         }
-        out.intervals = std::move(p.intervals);
-        widenBy(elsewhere, here, f, dispersions, out.intervals);
+        intervals = std::move(p.intervals);
+        widenBy(elsewhere, here, f, dispersions, intervals);
+        break;
+    }
+    if (moves > 0 && !evaluator_.stopped()) // errors on unseen runs are those of the fit that is shown
+        t.held = usable(heldOutOf(evaluator_, *misfit_, grouping_, f, settings_), baseHeld_);
+    return intervals;
+}
+
+/// The first effect and what is probable are worth some runs, what is more probable and stands out of the noise some
+/// more: profiles of a hint took three thousand simulations of a recording that lacks nothing.
+Spread Work::spreadOf(const Entry& entry) {
+    Tried& tried = tried_[entry.model];
+    const Fitted& f = tried.fit;
+    const auto linear = [&](const Eigen::MatrixXd& jacobian) {
+        const Variables v(evaluator_.model(), f.point);
+        return linearIntervals(v, f, jacobian,
+                               dispersionsOf(*misfit_, v, f.residual, jacobian, misfitPerRow(*misfit_, f)));
+    };
+    const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
+    if (!worth || evaluator_.stopped())
+        return {linear(f.jacobian), {}};
+    Spread out;
+    Eigen::MatrixXd careful;
+    if (entry.probability < 0.3 || out_.mismatch.p > kFamilyWise) {
+        careful = differentiateCarefully(evaluator_, *misfit_, Variables(evaluator_.model(), f.point), f.x, 0.2);
+        out.intervals = linear(careful);
+    } else {
+        out.intervals = profiled(tried, careful);
     }
     const Variables v(evaluator_.model(), f.point);
     Index first = v.nominal;
-    for (const std::size_t c : tried_[entry.model].candidates) {
+    for (const std::size_t c : tried.candidates) {
         out.products.emplace_back();
         for (const Product& p : candidates()[c].products)
             out.products.back().push_back(productInterval(evaluator_, *misfit_, f, careful, p, first));

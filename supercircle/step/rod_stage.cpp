@@ -174,8 +174,11 @@ void predictRod(const Rod& rod, RodWork& w) {
     auto pc = h.permuted.head(rank);
     h.qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().transpose().solveInPlace(pc);
     w.vp.noalias() = h.Q.leftCols(rank) * pc;
-    h.AZ.noalias() = w.A * w.Z;
-    h.reduced.noalias() = w.Z.transpose() * h.AZ;
+    // By the few reflections that Q is made of: m n^2 instead of n^3, a fifth of a clamped shell's replay.
+    h.turned = w.A;
+    h.qr.householderQ().applyThisOnTheRight(h.turned, h.scratch);
+    h.qr.householderQ().transpose().applyThisOnTheLeft(h.turned, h.scratch);
+    h.reduced = h.turned.bottomRightCorner(n - rank, n - rank); // Z^T A Z
     w.llt.compute(h.reduced);
     h.rhs = w.rhs;
     h.rhs.noalias() -= w.A * w.vp;

@@ -67,7 +67,7 @@ struct AttractionWork {
 /// Storage of the factorisations of a held rod's rows: m x n rows C, of rank k.
 struct HoldWork {
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr; ///< of C^T
-    Eigen::MatrixXd Ct, Q, AZ, reduced;             ///< n x m, n x n, n x (n - k), (n - k)^2
+    Eigen::MatrixXd Ct, Q, turned, reduced;         ///< n x m, n x n, Q^T A Q: n x n, (n - k)^2
     Eigen::VectorXd permuted, rhs, impulse, rate, scratch;
     Eigen::Matrix<double, 2, Eigen::Dynamic> pair, otherPair;
     Eigen::RowVectorXd turn, otherTurn;

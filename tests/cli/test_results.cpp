@@ -109,8 +109,8 @@ TEST_CASE("a snap reports peak, pull and type") {
     CHECK(series.rows() >= 500);
     const auto& force = *series.find("force_N");
     CHECK(*std::max_element(force.begin(), force.end()) == summary["instant_force_N"].get<double>());
-    // The reported peak is a mean over a short travel: a Type I curve is smooth, so hardly less. A mean over less than a
-    // step is that step's force but for rounding.
+    // The reported peak is a mean over a short travel: a Type I curve is smooth, so hardly less. A mean over less than
+    // a step is that step's force but for rounding.
     CHECK(summary["peak_force_N"].get<double>() <= summary["instant_force_N"].get<double>() * (1.0 + 1e-12));
     CHECK(summary["peak_force_N"].get<double>() == Approx(summary["instant_force_N"].get<double>()).epsilon(5e-3));
 

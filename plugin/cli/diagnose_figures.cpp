@@ -102,8 +102,19 @@ void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std
 
 constexpr double kRunWidth = 1180.0, kRunHeight = 560.0, kBarsWidth = 720.0;
 
+/// Explanations and their probabilities, effects first.
+std::vector<std::pair<std::string, double>> barsOf(const Diagnosis& d) {
+    std::vector<std::pair<std::string, double>> bars;
+    for (const diagnosis::FoundEffect& e : d.effects)
+        bars.emplace_back(diagnosis::plainWords(e.label), e.probability);
+    bars.emplace_back("nothing is missing", d.nothing);
+    bars.emplace_back("too small to be seen here", d.unseen());
+    bars.emplace_back("none of these", d.unknown);
+    return bars;
+}
+
 double barsHeight(const Diagnosis& d) {
-    return 26.0 * static_cast<double>(d.effects.size() + 3) + 20.0;
+    return 26.0 * static_cast<double>(barsOf(d).size()) + 20.0;
 }
 
 /// Of what was recorded, and of the simulation that misses it as far as a quarter beyond.
@@ -224,12 +235,7 @@ void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
 }
 
 void drawProbabilities(Canvas& canvas, const Diagnosis& d) {
-    std::vector<std::pair<std::string, double>> bars;
-    for (const diagnosis::FoundEffect& e : d.effects)
-        bars.emplace_back(diagnosis::plainWords(e.label), e.probability);
-    bars.emplace_back("nothing is missing", d.nothing);
-    bars.emplace_back("too small to be seen here", d.unseen());
-    bars.emplace_back("none of these", d.unknown);
+    const std::vector<std::pair<std::string, double>> bars = barsOf(d);
     for (std::size_t i = 0; i < bars.size(); ++i) {
         const double y = 10.0 + 26.0 * static_cast<double>(i);
         canvas.text({220.0, y + 15.0}, bars[i].first, {theme::labelSize, theme::ink, Anchor::End});

@@ -285,6 +285,7 @@ void Work::weighAll(Weighed& w) {
 /// @param careful its derivatives, out
 std::vector<Interval> Work::profiled(Tried& t, Eigen::MatrixXd& careful) {
     constexpr int kMoves = 2;
+    constexpr double kLower = 1.0; // squares that a move to another place is worth
     std::vector<Fitted> elsewhere; // along the arc
     std::vector<Interval> intervals;
     Fitted& f = t.fit;
@@ -308,7 +309,7 @@ std::vector<Interval> Work::profiled(Tried& t, Eigen::MatrixXd& careful) {
             elsewhere = otherHollows(evaluator_, *misfit_, f, screened_);
         const auto lowest = std::min_element(elsewhere.begin(), elsewhere.end(),
                                              [](const Fitted& a, const Fitted& b) { return a.misfit < b.misfit; });
-        if (may && lowest != elsewhere.end() && lowest->misfit < f.misfit - 1.0) {
+        if (may && lowest != elsewhere.end() && lowest->misfit < f.misfit - kLower) {
             std::swap(f, *lowest);
             continue;
         }

@@ -66,7 +66,6 @@ std::vector<Fitted> otherHollows(Evaluator& evaluator, const Misfit& misfit, con
 
 void widenBy(const std::vector<Fitted>& hollows, const Variables& v, const Fitted& fitted,
              const Eigen::VectorXd& dispersions, std::vector<Interval>& intervals) {
-    constexpr double k90 = 1.6448536269514722; // of a normal distribution
     for (const Fitted& h : hollows) {
         const std::vector<Interval> there = linearIntervals(v, h, h.jacobian, dispersions);
         for (Index k = v.nominal; k < v.size(); ++k) {

@@ -14,7 +14,6 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double k90 = 1.6448536269514722; // of a normal distribution
 /// Fits on one side of one number, and how near to the level is near enough (of k90, by the root of the misfit's rise).
 constexpr int kFits = 8;
 constexpr double kNear = 0.1;

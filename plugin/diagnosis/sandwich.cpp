@@ -27,9 +27,8 @@ std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> blocksO
 
 Eigen::VectorXd dispersionsOf(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& residual,
                               const Eigen::MatrixXd& jacobian, double perRow) {
-    constexpr double k90 = 1.6448536269514722; // of a normal distribution
-    constexpr double kPromised = 4.0;          // strokes' worth of what the model promises
-    constexpr double kLeastOfItsOwn = 0.02;    // of a stroke's share that it has not pulled the fit to
+    constexpr double kPromised = 4.0;       // strokes' worth of what the model promises
+    constexpr double kLeastOfItsOwn = 0.02; // of a stroke's share that it has not pulled the fit to
     const double least = std::max(1.0, perRow);
     Eigen::VectorXd out = Eigen::VectorXd::Constant(v.size(), least);
     if (v.size() == 0 || residual.size() != jacobian.rows())

@@ -19,6 +19,8 @@
 
 namespace supercircle::diagnosis {
 
+constexpr double k90 = 1.6448536269514722; ///< quantile of a normal distribution: 90 % lie within it
+
 /// Variance of each of x over the one that noise of the stated size gives it, such that a normal quantile of 90 %
 /// holds; at least 1 and the misfit's mean square per row.
 /// @param residual, jacobian at the fit, whitened

@@ -8,6 +8,7 @@
 #include "plugin/report/svg_canvas.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace supercircle::cli {
@@ -114,8 +115,11 @@ std::string windowTable(const diagnosis::Localisation& l, bool driven) {
     html += std::string("<table><tr><th>run</th><th>reading</th><th>time</th>") +
             (driven ? "<th>displacement</th>" : "") +
             "<th>phase</th><th>size (deviations)</th><th>p, over all windows</th></tr>";
-    for (std::size_t i = 0; i < l.significant.size() && i < 12; ++i) {
-        const diagnosis::Window& w = l.significant[i];
+    // The largest of the reading and of the markers: tracks stand out by more, and would fill the table.
+    std::array<int, 2> count = {};
+    for (const diagnosis::Window& w : l.significant) {
+        if (++count[w.arcFraction >= 0.0 ? 1 : 0] > 12)
+            continue;
         html +=
             "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
             (w.arcFraction >= 0.0 ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +

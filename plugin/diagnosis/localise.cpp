@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -164,12 +165,19 @@ std::vector<Window> selected(std::vector<Window> all) {
     // A large misfit that changes its sign fills whole runs; in which phases it sits is said by windows inside one.
     std::stable_partition(all.begin(), all.end(),
                           [](const Window& w) { return w.axis != "time" || w.phase != "all" || w.arcFraction >= 0.0; });
+    // Counted for the reading and for the markers: dozens of tracks that stand out by more filled one list of both, and
+    // nothing was marked in the force.
     constexpr std::size_t kMost = 60;
     std::vector<Window> kept;
-    for (const Window& w : all)
-        if (kept.size() < kMost &&
-            std::none_of(kept.begin(), kept.end(), [&](const Window& k) { return sameKind(k, w) && overlaps(k, w); }))
+    std::array<std::size_t, 2> count = {};
+    for (const Window& w : all) {
+        std::size_t& n = count[w.arcFraction >= 0.0 ? 1 : 0];
+        if (n < kMost &&
+            std::none_of(kept.begin(), kept.end(), [&](const Window& k) { return sameKind(k, w) && overlaps(k, w); })) {
             kept.push_back(w);
+            ++n;
+        }
+    }
     std::stable_sort(kept.begin(), kept.end(),
                      [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
     return kept;

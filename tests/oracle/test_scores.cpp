@@ -51,7 +51,7 @@ TEST_CASE("a case is judged by its answer", "[oracle]") {
     CHECK(j.detected);
     CHECK(j.right);
     CHECK(j.firstRight);
-    CHECK(j.overlap == Approx(2.0 / 6.0)); // seconds 4 - 6 of 2 - 8; windows of markers do not count
+    CHECK(j.overlap == Approx(2.0 / 6.0)); // seconds 4 - 6 of 2 - 8; the answer says nothing of markers
     CHECK(j.overlapNamed == Approx(3.0 / 4.0));
     CHECK(j.amplitudeError == Approx(0.1));
     CHECK(j.covered == 1);
@@ -59,6 +59,20 @@ TEST_CASE("a case is judged by its answer", "[oracle]") {
     CHECK(j.overNoise == Approx(1.1));
     CHECK(j.pTruth == Approx(0.9)); // the group counts as one
     CHECK(j.brier == Approx(0.5 * (0.1 * 0.1 + 0.1 * 0.1)));
+}
+
+TEST_CASE("windows are compared reading by reading", "[oracle]") {
+    const Folder f;
+    nlohmann::json answer = nlohmann::json::parse(kAnswer);
+    answer["windows"] = {{{"run", "run_1.csv"}, {"channel", "force"}, {"t_start_s", 2}, {"t_end_s", 6}},
+                         {{"run", "run_1.csv"}, {"channel", "m0_x"}, {"t_start_s", 0}, {"t_end_s", 15}},
+                         {{"run", "run_2.csv"}, {"channel", "m0_y"}, {"t_start_s", 1}, {"t_end_s", 2}}};
+    const auto judged = [&] { return judge(f.put("answer.json", answer.dump()), f.put("diagnosis.json", kDiagnosis)); };
+    CHECK(judged().overlap == Approx((2.0 + 15.0 + 0.0) / (6.0 + 20.0 + 1.0)));
+    CHECK(judged().overlapForce == Approx(2.0 / 6.0));
+    answer["windows"].erase(0);
+    CHECK(judged().overlapForce == -1.0); // nothing to be marked there, so that nothing can be missed
+    CHECK(judged().overlap == Approx(15.0 / (4.0 + 20.0 + 1.0)));
 }
 
 TEST_CASE("an effect that may be there unseen has its probability, and not that of nothing", "[oracle]") {

@@ -161,7 +161,7 @@ Json answerOf(const Secret& s, const Setup& truth, const Json& runs) {
     if (labels.empty())
         labels.push_back("none");
     for (const Window& w : s.windows)
-        windows.push_back({{"run", w.run}, {"t_start_s", w.from}, {"t_end_s", w.to}});
+        windows.push_back({{"run", w.run}, {"channel", w.channel}, {"t_start_s", w.from}, {"t_end_s", w.to}});
     return {{"case", s.plan.name},
             {"part", s.plan.part},
             {"kind", s.plan.kind},

@@ -203,28 +203,43 @@ Eigen::VectorXd Absorber::beyondNominal(const Eigen::VectorXd& signature) const 
     return signature - columns_.leftCols(intervals) * moved.head(intervals);
 }
 
+namespace {
+
+/// @param level of each reading, in deviations of one
+void addWindows(const RunPlan& run, double sampling, const std::string& channel, const Eigen::VectorXd& level,
+                std::vector<Window>& all) {
+    const std::vector<double> times = run.times(sampling);
+    const auto n = static_cast<long>(times.size());
+    const std::size_t others = all.size();
+    // A level of one noise unit over a quarter of a second is what an eye would mark.
+    const long reach = std::max(1L, std::lround(0.125 * sampling));
+    for (long i = 0; i < n; ++i) {
+        const long a = std::max(0L, i - reach), b = std::min(n - 1, i + reach);
+        if (std::abs(level.segment(a, b - a + 1).mean()) < 0.7)
+            continue;
+        const double from = times[static_cast<std::size_t>(a)], to = times[static_cast<std::size_t>(b)];
+        if (all.size() > others && from <= all.back().to + 0.3)
+            all.back().to = to;
+        else
+            all.push_back({run.file, from, to, channel});
+    }
+}
+
+} // namespace
+
 std::vector<Window> Absorber::windows(const Eigen::VectorXd& left) const {
     std::vector<Window> all;
     Eigen::Index at = 0;
     for (const RunPlan& run : d_.runs) {
-        const std::vector<double> times = run.times(run.sampling);
-        const auto n = static_cast<long>(times.size());
-        // A level of one noise unit over a quarter of a second is what an eye would mark.
-        const long reach = std::max(1L, std::lround(0.125 * run.sampling));
-        for (long i = 0; i < n; ++i) {
-            double sum = 0.0;
-            const long a = std::max(0L, i - reach), b = std::min(n - 1, i + reach);
-            for (long k = a; k <= b; ++k)
-                sum += left[at + k];
-            if (std::abs(sum) < 0.7 * static_cast<double>(b - a + 1))
-                continue;
-            const double from = times[static_cast<std::size_t>(a)], to = times[static_cast<std::size_t>(b)];
-            if (!all.empty() && all.back().run == run.file && from <= all.back().to + 0.3)
-                all.back().to = to;
-            else
-                all.push_back({run.file, from, to});
-        }
-        at += n + 2 * static_cast<long>(d_.markers.size() * run.times(run.markersSampling).size());
+        const auto n = static_cast<Eigen::Index>(run.times(run.sampling).size());
+        addWindows(run, run.sampling, "force", left.segment(at, n), all);
+        at += n;
+        const auto frames = static_cast<Eigen::Index>(run.times(run.markersSampling).size());
+        for (std::size_t m = 0; m < d_.markers.size(); ++m, at += 2 * frames)
+            for (const Eigen::Index axis : {0, 1}) {
+                const std::string channel = "m" + std::to_string(m) + (axis == 0 ? "_x" : "_y");
+                addWindows(run, run.markersSampling, channel, left(Eigen::seqN(at + axis, frames, Eigen::fix<2>)), all);
+            }
     }
     return all;
 }

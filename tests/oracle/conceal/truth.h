@@ -24,7 +24,8 @@ Resolution coarse(std::size_t rods);
 
 struct Window {
     std::string run;
-    double from = 0.0, to = 0.0; ///< s
+    double from = 0.0, to = 0.0;   ///< s
+    std::string channel = "force"; ///< or a marker's coordinate, such as m0_x
 };
 
 /// What is left of an effect, all runs behind each other (force, then markers).
@@ -46,7 +47,7 @@ public:
     [[nodiscard]] std::optional<Left> left(const Effects& effects) const;
     /// How well readings of two resolutions could be told apart: Left::detectable of their difference.
     [[nodiscard]] double apart(const Clean& a, const Clean& b) const { return detectable(stack(a) - stack(b)); }
-    /// Where the force of a signature stands out of the noise.
+    /// Where the readings of a signature stand out of the noise, the force of a run first, then its markers.
     [[nodiscard]] std::vector<Window> windows(const Eigen::VectorXd& left) const;
 
 private:

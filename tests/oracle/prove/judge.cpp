@@ -85,30 +85,37 @@ double length(const std::vector<Span>& all) {
     return sum;
 }
 
-/// Per run, of windows in the force.
-std::map<std::string, std::vector<Span>> spans(const Json& windows) {
-    std::map<std::string, std::vector<Span>> out;
-    for (const Json& w : windows)
-        if (w.value("channel", "force") == "force" && w.at("run") != "all")
-            out[w.at("run")].push_back({w.at("t_start_s"), w.at("t_end_s")});
-    for (auto& [run, all] : out)
+using Reading = std::pair<std::string, std::string>; ///< run and channel
+
+/// Of windows that name a single run.
+std::map<Reading, std::vector<Span>> spans(const Json& windows, bool forceOnly) {
+    std::map<Reading, std::vector<Span>> out;
+    for (const Json& w : windows) {
+        const std::string channel = w.value("channel", "force");
+        if (w.at("run") != "all" && (channel == "force" || !forceOnly))
+            out[{w.at("run"), channel}].push_back({w.at("t_start_s"), w.at("t_end_s")});
+    }
+    for (auto& [reading, all] : out)
         all = joined(all);
     return out;
 }
 
-double overlap(const Json& truth, const Json& marked) {
-    auto a = spans(truth), b = spans(marked);
+/// Seconds in both over seconds in either, of all readings together; -1: nothing is hidden in them.
+double overlap(const Json& truth, const Json& marked, bool forceOnly) {
+    auto a = spans(truth, forceOnly), b = spans(marked, forceOnly);
+    if (a.empty())
+        return -1.0;
     double both = 0.0, any = 0.0;
-    for (const auto& [run, all] : a)
-        b[run];
-    for (const auto& [run, of] : b) {
-        std::vector<Span> together = a[run];
+    for (const auto& [reading, all] : a)
+        b[reading];
+    for (const auto& [reading, of] : b) {
+        std::vector<Span> together = a[reading];
         together.insert(together.end(), of.begin(), of.end());
         const double sum = length(joined(together));
         any += sum;
-        both += length(a[run]) + length(of) - sum;
+        both += length(a[reading]) + length(of) - sum;
     }
-    return any > 0.0 ? both / any : -1.0;
+    return both / any;
 }
 
 /// The form of a hidden effect's law as the diagnosis calls it; empty: it has one form, or its numbers' names tell.
@@ -235,10 +242,14 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
         const bool names = j.verdict == "named" || j.verdict == "ambiguous";
         j.right = j.kind == "nothing" ? !j.detected : unknown ? j.verdict == "unexplained" : names && groupRight;
         weigh(d, j);
-        if (j.kind != "nothing" && j.detected && !answer.at("windows").empty())
-            j.overlap = overlap(answer.at("windows"), d.at("mismatch"));
-        if (names && j.kind != "nothing" && d.contains("effect_windows") && !answer.at("windows").empty())
-            j.overlapNamed = overlap(answer.at("windows"), d.at("effect_windows"));
+        if (j.kind != "nothing" && j.detected) {
+            const Json& where = answer.at("windows");
+            const bool forceOnly = where.empty() || !where.front().contains("channel"); // answers of long ago
+            j.overlap = overlap(where, d.at("mismatch"), forceOnly);
+            j.overlapForce = overlap(answer.at("windows"), d.at("mismatch"), true);
+        }
+        if (names && j.kind != "nothing" && d.contains("effect_windows"))
+            j.overlapNamed = overlap(answer.at("windows"), d.at("effect_windows"), true);
         if (names && j.firstRight)
             for (const Json& hidden : answer.at("effects"))
                 if (hidden.at("label") == j.first)

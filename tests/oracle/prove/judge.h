@@ -18,7 +18,9 @@ struct Judged {
     bool right = false;      ///< first-named group holds a true label (nothing: said so; unknown: said so)
     bool firstRight = false; ///< the first label itself is a true one
     double brier = 0.0;
-    double overlap = -1.0;          ///< of marked and true windows, intersection over union; -1: not defined
+    /// Of marked and true windows in all readings, intersection over union; -1: not defined.
+    double overlap = -1.0;
+    double overlapForce = -1.0;     ///< the same of the force alone
     double overlapNamed = -1.0;     ///< the same of the windows in which the named effect shows
     double amplitudeError = -1.0;   ///< relative; -1: not defined
     int covered = 0, intervals = 0; ///< parameters whose 90 % interval holds the truth

@@ -124,8 +124,8 @@ std::string power(const std::vector<Judged>& all) {
 
 std::vector<Score> scoresOf(const std::vector<Judged>& all) {
     Share strong, weak, falseAlarm, named, group, first, pairs, unexplained, unexplainedOrOpen, covered, forms;
-    std::vector<double> overlaps, overlapsStrong, overlapsNamed, amplitudes, amplitudesStrong, noise, knowing, brier,
-        places, seconds;
+    std::vector<double> overlaps, overlapsStrong, overlapsForce, overlapsNamed, amplitudes, amplitudesStrong, noise,
+        knowing, brier, places, seconds;
     for (const Judged& j : all) {
         const bool hides = j.kind != "nothing", one = j.kind == "single";
         if (hides)
@@ -154,6 +154,7 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
         };
         put(overlaps, j.overlap);
         put(overlapsStrong, j.strength == "weak" ? -1.0 : j.overlap);
+        put(overlapsForce, j.overlapForce);
         put(overlapsNamed, j.overlapNamed);
         put(amplitudes, one ? j.amplitudeError : -1.0);
         put(amplitudesStrong, one && j.strength != "weak" ? j.amplitudeError : -1.0);
@@ -172,6 +173,7 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
             of("detected pairs: first-named group is one of the two", pairs, "", 0.0),
             of("overlap of marked and true windows, median IoU", median(overlaps), ">= 0.65", 0.65, false),
             of("the same, strong effects", median(overlapsStrong), "", 0.0, false),
+            of("the same of the force alone", median(overlapsForce), "", 0.0, false),
             of("the same where an effect is named, of the windows in which it shows", median(overlapsNamed), ">= 0.65",
                0.65, false),
             of("relative error of the amplitude, median", median(amplitudes), "<= 0.10", 0.10, true),
@@ -238,6 +240,7 @@ std::string asJson(const std::vector<Judged>& all, const std::string& title) {
                          {"probability_of_truth", j.pTruth},
                          {"brier", j.brier},
                          {"overlap", j.overlap},
+                         {"overlap_force", j.overlapForce},
                          {"overlap_of_effect_windows", j.overlapNamed},
                          {"amplitude_error", j.amplitudeError},
                          {"heldout_over_noise", j.overNoise},

@@ -316,6 +316,39 @@ TEST_CASE("what is left of an effect is what no number inside its interval expla
     CHECK(free > 10);
 }
 
+TEST_CASE("readings beside a turn at which the force jumps do not make an effect detectable", "[oracle]") {
+    Draw draw(11);
+    Description d = drawDescription(draw, Protocol::Arch, false, false, false);
+    d.markers.clear();
+    Nuisance noise = drawNuisance(draw, d);
+    noise.white = noise.total(); // whitening is the identity then, and the bound below is exact
+    noise.coloured = noise.step = 0.0;
+    Effects late;
+    late.delay = 3e-3;
+    const Clean with = simulate(d, trueSetup(d, {}, late), coarse(1)),
+                without = simulate(d, trueSetup(d, {}, {}), coarse(1));
+    REQUIRE(with.failure.empty());
+    REQUIRE(without.failure.empty());
+    double beside = 0.0; // squares, noise variances; readings count as eight deviations as in detectable()
+    for (std::size_t r = 0; r < d.runs.size(); ++r) {
+        const RunPlan& run = d.runs[r];
+        const std::vector<double> times = run.times(run.sampling);
+        for (std::size_t i = 0; i < times.size(); ++i) {
+            const double size = std::min(8.0, std::abs(with.force[r][i] - without.force[r][i]) / noise.total());
+            if (size > 3.0 && std::any_of(run.drive.time.begin(), run.drive.time.end(),
+                                          [&](double t) { return std::abs(t - times[i]) < 1.5 / run.sampling; }))
+                beside += size * size;
+        }
+    }
+    REQUIRE(beside > 50.0); // two readings or more
+    const Absorber absorber(d, {}, noise);
+    REQUIRE(absorber.failure().empty());
+    const auto left = absorber.left(late);
+    REQUIRE(left);
+    // Elsewhere a delay is what a clock may be off by, but for what is beyond a tenth of a reading.
+    CHECK(left->detectable * left->detectable < 0.2 * beside);
+}
+
 TEST_CASE("true numbers lie inside the intervals that are stated", "[oracle]") {
     for (int i = 0; i < 40; ++i) {
         Draw draw(static_cast<std::uint64_t>(i) + 5);

@@ -22,6 +22,19 @@ std::vector<Vec2> alongTime(const Trace& trace, const std::vector<Vec2>& path, c
     return out;
 }
 
+/// Where the drive turns round, starts or stops, s.
+std::vector<double> turnsOf(const Drive& drive) {
+    const auto direction = [&](std::size_t i) {
+        const double way = drive.displacement[i + 1] - drive.displacement[i];
+        return (way > 0.0) - (way < 0.0);
+    };
+    std::vector<double> out;
+    for (std::size_t i = 1; i + 1 < drive.time.size(); ++i)
+        if (direction(i - 1) != direction(i))
+            out.push_back(drive.time[i]);
+    return out;
+}
+
 } // namespace
 
 Resolution coarse(std::size_t rods) {
@@ -153,19 +166,62 @@ std::optional<Left> Absorber::left(const Effects& effects) const {
     if (!with.failure.empty())
         return std::nullopt;
     const Eigen::VectorXd signature = stack(with) - base_;
-    return Left{beyondNominal(signature), detectable(signature)};
+    return Left{beyondNominal(signature), detectable(base_ + signature, base_)};
 }
 
-double Absorber::detectable(const Eigen::VectorXd& signature) const {
-    // What shows in a handful of readings beside a jump, up to hundreds of deviations in one, tells nobody anything:
-    // clocks and simulators differ by as much there.
+Eigen::VectorXd Absorber::apartFromJumps(const Eigen::VectorXd& stack) const {
+    constexpr double kJump = 6.0;    // noise units from one reading to the next,
+    constexpr double kSteeper = 4.0; // and so many times what the neighbours do
+    Eigen::VectorXd counts = Eigen::VectorXd::Ones(stack.size());
+    Eigen::Index at = 0;
+    for (const RunPlan& run : d_.runs) {
+        const std::vector<double> times = run.times(run.sampling), frames = run.times(run.markersSampling);
+        const auto n = static_cast<Eigen::Index>(times.size()), m = static_cast<Eigen::Index>(frames.size());
+        const auto leaveOut = [&](double from, double to) {
+            for (Eigen::Index k = 0; k < n; ++k)
+                if (times[static_cast<std::size_t>(k)] > from && times[static_cast<std::size_t>(k)] < to)
+                    counts[at + k] = 0.0;
+            for (Eigen::Index k = 0; k < m; ++k)
+                if (frames[static_cast<std::size_t>(k)] > from && frames[static_cast<std::size_t>(k)] < to)
+                    for (std::size_t marker = 0; marker < d_.markers.size(); ++marker)
+                        counts.segment(at + n + 2 * (static_cast<Eigen::Index>(marker) * m + k), 2).setZero();
+        };
+        const double step = 1.0 / run.sampling;
+        const std::vector<double> turns = turnsOf(run.drive);
+        const auto change = [&](Eigen::Index i) {
+            return i >= 0 && i + 1 < n ? std::abs(stack[at + i + 1] - stack[at + i]) : 0.0;
+        };
+        for (Eigen::Index i = 0; i + 1 < n; ++i) {
+            if (change(i) < std::max(kJump, kSteeper * std::max(change(i - 2), change(i + 2))))
+                continue;
+            const double from = times[static_cast<std::size_t>(i)], to = times[static_cast<std::size_t>(i + 1)];
+            const auto turn = std::find_if(turns.begin(), turns.end(),
+                                           [&](double t) { return t > from - 0.5 * step && t < to + 0.5 * step; });
+            if (turn != turns.end())
+                leaveOut(*turn - 1.5 * step, *turn + 1.5 * step);
+            else
+                leaveOut(from - 0.1, to + 0.3);
+        }
+        at += n + 2 * m * static_cast<Eigen::Index>(d_.markers.size());
+    }
+    return counts;
+}
+
+double Absorber::detectable(const Eigen::VectorXd& with, const Eigen::VectorXd& without) const {
+    // What shows in a handful of readings, up to hundreds of deviations in one, tells nobody anything: clocks and
+    // simulators differ by as much there.
     constexpr double kMost = 8.0;
-    const Eigen::VectorXd behind = whitened(signature.cwiseMax(-kMost).cwiseMin(kMost));
-    Eigen::MatrixXd normal = whitenedColumns_.transpose() * whitenedColumns_;
+    const Eigen::VectorXd counts = apartFromJumps(with).cwiseProduct(apartFromJumps(without));
+    const Eigen::VectorXd signature = (with - without).cwiseMax(-kMost).cwiseMin(kMost);
+    const Eigen::VectorXd behind = whitened(counts.cwiseProduct(signature));
+    Eigen::MatrixXd columns(columns_.rows(), columns_.cols());
+    for (Eigen::Index k = 0; k < columns.cols(); ++k)
+        columns.col(k) = whitened(counts.cwiseProduct(columns_.col(k)));
+    Eigen::MatrixXd normal = columns.transpose() * columns;
     normal.diagonal().array() += 1.0;
-    const Eigen::VectorXd moved = normal.ldlt().solve(whitenedColumns_.transpose() * behind);
+    const Eigen::VectorXd moved = normal.ldlt().solve(columns.transpose() * behind);
     // Moving the parameters costs their prior: the statistic of generalised least squares.
-    return std::sqrt(std::max(0.0, behind.squaredNorm() - behind.dot(whitenedColumns_ * moved)));
+    return std::sqrt(std::max(0.0, behind.squaredNorm() - behind.dot(columns * moved)));
 }
 
 /// Huber's estimate by reweighting (P. J. Huber, E. M. Ronchetti, "Robust Statistics", 2nd ed. (2009), 7.8), each time

@@ -66,8 +66,7 @@ std::string shownOnlyBy(const FoundEffect& e) {
             names[p.only] += (names[p.only].empty() ? "" : ", ") + p.name;
     std::string text;
     for (const auto& [run, numbers] : names)
-        text += " Without " + run + " nothing would be known of " + numbers +
-                ": its error is that of a fit, not of a forecast.";
+        text += " Without " + run + " " + numbers + " would be open: its error is that of a fit, not of a forecast.";
     return text;
 }
 

@@ -226,10 +226,59 @@ void markOnly(const Variables& v, const Eigen::VectorXd& known, const Eigen::Vec
             only[static_cast<std::size_t>(k)] = fold;
 }
 
+/// Of the effect's numbers the one that moved most, in deviations of its prior.
+Index mostMoved(const Variables& v, const Eigen::VectorXd& step, const Eigen::MatrixXd& prior) {
+    Index most = v.nominal;
+    for (Index k = v.nominal; k < v.size(); ++k)
+        if (std::abs(step[k]) * std::sqrt(prior(k, k)) > std::abs(step[most]) * std::sqrt(prior(most, most)))
+            most = k;
+    return most;
+}
+
+/// Numbers and what is left with them.
+struct Place {
+    Eigen::VectorXd x, residual, charge;
+    std::vector<Response> responses;
+    /// Squares of the rows of a mask, with the penalty of learned laws.
+    [[nodiscard]] double squares(const Variables& v, const Eigen::VectorXd& rows) const {
+        return rows.cwiseProduct(residual).squaredNorm() + rows.dot(charge) + x.dot(v.penalty * x);
+    }
+};
+
+/// Where the rows of a fold put the numbers: the linearised minimum inside the box, simulated, and one correction.
+Place fittedTo(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::MatrixXd& J,
+               const Eigen::MatrixXd& damped, const Eigen::VectorXd& train, Place at) {
+    constexpr double kPromises = 0.1; // a step that lowers the misfit by less is not worth its simulations
+    for (int correction = 0; correction < 2; ++correction) {
+        const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
+        const Eigen::VectorXd downhill = J.transpose() * train.cwiseProduct(at.residual) - v.penalty * at.x;
+        const Eigen::VectorXd step =
+            boxMinimum(damped, downhill, (v.lower - at.x).cwiseMax(-far), (v.upper - at.x).cwiseMin(far));
+        if (2.0 * downhill.dot(step) - step.dot(damped * step) < kPromises)
+            break;
+        Place to{at.x + step, {}, {}, evaluator.everywhere({v.at(at.x + step)}, Fineness::Fine).front()};
+        const auto residual = misfit.residual(to.responses);
+        if (!residual)
+            break;
+        to.residual = *residual;
+        to.charge = misfit.charge(to.responses);
+        // A step that the training rows themselves reject is not taken.
+        const auto seen = [&](const Place& p) {
+            return train.cwiseProduct(p.residual).squaredNorm() + train.dot(p.charge);
+        };
+        if (seen(to) > seen(at) + 1.0)
+            break;
+        at = std::move(to);
+    }
+    return at;
+}
+
 } // namespace
 
 HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
-    constexpr double kPromises = 0.1; // a step that lowers the misfit by less is not worth its simulations
+    // The density counts as bent where it is so many squares below what the fit to all rows contributes to it
+    // (heldout.h), and the others as indifferent to so few.
+    constexpr double kBent = 6.0, kIndifferent = 2.0;
     HeldOut out;
     const Variables v(evaluator.model(), fitted.point);
     out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
@@ -239,52 +288,39 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
     const Eigen::VectorXd known = variances(J.transpose() * J + prior);
     out.only.assign(static_cast<std::size_t>(v.size()), -1);
     double squares = 0.0, count = 0.0;
-    const Eigen::VectorXd fittedCharge = misfit.charge(fitted.responses);
+    const Place best{fitted.x, fitted.residual, misfit.charge(fitted.responses), fitted.responses};
     for (int f = 0; f < g.folds; ++f) {
         const Eigen::VectorXd held = maskOf(g, f);
         const Eigen::VectorXd train = Eigen::VectorXd::Ones(held.size()) - held;
         const Eigen::MatrixXd G = J.transpose() * train.asDiagonal() * J;
         markOnly(v, known, variances(G + prior), prior, f, out.only);
-        Eigen::VectorXd x = fitted.x, r = fitted.residual, charge = fittedCharge;
-        std::vector<Response> responses = fitted.responses;
-        for (int correction = 0; correction < 2; ++correction) {
-            const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
-            // What the rest does not see stays where it is.
-            const Eigen::MatrixXd damped = G + 1e-3 * prior + v.penalty;
-            const Eigen::VectorXd downhill = J.transpose() * train.cwiseProduct(r) - v.penalty * x;
-            const Eigen::VectorXd step =
-                boxMinimum(damped, downhill, (v.lower - x).cwiseMax(-far), (v.upper - x).cwiseMin(far));
-            if (2.0 * downhill.dot(step) - step.dot(damped * step) < kPromises)
-                break;
-            const Eigen::VectorXd to = x + step;
-            auto there = evaluator.everywhere({v.at(to)}, Fineness::Fine).front();
-            const auto residual = misfit.residual(there);
-            // A step that the training rows themselves reject is not taken.
-            if (!residual)
-                break;
-            const Eigen::VectorXd hides = misfit.charge(there);
-            if (train.cwiseProduct(*residual).squaredNorm() + train.dot(hides) >
-                train.cwiseProduct(r).squaredNorm() + train.dot(charge) + 1.0)
-                break;
-            charge = hides;
-            x = to;
-            r = *residual;
-            responses = std::move(there);
-        }
-        Eigen::VectorXd e = held.cwiseProduct(r);
+        // What the rest does not see stays where it is.
+        Place at = fittedTo(evaluator, misfit, v, J, G + 1e-3 * prior + v.penalty, train, best);
+        Eigen::VectorXd e = held.cwiseProduct(at.residual);
         const Eigen::LLT<Eigen::MatrixXd> precision(G + prior);
         const Eigen::MatrixXd root =
             precision.matrixL().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).transpose();
         const double logDet = standardise(held.asDiagonal() * (J * root), e);
         const double rows = held.sum();
+        const double object = std::max(0.0, best.squares(v, train) - at.squares(v, train));
+        const double seen = held.cwiseProduct(best.residual).squaredNorm() + held.dot(best.charge);
+        if (e.squaredNorm() + held.dot(at.charge) > seen + object + kBent) {
+            e = held.cwiseProduct(best.residual);
+            at.charge = best.charge + object / rows * held;
+            if (object < kIndifferent) {
+                at.responses = best.responses;
+                if (v.size() > v.nominal)
+                    out.only[static_cast<std::size_t>(mostMoved(v, at.x - best.x, prior))] = f;
+            }
+        }
         for (Index k = 0; k < e.size(); ++k)
             if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0 && held[k] > 0.0) {
-                out.energy[b] += e[k] * e[k] + charge[k];
+                out.energy[b] += e[k] * e[k] + at.charge[k];
                 out.volume[b] += logDet / rows;
                 out.rows[b] += 1.0;
                 out.error[k] = e[k];
             }
-        forceRmse(misfit, responses, &g, f, &squares, &count);
+        forceRmse(misfit, at.responses, &g, f, &squares, &count);
     }
     out.forceRmse = count > 0.0 ? std::sqrt(squares / count) : 0.0;
     return out;

@@ -29,7 +29,7 @@ Json windowsOf(const diagnosis::Localisation& l) {
                        {"channel", w.channel},
                        {"z", w.z},
                        {"p_value", w.p},
-                       {"arc_fraction", w.arcFraction < 0.0 ? Json(nullptr) : Json(w.arcFraction)},
+                       {"arc_fraction", w.ofMarker() ? Json(w.arcFraction) : Json(nullptr)},
                        {"kind", kKinds[static_cast<std::size_t>(w.by)]}});
     return all;
 }

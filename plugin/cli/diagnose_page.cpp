@@ -115,14 +115,14 @@ std::string windowTable(const diagnosis::Localisation& l, bool driven) {
     html += std::string("<table><tr><th>run</th><th>reading</th><th>time</th>") +
             (driven ? "<th>displacement</th>" : "") +
             "<th>phase</th><th>size (deviations)</th><th>p, over all windows</th></tr>";
-    // The largest of the reading and of the markers: tracks stand out by more, and would fill the table.
+    // The largest of the reading and of the markers, which would fill the table.
     std::array<int, 2> count = {};
     for (const diagnosis::Window& w : l.significant) {
-        if (++count[w.arcFraction >= 0.0 ? 1 : 0] > 12)
+        if (++count[w.ofMarker() ? 1 : 0] > 12)
             continue;
         html +=
             "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
-            (w.arcFraction >= 0.0 ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
+            (w.ofMarker() ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
             fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
             (driven ? fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>"
                     : "") +

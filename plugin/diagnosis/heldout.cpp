@@ -239,9 +239,9 @@ Index mostMoved(const Variables& v, const Eigen::VectorXd& step, const Eigen::Ma
 struct Place {
     Eigen::VectorXd x, residual, charge;
     std::vector<Response> responses;
-    /// Squares of the rows of a mask, with the penalty of learned laws.
-    [[nodiscard]] double squares(const Variables& v, const Eigen::VectorXd& rows) const {
-        return rows.cwiseProduct(residual).squaredNorm() + rows.dot(charge) + x.dot(v.penalty * x);
+    /// Squares of the rows of a mask.
+    [[nodiscard]] double squares(const Eigen::VectorXd& rows) const {
+        return rows.cwiseProduct(residual).squaredNorm() + rows.dot(charge);
     }
 };
 
@@ -263,10 +263,7 @@ Place fittedTo(Evaluator& evaluator, const Misfit& misfit, const Variables& v, c
         to.residual = *residual;
         to.charge = misfit.charge(to.responses);
         // A step that the training rows themselves reject is not taken.
-        const auto seen = [&](const Place& p) {
-            return train.cwiseProduct(p.residual).squaredNorm() + train.dot(p.charge);
-        };
-        if (seen(to) > seen(at) + 1.0)
+        if (to.squares(train) > at.squares(train) + 1.0)
             break;
         at = std::move(to);
     }
@@ -302,9 +299,9 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
             precision.matrixL().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).transpose();
         const double logDet = standardise(held.asDiagonal() * (J * root), e);
         const double rows = held.sum();
-        const double object = std::max(0.0, best.squares(v, train) - at.squares(v, train));
-        const double seen = held.cwiseProduct(best.residual).squaredNorm() + held.dot(best.charge);
-        if (e.squaredNorm() + held.dot(at.charge) > seen + object + kBent) {
+        const auto others = [&](const Place& p) { return p.squares(train) + p.x.dot(v.penalty * p.x); };
+        const double object = std::max(0.0, others(best) - others(at));
+        if (e.squaredNorm() + held.dot(at.charge) > best.squares(held) + object + kBent) {
             e = held.cwiseProduct(best.residual);
             at.charge = best.charge + object / rows * held;
             if (object < kIndifferent) {

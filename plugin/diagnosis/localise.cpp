@@ -140,7 +140,7 @@ bool overlaps(const Window& a, const Window& b) {
 /// Whether the window lies before the head's first move, in readings whose mean there was taken for zero: a misfit
 /// elsewhere pulls the run's zero along, and the rest before anything happens stands out of the noise for it.
 bool beforeAnything(const Window& w, const Data& data) {
-    if (data.zeroWindow <= 0.0 || w.axis != "time" || w.arcFraction >= 0.0)
+    if (data.zeroWindow <= 0.0 || w.axis != "time" || w.ofMarker())
         return false;
     return std::any_of(data.runs.begin(), data.runs.end(), [&](const RecordedRun& run) {
         return run.name == w.run && !run.strokes.empty() && run.strokes.front().phase == Phase::Hold &&
@@ -164,14 +164,13 @@ std::vector<Window> selected(std::vector<Window> all) {
                      [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
     // A large misfit that changes its sign fills whole runs; in which phases it sits is said by windows inside one.
     std::stable_partition(all.begin(), all.end(),
-                          [](const Window& w) { return w.axis != "time" || w.phase != "all" || w.arcFraction >= 0.0; });
-    // Counted for the reading and for the markers: dozens of tracks that stand out by more filled one list of both, and
-    // nothing was marked in the force.
+                          [](const Window& w) { return w.axis != "time" || w.phase != "all" || w.ofMarker(); });
+    // Of the reading and of the markers: tracks, which stand out by more, cannot crowd the force out.
     constexpr std::size_t kMost = 60;
     std::vector<Window> kept;
     std::array<std::size_t, 2> count = {};
     for (const Window& w : all) {
-        std::size_t& n = count[w.arcFraction >= 0.0 ? 1 : 0];
+        std::size_t& n = count[w.ofMarker() ? 1 : 0];
         if (n < kMost &&
             std::none_of(kept.begin(), kept.end(), [&](const Window& k) { return sameKind(k, w) && overlaps(k, w); })) {
             kept.push_back(w);

@@ -27,6 +27,7 @@ struct Window {
     double z = 0.0;                                      ///< standardised statistic
     Seen by = Seen::Shift;
     double p = 1.0; ///< family-wise
+    [[nodiscard]] bool ofMarker() const { return arcFraction >= 0.0; }
 };
 
 /// A window and what of the stacked readings lies in it.

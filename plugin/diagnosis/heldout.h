@@ -17,8 +17,8 @@
 // knows nothing (case 9 of the blind seed 2043: the friction at rest that was hidden lost to one that depends on the
 // speed). The density of what was left out is p(all) / p(rest); by Laplace's method about the fit to all rows its
 // square part is |e(all)|^2 + |r(all)|^2 - |r(fold)|^2 of the others: the same as above where the model is linear and
-// the fold's fit is its minimum (within two squares in nine of the twelve folds of that case; in two, where no step was
-// worth its simulation, 7 and 9 more), and a lower bound where the rest has several hollows. It counts where the direct
+// the fold's fit is its minimum (within two squares in nine of the twelve folds of that case; in two
+// it is 7 and 9 more), and a lower bound where the rest has several hollows. It counts where the direct
 // one is more than six squares worse. If the others are indifferent besides (two squares), the numbers stay where they
 // are.
 //

@@ -126,6 +126,7 @@ std::string diagnosisJson(const Diagnosis& d) {
                 {"expected_power", d.next->power},
                 {"repeats", d.next->repeats},
                 {"drive", {{"time_s", d.next->run.time}, {"displacement_m", d.next->run.displacement}}},
+                {"specimen_turned", d.next->run.turned},
                 {"sampling_Hz", d.next->run.rate}};
     const Json json = {
         {"verdict", d.verdict},

@@ -167,7 +167,8 @@ std::string driveTable(const diagnosis::Design& run) {
     for (std::size_t i = 0; i < run.time.size(); ++i)
         html +=
             "<tr><td>" + rounded(run.time[i], 4) + "</td><td>" + rounded(1e3 * run.displacement[i], 4) + "</td></tr>";
-    return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz.</p>";
+    return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz." +
+           (run.turned ? " The run's entry in experiment.json says \"specimen_turned\": true." : "") + "</p>";
 }
 
 std::string nextText(const Diagnosis& d) {

@@ -90,6 +90,7 @@ RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, d
         run.markers.segment(2 * static_cast<Eigen::Index>(m) * seen, seen) = vectorOf(from.markers.x[m]);
         run.markers.segment((2 * static_cast<Eigen::Index>(m) + 1) * seen, seen) = vectorOf(from.markers.y[m]);
     }
+    run.turned = from.turned;
     run.drivenBy(free ? swingsOf(from) : legsOf(from));
     return run;
 }
@@ -132,7 +133,7 @@ const char* name(Phase phase) {
 }
 
 bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
-    if (a.legs.size() != b.legs.size())
+    if (a.legs.size() != b.legs.size() || a.turned != b.turned)
         return false;
     for (std::size_t l = 0; l < a.legs.size(); ++l)
         if (std::abs(a.legs[l].to - b.legs[l].to) > 1e-6 || std::abs(a.legs[l].speed - b.legs[l].speed) > 1e-9)

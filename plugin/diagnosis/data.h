@@ -39,6 +39,7 @@ struct RecordedRun {
     Eigen::VectorXd markers;     ///< as Response::markers, NaN: not seen
     std::vector<int> markerLeg;  ///< of each marker row
     std::size_t markerCount = 0; ///< markers.size() = 2 markerCount markerTime.size()
+    bool turned = false;         ///< its specimens were mounted turned end for end
 
     [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size(); }
     /// Of the force's rows, s.
@@ -65,7 +66,7 @@ private:
     }
 };
 
-/// Whether the machine does the same in both.
+/// Whether the machine does the same in both, to specimens that are mounted alike.
 bool sameDrive(const RecordedRun& a, const RecordedRun& b);
 
 struct Data {

@@ -120,6 +120,13 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         {"six cycles at " + speed(h.fastest),
          through({d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest, 0.0)}};
     plans.insert(plans.end(), usual.begin(), usual.end());
+    // What sits in the specimen goes to the other side, what sits in the set-up does not. A ring has no ends.
+    if (e.protocol != experiment::Protocol::RingBetweenPlates) {
+        plans.push_back({std::string("a run with ") + (e.specimens.size() > 1 ? "both specimens" : "the specimen") +
+                             " turned end for end",
+                         through({d, 0.0}, h.fastest, 0.0)});
+        plans.back().run.turned = true;
+    }
     // Last, and with doubt: at speeds that no recorded run has, simulations of different kinds, and surely specimens,
     // differ most. Three fast runs that were asked for were made with the second simulator: each gave a wrong name.
     if (fast >= 2.0 * h.fastest)
@@ -134,7 +141,7 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
 std::vector<Design> designsFor(const experiment::Experiment& e) {
     std::vector<Design> all;
     for (const Plan& p : plansFor(e))
-        all.push_back({p.what, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate, p.doubt});
+        all.push_back({p.what, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate, p.run.turned, p.doubt});
     return all;
 }
 

@@ -103,6 +103,7 @@ struct Design {
     /// What the machine does, linear in between, s and m; readings at `rate` Hz. Empty for a model without a machine.
     std::vector<double> time{}, displacement{};
     double rate = 0.0;
+    bool turned = false; ///< the specimens are mounted turned end for end
     /// How many times farther simulations may be from the truth there than in the recorded runs.
     double doubt = 1.0;
 };

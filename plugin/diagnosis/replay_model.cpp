@@ -128,7 +128,7 @@ double largestBend(const experiment::Experiment& e, const std::atomic<bool>* int
 /// Of each run the first one that is simulated alike.
 std::vector<std::size_t> twinsOf(const experiment::Experiment& e) {
     const auto alikeInAll = [](const experiment::Run& a, const experiment::Run& b) {
-        return a.driveTime == b.driveTime && a.driveDisplacement == b.driveDisplacement &&
+        return a.driveTime == b.driveTime && a.driveDisplacement == b.driveDisplacement && a.turned == b.turned &&
                a.readings.time == b.readings.time && a.samplingRate == b.samplingRate &&
                a.markers.time == b.markers.time && a.markersSamplingRate == b.markersSamplingRate;
     };

@@ -156,6 +156,8 @@ Run readRun(Context& context, const Place& place, bool free) {
         run.parameters = readSceneParameters(context, object, "parameters");
     run.samplingRate = object.number("sampling_hz", positive);
     run.specimenState = object.text("specimen_state_at_start", "");
+    if (!free)
+        run.turned = object.flag("specimen_turned", false);
     run.markersFile = object.text("markers_file", "");
     run.markersSamplingRate = object.number("markers_sampling_hz", 0.0, notNegative);
     object.finish();

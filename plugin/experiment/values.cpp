@@ -74,6 +74,11 @@ std::string Object::text(const std::string& key, const std::string& fallback) {
     return reader_.string(key, fallback);
 }
 
+bool Object::flag(const std::string& key, bool fallback) {
+    known_.push_back(key);
+    return reader_.boolean(key, fallback);
+}
+
 std::vector<Place> Object::array(const std::string& key, bool mustHaveItems) {
     const Node* node = required(key, "an array");
     if (node == nullptr)

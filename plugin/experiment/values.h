@@ -34,6 +34,7 @@ public:
     double number(const std::string& key, double fallback, const Limits& limits);      ///< optional
     std::string text(const std::string& key);                                          ///< required
     std::string text(const std::string& key, const std::string& fallback);             ///< optional
+    bool flag(const std::string& key, bool fallback);                                  ///< optional
     std::vector<double> numbers(const std::string& key, const Limits& limits);         ///< required
     Point pair(const std::string& key);                                                ///< required, [x, y]
     std::size_t choice(const std::string& key, const std::vector<std::string>& words); ///< required

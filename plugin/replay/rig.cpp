@@ -88,8 +88,8 @@ double lowest(const rod::RodModel& model, const Eigen::VectorXd& q) {
 
 } // namespace
 
-Rig::Rig(const Experiment& e, const Parameters& p, const Resolution& resolution)
-    : resolution_(resolution), stepper_(step::Settings{}) {
+Rig::Rig(const Experiment& e, const Parameters& p, const Resolution& resolution, bool turned)
+    : resolution_(resolution), stepper_(step::Settings{}), turned_(turned) {
     if (p.specimens.size() != e.specimens.size()) {
         failure_ = "parameters are for another number of specimens";
         return;
@@ -207,6 +207,9 @@ void Rig::addSpecimen(const Specimen& s, const SpecimenParameters& own, const Pa
     }
     effects::Model extra = effects::modelFor(p.effects, s.id);
     extra.contact.compliance.normal += p.touchCompliance;
+    if (turned_)
+        for (effects::Profile& profile : extra.material.profiles)
+            profile = effects::turned(profile);
     rod::RodDefinition formed = d; // as it was made: defects of the natural shape included
     const effects::Section section =
         effects::sections(rod::RodModel(d), extra.material.profiles, extra.material.profiles.size());
@@ -357,7 +360,8 @@ double Rig::bend() const {
 
 rod::Vec2 Rig::point(std::size_t specimen, double arcFraction) const {
     const step::Rod& rod = world_.rods[specimen];
-    return rod.kin.point(rod::locate(rod.model, arcFraction * rod.model.definition().length));
+    const double along = turned_ ? 1.0 - arcFraction : arcFraction;
+    return rod.kin.point(rod::locate(rod.model, along * rod.model.definition().length));
 }
 
 } // namespace supercircle::replay

@@ -14,7 +14,9 @@ namespace supercircle::replay {
 class Rig {
 public:
     /// Specimens in equilibrium under gravity, everything at displacement 0.
-    Rig(const experiment::Experiment& experiment, const Parameters& parameters, const Resolution& resolution);
+    /// @param turned they stand end for end the other way round
+    Rig(const experiment::Experiment& experiment, const Parameters& parameters, const Resolution& resolution,
+        bool turned = false);
 
     /// Empty, or why the set-up cannot be simulated.
     [[nodiscard]] const std::string& failure() const { return failure_; }
@@ -38,7 +40,7 @@ public:
         double way = 0.0;    ///< of the head in the step, positive downwards, m
     };
     [[nodiscard]] const MeanForce& meanForce() const { return mean_; }
-    /// Point of the centre line, m.
+    /// Point of the centre line, m. @param arcFraction of the specimen, from its own first end
     [[nodiscard]] rod::Vec2 point(std::size_t specimen, double arcFraction) const;
     /// Largest change of curvature from the natural one now, 1/m.
     [[nodiscard]] double bend() const;
@@ -83,6 +85,7 @@ private:
     double start_ = 0.0;
     double halfString_ = 0.0;       ///< of a braced bow, m
     bool ring_ = false;             ///< the specimen is closed
+    bool turned_ = false;           ///< the rods run from the specimens' last ends to their first
     bool pressesOnly_ = false;      ///< the normal forces of what slides are the head's force
     std::optional<rod::Vec2> nock_; ///< where a bow's strings meet at the start
 };

@@ -461,7 +461,7 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         out.cpuSeconds = cpuClock() - begin;
         return out;
     }
-    Rig rig(e, parameters, resolution);
+    Rig rig(e, parameters, resolution, e.runs[run].turned);
     if (rig.failure().empty()) {
         const effects::Model common = effects::modelFor(parameters.effects, "all");
         Player player(rig, e, e.runs[run], parameters.seriesCompliance, common.apparatus, options);

@@ -31,6 +31,15 @@ double stiffnessAt(const Profile& p, double length, double s) {
     return std::max(kSoftest, p.shape == Profile::Shape::Thickness ? x * x * x : x);
 }
 
+Profile turned(Profile p) {
+    p.centre = 1.0 - p.centre;
+    if (p.shape == Profile::Shape::Linear || p.shape == Profile::Shape::Thickness) { // odd about the middle
+        p.stiffness = -p.stiffness;
+        p.curvature = -p.curvature;
+    }
+    return p;
+}
+
 Section sections(const rod::RodModel& model, const std::vector<Profile>& profiles, std::size_t count) {
     const auto n = static_cast<std::size_t>(model.elements());
     Section out{std::vector<double>(n, 1.0), std::vector<double>(n, 0.0)};

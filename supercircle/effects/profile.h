@@ -15,6 +15,9 @@ double shapeAt(const Profile& profile, double length, double s);
 /// Factor of the bending modulus at s, 1, at least 1e-3.
 double stiffnessAt(const Profile& profile, double length, double s);
 
+/// The same section of a rod that is turned end for end: the mirror image.
+Profile turned(Profile profile);
+
 /// Means over every element.
 struct Section {
     std::vector<double> factor;    ///< of the bending modulus, 1

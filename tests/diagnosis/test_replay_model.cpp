@@ -162,6 +162,22 @@ TEST_CASE("designs are runs that start at rest and never go back in time", "[dia
     }
 }
 
+TEST_CASE("a run with the specimen turned is a run of its own", "[diagnosis]") {
+    experiment::Experiment e = strip();
+    e.runs.push_back(e.runs.front());
+    e.runs.back().turned = true;
+    CHECK(ReplayModel(e).twin(1) == 1);
+    const Data data = dataOf(e);
+    CHECK(data.firstOf(1) == 1); // no repeat of the first
+    CHECK(data.repeatsOf(0) == 1);
+    const auto designs = designsFor(e);
+    const auto turned = std::find_if(designs.begin(), designs.end(), [](const Design& d) { return d.turned; });
+    REQUIRE(turned != designs.end());
+    CHECK(turned->what == "a run with the specimen turned end for end");
+    CHECK(designed(e, static_cast<std::size_t>(turned - designs.begin())).runs.front().turned);
+    CHECK(std::count_if(designs.begin(), designs.end(), [](const Design& d) { return d.turned; }) == 1);
+}
+
 TEST_CASE("a faster run that is proposed starts and stops without a blow", "[diagnosis]") {
     const std::string name = GENERATE("case_101", "case_103");
     auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/" + name + "/experiment.json");

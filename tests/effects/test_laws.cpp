@@ -120,6 +120,19 @@ TEST_CASE("every label of the contract is in the catalogue, in the order of its 
     }
 }
 
+TEST_CASE("a section turned end for end is the mirror image") {
+    using Shape = effects::Profile::Shape;
+    for (const Shape shape : {Shape::Gauss, Shape::Flat, Shape::Linear, Shape::Thickness}) {
+        const effects::Profile p{Key::LocalDamage, shape, 0.3, 0.02, -0.4, 7.0};
+        const effects::Profile t = effects::turned(p);
+        for (const double s : {0.0, 0.013, 0.029, 0.05, 0.069, 0.1}) {
+            CHECK(effects::stiffnessAt(t, 0.1, s) == Approx(effects::stiffnessAt(p, 0.1, 0.1 - s)));
+            CHECK(t.curvature * effects::shapeAt(t, 0.1, s) ==
+                  Approx(p.curvature * effects::shapeAt(p, 0.1, 0.1 - s)).margin(1e-12));
+        }
+    }
+}
+
 TEST_CASE("wrong effects are refused by name, with what was meant") {
     std::vector<Setting> s;
     CHECK(add(s, "plasticty:My_over_B_1_m=3").find("plasticity") != std::string::npos);

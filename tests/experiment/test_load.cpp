@@ -79,6 +79,25 @@ TEST_CASE("the description alone can be read", "[experiment]") {
     CHECK(e->runs[0].readings.time.empty());
 }
 
+TEST_CASE("a run says whether its specimen was turned end for end", "[experiment]") {
+    const std::string path = std::string(SC_TEST_DATA) + "/recordings/baseline/case_101/experiment.json";
+    std::ifstream in(path);
+    const std::string text((std::istreambuf_iterator<char>(in)), {});
+    const std::string key = "\"sampling_hz\"";
+    REQUIRE(text.find(key) != text.npos);
+    const auto with = [&](const std::string& value) {
+        std::string changed = text;
+        return changed.insert(changed.find(key), "\"specimen_turned\": " + value + ", ");
+    };
+    std::vector<scene::Problem> problems;
+    CHECK_FALSE(experiment::loadText(text, path, problems)->runs[0].turned);
+    CHECK(experiment::loadText(with("true"), path, problems)->runs[0].turned);
+    CHECK(problems.empty());
+    CHECK_FALSE(experiment::loadText(with("1"), path, problems));
+    REQUIRE(problems.size() == 1);
+    CHECK(problems[0].pointer == "/runs/0/specimen_turned");
+}
+
 TEST_CASE("runs have names of their own, whatever their files are called", "[experiment]") {
     experiment::Experiment e;
     const auto named = [&](const std::vector<std::string>& files) {

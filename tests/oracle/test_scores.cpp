@@ -157,8 +157,11 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     REQUIRE(run);
     CHECK(run->drive.at(2.0) == Approx(0.005));
     CHECK(run->repeats == 1);
+    CHECK_FALSE(run->turned);
     diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"repeats\": 3, ");
     CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->repeats == 3);
+    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"specimen_turned\": true, ");
+    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->turned);
     CHECK(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).next == "fast, made 3 times");
 
     const std::vector<Plan> all = plans("tuning", 1);
@@ -191,6 +194,46 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
           repeated.files[repeated.files.size() - 2 * ofOne].second);
     for (std::size_t i = 1; i < before.files.size(); ++i) // the first is the description, which lists the new run
         CHECK(after.files[i] == before.files[i]);
+}
+
+TEST_CASE("a specimen turned end for end shows what is hidden in it at the other side", "[oracle]") {
+    const std::vector<Plan> all = plans("tuning", 1);
+    const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) {
+        return p.families == std::vector<std::string>{"damage"} || p.families == std::vector<std::string>{"defect"};
+    });
+    REQUIRE(plan != all.end());
+    const Concealed before = conceal(*plan);
+    REQUIRE(before.failure.empty());
+    const Folder f;
+    const auto [name, text] = before.files.front();
+    Description d = readDescription(f.put(name, text));
+    REQUIRE_FALSE(d.markers.empty());
+    d.runs.resize(1);
+    const auto effects = nlohmann::json::parse(before.answer).at("effects").at(0);
+    Hidden hidden{effects.at("label"), effects.at("parameters").get<std::map<std::string, double>>()};
+    Effects here, there;
+    apply(here, hidden);
+    hidden.parameters["arc_fraction"] = 1.0 - hidden.parameters.at("arc_fraction");
+    apply(there, hidden);
+    const Resolution resolution = coarse(d.nominal.specimens.size());
+    const Clean mirrored = simulate(d, trueSetup(d, {}, there), resolution);
+    d.runs[0].turned = true;
+    const Description again = readDescription(f.put("again.json", writeDescription(d)));
+    REQUIRE(again.runs[0].turned);
+    const Clean turned = simulate(again, trueSetup(again, {}, here), resolution);
+    REQUIRE(turned.failure.empty());
+    double worst = 0.0;
+    for (std::size_t k = 0; k < turned.force[0].size(); ++k)
+        worst = std::max(worst, std::abs(turned.force[0][k] - mirrored.force[0][k]));
+    CHECK(worst < 1e-6);
+    for (std::size_t m = 0; m < d.markers.size(); ++m) { // they are placed alike on both sides
+        const auto image = std::find_if(d.markers.begin(), d.markers.end(), [&](const Marker& o) {
+            return o.specimen == d.markers[m].specimen && std::abs(o.arcFraction + d.markers[m].arcFraction - 1) < 1e-9;
+        });
+        REQUIRE(image != d.markers.end());
+        const auto& path = mirrored.markers[0][static_cast<std::size_t>(image - d.markers.begin())];
+        CHECK((turned.markers[0][m].back() - path.back()).norm() < 1e-6);
+    }
 }
 
 TEST_CASE("our own simulator's readings take the second one's place with the same noise", "[oracle]") {

@@ -382,3 +382,48 @@ TEST_CASE("a stiffness that changes along a shell held in its middle is resolved
     }
     CHECK(worst < 3e-6);
 }
+
+TEST_CASE("a specimen turned end for end takes along what sits in it and leaves the set-up where it is", "[replay]") {
+    experiment::Experiment e = baseline(101);
+    REQUIRE(e.runs[0].markers.x.size() == e.markers.size());
+    REQUIRE(e.markers.size() > 1);
+    const auto play = [&](bool turned, std::vector<std::string> settings) {
+        replay::Parameters p = replay::nominal(e);
+        for (const std::string& s : settings)
+            REQUIRE(effects::add(p.effects, s).empty());
+        e.runs[0].turned = turned;
+        return simulated(e, p);
+    };
+    const std::vector<std::string> crease = {"local_damage:stiffness_drop=0.6", "local_damage:gauss_width_m=0.004"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.end(), crease.begin(), crease.end());
+        return more;
+    };
+    // The crease of a turned shell is where its mirror image has it: the same sums, but for round-off of 1 - 1 / 4. A
+    // point of the turned shell is its mirror image's.
+    const replay::Simulated turned = play(true, with({"local_damage:arc_fraction=0.25", "misalignment:offset_m=5e-4"}));
+    const replay::Simulated other = play(false, with({"local_damage:arc_fraction=0.75", "misalignment:offset_m=5e-4"}));
+    REQUIRE(turned.readings.force.size() == other.readings.force.size());
+    double worst = 0.0;
+    for (std::size_t k = 0; k < other.readings.force.size(); ++k)
+        worst = std::max(worst, std::abs(turned.readings.force[k] - other.readings.force[k]));
+    CHECK(worst < 1e-9);
+    for (std::size_t m = 0; m < e.markers.size(); ++m) {
+        const std::size_t mirrored = e.markers.size() - 1 - m;
+        REQUIRE(e.markers[mirrored].arcFraction == Approx(1.0 - e.markers[m].arcFraction));
+        CHECK(turned.markers.y[m].back() == Approx(other.markers.y[mirrored].back()).margin(1e-9));
+    }
+    // Turning it is not moving the head to the other side and looking from behind: the offset stays. Without one it is.
+    const replay::Simulated alone = play(true, with({"local_damage:arc_fraction=0.25"}));
+    const replay::Simulated plain = play(false, with({"local_damage:arc_fraction=0.25"}));
+    const replay::Simulated offset =
+        play(false, with({"local_damage:arc_fraction=0.25", "misalignment:offset_m=5e-4"}));
+    double symmetric = 0.0, apart = 0.0, peak = 0.0;
+    for (std::size_t k = 0; k < plain.readings.force.size(); ++k) {
+        peak = std::max(peak, std::abs(plain.readings.force[k]));
+        symmetric = std::max(symmetric, std::abs(alone.readings.force[k] - plain.readings.force[k]));
+        apart = std::max(apart, std::abs(turned.readings.force[k] - offset.readings.force[k]));
+    }
+    CHECK(symmetric < 1e-3 * peak); // mirror images of each other, in other steps
+    CHECK(apart > 0.02 * peak);
+}

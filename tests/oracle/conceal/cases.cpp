@@ -176,13 +176,14 @@ void arch(Draw& draw, Description& d) {
 
 } // namespace
 
-void addRun(Description& d, Drive drive, double rate) {
+void addRun(Description& d, Drive drive, double rate, bool turned) {
     RunPlan r;
     r.file = "run_" + std::to_string(d.runs.size() + 1) + ".csv";
     r.markersFile = "run_" + std::to_string(d.runs.size() + 1) + "_markers.csv";
     r.drive = std::move(drive);
     r.sampling = rate;
     r.markersSampling = 4.0;
+    r.turned = turned;
     d.runs.push_back(r);
 }
 

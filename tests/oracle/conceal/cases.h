@@ -22,8 +22,8 @@ std::vector<Plan> plans(const std::string& part, std::uint64_t seed);
 
 /// An experiment as it is described, before anything is hidden.
 Description drawDescription(Draw& draw, Protocol protocol, bool weightless, bool markers, bool snaps);
-/// One more run of the same machine, behind the others. @param rate of the readings, Hz
-void addRun(Description& d, Drive drive, double rate);
+/// One more run of the same machine, behind the others. @param rate of the readings, Hz @param turned RunPlan::turned
+void addRun(Description& d, Drive drive, double rate, bool turned = false);
 Offsets drawOffsets(Draw& draw);
 
 /// How bad the sensors are.

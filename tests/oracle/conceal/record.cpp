@@ -351,7 +351,7 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
         return out;
     const std::size_t asked = s.description.runs.size(); // the first run that was asked for
     for (std::size_t i = 0; further && i < further->repeats; ++i)
-        addRun(s.description, further->drive, further->rate);
+        addRun(s.description, further->drive, further->rate, further->turned);
     const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
     const Clean clean = instead != nullptr ? *instead : simulate(s.description, truth, {});
     const Clean plain = simulate(s.description, trueSetup(s.description, s.offsets, {}), {});

@@ -22,6 +22,7 @@ struct Further {
     Drive drive;             ///< s, m
     double rate = 0.0;       ///< Hz
     std::size_t repeats = 1; ///< how often it is made
+    bool turned = false;     ///< with the specimens mounted end for end
 };
 
 struct Clean;

@@ -49,8 +49,9 @@ Clean simulate(const Description& d, const Setup& truth, const Resolution& resol
     for (const RunPlan& run : d.runs) {
         const auto same = std::find_if(d.runs.begin(), d.runs.end(), [&](const RunPlan& other) {
             return &other == &run ||
-                   (other.drive.time == run.drive.time && other.sampling == run.sampling &&
-                    other.drive.displacement == run.drive.displacement && other.markersSampling == run.markersSampling);
+                   (other.turned == run.turned && other.drive.time == run.drive.time &&
+                    other.sampling == run.sampling && other.drive.displacement == run.drive.displacement &&
+                    other.markersSampling == run.markersSampling);
         });
         if (&*same != &run) { // a repeat: every run begins with the specimen as it was made
             const auto i = static_cast<std::size_t>(same - d.runs.begin());
@@ -59,12 +60,19 @@ Clean simulate(const Description& d, const Setup& truth, const Resolution& resol
             continue;
         }
         const std::vector<double> times = run.times(run.sampling);
-        Simulation sim(truth, resolution);
+        Setup mounted = truth;
+        std::vector<Marker> markers = d.markers;
+        if (run.turned) {
+            mounted.effects = turnedEndForEnd(truth.effects);
+            for (Marker& m : markers)
+                m.arcFraction = 1.0 - m.arcFraction;
+        }
+        Simulation sim(mounted, resolution);
         if (!sim.settle(kSettle)) {
             out.failure = "does not come to rest";
             return out;
         }
-        const Trace trace = sim.play(run.drive, times, d.markers);
+        const Trace trace = sim.play(run.drive, times, markers);
         if (!trace.failure.empty()) {
             out.failure = trace.failure;
             return out;

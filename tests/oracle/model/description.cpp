@@ -116,6 +116,8 @@ Json runsOf(const Description& d) {
                   {"drive_displacement_mm", millimetres},
                   {"sampling_hz", r.sampling},
                   {"specimen_state_at_start", "fresh specimen of the same batch, unloaded and rested"}};
+        if (r.turned)
+            j["specimen_turned"] = true;
         if (!d.markers.empty()) {
             j["markers_file"] = r.markersFile;
             j["markers_sampling_hz"] = r.markersSampling;
@@ -157,6 +159,7 @@ Description readDescription(const std::string& file) {
             p.drive.displacement.push_back(1e-3 * x);
         p.sampling = r.at("sampling_hz");
         p.markersSampling = r.value("markers_sampling_hz", 5.0);
+        p.turned = r.value("specimen_turned", false);
         d.runs.push_back(p);
     }
     if (j.contains("markers"))

@@ -12,6 +12,7 @@ struct RunPlan {
     std::string file, markersFile;
     Drive drive;                                   ///< m
     double sampling = 50.0, markersSampling = 5.0; ///< Hz
+    bool turned = false;                           ///< specimens and their markers are mounted end for end
     [[nodiscard]] std::vector<double> times(double rate) const;
 };
 

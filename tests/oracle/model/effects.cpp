@@ -81,4 +81,11 @@ void apply(Effects& effects, const Hidden& hidden) {
     }
 }
 
+Effects turnedEndForEnd(Effects e) {
+    e.damagePlace = 1.0 - e.damagePlace;
+    e.defectPlace = 1.0 - e.defectPlace;
+    e.gradient = -e.gradient;
+    return e;
+}
+
 } // namespace supercircle::oracle

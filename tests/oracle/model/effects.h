@@ -46,6 +46,9 @@ struct Effects {
     double hum = 0.0, humPeriod = 5.0; ///< N, s: a slow periodic disturbance (in no catalogue)
 };
 
+/// What sits in a specimen, seen from its other end.
+Effects turnedEndForEnd(Effects effects);
+
 /// One hidden effect: label and parameters as in docs/effects.md.
 struct Hidden {
     std::string label;

@@ -289,7 +289,8 @@ std::optional<Further> proposedRun(const std::string& diagnosisFile) {
         return Further{
             {drive.at("time_s").get<std::vector<double>>(), drive.at("displacement_m").get<std::vector<double>>()},
             next.at("sampling_Hz"),
-            next.value("repeats", std::size_t{1})};
+            next.value("repeats", std::size_t{1}),
+            next.value("specimen_turned", false)};
     } catch (const Json::exception& e) {
         throw std::runtime_error(diagnosisFile + ": " + e.what());
     }

@@ -127,6 +127,8 @@ std::string diagnosisJson(const Diagnosis& d) {
                 {"repeats", d.next->repeats},
                 {"drive", {{"time_s", d.next->run.time}, {"displacement_m", d.next->run.displacement}}},
                 {"specimen_turned", d.next->run.turned},
+                {"new_markers_arc_fraction", d.next->run.markers},
+                {"markers_sampling_Hz", d.next->run.markerRate},
                 {"sampling_Hz", d.next->run.rate}};
     const Json json = {
         {"verdict", d.verdict},

@@ -167,7 +167,12 @@ std::string driveTable(const diagnosis::Design& run) {
     for (std::size_t i = 0; i < run.time.size(); ++i)
         html +=
             "<tr><td>" + rounded(run.time[i], 4) + "</td><td>" + rounded(1e3 * run.displacement[i], 4) + "</td></tr>";
-    return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz." +
+    std::string markers;
+    for (const double at : run.markers)
+        markers += (markers.empty() ? " Markers at these arc fractions: " : ", ") + fixed(at, 2);
+    return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz" +
+           (run.markerRate > 0.0 ? ", markers at " + rounded(run.markerRate, 2) + " Hz." : ".") + markers +
+           (markers.empty() ? "" : ".") +
            (run.turned ? " The run's entry in experiment.json says \"specimen_turned\": true." : "") + "</p>";
 }
 

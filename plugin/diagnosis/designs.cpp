@@ -81,8 +81,31 @@ Run through(const std::vector<double>& places, double speed, double hold, double
 struct Plan {
     std::string what;
     Run run;
-    double doubt = 1.0; ///< Design::doubt
+    double doubt = 1.0;            ///< Design::doubt
+    std::vector<double> markers{}; ///< Design::markers
 };
+
+/// Where markers say most: near the ends, and between them and the clamp, which is where it was put.
+std::vector<double> placesOfMarkers(const experiment::Experiment& e) {
+    switch (e.specimens.front().clamp.where) {
+    case experiment::ClampPlace::Middle:
+        return {0.02, 0.18, 0.34, 0.66, 0.82, 0.98};
+    case experiment::ClampPlace::FirstEnd:
+        return {0.25, 0.5, 0.75, 0.98};
+    case experiment::ClampPlace::None:
+        break;
+    }
+    return {0.02, 0.25, 0.5, 0.75, 0.98};
+}
+
+/// Frames of a camera that are enough, Hz: those of the recorded runs, of a long run fewer.
+double frameRate(const experiment::Experiment& e, const Run& run) {
+    constexpr double kUsual = 4.0, kMost = 400.0; // Hz, frames
+    double rate = 0.0;
+    for (const Run& recorded : e.runs)
+        rate = std::max(rate, recorded.markersSamplingRate);
+    return std::min(rate > 0.0 ? rate : kUsual, kMost / run.driveTime.back());
+}
 
 constexpr double kDoubtOfFast = 12.0; // half a per cent of the peak
 
@@ -120,6 +143,12 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         {"six cycles at " + speed(h.fastest),
          through({d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest, 0.0)}};
     plans.insert(plans.end(), usual.begin(), usual.end());
+    if (e.markers.empty()) {
+        const std::vector<double> places = placesOfMarkers(e);
+        plans.push_back({"a run that is filmed, with " + std::to_string(places.size()) + " markers on " +
+                             (e.specimens.size() > 1 ? "each specimen" : "the specimen"),
+                         through({d, 0.0}, h.fastest, 0.0), 1.0, places});
+    }
     // What sits in the specimen goes to the other side, what sits in the set-up does not. A ring has no ends.
     if (e.protocol != experiment::Protocol::RingBetweenPlates) {
         plans.push_back({std::string("a run with ") + (e.specimens.size() > 1 ? "both specimens" : "the specimen") +
@@ -133,6 +162,9 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         plans.push_back(
             {"a run " + times(fast / h.fastest) + " times faster, at " + speed(fast) + ", started and stopped smoothly",
              through({d, 0.0}, fast, 0.0, 3.0 * period), kDoubtOfFast});
+    for (Plan& p : plans)
+        if (!e.markers.empty() || !p.markers.empty())
+            p.run.markersSamplingRate = frameRate(e, p.run);
     return plans;
 }
 
@@ -141,13 +173,18 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
 std::vector<Design> designsFor(const experiment::Experiment& e) {
     std::vector<Design> all;
     for (const Plan& p : plansFor(e))
-        all.push_back({p.what, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate, p.run.turned, p.doubt});
+        all.push_back({p.what, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate, p.run.turned, p.markers,
+                       p.run.markersSamplingRate, p.doubt});
     return all;
 }
 
 experiment::Experiment designed(const experiment::Experiment& e, std::size_t index) {
     experiment::Experiment out = e;
-    out.runs = {plansFor(e)[index].run};
+    const Plan plan = plansFor(e)[index];
+    out.runs = {plan.run};
+    for (std::size_t s = 0; s < e.specimens.size(); ++s)
+        for (const double at : plan.markers)
+            out.markers.push_back({"m" + std::to_string(out.markers.size()), s, at, {}, {}});
     return out;
 }
 

@@ -104,6 +104,10 @@ struct Design {
     std::vector<double> time{}, displacement{};
     double rate = 0.0;
     bool turned = false; ///< the specimens are mounted turned end for end
+    /// Arc fractions of each specimen at which markers are tracked for the first time. Where recorded runs have markers
+    /// already, every design is read at those.
+    std::vector<double> markers{};
+    double markerRate = 0.0; ///< of any markers, Hz
     /// How many times farther simulations may be from the truth there than in the recorded runs.
     double doubt = 1.0;
 };
@@ -112,6 +116,7 @@ struct Design {
 struct DesignResponse {
     std::string failure;
     Eigen::VectorXd time, force;
+    Eigen::VectorXd markerTime{}, markers{}; ///< as Response::markers; empty: none is tracked
 };
 
 class Model {

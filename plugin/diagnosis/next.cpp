@@ -56,14 +56,15 @@ public:
         for (const Rival& r : rivals_)
             points.push_back(r.point);
         responses_ = evaluator_.foretell(index_, points);
-        const Index rows = responses_.front().force.size();
+        if (responses_.front().force.size() < 8)
+            return false;
         for (const DesignResponse& r : responses_)
-            if (!r.failure.empty() || r.force.size() != rows || rows < 8)
+            if (!usable(r))
                 return false;
         way_ = ways(design_, responses_.front().time);
-        columns_.resize(rows, static_cast<Index>(rivals_.size()));
+        columns_.resize(readingsOf(responses_.front()).size(), static_cast<Index>(rivals_.size()));
         for (std::size_t i = 0; i < rivals_.size(); ++i)
-            columns_.col(static_cast<Index>(i)) = responses_[i].force;
+            columns_.col(static_cast<Index>(i)) = readingsOf(responses_[i]);
         return true;
     }
     /// What refitting may take up, and what is not known of the predictions: derivatives by the nominal parameters,
@@ -107,7 +108,7 @@ public:
             columns_.col(at).setZero();
             if (!usable(there[k]))
                 continue;
-            const Eigen::VectorXd change = (there[k].force - responses_[from[k]].force) / steps[k];
+            const Eigen::VectorXd change = (readingsOf(there[k]) - readingsOf(responses_[from[k]])) / steps[k];
             if (change.allFinite())
                 columns_.col(at) = change;
         }
@@ -132,16 +133,24 @@ private:
     static constexpr double kStep = 0.2; ///< of x
 
     [[nodiscard]] bool usable(const DesignResponse& r) const {
-        return r.failure.empty() && r.force.size() == columns_.rows();
+        return r.failure.empty() && r.force.size() == responses_.front().force.size() &&
+               r.markers.size() == responses_.front().markers.size();
+    }
+    [[nodiscard]] static Eigen::VectorXd readingsOf(const DesignResponse& r) {
+        Eigen::VectorXd all(r.force.size() + r.markers.size());
+        all << r.force, r.markers;
+        return all;
     }
 
     /// One of so many runs behind its noise and what simulations are off by, which all of them share (misfit.h).
     class Sight {
     public:
-        Sight(const Foretold& f, const MisfitSettings& s) {
-            const Eigen::VectorXd &time = f.responses_.front().time, &force = f.responses_.front().force;
-            const double everywhere = std::hypot(
-                s.repeated * f.design_.doubt * s.shareOfPeak * force.cwiseAbs().maxCoeff(), f.noise_.runToRun);
+        Sight(const Foretold& f, const MisfitSettings& s) : forces_(f.responses_.front().force.size()) {
+            const DesignResponse& first = f.responses_.front();
+            const Eigen::VectorXd &time = first.time, &force = first.force;
+            const double peak = force.cwiseAbs().maxCoeff();
+            const double everywhere =
+                std::hypot(s.repeated * f.design_.doubt * s.shareOfPeak * peak, f.noise_.runToRun);
             Eigen::VectorXd errors(force.size());
             for (Index k = 0; k < errors.size(); ++k)
                 errors[k] = std::hypot(everywhere, placeError(force, k, f.way_[k], s));
@@ -150,30 +159,83 @@ private:
                                std::clamp(0.05 * (time[time.size() - 1] - time[0]), 0.02, 3.0));
             const Eigen::VectorXd one = white_.apply(Eigen::VectorXd::Ones(force.size()));
             shift_ = one / one.norm();
+            markers_ =
+                Eigen::VectorXd::Constant(first.markers.size(), 1.0 / std::hypot(markerNoise(f.noise_), place(s, f)));
+            letGo(first, s.free * peak, s.swing);
         }
-        /// Whitened, a constant shift taken out.
-        [[nodiscard]] Eigen::MatrixXd each(const Eigen::MatrixXd& forces) const {
-            const Eigen::MatrixXd u = white_.columns(forces);
-            return u - shift_ * (shift_.transpose() * u);
+        /// Whitened, a constant shift of the force taken out.
+        [[nodiscard]] Eigen::MatrixXd each(const Eigen::MatrixXd& readings) const {
+            Eigen::MatrixXd u(readings.rows(), readings.cols());
+            u.topRows(forces_) = white_.columns(readings.topRows(forces_));
+            u.topRows(forces_) -= shift_ * (shift_.transpose() * u.topRows(forces_));
+            u.bottomRows(markers_.size()) = markers_.asDiagonal() * readings.bottomRows(markers_.size());
+            return u;
         }
 
     private:
+        /// m; of a camera that was not there yet as usual ones have it.
+        static double markerNoise(const Noise& noise) { return noise.marker > 0.0 ? noise.marker : 3e-5; }
+        static double place(const MisfitSettings& s, const Foretold& f) {
+            return s.repeated * f.design_.doubt * s.markerPlace;
+        }
+        /// Markers of a specimen that swings freely say nothing (row_errors.h).
+        void letGo(const DesignResponse& r, double held, double swing) {
+            for (Index k = 1; k < forces_; ++k)
+                if (std::abs(r.force[k - 1]) > held && std::abs(r.force[k]) <= held)
+                    for (Index i = 0; i < markers_.size(); ++i)
+                        if (const double t = r.markerTime[i % r.markerTime.size()];
+                            t >= r.time[k - 1] && t <= r.time[k] + swing)
+                            markers_[i] = 0.0;
+        }
+        Index forces_;
         Whitening white_;
-        Eigen::VectorXd shift_; ///< of length 1
+        Eigen::VectorXd shift_;   ///< of length 1
+        Eigen::VectorXd markers_; ///< 1 over the deviation of each of their rows, 1/m
     };
 
-    /// Of all columns, behind what each run has of its own as a recorded one has (misfit.h), clock and scale; all runs
-    /// together.
+    /// What each run has of its own as a recorded one has (misfit.h): clock and scale of the force, a shift of each
+    /// coordinate of each marker while the machine goes one way.
+    [[nodiscard]] Eigen::MatrixXd ownOf(const MisfitSettings& s) const {
+        const DesignResponse& first = responses_.front();
+        const Index n = first.force.size(), frames = first.markerTime.size();
+        const Index tracks = frames > 0 ? first.markers.size() / frames : 0;
+        const std::vector<Index> turns = strokesOf(first.markerTime);
+        const auto strokes = static_cast<Index>(turns.size()) - 1;
+        Eigen::MatrixXd own = Eigen::MatrixXd::Zero(columns_.rows(), 2 + tracks * strokes);
+        own.col(0).segment(1, n - 2) = s.clock * 0.5 * (first.force.tail(n - 2) - first.force.head(n - 2));
+        own.col(1).head(n) = (design_.time.empty() ? 0.0 : s.repeated * s.scale) * first.force;
+        for (Index c = 0; c < tracks; ++c)
+            for (Index i = 0; i < strokes; ++i) {
+                const auto at = static_cast<std::size_t>(i);
+                own.col(2 + c * strokes + i)
+                    .segment(n + c * frames + turns[at], turns[at + 1] - turns[at])
+                    .setConstant(s.repeated * s.markerShift);
+            }
+        return own;
+    }
+    /// First frames of the ways in one direction, and the number of frames.
+    [[nodiscard]] std::vector<Index> strokesOf(const Eigen::VectorXd& frames) const {
+        std::vector<Index> out = {0};
+        const auto direction = [&](std::size_t i) {
+            const double way = design_.displacement[i] - design_.displacement[i - 1];
+            return (way > 0.0) - (way < 0.0);
+        };
+        for (std::size_t i = 2; i < design_.time.size(); ++i)
+            if (direction(i) != direction(i - 1)) {
+                const Index first =
+                    std::lower_bound(frames.begin(), frames.end(), design_.time[i - 1]) - frames.begin();
+                if (first > out.back() && first < frames.size())
+                    out.push_back(first);
+            }
+        out.push_back(frames.size());
+        return out;
+    }
+
+    /// Of all columns, behind what each run has of its own; all runs together.
     [[nodiscard]] Eigen::MatrixXd products(std::size_t repeats) const {
         const MisfitSettings s = MisfitSettings{}.inEachOf(repeats);
         const Sight sight(*this, s);
-        const Eigen::VectorXd& force = responses_.front().force;
-        Eigen::MatrixXd own = Eigen::MatrixXd::Zero(force.size(), 2);
-        own.col(0).segment(1, force.size() - 2) =
-            s.clock * 0.5 * (force.tail(force.size() - 2) - force.head(force.size() - 2));
-        own.col(1) = (design_.time.empty() ? 0.0 : s.repeated * s.scale) * force;
-        own = sight.each(own);
-        const Eigen::MatrixXd seen = sight.each(columns_), taken = own.transpose() * seen;
+        const Eigen::MatrixXd own = sight.each(ownOf(s)), seen = sight.each(columns_), taken = own.transpose() * seen;
         const Eigen::MatrixXd alone = Eigen::MatrixXd::Identity(own.cols(), own.cols()) + own.transpose() * own;
         return static_cast<double>(repeats) * (seen.transpose() * seen - taken.transpose() * alone.ldlt().solve(taken));
     }
@@ -222,7 +284,7 @@ private:
     const std::vector<Rival>& rivals_;
     std::vector<DesignResponse> responses_; ///< of the rivals
     Eigen::VectorXd way_;                   ///< of the head from row to row, m
-    /// Forces of the rivals, their derivatives by nominal parameters and by each rival's own numbers, N.
+    /// Readings of the rivals, their derivatives by nominal parameters and by each rival's own numbers, N and m.
     Eigen::MatrixXd columns_;
     Index nominal_ = 0;      ///< number of nominal parameters
     std::vector<Index> own_; ///< first derivative by a rival's own numbers

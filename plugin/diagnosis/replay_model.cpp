@@ -146,6 +146,18 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
+/// x of marker 0 over `rows` times, its y, x of marker 1, ...; not a number where a simulation ended before.
+Eigen::VectorXd stacked(const experiment::MarkerTracks& tracks, std::size_t markers, std::size_t rows) {
+    Eigen::VectorXd out(static_cast<Eigen::Index>(2 * markers * rows));
+    for (std::size_t m = 0; m < markers; ++m) {
+        const bool there = m < tracks.x.size();
+        const auto at = static_cast<Eigen::Index>(2 * m * rows), n = static_cast<Eigen::Index>(rows);
+        out.segment(at, n) = vectorOf(filled(there ? tracks.x[m] : std::vector<double>{}, rows));
+        out.segment(at + n, n) = vectorOf(filled(there ? tracks.y[m] : std::vector<double>{}, rows));
+    }
+    return out;
+}
+
 } // namespace
 
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without,
@@ -256,11 +268,13 @@ DesignResponse ReplayModel::simulateDesign(std::size_t index, const Point& point
     replay::Parameters p;
     if (out.failure = parametersAt(point, p); !out.failure.empty())
         return out;
-    const replay::Simulated s =
-        simulateWithin(designed(experiment_, index), 0, p, replay::Resolution::coarse(), interrupt);
+    const experiment::Experiment e = designed(experiment_, index);
+    const replay::Simulated s = simulateWithin(e, 0, p, replay::Resolution::coarse(), interrupt);
     out.failure = s.failure;
     out.time = vectorOf(s.readings.time);
     out.force = vectorOf(s.readings.force);
+    out.markerTime = vectorOf(s.markers.time);
+    out.markers = stacked(s.markers, s.markers.time.empty() ? 0 : e.markers.size(), s.markers.time.size());
     return out;
 }
 
@@ -280,14 +294,7 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
         experiment::channel(experiment_).perUnit * vectorOf(filled(s.readings.force, recorded.readings.time.size()));
     out.jumps = vectorOf(replay::jumpTimes(s));
     const std::size_t seen = recorded.markers.time.size();
-    const std::size_t markers = seen > 0 ? experiment_.markers.size() : 0;
-    out.markers.resize(static_cast<Eigen::Index>(2 * markers * seen));
-    for (std::size_t m = 0; m < markers; ++m) {
-        const bool there = m < s.markers.x.size();
-        const auto at = static_cast<Eigen::Index>(2 * m * seen), n = static_cast<Eigen::Index>(seen);
-        out.markers.segment(at, n) = vectorOf(filled(there ? s.markers.x[m] : std::vector<double>{}, seen));
-        out.markers.segment(at + n, n) = vectorOf(filled(there ? s.markers.y[m] : std::vector<double>{}, seen));
-    }
+    out.markers = stacked(s.markers, seen > 0 ? experiment_.markers.size() : 0, seen);
     return out;
 }
 

@@ -101,6 +101,28 @@ public:
     }
 };
 
+/// Two effects that no force shows, and one marker that moves by .1 mm for the first: filmed in the second design only.
+class TwoCameras final : public Designs {
+public:
+    TwoCameras()
+        : Designs({{"blind", 0, {0.0, 5.0, 10.0}, {0.0, 0.01, 0.0}}, {"filmed", 0, {0.0, 5.0, 10.0}, {0.0, 0.01, 0.0}}},
+                  {effect("first", "1", -9.0, 9.0, 1.0), effect("second", "1", -9.0, 9.0, 1.0)}) {}
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
+                                                const std::atomic<bool>*) const override {
+        DesignResponse out;
+        out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
+        out.force = p.nominal[0] * out.time;
+        if (i == 0)
+            return out;
+        out.markerTime = Eigen::VectorXd::LinSpaced(40, 0.0, 10.0);
+        out.markers = Eigen::VectorXd::Zero(80);
+        if (!p.terms.empty() && p.terms.front().candidate == 0)
+            // What a shift of the way there and one of the way back do not take up.
+            out.markers.head(40) = 1e-4 * p.terms.front().values[0] * (3.0 * out.markerTime.array()).sin();
+        return out;
+    }
+};
+
 Noise quiet() {
     Noise noise;
     noise.white = 0.1;
@@ -230,4 +252,27 @@ TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]
     const std::atomic<bool> stop{true};
     Evaluator stopped(model, 1, {}, store, &stop);
     CHECK_FALSE(nextExperiment(stopped, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise));
+}
+
+TEST_CASE("a further run that is filmed tells what no force shows", "[diagnosis]") {
+    const TwoCameras model;
+    const auto rival = [&](const std::string& label, std::size_t candidate) {
+        Rival r{label, {{0.0}, {{candidate, {1.0}}}}, {}, {}};
+        r.x = Variables(model, r.point).of(r.point);
+        r.covariance = Eigen::Vector2d(0.25, 1e-4).asDiagonal();
+        return r;
+    };
+    Store store;
+    Evaluator evaluator(model, 1, {}, store);
+    Noise noise = quiet();
+    noise.marker = 3e-5;
+    const auto next = nextExperiment(evaluator, {rival("first", 0), rival("second", 1)}, noise);
+    REQUIRE(next);
+    CHECK(next->run.what == "filmed");
+    // A sine of .1 mm in 40 frames, each to 30 um beside 15 um of the simulation: 13 deviations.
+    CHECK(next->repeats == 1);
+    CHECK(next->power > 0.99);
+    noise.marker = 3e-3; // a poor camera
+    const auto poor = nextExperiment(evaluator, {rival("first", 0), rival("second", 1)}, noise);
+    CHECK((!poor || poor->power < 0.5));
 }

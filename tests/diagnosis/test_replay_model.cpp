@@ -178,6 +178,47 @@ TEST_CASE("a run with the specimen turned is a run of its own", "[diagnosis]") {
     CHECK(std::count_if(designs.begin(), designs.end(), [](const Design& d) { return d.turned; }) == 1);
 }
 
+TEST_CASE("markers are proposed where there are none, and read in every further run where there are", "[diagnosis]") {
+    auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/case_101/experiment.json");
+    REQUIRE(loaded);
+    experiment::Experiment e = *loaded;
+    const std::size_t recorded = e.markers.size();
+    REQUIRE(recorded > 0);
+    const auto filmed = [](const Design& d) { return !d.markers.empty(); };
+    const auto stated = [](const Model& model) {
+        diagnosis::Point p;
+        for (const Scalar& s : model.nominal())
+            p.nominal.push_back(s.value);
+        return p;
+    };
+    std::vector<Design> designs = designsFor(e);
+    CHECK(std::none_of(designs.begin(), designs.end(), filmed));
+    CHECK(std::all_of(designs.begin(), designs.end(), [](const Design& d) { return d.markerRate > 0.0; }));
+    const ReplayModel seen(e);
+    const DesignResponse read = seen.simulateDesign(0, stated(seen), nullptr);
+    REQUIRE(read.failure.empty());
+    CHECK(read.markerTime.size() > 20);
+    CHECK(read.markers.size() == 2 * static_cast<Eigen::Index>(recorded) * read.markerTime.size());
+
+    e.markers.clear();
+    for (experiment::Run& run : e.runs) {
+        run.markers = {};
+        run.markersFile.clear();
+        run.markersSamplingRate = 0.0;
+    }
+    designs = designsFor(e);
+    const auto camera = std::find_if(designs.begin(), designs.end(), filmed);
+    REQUIRE(camera != designs.end());
+    CHECK(camera->what == "a run that is filmed, with 6 markers on the specimen");
+    CHECK(std::count_if(designs.begin(), designs.end(), [](const Design& d) { return d.markerRate > 0.0; }) == 1);
+    const ReplayModel blind(e);
+    const auto index = static_cast<std::size_t>(camera - designs.begin());
+    const DesignResponse frames = blind.simulateDesign(index, stated(blind), nullptr);
+    REQUIRE(frames.failure.empty());
+    CHECK(frames.markers.size() == 12 * frames.markerTime.size());
+    CHECK(blind.simulateDesign(0, stated(blind), nullptr).markers.size() == 0);
+}
+
 TEST_CASE("a faster run that is proposed starts and stops without a blow", "[diagnosis]") {
     const std::string name = GENERATE("case_101", "case_103");
     auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/" + name + "/experiment.json");

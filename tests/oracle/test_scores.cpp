@@ -162,6 +162,11 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->repeats == 3);
     diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"specimen_turned\": true, ");
     CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->turned);
+    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markers.empty());
+    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0,
+                      R"("new_markers_arc_fraction": [0.1, 0.9], "markers_sampling_Hz": 3, )");
+    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markers == std::vector<double>{0.1, 0.9});
+    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markerRate == 3.0);
     CHECK(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).next == "fast, made 3 times");
 
     const std::vector<Plan> all = plans("tuning", 1);
@@ -194,6 +199,21 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
           repeated.files[repeated.files.size() - 2 * ofOne].second);
     for (std::size_t i = 1; i < before.files.size(); ++i) // the first is the description, which lists the new run
         CHECK(after.files[i] == before.files[i]);
+    // Where a camera comes for this run the others stay without markers.
+    const auto unseen = std::find_if(all.begin(), all.end(), [](const Plan& p) {
+        return p.kind == "nothing" && conceal(p).files.front().second.find("markers_file") == std::string::npos;
+    });
+    REQUIRE(unseen != all.end());
+    Further filmed = *run;
+    filmed.markers = {0.25, 0.75};
+    const Concealed without = conceal(*unseen), with = conceal(*unseen, filmed);
+    REQUIRE(with.files.size() == without.files.size() + 2);
+    CHECK(with.files.back().second.rfind("time_s,m0_x_mm,m0_y_mm,m1_x_mm", 0) == 0);
+    for (std::size_t i = 1; i < without.files.size(); ++i)
+        CHECK(with.files[i] == without.files[i]);
+    const Description d = readDescription(f.put("filmed.json", with.files.front().second));
+    CHECK(d.runs.back().filmed);
+    CHECK_FALSE(d.runs.front().filmed);
 }
 
 TEST_CASE("a specimen turned end for end shows what is hidden in it at the other side", "[oracle]") {

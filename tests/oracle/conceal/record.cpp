@@ -350,8 +350,18 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
     if (out.failure = drawn.failure; !out.failure.empty())
         return out;
     const std::size_t asked = s.description.runs.size(); // the first run that was asked for
-    for (std::size_t i = 0; further && i < further->repeats; ++i)
+    if (further && !further->markers.empty()) {          // a camera that was not there before
+        for (RunPlan& run : s.description.runs)
+            run.filmed = run.filmed && !s.description.markers.empty();
+        for (std::size_t a = 0; a < s.description.nominal.specimens.size(); ++a)
+            for (const double at : further->markers)
+                s.description.markers.push_back({static_cast<int>(a), at});
+    }
+    for (std::size_t i = 0; further && i < further->repeats; ++i) {
         addRun(s.description, further->drive, further->rate, further->turned);
+        if (further->markerRate > 0.0)
+            s.description.runs.back().markersSampling = further->markerRate;
+    }
     const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
     const Clean clean = instead != nullptr ? *instead : simulate(s.description, truth, {});
     const Clean plain = simulate(s.description, trueSetup(s.description, s.offsets, {}), {});
@@ -369,7 +379,7 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
         const RunPlan& run = s.description.runs[r];
         const std::vector<double> read = worsen(draw, s.nuisance, run.times(run.sampling), clean.force[r]);
         out.files.emplace_back(run.file, forceFile(draw, s.description, run, read));
-        if (!s.description.markers.empty())
+        if (!s.description.markers.empty() && run.filmed)
             out.files.emplace_back(run.markersFile, markerFile(draw, s.description, s.nuisance, run, clean.markers[r]));
         runs.push_back({{"run", run.file},
                         {"rows", read.size()},

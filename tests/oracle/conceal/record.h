@@ -23,6 +23,9 @@ struct Further {
     double rate = 0.0;       ///< Hz
     std::size_t repeats = 1; ///< how often it is made
     bool turned = false;     ///< with the specimens mounted end for end
+    /// Arc fractions of each specimen that are tracked from this run on.
+    std::vector<double> markers{};
+    double markerRate = 4.0; ///< Hz
 };
 
 struct Clean;

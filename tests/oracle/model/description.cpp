@@ -118,7 +118,7 @@ Json runsOf(const Description& d) {
                   {"specimen_state_at_start", "fresh specimen of the same batch, unloaded and rested"}};
         if (r.turned)
             j["specimen_turned"] = true;
-        if (!d.markers.empty()) {
+        if (!d.markers.empty() && r.filmed) {
             j["markers_file"] = r.markersFile;
             j["markers_sampling_hz"] = r.markersSampling;
         }
@@ -160,6 +160,7 @@ Description readDescription(const std::string& file) {
         p.sampling = r.at("sampling_hz");
         p.markersSampling = r.value("markers_sampling_hz", 5.0);
         p.turned = r.value("specimen_turned", false);
+        p.filmed = r.contains("markers_file");
         d.runs.push_back(p);
     }
     if (j.contains("markers"))

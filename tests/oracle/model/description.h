@@ -13,6 +13,7 @@ struct RunPlan {
     Drive drive;                                   ///< m
     double sampling = 50.0, markersSampling = 5.0; ///< Hz
     bool turned = false;                           ///< specimens and their markers are mounted end for end
+    bool filmed = true;                            ///< the description's markers, if there are any, are tracked
     [[nodiscard]] std::vector<double> times(double rate) const;
 };
 

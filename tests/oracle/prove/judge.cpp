@@ -290,7 +290,9 @@ std::optional<Further> proposedRun(const std::string& diagnosisFile) {
             {drive.at("time_s").get<std::vector<double>>(), drive.at("displacement_m").get<std::vector<double>>()},
             next.at("sampling_Hz"),
             next.value("repeats", std::size_t{1}),
-            next.value("specimen_turned", false)};
+            next.value("specimen_turned", false),
+            next.value("new_markers_arc_fraction", std::vector<double>{}),
+            next.value("markers_sampling_Hz", 0.0)};
     } catch (const Json::exception& e) {
         throw std::runtime_error(diagnosisFile + ": " + e.what());
     }

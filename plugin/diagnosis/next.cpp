@@ -1,7 +1,6 @@
 #include "plugin/diagnosis/next.h"
 
-#include "plugin/diagnosis/misfit.h"
-#include "plugin/diagnosis/whitening.h"
+#include "plugin/diagnosis/sight.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -13,22 +12,6 @@ namespace supercircle::diagnosis {
 namespace {
 
 using Index = Eigen::Index;
-
-/// How far the machine goes from row to row around each, m; 0 without a machine.
-Eigen::VectorXd ways(const Design& design, const Eigen::VectorXd& time) {
-    const auto at = [&](double t) { // of the head
-        std::size_t i = 1;
-        while (i + 1 < design.time.size() && design.time[i] < t)
-            ++i;
-        const double share = (t - design.time[i - 1]) / (design.time[i] - design.time[i - 1]);
-        return design.displacement[i - 1] +
-               std::clamp(share, 0.0, 1.0) * (design.displacement[i] - design.displacement[i - 1]);
-    };
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(time.size());
-    for (Index k = 1; k < time.size() && design.time.size() > 1; ++k)
-        out[k] = std::abs(at(time[k]) - at(time[k - 1]));
-    return out;
-}
 
 /// How well runs refute a rival that is not true.
 struct Told {
@@ -61,7 +44,6 @@ public:
         for (const DesignResponse& r : responses_)
             if (!usable(r))
                 return false;
-        way_ = ways(design_, responses_.front().time);
         columns_.resize(readingsOf(responses_.front()).size(), static_cast<Index>(rivals_.size()));
         for (std::size_t i = 0; i < rivals_.size(); ++i)
             columns_.col(static_cast<Index>(i)) = readingsOf(responses_[i]);
@@ -116,7 +98,7 @@ public:
     /// How well so many of these runs, fitted together, refute whichever other rival is hardest to refute if one is
     /// true. @param refit false: none is refitted, which is more than there is
     [[nodiscard]] std::vector<Told> told(std::size_t repeats, bool refit) const {
-        const Eigen::MatrixXd sums = products(repeats);
+        const Eigen::MatrixXd sums = seenProducts(design_, responses_.front(), noise_, columns_, repeats);
         std::vector<Told> out;
         for (std::size_t a = 0; a < rivals_.size(); ++a) {
             std::optional<Told> hardest;
@@ -142,103 +124,6 @@ private:
         return all;
     }
 
-    /// One of so many runs behind its noise and what simulations are off by, which all of them share (misfit.h).
-    class Sight {
-    public:
-        Sight(const Foretold& f, const MisfitSettings& s) : forces_(f.responses_.front().force.size()) {
-            const DesignResponse& first = f.responses_.front();
-            const Eigen::VectorXd &time = first.time, &force = first.force;
-            const double peak = force.cwiseAbs().maxCoeff();
-            const double everywhere =
-                std::hypot(s.repeated * f.design_.doubt * s.shareOfPeak * peak, f.noise_.runToRun);
-            Eigen::VectorXd errors(force.size());
-            for (Index k = 0; k < errors.size(); ++k)
-                errors[k] = std::hypot(everywhere, placeError(force, k, f.way_[k], s));
-            // For a tenth of a leg at a time: many readings do not average it away.
-            white_ = Whitening(time, f.noise_.white, f.noise_.coloured, f.noise_.memory, errors,
-                               std::clamp(0.05 * (time[time.size() - 1] - time[0]), 0.02, 3.0));
-            const Eigen::VectorXd one = white_.apply(Eigen::VectorXd::Ones(force.size()));
-            shift_ = one / one.norm();
-            markers_ =
-                Eigen::VectorXd::Constant(first.markers.size(), 1.0 / std::hypot(markerNoise(f.noise_), place(s, f)));
-            letGo(first, s.free * peak, s.swing);
-        }
-        /// Whitened, a constant shift of the force taken out.
-        [[nodiscard]] Eigen::MatrixXd each(const Eigen::MatrixXd& readings) const {
-            Eigen::MatrixXd u(readings.rows(), readings.cols());
-            u.topRows(forces_) = white_.columns(readings.topRows(forces_));
-            u.topRows(forces_) -= shift_ * (shift_.transpose() * u.topRows(forces_));
-            u.bottomRows(markers_.size()) = markers_.asDiagonal() * readings.bottomRows(markers_.size());
-            return u;
-        }
-
-    private:
-        /// m; of a camera that was not there yet as usual ones have it.
-        static double markerNoise(const Noise& noise) { return noise.marker > 0.0 ? noise.marker : 3e-5; }
-        static double place(const MisfitSettings& s, const Foretold& f) {
-            return s.repeated * f.design_.doubt * s.markerPlace;
-        }
-        /// Markers of a specimen that swings freely say nothing (row_errors.h).
-        void letGo(const DesignResponse& r, double held, double swing) {
-            for (Index k = 1; k < forces_; ++k)
-                if (std::abs(r.force[k - 1]) > held && std::abs(r.force[k]) <= held)
-                    for (Index i = 0; i < markers_.size(); ++i)
-                        if (const double t = r.markerTime[i % r.markerTime.size()];
-                            t >= r.time[k - 1] && t <= r.time[k] + swing)
-                            markers_[i] = 0.0;
-        }
-        Index forces_;
-        Whitening white_;
-        Eigen::VectorXd shift_;   ///< of length 1
-        Eigen::VectorXd markers_; ///< 1 over the deviation of each of their rows, 1/m
-    };
-
-    /// What each run has of its own as a recorded one has (misfit.h): clock and scale of the force, a shift of each
-    /// coordinate of each marker while the machine goes one way.
-    [[nodiscard]] Eigen::MatrixXd ownOf(const MisfitSettings& s) const {
-        const DesignResponse& first = responses_.front();
-        const Index n = first.force.size(), frames = first.markerTime.size();
-        const Index tracks = frames > 0 ? first.markers.size() / frames : 0;
-        const std::vector<Index> turns = strokesOf(first.markerTime);
-        const auto strokes = static_cast<Index>(turns.size()) - 1;
-        Eigen::MatrixXd own = Eigen::MatrixXd::Zero(columns_.rows(), 2 + tracks * strokes);
-        own.col(0).segment(1, n - 2) = s.clock * 0.5 * (first.force.tail(n - 2) - first.force.head(n - 2));
-        own.col(1).head(n) = (design_.time.empty() ? 0.0 : s.repeated * s.scale) * first.force;
-        for (Index c = 0; c < tracks; ++c)
-            for (Index i = 0; i < strokes; ++i) {
-                const auto at = static_cast<std::size_t>(i);
-                own.col(2 + c * strokes + i)
-                    .segment(n + c * frames + turns[at], turns[at + 1] - turns[at])
-                    .setConstant(s.repeated * s.markerShift);
-            }
-        return own;
-    }
-    /// First frames of the ways in one direction, and the number of frames.
-    [[nodiscard]] std::vector<Index> strokesOf(const Eigen::VectorXd& frames) const {
-        std::vector<Index> out = {0};
-        const auto direction = [&](std::size_t i) {
-            const double way = design_.displacement[i] - design_.displacement[i - 1];
-            return (way > 0.0) - (way < 0.0);
-        };
-        for (std::size_t i = 2; i < design_.time.size(); ++i)
-            if (direction(i) != direction(i - 1)) {
-                const Index first =
-                    std::lower_bound(frames.begin(), frames.end(), design_.time[i - 1]) - frames.begin();
-                if (first > out.back() && first < frames.size())
-                    out.push_back(first);
-            }
-        out.push_back(frames.size());
-        return out;
-    }
-
-    /// Of all columns, behind what each run has of its own; all runs together.
-    [[nodiscard]] Eigen::MatrixXd products(std::size_t repeats) const {
-        const MisfitSettings s = MisfitSettings{}.inEachOf(repeats);
-        const Sight sight(*this, s);
-        const Eigen::MatrixXd own = sight.each(ownOf(s)), seen = sight.each(columns_), taken = own.transpose() * seen;
-        const Eigen::MatrixXd alone = Eigen::MatrixXd::Identity(own.cols(), own.cols()) + own.transpose() * own;
-        return static_cast<double>(repeats) * (seen.transpose() * seen - taken.transpose() * alone.ldlt().solve(taken));
-    }
     /// Whether b can do all that a does: it cannot be refuted where a is true.
     [[nodiscard]] bool within(std::size_t a, std::size_t b) const {
         const std::vector<Term>&of = rivals_[a].point.terms, &by = rivals_[b].point.terms;
@@ -283,7 +168,6 @@ private:
     const Noise& noise_;
     const std::vector<Rival>& rivals_;
     std::vector<DesignResponse> responses_; ///< of the rivals
-    Eigen::VectorXd way_;                   ///< of the head from row to row, m
     /// Readings of the rivals, their derivatives by nominal parameters and by each rival's own numbers, N and m.
     Eigen::MatrixXd columns_;
     Index nominal_ = 0;      ///< number of nominal parameters

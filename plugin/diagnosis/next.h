@@ -3,9 +3,9 @@
 //
 // Predictions of a run lie some way apart, but the run will be fitted again: what the recorded runs leave open in the
 // numbers of a rival that is not true may take the difference up. So the distance is measured in the covariance
-// 1 + J C J', with C the posterior of that one's fit and J the derivatives of the new run (noise units; a constant
-// shift is taken out), and in that of what every run has of its own and every simulation is off by: clock, scale,
-// contact places (misfit.h). A sensor that is 6 ms late was to be told from nothing in a hold of 100 s, read 19 times a
+// 1 + J C J', with C the posterior of that one's fit and J the derivatives of the new run (noise units; force and
+// markers), and in that of what every run has of its own and every simulation is off by: zero, clock, scale, contact
+// places (sight.h). A sensor that is 6 ms late was to be told from nothing in a hold of 100 s, read 19 times a
 // second, with a power of 1; a clock is known to a tenth of a row. Without all that, of seven runs that were proposed
 // and made with the second simulator three settled the case: a wrong gain and a softening that is over in a quarter of
 // a second differ by much in a slow run, until the modulus is fitted again.

@@ -70,8 +70,6 @@ std::optional<Tried> fitLabel(Evaluator& evaluator, const Misfit& misfit, const 
 }
 
 std::optional<Tried> fromStated(Evaluator& evaluator, const Misfit& misfit, const Tried& known) {
-    if (misfit.data().free) // no number of a free scene has a corner
-        return std::nullopt;
     Tried again = known;
     Point start = known.fit.point;
     const std::vector<Scalar>& stated = evaluator.model().nominal();

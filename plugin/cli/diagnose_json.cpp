@@ -40,6 +40,7 @@ Json parametersOf(const std::vector<diagnosis::FittedParameter>& all) {
         out[p.name] = {{"value", finite(p.value)},
                        {"unit", p.unit},
                        {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}},
+                       {"either_side", p.ci90.eitherSide},
                        {"shown_only_by", p.only.empty() ? Json(nullptr) : Json(p.only)}};
     return out;
 }

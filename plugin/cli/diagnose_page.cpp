@@ -77,6 +77,8 @@ std::string effectTable(const Diagnosis& d) {
                       rounded(p.ci90.high, 4) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
             if (std::find(e.pressed.begin(), e.pressed.end(), p.name) != e.pressed.end())
                 values += " (the largest that is plausible; the runs want more)";
+            if (p.ci90.eitherSide)
+                values += " (or to the other side, which these runs do not tell)";
             if (!p.only.empty())
                 values += " (shown by " + escaped(p.only) + " only)";
             if (!p.about.empty())

@@ -45,7 +45,8 @@ std::string learnt(const Diagnosis& d) {
 std::string withValues(const FoundEffect& e) {
     std::string text = plainWords(e.label) + (e.form.empty() ? "" : " (" + e.form + ")");
     const auto write = [&](const FittedParameter& p) {
-        return p.name + " = " + rounded(p.value, 3) + (p.unit == "1" ? "" : " " + p.unit);
+        return p.name + " = " + rounded(p.value, 3) + (p.unit == "1" ? "" : " " + p.unit) +
+               (p.ci90.eitherSide ? " (or to the other side, which these runs do not tell)" : "");
     };
     for (std::size_t i = 0; i < e.parameters.size() && i < 4; ++i)
         text += (i == 0 ? ": " : ", ") + write(e.parameters[i]);

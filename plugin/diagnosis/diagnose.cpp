@@ -306,7 +306,7 @@ std::vector<Interval> Work::profiled(Tried& t, Eigen::MatrixXd& careful) {
             continue;
         }
         if (elsewhere.empty())
-            elsewhere = otherHollows(evaluator_, *misfit_, f, screened_);
+            elsewhere = otherHollows(evaluator_, *misfit_, f, screened_, base_.misfit);
         const auto lowest = std::min_element(elsewhere.begin(), elsewhere.end(),
                                              [](const Fitted& a, const Fitted& b) { return a.misfit < b.misfit; });
         if (may && lowest != elsewhere.end() && lowest->misfit < f.misfit - kLower) {

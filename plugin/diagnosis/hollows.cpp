@@ -20,20 +20,18 @@ Index placeOf(const Candidate& c) {
     return at == c.parameters.end() ? -1 : static_cast<Index>(at - c.parameters.begin());
 }
 
-} // namespace
+double valueAt(const std::vector<double>& values, Index i) {
+    return values[static_cast<std::size_t>(i)];
+}
 
-std::vector<Fitted> otherHollows(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
-                                 const std::vector<Screened>& screened) {
-    std::vector<Fitted> found;
-    if (fitted.point.terms.size() != 1)
-        return found;
-    const Term& is = fitted.point.terms.front();
-    const Index place = placeOf(evaluator.model().candidates()[is.candidate]);
-    if (place < 0)
-        return found;
-    const auto at = [&](const std::vector<double>& values) { return values[static_cast<std::size_t>(place)]; };
+bool apart(double a, double b) {
+    return std::abs(a - b) > kElsewhere;
+}
+
+/// The best probes elsewhere along the arc, and the mirror image.
+std::vector<std::vector<double>> otherPlaces(const Term& is, Index place, const std::vector<Screened>& screened) {
     const auto elsewhere = [&](const std::vector<double>& a, const std::vector<double>& b) {
-        return std::abs(at(a) - at(b)) > kElsewhere;
+        return apart(valueAt(a, place), valueAt(b, place));
     };
     std::vector<const Screened*> probes;
     for (const Screened& s : screened)
@@ -48,17 +46,63 @@ std::vector<Fitted> otherHollows(Evaluator& evaluator, const Misfit& misfit, con
             starts.push_back(s->values);
     // A probe in the place of the mirror image bends to another side or by another angle: another start.
     starts.push_back(is.values);
-    starts.back()[static_cast<std::size_t>(place)] = 1.0 - at(is.values);
+    starts.back()[static_cast<std::size_t>(place)] = 1.0 - valueAt(is.values, place);
     if (!elsewhere(starts.back(), is.values))
         starts.pop_back();
+    return starts;
+}
+
+/// Whether an amplitude may have either sign.
+bool sided(const Scalar& s) {
+    return s.amplitude && s.lower < 0.0 && s.upper > 0.0;
+}
+
+/// The same with the sign of one amplitude changed, where that explains anything.
+std::vector<std::vector<double>> otherSides(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                                            double without) {
+    const Term& is = fitted.point.terms.front();
+    const Candidate& c = evaluator.model().candidates()[is.candidate];
+    std::vector<std::vector<double>> starts;
+    for (std::size_t i = 0; i < c.parameters.size() && !evaluator.stopped(); ++i) {
+        if (!sided(c.parameters[i]) || is.values[i] == 0.0)
+            continue;
+        std::vector<double> values = is.values;
+        values[i] = std::clamp(-values[i], c.parameters[i].lower, c.parameters[i].upper);
+        Point point = fitted.point;
+        point.terms.front().values = values;
+        const auto there = evaluator.everywhere({point}, Fineness::Fine).front();
+        const auto residual = misfit.residual(there);
+        if (residual && residual->squaredNorm() + misfit.charge(there).sum() < without)
+            starts.push_back(std::move(values));
+    }
+    return starts;
+}
+
+} // namespace
+
+std::vector<Fitted> otherHollows(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
+                                 const std::vector<Screened>& screened, double without) {
+    std::vector<Fitted> found;
+    if (fitted.point.terms.size() != 1)
+        return found;
+    const Term& is = fitted.point.terms.front();
+    const Candidate& c = evaluator.model().candidates()[is.candidate];
+    const Index place = placeOf(c);
+    const auto elsewhere = [&](const std::vector<double>& values) {
+        bool other = place >= 0 && apart(valueAt(values, place), valueAt(is.values, place));
+        for (std::size_t i = 0; i < values.size() && place < 0; ++i)
+            other = other || (sided(c.parameters[i]) && values[i] * is.values[i] < 0.0);
+        return other;
+    };
     FitSettings settings;
     settings.rival = fitted.misfit;
-    for (const std::vector<double>& start : starts) {
+    for (const std::vector<double>& start :
+         place >= 0 ? otherPlaces(is, place, screened) : otherSides(evaluator, misfit, fitted, without)) {
         if (evaluator.stopped())
             break;
         Fitted f = fit(evaluator, misfit, Point{fitted.point.nominal, {{is.candidate, start, is.smoothing}}}, settings,
                        fitted.jacobian.leftCols(static_cast<Index>(fitted.point.nominal.size())));
-        if (f.failure.empty() && elsewhere(f.point.terms.front().values, is.values))
+        if (f.failure.empty() && elsewhere(f.point.terms.front().values))
             found.push_back(std::move(f));
     }
     return found;
@@ -73,6 +117,7 @@ void widenBy(const std::vector<Fitted>& hollows, const Variables& v, const Fitte
             if (left <= 0.0)
                 continue;
             const auto i = static_cast<std::size_t>(k - v.nominal);
+            intervals[i].eitherSide = intervals[i].eitherSide || (sided(v.scalar(k)) && h.x[k] * fitted.x[k] < 0.0);
             const double reach = std::min(1.0, std::sqrt(left));
             intervals[i].low = std::min(intervals[i].low, h.x[k] + reach * (there[i].low - h.x[k]));
             intervals[i].high = std::max(intervals[i].high, h.x[k] + reach * (there[i].high - h.x[k]));

@@ -29,11 +29,11 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Groupi
             e.with.push_back(candidates[t.candidates[term]].label);
         for (Index k = first; k < first + n && term == shown; ++k) {
             const Scalar& s = v.scalar(k);
-            const auto& [low, high] = spread.intervals[static_cast<std::size_t>(k - v.nominal)];
+            const Interval& ci = spread.intervals[static_cast<std::size_t>(k - v.nominal)];
             const auto at = [&](double x) {
                 return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
             };
-            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(low), at(high)}, {}, s.about};
+            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(ci.low), at(ci.high), ci.eitherSide}, {}, s.about};
             const auto number = static_cast<std::size_t>(k);
             if (!t.learned && number < t.held.only.size() && t.held.only[number] >= 0)
                 p.only = grouping.names[static_cast<std::size_t>(t.held.only[number])];

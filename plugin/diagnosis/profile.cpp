@@ -318,19 +318,19 @@ Profiled profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitt
     double least = fitted.misfit, dent = 0.0;
     std::vector<Visited> seen;
     for (Index k = v.nominal; k < v.size() && !out.better; ++k) {
-        auto& [low, high] = out.intervals[static_cast<std::size_t>(k - v.nominal)];
+        Interval& ci = out.intervals[static_cast<std::size_t>(k - v.nominal)];
         const double half = halfWidth(v, jacobian, dispersions, k);
         Profile profile(evaluator, misfit, best, dispersions[k], k);
         profile.countFrom(least);
         if (const auto end = profile.end(1.0, half))
-            high = fitted.x[k] + *end;
+            ci.high = fitted.x[k] + *end;
         if (!(stopAtBetter && profile.better()))
             if (const auto end = profile.end(-1.0, half))
-                low = fitted.x[k] + *end;
+                ci.low = fitted.x[k] + *end;
         if (!(stopAtBetter && profile.better()) && profile.roughness() > kRough && !evaluator.stopped()) {
             const Interval rough = profile.roughly(half);
-            low = std::min(low, fitted.x[k] + rough.low);
-            high = std::max(high, fitted.x[k] + rough.high);
+            ci.low = std::min(ci.low, fitted.x[k] + rough.low);
+            ci.high = std::max(ci.high, fitted.x[k] + rough.high);
         }
         least = profile.least();
         dent = std::max(dent, profile.dent());
@@ -342,9 +342,9 @@ Profiled profileIntervals(Evaluator& evaluator, const Misfit& misfit, const Fitt
     for (Index k = v.nominal; k < v.size(); ++k)
         for (const Visited& s : seen)
             if (s.misfit < least + k90 * k90 * dispersions[k] + 2.0 * dent) {
-                auto& [low, high] = out.intervals[static_cast<std::size_t>(k - v.nominal)];
-                low = std::min(low, s.x[k]);
-                high = std::max(high, s.x[k]);
+                Interval& ci = out.intervals[static_cast<std::size_t>(k - v.nominal)];
+                ci.low = std::min(ci.low, s.x[k]);
+                ci.high = std::max(ci.high, s.x[k]);
             }
     return out;
 }

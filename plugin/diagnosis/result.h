@@ -13,6 +13,7 @@ namespace supercircle::diagnosis {
 
 struct Interval {
     double low = 0.0, high = 0.0;
+    bool eitherSide = false; ///< it holds the mirror image, too: the runs do not tell to which side (hollows.h)
 };
 
 struct FittedParameter {

@@ -286,7 +286,7 @@ TEST_CASE("an interval of a place holds the other hollow of its misfit", "[diagn
     const Variables v(model, found.point);
     const auto place = [&](double x) { return v.scalar(3).value + x * v.scalar(3).step; };
     REQUIRE(place(found.x[3]) == Approx(0.7).margin(0.02)); // in the wrong half, as good as in the right one
-    const auto others = otherHollows(evaluator, misfit, found, screen(evaluator, misfit, base));
+    const auto others = otherHollows(evaluator, misfit, found, screen(evaluator, misfit, base), base.misfit);
     REQUIRE(!others.empty());
     for (const Fitted& other : others) {
         CHECK(place(other.x[3]) == Approx(0.3).margin(0.02));
@@ -309,5 +309,73 @@ TEST_CASE("an interval of a place holds the other hollow of its misfit", "[diagn
     const toy::Spring spring(data);
     Store springs;
     Evaluator elastic(spring, data.runs.size(), {}, springs);
-    CHECK(otherHollows(elastic, misfit, fit(elastic, misfit, {{103.0, 0.08}, {{0, {5.0}}}}), {}).empty());
+    CHECK(otherHollows(elastic, misfit, fit(elastic, misfit, {{103.0, 0.08}, {{0, {5.0}}}}), {}, base.misfit).empty());
+}
+
+namespace {
+
+/// A spring whose force grows as it is pushed off its axis, whatever the side, and one that minds the side.
+class Aside final : public Model {
+public:
+    Aside(const Data& data, double minds) : spring_(data), data_(data), minds_(minds) {
+        candidates_.push_back({"aside",
+                               "apparatus",
+                               "",
+                               "a^2 sin 5 x + minds a sin 9 x",
+                               {{"a", "1", "", 0.0, -9.0, 9.0, 0.5, Scale::Linear, true}},
+                               {{1.0}, {-1.0}}});
+    }
+    [[nodiscard]] const std::vector<Scalar>& nominal() const override { return spring_.nominal(); }
+    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] std::string identity() const override { return "aside"; }
+    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness fineness,
+                                    const std::atomic<bool>* stop) const override {
+        Response out = spring_.simulate(r, Point{p.nominal, {}}, fineness, stop);
+        for (const Term& t : p.terms)
+            for (Eigen::Index k = 0; k < out.force.size(); ++k) {
+                const double x = data_.runs[r].displacement[k] / 0.01, a = t.values[0];
+                out.force[k] += 0.05 * (a * a * std::sin(5.0 * x) + minds_ * a * std::sin(9.0 * x));
+            }
+        return out;
+    }
+
+private:
+    toy::Spring spring_;
+    const Data& data_;
+    double minds_;
+    std::vector<Candidate> candidates_;
+};
+
+} // namespace
+
+TEST_CASE("an interval says where the side of an effect is not told", "[diagnosis]") {
+    for (const double minds : {0.0, 1.0}) {
+        Data data = toy::recordings(43);
+        const Aside model(data, minds);
+        const Point truth{{103.0, 0.08}, {{0, {1.2}}}};
+        for (std::size_t r = 0; r < data.runs.size(); ++r)
+            data.runs[r].force += model.simulate(r, truth, Fineness::Fine, nullptr).force -
+                                  model.simulate(r, Point{truth.nominal, {}}, Fineness::Fine, nullptr).force;
+        Store store;
+        Evaluator evaluator(model, data.runs.size(), {}, store);
+        const Point stated{{100.0, 0.1}, {}};
+        const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+        const Fitted base = fit(evaluator, misfit, stated),
+                     found = fit(evaluator, misfit, {base.point.nominal, {{0, {minds == 0.0 ? -1.0 : 1.0}}}});
+        const double value = found.point.terms[0].values[0];
+        REQUIRE(std::abs(value) == Approx(1.2).epsilon(0.1));
+        const auto others = otherHollows(evaluator, misfit, found, screen(evaluator, misfit, base), base.misfit);
+        const Variables v(model, found.point);
+        const Eigen::VectorXd one = Eigen::VectorXd::Ones(v.size());
+        std::vector<Interval> ci = linearIntervals(v, found, found.jacobian, one);
+        widenBy(others, v, found, one, ci);
+        CHECK(ci[0].eitherSide == (minds == 0.0));
+        if (minds == 0.0) {
+            REQUIRE(others.size() == 1);
+            CHECK(others[0].point.terms[0].values[0] == Approx(-value).epsilon(1e-3));
+            CHECK(ci[0].low < -1.19 / 0.5);
+            CHECK(ci[0].high > 1.19 / 0.5);
+        }
+    }
 }

@@ -350,9 +350,9 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
     if (out.failure = drawn.failure; !out.failure.empty())
         return out;
     const std::size_t asked = s.description.runs.size(); // the first run that was asked for
-    if (further && !further->markers.empty()) {          // a camera that was not there before
+    if (further && s.description.markers.empty()) {      // a camera that was not there before
         for (RunPlan& run : s.description.runs)
-            run.filmed = run.filmed && !s.description.markers.empty();
+            run.filmed = false;
         for (std::size_t a = 0; a < s.description.nominal.specimens.size(); ++a)
             for (const double at : further->markers)
                 s.description.markers.push_back({static_cast<int>(a), at});

@@ -209,7 +209,7 @@ std::string judged(const Diagnosis& d, const Evidence& e) {
                "matters without being seen: these runs do not decide." +
                nextOf(d);
     if (d.verdict == "named")
-        return named(d);
+        return named(d) + nextOf(d);
     if (d.verdict == "unexplained")
         return "Something is missing (p = " + rounded(e.p, 3) + "), and no effect of the catalogue accounts for it" +
                (d.effects.empty()

@@ -315,6 +315,8 @@ std::vector<Interval> Work::profiled(Tried& t, Eigen::MatrixXd& careful) {
         }
         intervals = std::move(p.intervals);
         widenBy(elsewhere, here, f, dispersions, intervals);
+        if (std::any_of(intervals.begin(), intervals.end(), [](const Interval& i) { return i.eitherSide; }))
+            t.otherSide = *lowest;
         break;
     }
     if (moves > 0 && !evaluator_.stopped()) // errors on unseen runs are those of the fit that is shown
@@ -430,7 +432,8 @@ void Work::conclusions(const Weighed& w, Evidence& e) {
 void Work::suggest() {
     // Where nothing known holds, no run that tells two refuted effects from each other says what does.
     const bool open = out_.verdict == "ambiguous" || out_.verdict == "not_enough_information" ||
-                      (out_.verdict == "named" && out_.effects.front().group.size() > 1);
+                      (out_.verdict == "named" &&
+                       (out_.effects.front().group.size() > 1 || tried_[entries_.front().model].otherSide.has_value()));
     if (!open || !settings_.next || evaluator_.model().designs().empty())
         return;
     stage(0.96, "next experiment");

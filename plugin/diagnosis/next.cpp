@@ -126,6 +126,8 @@ private:
 
     /// Whether b can do all that a does: it cannot be refuted where a is true.
     [[nodiscard]] bool within(std::size_t a, std::size_t b) const {
+        if (rivals_[a].otherSide != rivals_[b].otherSide)
+            return false;
         const std::vector<Term>&of = rivals_[a].point.terms, &by = rivals_[b].point.terms;
         return std::all_of(of.begin(), of.end(), [&](const Term& t) {
             return std::any_of(by.begin(), by.end(), [&](const Term& u) { return u.candidate == t.candidate; });

@@ -42,6 +42,7 @@ struct Rival {
     Eigen::VectorXd x;
     Eigen::MatrixXd covariance; ///< posteriorOf()
     double weight = 1.0;        ///< how probable it is; of one without effects ("nothing") it does not count
+    bool otherSide = false;     ///< the mirror image of another one, which it is no part of
 };
 
 /// Simulates the designs with all rivals and takes the one that refutes whatever is not true by four units, with a

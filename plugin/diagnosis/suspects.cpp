@@ -61,6 +61,13 @@ std::vector<Rival> suspects(Evaluator& evaluator, const Misfit& misfit, const Fi
         if ((n.twin || n.probability >= kLeast) && taken.insert(n.shown).second)
             out.push_back(rivalOf(evaluator.model(), misfit, n.label, n.shown->fit, std::max(kLeast, n.probability)));
     }
+    // Of the first one its mirror image, too: which of the two it is.
+    if (!out.empty() && named.front().shown->otherSide) {
+        out.front().weight *= 0.5;
+        out.push_back(rivalOf(evaluator.model(), misfit, named.front().label + " to the other side",
+                              *named.front().shown->otherSide, out.front().weight));
+        out.back().otherSide = true;
+    }
     if (out.empty())
         out = promising(evaluator, misfit, base, named, screened);
     if (out.size() == 1 || (!out.empty() && nothing >= kLeast))

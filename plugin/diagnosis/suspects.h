@@ -22,7 +22,8 @@ struct Named {
     bool twin = false;            ///< in the first one's group
 };
 
-/// Four effects at most, the most probable first, and behind them nothing if it may be.
+/// Four effects at most, the most probable first, behind them the mirror image of the first if these runs do not tell
+/// the side, and nothing if it may be.
 /// @param named most probable first
 /// @param nothing its probability
 std::vector<Rival> suspects(Evaluator& evaluator, const Misfit& misfit, const Fitted& base,

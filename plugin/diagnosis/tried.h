@@ -4,6 +4,7 @@
 #include "plugin/diagnosis/heldout.h"
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -14,6 +15,7 @@ struct Tried {
     HeldOut held;
     std::vector<std::size_t> parts; ///< hypotheses it must beat to count (Weighing::parts)
     bool learned = false;
+    std::optional<Fitted> otherSide{}; ///< its mirror image, where these runs do not tell which it is (hollows.h)
 };
 
 } // namespace supercircle::diagnosis

@@ -59,6 +59,12 @@ TEST_CASE("a case is judged by its answer", "[oracle]") {
     CHECK(j.overNoise == Approx(1.1));
     CHECK(j.pTruth == Approx(0.9)); // the group counts as one
     CHECK(j.brier == Approx(0.5 * (0.1 * 0.1 + 0.1 * 0.1)));
+    // The other side is wrong, unless the answer says that the side is not told.
+    std::string mirrored = kDiagnosis;
+    mirrored.replace(mirrored.find("0.36"), 4, "-0.36");
+    CHECK(judge(f.put("answer.json", kAnswer), f.put("mirrored.json", mirrored)).amplitudeError == Approx(1.9));
+    mirrored.replace(mirrored.find("-0.36"), 5, "-0.36, \"either_side\": true");
+    CHECK(judge(f.put("answer.json", kAnswer), f.put("mirrored.json", mirrored)).amplitudeError == Approx(0.1));
 }
 
 TEST_CASE("windows are compared reading by reading", "[oracle]") {

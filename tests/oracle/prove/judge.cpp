@@ -146,8 +146,12 @@ void compareParameters(const Json& hidden, const Json& effect, Judged& j) {
         if (truth.contains(s->second.name) && found.contains(s->second.name)) {
             const double is = truth.at(s->second.name).get<double>() - s->second.off;
             const Json& value = found.at(s->second.name).at("value");
-            if (is != 0.0 && value.is_number())
-                j.amplitudeError = std::abs((value.get<double>() - s->second.off) / is - 1.0);
+            if (is != 0.0 && value.is_number()) {
+                const double ratio = (value.get<double>() - s->second.off) / is;
+                // Where the answer says that the side is not told only the size is an answer.
+                j.amplitudeError =
+                    std::abs((found.at(s->second.name).value("either_side", false) ? std::abs(ratio) : ratio) - 1.0);
+            }
         }
     for (const auto& [name, value] : truth.items())
         if (found.contains(name) && found.at(name).at("ci90").at(0).is_number() &&

@@ -34,6 +34,13 @@ Json windowsOf(const diagnosis::Localisation& l) {
     return all;
 }
 
+/// Of an effect that may act to either side, else null.
+Json sizesOf(const diagnosis::Interval& ci) {
+    if (!ci.eitherSide)
+        return nullptr;
+    return {finite(ci.least), finite(std::max(std::abs(ci.low), std::abs(ci.high)))};
+}
+
 Json parametersOf(const std::vector<diagnosis::FittedParameter>& all) {
     Json out = Json::object();
     for (const diagnosis::FittedParameter& p : all)
@@ -41,6 +48,7 @@ Json parametersOf(const std::vector<diagnosis::FittedParameter>& all) {
                        {"unit", p.unit},
                        {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}},
                        {"either_side", p.ci90.eitherSide},
+                       {"size_ci90", sizesOf(p.ci90)},
                        {"shown_only_by", p.only.empty() ? Json(nullptr) : Json(p.only)}};
     return out;
 }
@@ -124,6 +132,7 @@ std::string diagnosisJson(const Diagnosis& d) {
     if (d.next)
         next = {{"what", d.next->run.what},
                 {"separates", d.next->separates},
+                {"tells_side", d.next->side},
                 {"expected_power", d.next->power},
                 {"repeats", d.next->repeats},
                 {"drive", {{"time_s", d.next->run.time}, {"displacement_m", d.next->run.displacement}}},

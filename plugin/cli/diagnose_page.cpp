@@ -175,7 +175,10 @@ std::string driveTable(const diagnosis::Design& run) {
     return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz" +
            (run.markerRate > 0.0 ? ", markers at " + rounded(run.markerRate, 2) + " Hz." : ".") + markers +
            (markers.empty() ? "" : ".") +
-           (run.turned ? " The run's entry in experiment.json says \"specimen_turned\": true." : "") + "</p>";
+           (run.turned ? " Its first end where the last one was, bent to the same side as before; the run's entry in "
+                         "experiment.json says \"specimen_turned\": true."
+                       : "") +
+           "</p>";
 }
 
 std::string nextText(const Diagnosis& d) {
@@ -185,7 +188,11 @@ std::string nextText(const Diagnosis& d) {
     const std::vector<std::string>& labels = d.next->separates;
     for (std::size_t i = 0; i < labels.size(); ++i)
         all += (i == 0 ? "" : i + 1 == labels.size() ? " and " : ", ") + escaped(diagnosis::plainWords(labels[i]));
-    return "<p>" + escaped(diagnosis::inWords(*d.next)) + ". It tells " + all + " apart with a power of at most " +
+    std::string told = labels.size() > 1 ? all + " apart" : "";
+    if (d.next->side)
+        told += (told.empty() ? "" : ", and ") + ("to which side " + escaped(diagnosis::plainWords(labels.front()))) +
+                " acts";
+    return "<p>" + escaped(diagnosis::inWords(*d.next)) + ". It tells " + told + " with a power of at most " +
            fixed(100.0 * d.next->power, 0) + " %.</p>" + driveTable(d.next->run);
 }
 

@@ -157,7 +157,7 @@ Json summaryOf(const ReplayedRun& run) {
                  {"steps", run.simulated.steps},
                  {"unconverged_steps", run.simulated.unconverged},
                  {"cpu_s", run.simulated.cpuSeconds}};
-    if (!run.simulated.markers.x.empty()) {
+    if (!run.simulated.markers.time.empty()) {
         json["marker_rmse_mm"] = 1e3 * c.markerRmse;
         json["marker_max_error_mm"] = 1e3 * c.markerMax;
     }

@@ -153,7 +153,7 @@ std::string figures(const ReplayedRun& run, const experiment::Channel& channel) 
     row("largest error", rounded(k * c.maxError, 4) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
                              rounded(c.maxErrorAt, 4) + " s");
     row("left out around jumps", fixed(100.0 * c.leftOut, 1) + " % of the samples");
-    if (!run.simulated.markers.x.empty())
+    if (!run.simulated.markers.time.empty())
         row("markers, rms and largest distance",
             fixed(1e3 * c.markerRmse, 3) + " mm, " + fixed(1e3 * c.markerMax, 3) + " mm");
     for (const auto& [i, j] : c.matches)

@@ -133,7 +133,7 @@ const char* name(Phase phase) {
 }
 
 bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
-    if (a.legs.size() != b.legs.size() || a.turned != b.turned)
+    if (a.legs.size() != b.legs.size())
         return false;
     for (std::size_t l = 0; l < a.legs.size(); ++l)
         if (std::abs(a.legs[l].to - b.legs[l].to) > 1e-6 || std::abs(a.legs[l].speed - b.legs[l].speed) > 1e-9)
@@ -143,7 +143,7 @@ bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
 
 std::size_t Data::firstOf(std::size_t run) const {
     std::size_t first = free ? run : 0; // nothing drives free runs alike
-    while (first < run && !sameDrive(runs[first], runs[run]))
+    while (first < run && (!sameDrive(runs[first], runs[run]) || runs[first].turned != runs[run].turned))
         ++first;
     return first;
 }
@@ -151,7 +151,7 @@ std::size_t Data::firstOf(std::size_t run) const {
 std::size_t Data::repeatsOf(std::size_t run) const {
     std::size_t alike = 0;
     for (std::size_t r = 0; r < runs.size(); ++r)
-        alike += firstOf(r) == firstOf(run) ? 1 : 0;
+        alike += r == run || (!free && sameDrive(runs[r], runs[run])) ? 1 : 0;
     return alike;
 }
 

@@ -66,7 +66,7 @@ private:
     }
 };
 
-/// Whether the machine does the same in both, to specimens that are mounted alike.
+/// Whether the machine does the same in both.
 bool sameDrive(const RecordedRun& a, const RecordedRun& b);
 
 struct Data {
@@ -82,9 +82,10 @@ struct Data {
     std::vector<std::string> markerNames;
     /// Name of a marker coordinate: x and y of the first marker, of the second, ...
     [[nodiscard]] std::string markerChannel(Eigen::Index coordinate) const;
-    /// The first run that does the same as this one (itself, if none does before it).
+    /// The first run that does the same as this one, with specimens mounted alike (itself, if none does before it).
     [[nodiscard]] std::size_t firstOf(std::size_t run) const;
-    /// How many runs do the same as this one, itself included; of free scenes 1.
+    /// How many runs have this one's drive, itself included, however specimens are mounted: what simulations are off by
+    /// is the same in them. Of free scenes 1.
     [[nodiscard]] std::size_t repeatsOf(std::size_t run) const;
     [[nodiscard]] double peakForce() const;
 };

@@ -98,16 +98,19 @@ std::vector<double> placesOfMarkers(const experiment::Experiment& e) {
     return {0.02, 0.25, 0.5, 0.75, 0.98};
 }
 
-/// Frames of a camera that are enough, Hz: those of the recorded runs, of a long run fewer.
-double frameRate(const experiment::Experiment& e, const Run& run) {
-    constexpr double kUsual = 4.0, kMost = 400.0; // Hz, frames
+/// Frames of the recorded runs' camera, Hz; 0: there was none.
+double framesOf(const experiment::Experiment& e) {
     double rate = 0.0;
-    for (const Run& recorded : e.runs)
-        rate = std::max(rate, recorded.markersSamplingRate);
-    return std::min(rate > 0.0 ? rate : kUsual, kMost / run.driveTime.back());
+    for (const Run& run : e.runs) {
+        const double step = experiment::medianStep(run.markers.time);
+        if (!e.markers.empty() && (step > 0.0 || !run.markersFile.empty()))
+            rate = std::max({rate, run.markersSamplingRate, step > 0.0 ? 1.0 / step : 0.0});
+    }
+    return rate;
 }
 
 constexpr double kDoubtOfFast = 12.0; // half a per cent of the peak
+constexpr double kUsualFrames = 4.0;  // Hz, of a camera
 
 std::vector<Plan> plansFor(const experiment::Experiment& e) {
     const Habits h = habitsOf(e);
@@ -143,11 +146,15 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         {"six cycles at " + speed(h.fastest),
          through({d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest, 0.0)}};
     plans.insert(plans.end(), usual.begin(), usual.end());
-    if (e.markers.empty()) {
-        const std::vector<double> places = placesOfMarkers(e);
-        plans.push_back({"a run that is filmed, with " + std::to_string(places.size()) + " markers on " +
-                             (e.specimens.size() > 1 ? "each specimen" : "the specimen"),
-                         through({d, 0.0}, h.fastest, 0.0), 1.0, places});
+    const double frames = framesOf(e);
+    if (frames == 0.0) { // markers that are described and were never tracked are no others
+        const std::vector<double> places = e.markers.empty() ? placesOfMarkers(e) : std::vector<double>{};
+        const std::string where = e.specimens.size() > 1 ? "each specimen" : "the specimen";
+        plans.push_back(
+            {"a run that is filmed, with " +
+                 (places.empty() ? std::string("its markers") : std::to_string(places.size()) + " markers on " + where),
+             through({d, 0.0}, h.fastest, 0.0), 1.0, places});
+        plans.back().run.markersSamplingRate = kUsualFrames;
     }
     // What sits in the specimen goes to the other side, what sits in the set-up does not. A ring has no ends.
     if (e.protocol != experiment::Protocol::RingBetweenPlates) {
@@ -162,9 +169,10 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         plans.push_back(
             {"a run " + times(fast / h.fastest) + " times faster, at " + speed(fast) + ", started and stopped smoothly",
              through({d, 0.0}, fast, 0.0, 3.0 * period), kDoubtOfFast});
+    constexpr double kMost = 400.0; // frames
     for (Plan& p : plans)
-        if (!e.markers.empty() || !p.markers.empty())
-            p.run.markersSamplingRate = frameRate(e, p.run);
+        p.run.markersSamplingRate =
+            std::min(std::max(frames, p.run.markersSamplingRate), kMost / p.run.driveTime.back());
     return plans;
 }
 

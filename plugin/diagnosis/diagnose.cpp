@@ -314,9 +314,8 @@ std::vector<Interval> Work::profiled(Tried& t, Eigen::MatrixXd& careful) {
             continue;
         }
         intervals = std::move(p.intervals);
-        widenBy(elsewhere, here, f, dispersions, intervals);
-        if (std::any_of(intervals.begin(), intervals.end(), [](const Interval& i) { return i.eitherSide; }))
-            t.otherSide = *lowest;
+        if (const Fitted* image = widenBy(elsewhere, evaluator_.model(), f, dispersions, intervals))
+            t.otherSide = *image;
         break;
     }
     if (moves > 0 && !evaluator_.stopped()) // errors on unseen runs are those of the fit that is shown

@@ -417,7 +417,7 @@ Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const
            const Eigen::MatrixXd& known) {
     const bool grow = settings.grow && misfit.data().free;
     FitSettings given = settings;
-    if (misfit.data().free) // runs are cheap, and bends of long swings not to be learnt from steps
+    if (misfit.data().free) // runs are cheap, and bends of long swings are hardly learnt from steps
         given.refreshes = given.rests = given.iterations;
     return Search(evaluator, misfit, grow ? grown(evaluator, misfit, start, given) : start, given)
         .run(grow ? Eigen::MatrixXd() : known);

@@ -108,8 +108,13 @@ std::vector<Fitted> otherHollows(Evaluator& evaluator, const Misfit& misfit, con
     return found;
 }
 
-void widenBy(const std::vector<Fitted>& hollows, const Variables& v, const Fitted& fitted,
-             const Eigen::VectorXd& dispersions, std::vector<Interval>& intervals) {
+const Fitted* widenBy(const std::vector<Fitted>& hollows, const Model& model, const Fitted& fitted,
+                      const Eigen::VectorXd& dispersions, std::vector<Interval>& intervals) {
+    const Variables v(model, fitted.point);
+    const bool placed =
+        fitted.point.terms.size() != 1 || placeOf(model.candidates()[fitted.point.terms.front().candidate]) >= 0;
+    const std::vector<Interval> alone = intervals;
+    const Fitted* image = nullptr;
     for (const Fitted& h : hollows) {
         const std::vector<Interval> there = linearIntervals(v, h, h.jacobian, dispersions);
         for (Index k = v.nominal; k < v.size(); ++k) {
@@ -117,12 +122,23 @@ void widenBy(const std::vector<Fitted>& hollows, const Variables& v, const Fitte
             if (left <= 0.0)
                 continue;
             const auto i = static_cast<std::size_t>(k - v.nominal);
-            intervals[i].eitherSide = intervals[i].eitherSide || (sided(v.scalar(k)) && h.x[k] * fitted.x[k] < 0.0);
             const double reach = std::min(1.0, std::sqrt(left));
-            intervals[i].low = std::min(intervals[i].low, h.x[k] + reach * (there[i].low - h.x[k]));
-            intervals[i].high = std::max(intervals[i].high, h.x[k] + reach * (there[i].high - h.x[k]));
+            const double low = h.x[k] + reach * (there[i].low - h.x[k]),
+                         high = h.x[k] + reach * (there[i].high - h.x[k]);
+            // What is 0 within its error has no side.
+            if (!placed && sided(v.scalar(k)) && alone[i].low * alone[i].high > 0.0 && low * high > 0.0 &&
+                low * alone[i].low < 0.0) {
+                const double least =
+                    std::min({std::abs(low), std::abs(high), std::abs(alone[i].low), std::abs(alone[i].high)});
+                intervals[i].least = intervals[i].eitherSide ? std::min(intervals[i].least, least) : least;
+                intervals[i].eitherSide = true;
+                image = image == nullptr || h.misfit < image->misfit ? &h : image;
+            }
+            intervals[i].low = std::min(intervals[i].low, low);
+            intervals[i].high = std::max(intervals[i].high, high);
         }
     }
+    return image;
 }
 
 } // namespace supercircle::diagnosis

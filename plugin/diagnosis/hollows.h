@@ -25,10 +25,12 @@ namespace supercircle::diagnosis {
 std::vector<Fitted> otherHollows(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
                                  const std::vector<Screened>& screened, double without);
 
-/// Widens 90 % intervals of a fit's numbers by what is below their level in other hollows, and says of amplitudes
-/// whether it is another side that is there (Interval::eitherSide).
+/// Widens 90 % intervals of a fit's numbers by what is below their level in other hollows. Of an effect without a place
+/// it says which amplitudes go to either side (Interval::eitherSide): those that are not 0 to one side nor to the
+/// other.
 /// @param dispersions of each of x (sandwich.h)
-void widenBy(const std::vector<Fitted>& hollows, const Variables& variables, const Fitted& fitted,
-             const Eigen::VectorXd& dispersions, std::vector<Interval>& intervals);
+/// @return the best of the mirror images that were found so, or null
+const Fitted* widenBy(const std::vector<Fitted>& hollows, const Model& model, const Fitted& fitted,
+                      const Eigen::VectorXd& dispersions, std::vector<Interval>& intervals);
 
 } // namespace supercircle::diagnosis

@@ -104,10 +104,9 @@ struct Design {
     std::vector<double> time{}, displacement{};
     double rate = 0.0;
     bool turned = false; ///< the specimens are mounted turned end for end
-    /// Arc fractions of each specimen at which markers are tracked for the first time. Where recorded runs have markers
-    /// already, every design is read at those.
+    /// Arc fractions of each specimen at which markers are put for this run.
     std::vector<double> markers{};
-    double markerRate = 0.0; ///< of any markers, Hz
+    double markerRate = 0.0; ///< of frames, Hz; 0: it is not filmed
     /// How many times farther simulations may be from the truth there than in the recorded runs.
     double doubt = 1.0;
 };

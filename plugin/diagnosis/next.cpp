@@ -253,7 +253,10 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
         return std::nullopt;
     out.repeats = best.repeats;
     for (const Rival& r : rivals)
-        out.separates.push_back(r.label);
+        if (r.otherSide)
+            out.side = true;
+        else
+            out.separates.push_back(r.label);
     out.power = best.power;
     return out;
 }

@@ -50,7 +50,7 @@ double markerNoiseOf(const Data& data) {
 
 /// Whether what they read can be subtracted row by row.
 bool repeats(const RecordedRun& a, const RecordedRun& b) {
-    return sameDrive(a, b) && a.time.size() == b.time.size() && a.time.size() >= 20 &&
+    return sameDrive(a, b) && a.turned == b.turned && a.time.size() == b.time.size() && a.time.size() >= 20 &&
            (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3;
 }
 

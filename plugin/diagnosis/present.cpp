@@ -33,7 +33,9 @@ FoundEffect presentEffect(const Model& model, const Misfit& misfit, const Groupi
             const auto at = [&](double x) {
                 return outer(s.scale, s.value + std::clamp(x, v.lower[k], v.upper[k]) * s.step);
             };
-            FittedParameter p{s.name, s.unit, at(t.fit.x[k]), {at(ci.low), at(ci.high), ci.eitherSide}, {}, s.about};
+            FittedParameter p{
+                s.name, s.unit, at(t.fit.x[k]), {at(ci.low), at(ci.high), ci.eitherSide, std::abs(at(ci.least))},
+                {},     s.about};
             const auto number = static_cast<std::size_t>(k);
             if (!t.learned && number < t.held.only.size() && t.held.only[number] >= 0)
                 p.only = grouping.names[static_cast<std::size_t>(t.held.only[number])];

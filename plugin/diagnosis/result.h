@@ -14,6 +14,7 @@ namespace supercircle::diagnosis {
 struct Interval {
     double low = 0.0, high = 0.0;
     bool eitherSide = false; ///< it holds the mirror image, too: the runs do not tell to which side (hollows.h)
+    double least = 0.0;      ///< then the smallest size to either side; what is nearer to 0 is not held
 };
 
 struct FittedParameter {
@@ -69,8 +70,9 @@ struct NominalResult {
 
 struct NextExperiment {
     Design run;
-    std::size_t repeats = 1; ///< how often to make it
-    std::vector<std::string> separates;
+    std::size_t repeats = 1;            ///< how often to make it
+    std::vector<std::string> separates; ///< labels
+    bool side = false;                  ///< it tells to which side the first of them acts
     double power = 0.0;
 };
 

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -32,20 +33,42 @@ Eigen::VectorXd ways(const Design& design, const Eigen::VectorXd& time) {
     return out;
 }
 
-/// First frames of the ways in one direction, and the number of frames.
-std::vector<Index> strokesOf(const Design& design, const Eigen::VectorXd& frames) {
-    std::vector<Index> out = {0};
+/// Times at which the force jumps: between readings, as misfit.h asks of recorded ones.
+std::vector<std::pair<double, double>> jumpsOf(const DesignResponse& like, const MisfitSettings& s) {
+    const double least = s.snapShare * (like.force.maxCoeff() - like.force.minCoeff());
+    std::vector<std::pair<double, double>> out;
+    for (Index k = 1; k < like.force.size(); ++k)
+        if (std::abs(like.force[k] - like.force[k - 1]) >= least && least > 0.0)
+            out.emplace_back(like.time[k - 1], like.time[k]);
+    return out;
+}
+
+/// Frames [from, to) in which markers share a shift.
+struct Stretch {
+    Index from = 0, to = 0;
+    bool landed = false; ///< behind a jump
+};
+
+/// Between the places where the machine turns round or the force jumps.
+std::vector<Stretch> stretchesOf(const Design& design, const DesignResponse& like, const MisfitSettings& s) {
+    const Eigen::VectorXd& frames = like.markerTime;
+    const auto frameAt = [&](double t) { return std::lower_bound(frames.begin(), frames.end(), t) - frames.begin(); };
     const auto direction = [&](std::size_t i) {
         const double way = design.displacement[i] - design.displacement[i - 1];
         return (way > 0.0) - (way < 0.0);
     };
+    std::vector<Index> cuts = {0, frames.size()};
     for (std::size_t i = 2; i < design.time.size(); ++i)
-        if (direction(i) != direction(i - 1)) {
-            const Index first = std::lower_bound(frames.begin(), frames.end(), design.time[i - 1]) - frames.begin();
-            if (first > out.back() && first < frames.size())
-                out.push_back(first);
-        }
-    out.push_back(frames.size());
+        if (direction(i) != direction(i - 1))
+            cuts.push_back(frameAt(design.time[i - 1]));
+    const auto jumps = jumpsOf(like, s);
+    for (const auto& jump : jumps)
+        cuts.push_back(frameAt(jump.second));
+    std::sort(cuts.begin(), cuts.end());
+    std::vector<Stretch> out;
+    for (std::size_t i = 1; i < cuts.size(); ++i)
+        if (cuts[i] > cuts[i - 1])
+            out.push_back({cuts[i - 1], cuts[i], !jumps.empty() && cuts[i - 1] >= frameAt(jumps.front().second)});
     return out;
 }
 
@@ -69,6 +92,10 @@ public:
         const double place = s.repeated * design.doubt * s.markerPlace;
         markers_ = Eigen::VectorXd::Constant(like.markers.size(), 1.0 / std::hypot(camera, place));
         leaveSwingsOut(like, s.free * peak, s.swing);
+        for (const auto& jump : jumpsOf(like, s)) {
+            const auto [from, to] = around(jump.first, jump.second, s);
+            leaveOut(like.markerTime, from, to);
+        }
     }
     /// Whitened, a constant shift of the force taken out.
     [[nodiscard]] Eigen::MatrixXd operator()(const Eigen::MatrixXd& readings) const {
@@ -84,10 +111,12 @@ private:
     void leaveSwingsOut(const DesignResponse& r, double held, double swing) {
         for (Index k = 1; k < forces_; ++k)
             if (std::abs(r.force[k - 1]) > held && std::abs(r.force[k]) <= held)
-                for (Index i = 0; i < markers_.size(); ++i)
-                    if (const double t = r.markerTime[i % r.markerTime.size()];
-                        t >= r.time[k - 1] && t <= r.time[k] + swing)
-                        markers_[i] = 0.0;
+                leaveOut(r.markerTime, r.time[k - 1], r.time[k] + swing);
+    }
+    void leaveOut(const Eigen::VectorXd& frames, double from, double to) {
+        for (Index i = 0; i < markers_.size(); ++i)
+            if (const double t = frames[i % frames.size()]; t >= from && t <= to)
+                markers_[i] = 0.0;
     }
 
     Index forces_;
@@ -100,17 +129,17 @@ private:
 Eigen::MatrixXd ownOf(const Design& design, const DesignResponse& like, const MisfitSettings& s) {
     const Index n = like.force.size(), frames = like.markerTime.size();
     const Index tracks = frames > 0 ? like.markers.size() / frames : 0;
-    const std::vector<Index> turns = strokesOf(design, like.markerTime);
-    const auto strokes = static_cast<Index>(turns.size()) - 1;
-    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(n + like.markers.size(), 2 + tracks * strokes);
+    const std::vector<Stretch> stretches = stretchesOf(design, like, s);
+    const auto count = static_cast<Index>(stretches.size());
+    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(n + like.markers.size(), 2 + tracks * count);
     own.col(0).segment(1, n - 2) = s.clock * 0.5 * (like.force.tail(n - 2) - like.force.head(n - 2));
     own.col(1).head(n) = (design.time.empty() ? 0.0 : s.repeated * s.scale) * like.force;
     for (Index c = 0; c < tracks; ++c)
-        for (Index i = 0; i < strokes; ++i) {
-            const Index from = turns[static_cast<std::size_t>(i)], to = turns[static_cast<std::size_t>(i) + 1];
-            own.col(2 + c * strokes + i)
-                .segment(n + c * frames + from, to - from)
-                .setConstant(s.repeated * s.markerShift);
+        for (Index i = 0; i < count; ++i) {
+            const Stretch& part = stretches[static_cast<std::size_t>(i)];
+            own.col(2 + c * count + i)
+                .segment(n + c * frames + part.from, part.to - part.from)
+                .setConstant(s.repeated * (part.landed ? s.landing : s.markerShift));
         }
     return own;
 }

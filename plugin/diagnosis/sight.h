@@ -1,7 +1,8 @@
 #pragma once
 // What the readings of a run that was not made are worth: behind the sensors' noise and what simulations are off by, as
 // those of recorded runs are (misfit.h), with what every run has of its own integrated out: a shift and the scale of
-// its force, its clock, and a shift of each coordinate of each marker while the machine goes one way.
+// its force, its clock, and a shift of each coordinate of each marker while the machine goes one way, and behind a
+// snap.
 
 #include "plugin/diagnosis/model.h"
 #include "plugin/diagnosis/noise.h"

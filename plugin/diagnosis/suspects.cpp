@@ -64,8 +64,8 @@ std::vector<Rival> suspects(Evaluator& evaluator, const Misfit& misfit, const Fi
     // Of the first one its mirror image, too: which of the two it is.
     if (!out.empty() && named.front().shown->otherSide) {
         out.front().weight *= 0.5;
-        out.push_back(rivalOf(evaluator.model(), misfit, named.front().label + " to the other side",
-                              *named.front().shown->otherSide, out.front().weight));
+        out.push_back(rivalOf(evaluator.model(), misfit, named.front().label, *named.front().shown->otherSide,
+                              out.front().weight));
         out.back().otherSide = true;
     }
     if (out.empty())

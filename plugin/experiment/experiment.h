@@ -137,7 +137,8 @@ struct Run {
     std::vector<double> driveDisplacement; ///< m, positive downwards; linear between the break points
     double samplingRate = 0.0;             ///< Hz
     std::string specimenState;
-    bool turned = false;                    ///< the specimens were mounted turned end for end, their markers with them
+    /// The specimens were mounted turned end for end, their markers with them; they bend to the same side as before.
+    bool turned = false;
     std::string markersFile;                ///< empty: not tracked
     double markersSamplingRate = 0.0;       ///< Hz
     std::vector<SceneParameter> parameters; ///< of the free scene, of this run alone: how it was let go

@@ -294,7 +294,7 @@ TEST_CASE("an interval of a place holds the other hollow of its misfit", "[diagn
     }
     const Eigen::VectorXd one = Eigen::VectorXd::Ones(v.size());
     std::vector<Interval> alone = linearIntervals(v, found, found.jacobian, one), both = alone;
-    widenBy(others, v, found, one, both);
+    CHECK(widenBy(others, model, found, one, both) == nullptr); // a place, no side
     CHECK(place(alone[1].low) > 0.6);
     CHECK(place(both[1].low) < 0.3);
     CHECK(both[1].high == alone[1].high);
@@ -303,7 +303,7 @@ TEST_CASE("an interval of a place holds the other hollow of its misfit", "[diagn
     for (Fitted& h : high)
         h.misfit = found.misfit + 2.8; // k90^2 = 2.71
     std::vector<Interval> none = alone;
-    widenBy(high, v, found, one, none);
+    widenBy(high, model, found, one, none);
     CHECK(none[1].low == alone[1].low);
     // What has no place has no other.
     const toy::Spring spring(data);
@@ -369,13 +369,32 @@ TEST_CASE("an interval says where the side of an effect is not told", "[diagnosi
         const Variables v(model, found.point);
         const Eigen::VectorXd one = Eigen::VectorXd::Ones(v.size());
         std::vector<Interval> ci = linearIntervals(v, found, found.jacobian, one);
-        widenBy(others, v, found, one, ci);
+        const Fitted* image = widenBy(others, model, found, one, ci);
         CHECK(ci[0].eitherSide == (minds == 0.0));
         if (minds == 0.0) {
             REQUIRE(others.size() == 1);
             CHECK(others[0].point.terms[0].values[0] == Approx(-value).epsilon(1e-3));
             CHECK(ci[0].low < -1.19 / 0.5);
             CHECK(ci[0].high > 1.19 / 0.5);
+            CHECK(ci[0].least == Approx(1.2 / 0.5).epsilon(0.1)); // the step is .5
+            CHECK(image == &others.front());
+        } else {
+            CHECK(image == nullptr);
         }
     }
+    // What is nothing within its error has no side, though its mirror image is as good.
+    Data data = toy::recordings(44);
+    const Aside model(data, 0.0);
+    Store store;
+    Evaluator evaluator(model, data.runs.size(), {}, store);
+    const Point stated{{103.0, 0.08}, {}};
+    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
+    const Fitted small = fit(evaluator, misfit, {stated.nominal, {{0, {0.02}}}});
+    const auto others = otherHollows(evaluator, misfit, small, {}, 2.0 * small.misfit);
+    const Variables v(model, small.point);
+    const Eigen::VectorXd one = Eigen::VectorXd::Ones(v.size());
+    std::vector<Interval> ci = linearIntervals(v, small, small.jacobian, one);
+    CHECK(widenBy(others, model, small, one, ci) == nullptr);
+    CHECK_FALSE(ci[0].eitherSide);
 }

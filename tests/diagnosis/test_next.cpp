@@ -273,7 +273,7 @@ TEST_CASE("a further run that is filmed tells what no force shows", "[diagnosis]
     CHECK(next->repeats == 1);
     CHECK(next->power > 0.99);
     // So is to which side an effect acts: its mirror image is no part of it.
-    Rival here = rival("first", 0), there = rival("first to the other side", 0);
+    Rival here = rival("first", 0), there = rival("first", 0);
     CHECK_FALSE(nextExperiment(evaluator, {here, there}, noise)); // twice the same
     there.point.terms[0].values[0] = -1.0;
     there.x = Variables(model, there.point).of(there.point);
@@ -282,6 +282,9 @@ TEST_CASE("a further run that is filmed tells what no force shows", "[diagnosis]
     REQUIRE(side);
     CHECK(side->run.what == "filmed");
     CHECK(side->power > 0.99);
+    CHECK(side->side);
+    CHECK(side->separates == std::vector<std::string>{"first"});
+    CHECK_FALSE(next->side);
     noise.marker = 3e-3; // a poor camera
     const auto poor = nextExperiment(evaluator, {rival("first", 0), rival("second", 1)}, noise);
     CHECK((!poor || poor->power < 0.5));

@@ -168,8 +168,8 @@ TEST_CASE("a run with the specimen turned is a run of its own", "[diagnosis]") {
     e.runs.back().turned = true;
     CHECK(ReplayModel(e).twin(1) == 1);
     const Data data = dataOf(e);
-    CHECK(data.firstOf(1) == 1); // no repeat of the first
-    CHECK(data.repeatsOf(0) == 1);
+    CHECK(data.firstOf(1) == 1);   // no repeat of the first
+    CHECK(data.repeatsOf(0) == 2); // but simulated with the same errors
     const auto designs = designsFor(e);
     const auto turned = std::find_if(designs.begin(), designs.end(), [](const Design& d) { return d.turned; });
     REQUIRE(turned != designs.end());

@@ -63,8 +63,16 @@ TEST_CASE("a case is judged by its answer", "[oracle]") {
     std::string mirrored = kDiagnosis;
     mirrored.replace(mirrored.find("0.36"), 4, "-0.36");
     CHECK(judge(f.put("answer.json", kAnswer), f.put("mirrored.json", mirrored)).amplitudeError == Approx(1.9));
-    mirrored.replace(mirrored.find("-0.36"), 5, "-0.36, \"either_side\": true");
-    CHECK(judge(f.put("answer.json", kAnswer), f.put("mirrored.json", mirrored)).amplitudeError == Approx(0.1));
+    mirrored.replace(mirrored.find("-0.36"), 5, R"(-0.36, "either_side": true, "size_ci90": [0.35, 0.41])");
+    const Judged size = judge(f.put("answer.json", kAnswer), f.put("mirrored.json", mirrored));
+    CHECK(size.amplitudeError == Approx(0.1));
+    CHECK(size.covered == 1);
+    Judged side = size; // settled as soon as the side is told
+    side.group = {side.first};
+    CHECK(open(side));
+    CHECK_FALSE(settled(side));
+    side.eitherSide = false;
+    CHECK(settled(side));
 }
 
 TEST_CASE("windows are compared reading by reading", "[oracle]") {

@@ -248,10 +248,10 @@ Apart apart(const Clean& a, const Clean& b, const Nuisance& n, std::size_t from 
 
 constexpr double kMostApart = 8.0; // noise units; beside a jump readings say when it comes, not how large it is
 
-/// Distance of the markers of two recordings along x or y, rms over all rows, m; none: 0.
-double markersApart(const Clean& a, const Clean& b) {
+/// Distance of the markers of two recordings along x or y, rms over all rows, m; none: 0. @param from first run
+double markersApart(const Clean& a, const Clean& b, std::size_t from = 0) {
     double squares = 0.0, count = 0.0;
-    for (std::size_t r = 0; r < a.markers.size(); ++r)
+    for (std::size_t r = from; r < a.markers.size(); ++r)
         for (std::size_t m = 0; m < a.markers[r].size(); ++m)
             for (std::size_t i = 0; i < a.markers[r][m].size(); ++i) {
                 squares += (a.markers[r][m][i] - b.markers[r][m][i]).squaredNorm();
@@ -391,9 +391,12 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
     if (further) {
         const Clean coarse = simulate(s.description, truth, finer(0.5));
         // Repeats average their noise away, this they have in common. Infinite is null in JSON.
+        const auto worst = [&] {
+            return std::max(apart(clean, coarse, s.nuisance, asked).rms(kMostApart),
+                            markersApart(clean, coarse, asked) / s.nuisance.marker);
+        };
         answer["further_own_error"] = belongs(clean, coarse)
-                                          ? std::sqrt(static_cast<double>(further->repeats)) *
-                                                apart(clean, coarse, s.nuisance, asked).rms(kMostApart)
+                                          ? std::sqrt(static_cast<double>(further->repeats)) * worst()
                                           : std::numeric_limits<double>::infinity();
     }
     out.answer = answer.dump(1) + "\n";

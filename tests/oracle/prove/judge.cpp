@@ -156,9 +156,11 @@ void compareParameters(const Json& hidden, const Json& effect, Judged& j) {
     for (const auto& [name, value] : truth.items())
         if (found.contains(name) && found.at(name).at("ci90").at(0).is_number() &&
             found.at(name).at("ci90").at(1).is_number()) {
-            const Json& ci = found.at(name).at("ci90");
+            const bool size = found.at(name).value("either_side", false); // all that it says
+            const Json& ci = found.at(name).at(size ? "size_ci90" : "ci90");
+            const double is = size ? std::abs(value.get<double>()) : value.get<double>();
             ++j.intervals;
-            j.covered += value >= ci.at(0) && value <= ci.at(1) ? 1 : 0;
+            j.covered += is >= ci.at(0) && is <= ci.at(1) ? 1 : 0;
         }
     if (truth.contains("arc_fraction") && found.contains("arc_fraction"))
         j.placeError =
@@ -238,6 +240,8 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
             j.first = effects.front().at("label");
             j.group = effects.front().at("group").get<std::vector<std::string>>();
             j.pFirst = effects.front().at("probability");
+            for (const Json& p : effects.front().at("parameters"))
+                j.eitherSide = j.eitherSide || p.value("either_side", false);
         }
         j.firstRight = has(j.truth, j.first);
         const bool groupRight = std::any_of(j.truth.begin(), j.truth.end(),
@@ -272,7 +276,7 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
 
 bool open(const Judged& j) {
     return j.verdict == "ambiguous" || j.verdict == "not_enough_information" ||
-           (j.verdict == "named" && j.group.size() > 1);
+           (j.verdict == "named" && (j.group.size() > 1 || j.eitherSide));
 }
 
 bool settled(const Judged& j) {
@@ -280,7 +284,7 @@ bool settled(const Judged& j) {
         return j.verdict == "nothing_missing";
     if (j.kind == "removed" || j.kind == "outside")
         return j.verdict == "unexplained";
-    return j.verdict == "named" && j.firstRight && j.group.size() == 1;
+    return j.verdict == "named" && j.firstRight && j.group.size() == 1 && !j.eitherSide;
 }
 
 std::optional<Further> proposedRun(const std::string& diagnosisFile) {

@@ -17,6 +17,7 @@ struct Judged {
     bool detected = false;                 ///< said that something is missing
     bool right = false;      ///< first-named group holds a true label (nothing: said so; unknown: said so)
     bool firstRight = false; ///< the first label itself is a true one
+    bool eitherSide = false; ///< to which side the first effect acts is left open
     double brier = 0.0;
     /// Of marked and true windows in all readings, intersection over union; -1: not defined.
     double overlap = -1.0;

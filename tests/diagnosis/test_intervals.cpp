@@ -11,6 +11,7 @@
 #include "plugin/diagnosis/sandwich.h"
 
 #include <catch2/catch.hpp>
+#include <memory>
 
 using namespace supercircle::diagnosis;
 
@@ -235,6 +236,33 @@ TEST_CASE("of a product that is known each factor is known as the other one's bo
 
 namespace {
 
+/// The toy's recordings with one of a model's effects hidden, and what a fit needs.
+template <class Hiding>
+struct Concealed {
+    /// @param values of the effect that is hidden @param more of the model's constructor
+    template <class... More>
+    Concealed(std::uint64_t seed, const std::vector<double>& values, More... more)
+        : data(toy::recordings(seed)), model(data, more...), evaluator(model, data.runs.size(), {}, store) {
+        const Point truth{{103.0, 0.08}, {{0, values}}};
+        for (std::size_t r = 0; r < data.runs.size(); ++r)
+            data.runs[r].force += model.simulate(r, truth, Fineness::Fine, nullptr).force -
+                                  model.simulate(r, Point{truth.nominal, {}}, Fineness::Fine, nullptr).force;
+        const Point stated{{100.0, 0.1}, {}};
+        const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
+        misfit = std::make_unique<Misfit>(data, estimateNoise(data), there, there, toy::exact().misfit);
+        base = fit(evaluator, *misfit, stated);
+    }
+    [[nodiscard]] Fitted fittedFrom(const std::vector<double>& values) {
+        return fit(evaluator, *misfit, {base.point.nominal, {{0, values}}});
+    }
+    Data data;
+    Hiding model;
+    Store store;
+    Evaluator evaluator;
+    std::unique_ptr<Misfit> misfit;
+    Fitted base; ///< without the effect
+};
+
 /// A spring with a bump of the force that tells how far from the middle of its arc something is, not on which side.
 class Bump final : public Model {
 public:
@@ -270,23 +298,14 @@ private:
 } // namespace
 
 TEST_CASE("an interval of a place holds the other hollow of its misfit", "[diagnosis]") {
-    Data data = toy::recordings(41);
-    const Bump model(data);
-    const Point truth{{103.0, 0.08}, {{0, {0.04, 0.3}}}};
-    for (std::size_t r = 0; r < data.runs.size(); ++r)
-        data.runs[r].force += model.simulate(r, truth, Fineness::Fine, nullptr).force -
-                              model.simulate(r, Point{truth.nominal, {}}, Fineness::Fine, nullptr).force;
-    Store store;
-    Evaluator evaluator(model, data.runs.size(), {}, store);
-    const Point stated{{100.0, 0.1}, {}};
-    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
-    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
-    const Fitted base = fit(evaluator, misfit, stated),
-                 found = fit(evaluator, misfit, {base.point.nominal, {{0, {0.05, 0.75}}}});
+    Concealed<Bump> hidden(41, {0.04, 0.3});
+    const Bump& model = hidden.model;
+    const Fitted found = hidden.fittedFrom({0.05, 0.75});
     const Variables v(model, found.point);
     const auto place = [&](double x) { return v.scalar(3).value + x * v.scalar(3).step; };
     REQUIRE(place(found.x[3]) == Approx(0.7).margin(0.02)); // in the wrong half, as good as in the right one
-    const auto others = otherHollows(evaluator, misfit, found, screen(evaluator, misfit, base), base.misfit);
+    const auto others = otherHollows(hidden.evaluator, *hidden.misfit, found,
+                                     screen(hidden.evaluator, *hidden.misfit, hidden.base), hidden.base.misfit);
     REQUIRE(!others.empty());
     for (const Fitted& other : others) {
         CHECK(place(other.x[3]) == Approx(0.3).margin(0.02));
@@ -306,10 +325,11 @@ TEST_CASE("an interval of a place holds the other hollow of its misfit", "[diagn
     widenBy(high, model, found, one, none);
     CHECK(none[1].low == alone[1].low);
     // What has no place has no other.
-    const toy::Spring spring(data);
+    const toy::Spring spring(hidden.data);
     Store springs;
-    Evaluator elastic(spring, data.runs.size(), {}, springs);
-    CHECK(otherHollows(elastic, misfit, fit(elastic, misfit, {{103.0, 0.08}, {{0, {5.0}}}}), {}, base.misfit).empty());
+    Evaluator elastic(spring, hidden.data.runs.size(), {}, springs);
+    const Fitted pushed = fit(elastic, *hidden.misfit, {{103.0, 0.08}, {{0, {5.0}}}});
+    CHECK(otherHollows(elastic, *hidden.misfit, pushed, {}, hidden.base.misfit).empty());
 }
 
 namespace {
@@ -350,22 +370,12 @@ private:
 
 TEST_CASE("an interval says where the side of an effect is not told", "[diagnosis]") {
     for (const double minds : {0.0, 1.0}) {
-        Data data = toy::recordings(43);
-        const Aside model(data, minds);
-        const Point truth{{103.0, 0.08}, {{0, {1.2}}}};
-        for (std::size_t r = 0; r < data.runs.size(); ++r)
-            data.runs[r].force += model.simulate(r, truth, Fineness::Fine, nullptr).force -
-                                  model.simulate(r, Point{truth.nominal, {}}, Fineness::Fine, nullptr).force;
-        Store store;
-        Evaluator evaluator(model, data.runs.size(), {}, store);
-        const Point stated{{100.0, 0.1}, {}};
-        const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
-        const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
-        const Fitted base = fit(evaluator, misfit, stated),
-                     found = fit(evaluator, misfit, {base.point.nominal, {{0, {minds == 0.0 ? -1.0 : 1.0}}}});
+        Concealed<Aside> hidden(43, {1.2}, minds);
+        const Aside& model = hidden.model;
+        const Fitted found = hidden.fittedFrom({minds == 0.0 ? -1.0 : 1.0});
         const double value = found.point.terms[0].values[0];
         REQUIRE(std::abs(value) == Approx(1.2).epsilon(0.1));
-        const auto others = otherHollows(evaluator, misfit, found, screen(evaluator, misfit, base), base.misfit);
+        const auto others = otherHollows(hidden.evaluator, *hidden.misfit, found, {}, hidden.base.misfit);
         const Variables v(model, found.point);
         const Eigen::VectorXd one = Eigen::VectorXd::Ones(v.size());
         std::vector<Interval> ci = linearIntervals(v, found, found.jacobian, one);
@@ -383,15 +393,10 @@ TEST_CASE("an interval says where the side of an effect is not told", "[diagnosi
         }
     }
     // What is nothing within its error has no side, though its mirror image is as good.
-    Data data = toy::recordings(44);
-    const Aside model(data, 0.0);
-    Store store;
-    Evaluator evaluator(model, data.runs.size(), {}, store);
-    const Point stated{{103.0, 0.08}, {}};
-    const auto there = evaluator.everywhere({stated}, Fineness::Fine).front();
-    const Misfit misfit(data, estimateNoise(data), there, there, toy::exact().misfit);
-    const Fitted small = fit(evaluator, misfit, {stated.nominal, {{0, {0.02}}}});
-    const auto others = otherHollows(evaluator, misfit, small, {}, 2.0 * small.misfit);
+    Concealed<Aside> hidden(44, {0.0}, 0.0);
+    const Aside& model = hidden.model;
+    const Fitted small = hidden.fittedFrom({0.02});
+    const auto others = otherHollows(hidden.evaluator, *hidden.misfit, small, {}, 2.0 * small.misfit);
     const Variables v(model, small.point);
     const Eigen::VectorXd one = Eigen::VectorXd::Ones(v.size());
     std::vector<Interval> ci = linearIntervals(v, small, small.jacobian, one);

@@ -44,13 +44,13 @@ std::vector<std::pair<double, double>> jumpsOf(const DesignResponse& like, const
 }
 
 /// Frames [from, to) in which markers share a shift.
-struct Stretch {
+struct Piece {
     Index from = 0, to = 0;
     bool landed = false; ///< behind a jump
 };
 
 /// Between the places where the machine turns round or the force jumps.
-std::vector<Stretch> stretchesOf(const Design& design, const DesignResponse& like, const MisfitSettings& s) {
+std::vector<Piece> piecesOf(const Design& design, const DesignResponse& like, const MisfitSettings& s) {
     const Eigen::VectorXd& frames = like.markerTime;
     const auto frameAt = [&](double t) { return std::lower_bound(frames.begin(), frames.end(), t) - frames.begin(); };
     const auto direction = [&](std::size_t i) {
@@ -65,7 +65,7 @@ std::vector<Stretch> stretchesOf(const Design& design, const DesignResponse& lik
     for (const auto& jump : jumps)
         cuts.push_back(frameAt(jump.second));
     std::sort(cuts.begin(), cuts.end());
-    std::vector<Stretch> out;
+    std::vector<Piece> out;
     for (std::size_t i = 1; i < cuts.size(); ++i)
         if (cuts[i] > cuts[i - 1])
             out.push_back({cuts[i - 1], cuts[i], !jumps.empty() && cuts[i - 1] >= frameAt(jumps.front().second)});
@@ -129,17 +129,17 @@ private:
 Eigen::MatrixXd ownOf(const Design& design, const DesignResponse& like, const MisfitSettings& s) {
     const Index n = like.force.size(), frames = like.markerTime.size();
     const Index tracks = frames > 0 ? like.markers.size() / frames : 0;
-    const std::vector<Stretch> stretches = stretchesOf(design, like, s);
-    const auto count = static_cast<Index>(stretches.size());
+    const std::vector<Piece> pieces = piecesOf(design, like, s);
+    const auto count = static_cast<Index>(pieces.size());
     Eigen::MatrixXd own = Eigen::MatrixXd::Zero(n + like.markers.size(), 2 + tracks * count);
     own.col(0).segment(1, n - 2) = s.clock * 0.5 * (like.force.tail(n - 2) - like.force.head(n - 2));
     own.col(1).head(n) = (design.time.empty() ? 0.0 : s.repeated * s.scale) * like.force;
     for (Index c = 0; c < tracks; ++c)
         for (Index i = 0; i < count; ++i) {
-            const Stretch& part = stretches[static_cast<std::size_t>(i)];
+            const Piece& piece = pieces[static_cast<std::size_t>(i)];
             own.col(2 + c * count + i)
-                .segment(n + c * frames + part.from, part.to - part.from)
-                .setConstant(s.repeated * (part.landed ? s.landing : s.markerShift));
+                .segment(n + c * frames + piece.from, piece.to - piece.from)
+                .setConstant(s.repeated * (piece.landed ? s.landing : s.markerShift));
         }
     return own;
 }

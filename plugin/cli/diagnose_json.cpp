@@ -134,6 +134,7 @@ std::string diagnosisJson(const Diagnosis& d) {
                 {"separates", d.next->separates},
                 {"tells_side", d.next->side},
                 {"expected_power", d.next->power},
+                {"settles", d.next->settles},
                 {"repeats", d.next->repeats},
                 {"drive", {{"time_s", d.next->run.time}, {"displacement_m", d.next->run.displacement}}},
                 {"specimen_turned", d.next->run.turned},

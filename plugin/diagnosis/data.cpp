@@ -67,21 +67,15 @@ std::vector<int> legsAt(const std::vector<Leg>& legs, const Eigen::VectorXd& tim
     return all;
 }
 
-double commanded(const experiment::Run& run, double t) {
-    std::size_t i = 1;
-    while (i + 1 < run.driveTime.size() && t > run.driveTime[i])
-        ++i;
-    const double share = std::clamp((t - run.driveTime[i - 1]) / (run.driveTime[i] - run.driveTime[i - 1]), 0.0, 1.0);
-    return (1.0 - share) * run.driveDisplacement[i - 1] + share * run.driveDisplacement[i];
-}
+} // namespace
 
-RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, double perUnit) {
+RecordedRun recordedRun(const experiment::Run& from, std::size_t markers, bool free, double perUnit) {
     RecordedRun run;
     run.time = vectorOf(from.readings.time);
     run.force = perUnit * vectorOf(from.readings.force);
     run.displacement.resize(run.time.size());
     for (Eigen::Index k = 0; k < run.time.size(); ++k)
-        run.displacement[k] = commanded(from, run.time[k]);
+        run.displacement[k] = experiment::commanded(from, run.time[k]);
     run.markerTime = vectorOf(from.markers.time);
     run.markerCount = from.markers.time.empty() ? 0 : std::min(markers, from.markers.x.size());
     const Eigen::Index seen = run.markerTime.size();
@@ -94,8 +88,6 @@ RecordedRun runOf(const experiment::Run& from, std::size_t markers, bool free, d
     run.drivenBy(free ? swingsOf(from) : legsOf(from));
     return run;
 }
-
-} // namespace
 
 const Leg& RecordedRun::legAt(double t) const {
     return legs[static_cast<std::size_t>(diagnosis::legAt(legs, t))];
@@ -183,7 +175,7 @@ Data dataOf(const experiment::Experiment& e) {
     }
     const std::vector<std::string> names = experiment::runNames(e, true);
     for (const experiment::Run& run : e.runs) {
-        data.runs.push_back(runOf(run, e.markers.size(), data.free, channel.perUnit));
+        data.runs.push_back(recordedRun(run, e.markers.size(), data.free, channel.perUnit));
         data.runs.back().name = names[data.runs.size() - 1];
     }
     return data;

@@ -66,6 +66,9 @@ private:
     }
 };
 
+/// @param markers how many of its tracks count @param free nothing is driven @param perUnit of what is read
+RecordedRun recordedRun(const experiment::Run& run, std::size_t markers, bool free, double perUnit);
+
 /// Whether the machine does the same in both.
 bool sameDrive(const RecordedRun& a, const RecordedRun& b);
 

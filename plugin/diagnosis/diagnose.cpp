@@ -446,7 +446,7 @@ void Work::suggest() {
     }
     const std::vector<Rival> rivals =
         suspects(evaluator_, *misfit_, base_, named, screened_, out_.nothing + out_.unseen());
-    out_.next = nextExperiment(evaluator_, rivals, out_.noise);
+    out_.next = nextExperiment(evaluator_, rivals, out_.noise, data_.zeroWindow);
     if (!out_.next && rivals.size() > 1 && !evaluator_.stopped())
         out_.nextTried = evaluator_.model().designs().size();
 }

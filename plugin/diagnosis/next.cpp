@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <cstdint>
 
 namespace supercircle::diagnosis {
 
@@ -26,12 +27,20 @@ struct Told {
     }
 };
 
+/// How far a rival may go to foretell what another one does.
+enum class Refit : std::uint8_t {
+    None,    ///< it stays, which refutes more than there is
+    Linear,  ///< by derivatives
+    Searched ///< by derivatives, and simulated where these take it
+};
+
 /// A run that was not made, as rivals foretell it.
 class Foretold {
 public:
-    Foretold(Evaluator& evaluator, std::size_t index, const Design& design, const Noise& noise,
+    Foretold(Evaluator& evaluator, std::size_t index, const Design& design, const Noise& noise, double zeroWindow,
              const std::vector<Rival>& rivals)
-        : evaluator_(evaluator), index_(index), design_(design), noise_(noise), rivals_(rivals) {}
+        : evaluator_(evaluator), index_(index), design_(design), noise_(noise), zeroWindow_(zeroWindow),
+          rivals_(rivals) {}
 
     /// False if it cannot be simulated.
     bool simulate() {
@@ -39,72 +48,55 @@ public:
         for (const Rival& r : rivals_)
             points.push_back(r.point);
         responses_ = evaluator_.foretell(index_, points);
-        if (responses_.front().force.size() < 8)
-            return false;
-        for (const DesignResponse& r : responses_)
-            if (!usable(r))
-                return false;
-        columns_.resize(readingsOf(responses_.front()).size(), static_cast<Index>(rivals_.size()));
-        for (std::size_t i = 0; i < rivals_.size(); ++i)
-            columns_.col(static_cast<Index>(i)) = readingsOf(responses_[i]);
-        return true;
+        return responses_.front().force.size() >= 8 &&
+               std::all_of(responses_.begin(), responses_.end(), [&](const DesignResponse& r) { return usable(r); });
     }
     /// What refitting may take up, and what is not known of the predictions: derivatives by the nominal parameters,
     /// which do much the same in all rivals, and by each rival's own numbers.
     void differentiate() {
         std::vector<Point> points;
-        std::vector<double> steps;
-        std::vector<std::size_t> from;
-        std::vector<Index> number;
         own_.clear();
-        nominal_ = 0;
+        moved_.clear();
         for (std::size_t i = 0; i < rivals_.size(); ++i) {
             const Rival& r = rivals_[i];
             const Variables v(evaluator_.model(), r.point);
             nominal_ = v.nominal;
-            own_.push_back(static_cast<Index>(points.size()) + (i == 0 ? v.nominal : 0));
+            own_.push_back(static_cast<Index>(points.size()));
             for (Index k = i == 0 ? 0 : v.nominal; k < v.size(); ++k) {
                 Eigen::VectorXd y = r.x;
-                steps.push_back(r.x[k] + kStep <= v.upper[k] ? kStep : -kStep); // to the side that has room
-                y[k] += steps.back();
+                const double step = r.x[k] + kStep <= v.upper[k] ? kStep : -kStep; // to the side that has room
+                y[k] += step;
                 points.push_back(v.at(y));
-                from.push_back(i);
-                number.push_back(k);
+                moved_.push_back({i, k, step, {}});
             }
         }
+        own_.front() = nominal_;
         auto there = evaluator_.foretell(index_, points);
         for (std::size_t k = 0; k < there.size(); ++k) { // what fails may be simulated to the other side
-            const Rival& r = rivals_[from[k]];
+            Moved& m = moved_[k];
+            const Rival& r = rivals_[m.rival];
             const Variables v(evaluator_.model(), r.point);
             Eigen::VectorXd y = r.x;
-            y[number[k]] -= steps[k];
-            if (usable(there[k]) || y[number[k]] < v.lower[number[k]] || y[number[k]] > v.upper[number[k]])
-                continue;
-            steps[k] = -steps[k];
-            there[k] = evaluator_.foretell(index_, {v.at(y)}).front();
-        }
-        const auto n = static_cast<Index>(rivals_.size());
-        columns_.conservativeResize(Eigen::NoChange, n + static_cast<Index>(there.size()));
-        for (std::size_t k = 0; k < there.size(); ++k) { // zero where neither can be simulated
-            const Index at = n + static_cast<Index>(k);
-            columns_.col(at).setZero();
-            if (!usable(there[k]))
-                continue;
-            const Eigen::VectorXd change = (readingsOf(there[k]) - readingsOf(responses_[from[k]])) / steps[k];
-            if (change.allFinite())
-                columns_.col(at) = change;
+            y[m.number] -= m.step;
+            if (!usable(there[k]) && y[m.number] >= v.lower[m.number] && y[m.number] <= v.upper[m.number]) {
+                m.step = -m.step;
+                there[k] = evaluator_.foretell(index_, {v.at(y)}).front();
+            }
+            m.response = std::move(there[k]);
         }
     }
     /// How well so many of these runs, fitted together, refute whichever other rival is hardest to refute if one is
-    /// true. @param refit false: none is refitted, which is more than there is
-    [[nodiscard]] std::vector<Told> told(std::size_t repeats, bool refit) const {
-        const Eigen::MatrixXd sums = seenProducts(design_, responses_.front(), noise_, columns_, repeats);
+    /// true.
+    [[nodiscard]] std::vector<Told> told(std::size_t repeats, Refit refit) const {
         std::vector<Told> out;
         for (std::size_t a = 0; a < rivals_.size(); ++a) {
+            const Sight sight(design_, responses_[a], noise_, zeroWindow_, repeats);
+            const Eigen::MatrixXd changes = refit == Refit::None ? Eigen::MatrixXd() : changesIn(sight, repeats);
             std::optional<Told> hardest;
             for (std::size_t b = 0; b < rivals_.size(); ++b)
                 if (!within(a, b))
-                    if (const Told t = refuted(sums, a, b, refit); !hardest || t.surely() < hardest->surely())
+                    if (const Told t = refuted(sight, changes, {a, b, repeats}, refit);
+                        !hardest || t.surely() < hardest->surely())
                         hardest = t;
             out.push_back(hardest.value_or(Told{}));
         }
@@ -114,16 +106,36 @@ public:
 private:
     static constexpr double kStep = 0.2; ///< of x
 
+    /// The run with one number of a rival changed.
+    struct Moved {
+        std::size_t rival = 0;
+        Index number = 0;
+        double step = 0.0;
+        DesignResponse response;
+    };
+    struct Question {
+        std::size_t is = 0;   ///< the rival that is true
+        std::size_t said = 0; ///< the one that is refitted
+        std::size_t repeats = 1;
+    };
+
     [[nodiscard]] bool usable(const DesignResponse& r) const {
         return r.failure.empty() && r.force.size() == responses_.front().force.size() &&
                r.markers.size() == responses_.front().markers.size();
     }
-    [[nodiscard]] static Eigen::VectorXd readingsOf(const DesignResponse& r) {
-        Eigen::VectorXd all(r.force.size() + r.markers.size());
-        all << r.force, r.markers;
-        return all;
+    /// Of all repeats together, by each of moved_, in noise units; zero where it cannot be simulated.
+    [[nodiscard]] Eigen::MatrixXd changesIn(const Sight& sight, std::size_t repeats) const {
+        Eigen::MatrixXd out;
+        for (std::size_t k = 0; k < moved_.size(); ++k) {
+            const Moved& m = moved_[k];
+            const DesignResponse& from = responses_[m.rival];
+            const Eigen::VectorXd column = sight.apart(usable(m.response) ? m.response : from, from);
+            if (out.size() == 0)
+                out.resize(column.size(), static_cast<Index>(moved_.size()));
+            out.col(static_cast<Index>(k)) = std::sqrt(static_cast<double>(repeats)) / m.step * column;
+        }
+        return out;
     }
-
     /// Whether b can do all that a does: it cannot be refuted where a is true.
     [[nodiscard]] bool within(std::size_t a, std::size_t b) const {
         if (rivals_[a].otherSide != rivals_[b].otherSide)
@@ -133,47 +145,84 @@ private:
             return std::any_of(by.begin(), by.end(), [&](const Term& u) { return u.candidate == t.candidate; });
         });
     }
-    /// Which columns one deviation of each of a rival's numbers is made of.
-    [[nodiscard]] Eigen::MatrixXd deviations(std::size_t rival) const {
+    /// How a rival's numbers deviate: a column each of what one deviation changes in x.
+    [[nodiscard]] Eigen::MatrixXd factorOf(std::size_t rival) const {
         const Eigen::LLT<Eigen::MatrixXd> llt(rivals_[rival].covariance);
-        const Eigen::MatrixXd factor =
-            llt.info() == Eigen::Success
-                ? Eigen::MatrixXd(llt.matrixL())
-                : Eigen::MatrixXd(rivals_[rival].covariance.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-        const auto n = static_cast<Index>(rivals_.size());
-        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(columns_.cols(), factor.cols());
-        out.middleRows(n, nominal_) = factor.topRows(nominal_);
-        out.middleRows(n + own_[rival], factor.rows() - nominal_) = factor.bottomRows(factor.rows() - nominal_);
-        return out;
+        return llt.info() == Eigen::Success
+                   ? Eigen::MatrixXd(llt.matrixL())
+                   : Eigen::MatrixXd(rivals_[rival].covariance.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal());
     }
-    /// @param a what is true @param b what is refitted
-    [[nodiscard]] Told refuted(const Eigen::MatrixXd& sums, std::size_t a, std::size_t b, bool refit) const {
-        Eigen::VectorXd apart = Eigen::VectorXd::Zero(sums.cols());
-        apart[static_cast<Index>(a)] = 1.0;
-        apart[static_cast<Index>(b)] = -1.0;
-        const Eigen::VectorXd seen = sums * apart;
-        if (!refit)
-            return {std::sqrt(std::max(0.0, apart.dot(seen)))};
-        const Eigen::MatrixXd of = deviations(a), by = deviations(b);
-        const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(by.cols(), by.cols()) + by.transpose() * sums * by;
-        const Eigen::VectorXd left = seen - sums * by * inner.ldlt().solve(by.transpose() * seen);
-        const double square = apart.dot(left);
+    /// What one deviation each of a rival's numbers changes in the readings, of columns by moved_.
+    [[nodiscard]] Eigen::MatrixXd deviations(const Eigen::MatrixXd& changes, std::size_t rival) const {
+        const Eigen::MatrixXd factor = factorOf(rival);
+        return changes.leftCols(nominal_) * factor.topRows(nominal_) +
+               changes.middleCols(own_[rival], factor.rows() - nominal_) * factor.bottomRows(factor.rows() - nominal_);
+    }
+    [[nodiscard]] Told refuted(const Sight& sight, const Eigen::MatrixXd& changes, const Question& q,
+                               Refit refit) const {
+        const double root = std::sqrt(static_cast<double>(q.repeats));
+        const Eigen::VectorXd seen = root * sight.apart(responses_[q.is], responses_[q.said]);
+        if (refit == Refit::None)
+            return {seen.norm()};
+        const Eigen::MatrixXd of = deviations(changes, q.is), by = deviations(changes, q.said);
+        const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(by.cols(), by.cols()) + by.transpose() * by;
+        const Eigen::LDLT<Eigen::MatrixXd> solver(inner);
+        const Eigen::VectorXd moved = solver.solve(by.transpose() * seen);
+        const Eigen::VectorXd left = seen - by * moved; // of the covariance 1 + by by'
+        const double square = seen.dot(left);
         if (!std::isfinite(square) || square <= 0.0)
             return {};
-        return {std::sqrt(square), (of.transpose() * left).norm() / std::sqrt(square),
-                std::sqrt(std::max(0.0, 1.0 - (by.transpose() * left).squaredNorm() / square))};
+        const double distance = std::sqrt(square);
+        const Told linear{distance, (of.transpose() * left).norm() / distance,
+                          std::sqrt(std::max(0.0, 1.0 - (by.transpose() * left).squaredNorm() / square))};
+        if (refit == Refit::Linear || linear.surely() <= 0.0)
+            return linear;
+        return {std::min(distance, std::sqrt(searched(sight, by, solver, q, moved))), linear.open, linear.noise};
+    }
+    /// Least squares in which the one that is said differs from the one that is, what it pays for moving included; by
+    /// simulations from where the derivatives lead, which are kept (chord method).
+    [[nodiscard]] double searched(const Sight& sight, const Eigen::MatrixXd& by,
+                                  const Eigen::LDLT<Eigen::MatrixXd>& solver, const Question& q,
+                                  Eigen::VectorXd to) const {
+        constexpr int kMost = 5;
+        const double root = std::sqrt(static_cast<double>(q.repeats));
+        const Rival& said = rivals_[q.said];
+        const Variables v(evaluator_.model(), said.point);
+        const Eigen::MatrixXd factor = factorOf(q.said);
+        Eigen::VectorXd at = Eigen::VectorXd::Zero(to.size());
+        Eigen::VectorXd seen = root * sight.apart(responses_[q.is], responses_[q.said]);
+        double least = seen.squaredNorm();
+        for (int i = 0; i < kMost && !evaluator_.stopped(); ++i) {
+            const Eigen::VectorXd x = (said.x + factor * to).cwiseMax(v.lower).cwiseMin(v.upper);
+            const DesignResponse there = evaluator_.foretell(index_, {v.at(x)}).front();
+            const Eigen::VectorXd next =
+                usable(there) ? Eigen::VectorXd(root * sight.apart(responses_[q.is], there)) : Eigen::VectorXd();
+            const double now = next.size() > 0 ? next.squaredNorm() + to.squaredNorm() : 1e300;
+            if (now >= least) {
+                to = 0.5 * (to + at);
+                continue;
+            }
+            const bool little = now > 0.98 * least;
+            at = to;
+            seen = next;
+            least = now;
+            if (little)
+                break;
+            to = at + solver.solve(by.transpose() * seen - at);
+        }
+        return least;
     }
 
     Evaluator& evaluator_;
     std::size_t index_;
-    const Design& design_;
+    Design design_;
     const Noise& noise_;
+    double zeroWindow_;
     const std::vector<Rival>& rivals_;
     std::vector<DesignResponse> responses_; ///< of the rivals
-    /// Readings of the rivals, their derivatives by nominal parameters and by each rival's own numbers, N and m.
-    Eigen::MatrixXd columns_;
-    Index nominal_ = 0;      ///< number of nominal parameters
-    std::vector<Index> own_; ///< first derivative by a rival's own numbers
+    std::vector<Moved> moved_;              ///< by the nominal parameters (of the first), by each rival's own numbers
+    Index nominal_ = 0;                     ///< number of nominal parameters
+    std::vector<Index> own_;                ///< first of moved_ by a rival's own numbers
 };
 
 constexpr std::size_t kMostRepeats = 8;
@@ -193,7 +242,7 @@ struct Offer {
     }
 };
 
-Offer offerOf(const Foretold& run, const std::vector<Rival>& rivals, std::size_t repeats, bool refit) {
+Offer offerOf(const Foretold& run, const std::vector<Rival>& rivals, std::size_t repeats, Refit refit) {
     const std::vector<Told> told = run.told(repeats, refit);
     Offer out{repeats};
     double weights = 0.0;
@@ -213,10 +262,10 @@ Offer offerOf(const Foretold& run, const std::vector<Rival>& rivals, std::size_t
 /// As few runs as tell enough; where even the most do not, as few as tell nearly as much.
 Offer bestOffer(const Foretold& run, const std::vector<Rival>& rivals, std::size_t most) {
     constexpr double kNearly = 0.9;
-    const Offer farthest = offerOf(run, rivals, most, true);
+    const Offer farthest = offerOf(run, rivals, most, Refit::Linear);
     Offer out = farthest;
     for (std::size_t n = 1; n < most; ++n)
-        if (const Offer offer = offerOf(run, rivals, n, true);
+        if (const Offer offer = offerOf(run, rivals, n, Refit::Linear);
             offer.enough() || (!farthest.enough() && offer.worth >= kNearly * farthest.worth)) {
             out = offer;
             break;
@@ -225,10 +274,24 @@ Offer bestOffer(const Foretold& run, const std::vector<Rival>& rivals, std::size
     return out;
 }
 
+/// An offer by derivatives, looked at where these lead: as much more often as that takes.
+Offer checked(const Foretold& run, const std::vector<Rival>& rivals, const Offer& linear, std::size_t most) {
+    Offer out = offerOf(run, rivals, linear.repeats, Refit::Searched);
+    out.promise = out.worth;
+    for (std::size_t n = linear.repeats; linear.enough() && !out.enough() && n < most;) {
+        n = std::min(2 * n, most);
+        Offer more = offerOf(run, rivals, n, Refit::Searched);
+        more.promise = more.worth;
+        if (more.better(out))
+            out = more;
+    }
+    return out;
+}
+
 } // namespace
 
-std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals,
-                                             const Noise& noise) {
+std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals, const Noise& noise,
+                                             double zeroWindow) {
     if (noise.total() <= 0.0 || rivals.size() < 2)
         return std::nullopt;
     constexpr double kLittle = 0.25; // of what is enough: less is not worth derivatives
@@ -238,13 +301,16 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
     for (std::size_t i = 0; i < designs.size() && !evaluator.stopped(); ++i) {
         if (best.enough() && best.repeats == 1)
             break; // the first one listed is the simplest
-        Foretold run(evaluator, i, designs[i], noise, rivals);
+        Foretold run(evaluator, i, designs[i], noise, zeroWindow, rivals);
         const std::size_t most = best.enough() ? best.repeats - 1 : kMostRepeats;
         if (!run.simulate() ||
-            offerOf(run, rivals, most, false).worth < std::max(kLittle, std::min(kAll, best.promise)))
+            offerOf(run, rivals, most, Refit::None).worth < std::max(kLittle, std::min(kAll, best.promise)))
             continue;
         run.differentiate();
-        if (const Offer offer = bestOffer(run, rivals, most); offer.better(best)) {
+        const Offer linear = bestOffer(run, rivals, most);
+        if (!linear.better(best))
+            continue;
+        if (const Offer offer = checked(run, rivals, linear, most); offer.better(best)) {
             best = offer;
             out.run = designs[i];
         }
@@ -258,6 +324,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
         else
             out.separates.push_back(r.label);
     out.power = best.power;
+    out.settles = best.enough();
     return out;
 }
 
@@ -268,7 +335,8 @@ std::string noneTells(const Diagnosis& d) {
 }
 
 std::string inWords(const NextExperiment& next) {
-    return next.run.what + (next.repeats > 1 ? ", made " + std::to_string(next.repeats) + " times" : "");
+    return next.run.what + (next.repeats > 1 ? ", made " + std::to_string(next.repeats) + " times" : "") +
+           (next.settles ? "" : " (it tells most of what was looked at, but may not settle it)");
 }
 
 } // namespace supercircle::diagnosis

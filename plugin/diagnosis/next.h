@@ -47,15 +47,15 @@ struct Rival {
 
 /// Simulates the designs with all rivals and takes the one that refutes whatever is not true by four units, with a
 /// probability of .9, in the fewest repeats (of several the first), else, with up to eight of each, the one that does
-/// best. Its power is that of one-sided tests at 5 %, the mean over what may be true. Empty if there are no two rivals,
-/// if no design can be simulated, or if the evaluator was stopped.
+/// best, which may not settle it. Its power is that of one-sided tests at 5 %, the mean over what may be true. Empty if
+/// there are no two rivals, if no design can be simulated, or if the evaluator was stopped.
 std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals,
-                                             const Noise& noise);
+                                             const Noise& noise, double zeroWindow = 0.0);
 
 /// Where none was found: how many were tried, and what else there is to do.
 std::string noneTells(const Diagnosis& d);
 
-/// "a run ten times slower, at 0.2 mm/s, made 3 times".
+/// "a run ten times slower, at 0.2 mm/s, made 3 times", and that it may not settle it, if so.
 std::string inWords(const NextExperiment& next);
 
 } // namespace supercircle::diagnosis

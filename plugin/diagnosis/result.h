@@ -74,6 +74,7 @@ struct NextExperiment {
     std::vector<std::string> separates; ///< labels
     bool side = false;                  ///< it tells to which side the first of them acts
     double power = 0.0;
+    bool settles = false; ///< it is expected to tell them apart beyond doubt; else it is what tells most
 };
 
 /// A stretch of time of a run, s.

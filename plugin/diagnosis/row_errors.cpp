@@ -124,7 +124,7 @@ std::vector<replay::Landmark> jumpsOf(const RecordedRun& run, const Response& si
 
 MisfitSettings MisfitSettings::inEachOf(std::size_t n) const {
     MisfitSettings out = *this;
-    out.repeated = std::sqrt(static_cast<double>(std::max<std::size_t>(1, n)));
+    out.repeated *= std::sqrt(static_cast<double>(std::max<std::size_t>(1, n)));
     return out;
 }
 

@@ -1,9 +1,10 @@
 #pragma once
-// What the readings of a run that was not made are worth: behind the sensors' noise and what simulations are off by, as
-// those of recorded runs are (misfit.h), with what every run has of its own integrated out: a shift and the scale of
-// its force, its clock, and a shift of each coordinate of each marker while the machine goes one way, and behind a
-// snap.
+// What the readings of a run that was not made are worth: what a recording of it would be, in the same errors, with
+// the same rows left out (misfit.h). Until they were, rows beside a touch of the floor, which no fit looks at, were to
+// tell a machine that gives from a contact that gives, one deflection on a strip, by seven deviations in six cycles.
 
+#include "plugin/diagnosis/data.h"
+#include "plugin/diagnosis/misfit.h"
 #include "plugin/diagnosis/model.h"
 #include "plugin/diagnosis/noise.h"
 
@@ -12,11 +13,23 @@
 
 namespace supercircle::diagnosis {
 
-/// Products in noise units, C' W C, of changes of the readings of so many repeats of a run; what simulations are off by
-/// is the same in all of them.
-/// @param like the run as it is foretold; at least 8 readings
-/// @param columns C, a column each: force, N, then markers, m, as in `like`
-Eigen::MatrixXd seenProducts(const Design& design, const DesignResponse& like, const Noise& noise,
-                             const Eigen::MatrixXd& columns, std::size_t repeats);
+class Sight {
+public:
+    /// @param truth the run as it would be recorded, without noise; at least 8 readings
+    /// @param zeroWindow as Data::zeroWindow, s
+    /// @param repeats what simulations are off by is the same in all of them
+    Sight(const Design& design, const DesignResponse& truth, const Noise& noise, double zeroWindow,
+          std::size_t repeats);
+    Sight(const Sight&) = delete;
+    Sight& operator=(const Sight&) = delete;
+
+    /// a minus b in noise units, whitened, one repeat of them; what either has of its own and what a jump hides is left
+    /// out.
+    [[nodiscard]] Eigen::VectorXd apart(const DesignResponse& a, const DesignResponse& b) const;
+
+private:
+    Data data_;
+    Misfit misfit_; ///< of data_
+};
 
 } // namespace supercircle::diagnosis

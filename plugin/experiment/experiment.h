@@ -146,6 +146,9 @@ struct Run {
     MarkerTracks markers;                   ///< empty: not tracked
 };
 
+/// Where the head is told to be, m.
+double commanded(const Run& run, double t);
+
 struct Sensors {
     double forceNoise = 0.0;        ///< standard deviation, N (free scenes: rad or m), rough
     double forceZeroWindow = 0.0;   ///< the mean of this first stretch of time is subtracted, s; 0: nothing is

@@ -17,6 +17,13 @@ std::string shown(double v) {
     return text;
 }
 
+double commanded(const Run& run, double t) {
+    const auto after = std::upper_bound(run.driveTime.begin() + 1, run.driveTime.end() - 1, t);
+    const std::size_t i = static_cast<std::size_t>(after - run.driveTime.begin());
+    const double share = std::clamp((t - run.driveTime[i - 1]) / (run.driveTime[i] - run.driveTime[i - 1]), 0.0, 1.0);
+    return (1.0 - share) * run.driveDisplacement[i - 1] + share * run.driveDisplacement[i];
+}
+
 double medianStep(const std::vector<double>& time) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < time.size(); ++i)
@@ -60,13 +67,6 @@ private:
     const std::string& path_;
     std::vector<Problem>& problems_;
 };
-
-double commanded(const Run& run, double t) {
-    const auto after = std::upper_bound(run.driveTime.begin() + 1, run.driveTime.end() - 1, t);
-    const std::size_t i = static_cast<std::size_t>(after - run.driveTime.begin());
-    const double share = std::clamp((t - run.driveTime[i - 1]) / (run.driveTime[i] - run.driveTime[i - 1]), 0.0, 1.0);
-    return (1.0 - share) * run.driveDisplacement[i - 1] + share * run.driveDisplacement[i];
-}
 
 /// Increasing and finite, at least two.
 bool goodTimes(const std::vector<double>& time, Place& place) {

@@ -72,13 +72,6 @@ std::vector<double> evenTimes(const Run& run, double rate) {
     return times;
 }
 
-double commanded(const Run& run, double t) {
-    const auto after = std::upper_bound(run.driveTime.begin() + 1, run.driveTime.end() - 1, t);
-    const std::size_t i = static_cast<std::size_t>(after - run.driveTime.begin());
-    const double share = std::clamp((t - run.driveTime[i - 1]) / (run.driveTime[i] - run.driveTime[i - 1]), 0.0, 1.0);
-    return (1.0 - share) * run.driveDisplacement[i - 1] + share * run.driveDisplacement[i];
-}
-
 /// Plays the commanded motion. With something soft in series the commanded motion is head plus give, d = x + c F, and
 /// while the drive moves it is d that keeps time: the clock is read off d. That is implicit (stiff specimens do no
 /// harm), and where a snap lets d jump back the clock stands still. The head's speed is that of the drive less what the
@@ -402,7 +395,7 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
     std::size_t count = 0;
     for (std::size_t k = 0; k < at.row.size(); ++k) {
         r.time.push_back(times[k]);
-        r.displacement.push_back(commanded(run, times[k]));
+        r.displacement.push_back(experiment::commanded(run, times[k]));
         r.force.push_back(at.at(k, [&](std::size_t i) { return trace.forces[i].force; }));
         if (times[k] < times.front() + e.sensors.forceZeroWindow) {
             sum += r.force.back();
@@ -414,7 +407,7 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
         f -= out.forceZero;
     for (const Reading& reading : trace.forces) {
         out.trace.time.push_back(reading.time);
-        out.trace.displacement.push_back(commanded(run, reading.time));
+        out.trace.displacement.push_back(experiment::commanded(run, reading.time));
         out.trace.force.push_back(reading.force - out.forceZero);
     }
     const std::vector<double> markerTimes =

@@ -123,6 +123,38 @@ public:
     }
 };
 
+/// Two sines that are late, each by a number of its own, and in the second design a swing that only the first has.
+class TwoPhases final : public Designs {
+public:
+    TwoPhases()
+        : Designs({{"phase", 0}, {"swing", 0}},
+                  {effect("one", "s", 0.0, 3.0, 1.0), effect("other", "s", 0.0, 3.0, 1.0)}) {}
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
+                                                const std::atomic<bool>*) const override {
+        DesignResponse out;
+        out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
+        out.force = (out.time.array() - p.terms.front().values[0]).sin().matrix();
+        if (i == 1 && p.terms.front().candidate == 0)
+            out.force += (5.0 * out.time.array()).sin().matrix();
+        return out;
+    }
+};
+
+/// A floor that is met at once, 1 N at 2 mm, by one effect 50 um later than by the other.
+class TwoTouches final : public Designs {
+public:
+    TwoTouches()
+        : Designs({{"press", 0, {0.0, 10.0}, {0.0, 0.01}}},
+                  {effect("high", "1", -9.0, 9.0, 1.0), effect("low", "1", -9.0, 9.0, 1.0)}) {}
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t, const Point& p, const std::atomic<bool>*) const override {
+        DesignResponse out;
+        out.time = Eigen::VectorXd::LinSpaced(400, 0.0, 10.0);
+        const double touch = p.terms.front().candidate == 0 ? 2.0 : 2.05;
+        out.force = (out.time.array() >= touch).select(1.0 + 0.1 * out.time.array(), 0.0);
+        return out;
+    }
+};
+
 Noise quiet() {
     Noise noise;
     noise.white = 0.1;
@@ -288,4 +320,40 @@ TEST_CASE("a further run that is filmed tells what no force shows", "[diagnosis]
     noise.marker = 3e-3; // a poor camera
     const auto poor = nextExperiment(evaluator, {rival("first", 0), rival("second", 1)}, noise);
     CHECK((!poor || poor->power < 0.5));
+}
+
+TEST_CASE("a further run is worth what refitting does not take up where derivatives mislead", "[diagnosis]") {
+    // Sines that are a radian apart: moved by its derivative the one is half a newton beside the other (1 - cos 1,
+    // noise .1 N); moved along the circle, it is the other.
+    const TwoPhases model;
+    const auto rival = [&](const std::string& label, std::size_t candidate, double late) {
+        Rival r{label, {{0.0}, {{candidate, {late}}}}, {}, {}};
+        r.x = Variables(model, r.point).of(r.point);
+        r.covariance = Eigen::Vector2d(1e-6, 1.0).asDiagonal(); // of the slope, of how late it is
+        return r;
+    };
+    Store store;
+    Evaluator evaluator(model, 1, {}, store);
+    const auto next = nextExperiment(evaluator, {rival("one", 0, 0.5), rival("other", 1, 1.5)}, quiet());
+    REQUIRE(next);
+    CHECK(next->run.what == "swing");
+    CHECK(next->settles);
+}
+
+TEST_CASE("a further run is not worth what no fit looks at", "[diagnosis]") {
+    // Two readings of 11 noise units; where a floor is touched is known to a share of the way only, and what is read
+    // while it is touched does not count.
+    const TwoTouches model;
+    const auto rival = [&](const std::string& label, std::size_t candidate) {
+        Rival r{label, {{0.0}, {{candidate, {1.0}}}}, {}, {}};
+        r.x = Variables(model, r.point).of(r.point);
+        r.covariance = 1e-6 * Eigen::MatrixXd::Identity(2, 2);
+        return r;
+    };
+    Store store;
+    Evaluator evaluator(model, 1, {}, store);
+    const auto next = nextExperiment(evaluator, {rival("high", 0), rival("low", 1)}, quiet());
+    CHECK((!next || !next->settles));
+    if (next)
+        CHECK(inWords(*next).find("may not settle it") != std::string::npos);
 }

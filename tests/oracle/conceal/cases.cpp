@@ -57,6 +57,17 @@ std::vector<Plan> blind() {
     return all;
 }
 
+/// What is so weak that a diagnosis should ask for another run (prove --further), and as little where nothing is missing.
+std::vector<Plan> limit() {
+    std::vector<Plan> all;
+    for (int i = 0; i < 5; ++i)
+        add(all, "nothing", "", {});
+    for (const Family& f : families())
+        if (f.known)
+            add(all, "single", "limit", {f.name});
+    return all;
+}
+
 Drive through(std::vector<double> time, std::vector<double> millimetres) {
     for (double& d : millimetres)
         d *= 1e-3;
@@ -188,7 +199,7 @@ void addRun(Description& d, Drive drive, double rate, bool turned) {
 }
 
 std::vector<Plan> plans(const std::string& part, std::uint64_t seed) {
-    std::vector<Plan> all = part == "tuning" ? tuning() : blind();
+    std::vector<Plan> all = part == "tuning" ? tuning() : part == "limit" ? limit() : blind();
     Draw draw(seed);
     shuffle(all, draw); // a part of the set is a fair sample of it
     for (std::size_t i = 0; i < all.size(); ++i) {

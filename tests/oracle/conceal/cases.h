@@ -10,13 +10,16 @@
 namespace supercircle::oracle {
 
 struct Plan {
-    std::string name, part; ///< "tuning" or "blind"
+    std::string name, part; ///< "tuning", "blind" or "limit"
     std::string kind;       ///< nothing, single, pair, removed (from the catalogue), outside (of it)
-    std::string strength;   ///< weak, strong
+    std::string strength;   ///< limit, weak, strong
     std::vector<std::string> families;
     std::uint64_t seed = 0;
 };
 
+inline bool isPart(const std::string& word) {
+    return word == "tuning" || word == "blind" || word == "limit";
+}
 /// @param seed of the whole set: what stands in the documentation is 1 for tuning, 2026 for blind
 std::vector<Plan> plans(const std::string& part, std::uint64_t seed);
 

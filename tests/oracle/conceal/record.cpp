@@ -69,7 +69,9 @@ std::string hide(Draw& draw, Secret& s) {
     for (const std::string& name : s.plan.families) {
         const Family& f = family(name);
         const Make make = f.draw(draw, s.protocol);
-        const double wanted = s.plan.strength == "weak" ? draw.logarithmic(6.0, 12.0) : draw.logarithmic(40.0, 150.0);
+        const double wanted = s.plan.strength == "limit"  ? draw.logarithmic(4.5, 8.0)
+                              : s.plan.strength == "weak" ? draw.logarithmic(6.0, 12.0)
+                                                          : draw.logarithmic(40.0, 150.0);
         s.hidden.push_back(make(amplitudeFor(absorber, f, make, wanted)));
     }
     if (s.hidden.empty())

@@ -1,4 +1,4 @@
-// conceal --part tuning|blind --seed N --out DIR: writes DIR/<case>/ (what a diagnosis may see),
+// conceal --part tuning|blind|limit --seed N --out DIR: writes DIR/<case>/ (what a diagnosis may see),
 // DIR/answers/<case>.json (what it may not) and DIR/SHA256SUMS (of the answers; with the system's sha256sum). Cases
 // that are there are kept.
 
@@ -81,9 +81,9 @@ int main(int argc, char** argv) {
         else
             out.clear();
     }
-    if ((out.empty() && accuracy == nullptr) || (part != "tuning" && part != "blind") || jobs < 1) {
+    if ((out.empty() && accuracy == nullptr) || !isPart(part) || jobs < 1) {
         std::fprintf(
-            stderr, "conceal --part tuning|blind --out DIR [--seed N] [--only CASE] [--shard I/N] [--accuracy CASE]\n");
+            stderr, "conceal --part tuning|blind|limit --out DIR [--seed N] [--only CASE] [--shard I/N] [--accuracy CASE]\n");
         return 2;
     }
     if (seed == 0)

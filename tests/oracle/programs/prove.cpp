@@ -1,7 +1,7 @@
 // prove: conceals cases (those that are not there yet), lets `supercircle diagnose` loose on each (those it has not
 // diagnosed yet), and scores what it said. Can be stopped at any time; the same command goes on.
 //
-//   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind] [--first N] [--limit N]
+//   prove --program build/dev/plugin/supercircle --out out/proof [--part tuning|blind|limit] [--first N] [--limit N]
 //         [--only N,N,...] [--jobs N] [--score] [--name NAME] [--from NAME] [--further] [--own] [--apart]
 //         [-- flags for diagnose ...]
 //
@@ -171,7 +171,7 @@ bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const f
 void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Judged>& before, const fs::path& folder) {
     const fs::path cases = fs::path(o.out) / o.part / (o.name + "_further_cases"),
                    to = fs::path(o.out) / o.part / (o.name + "_further");
-    Share decided, weakDecided;
+    Share decided, weakDecided, unsure;
     std::string lines;
     for (const Judged& was : before) {
         const auto plan = std::find_if(all.begin(), all.end(), [&](const Plan& p) { return p.name == was.name; });
@@ -186,12 +186,12 @@ void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Ju
         // A run in which the second simulator is not sure of itself settles nothing: such cases are drawn again, too.
         const bool counts = now.furtherOwnError <= kSureOfItself;
         if (counts)
-            decided.count(settled(now));
-        if (counts && was.verdict == "not_enough_information")
+            (was.wouldSettle ? decided : unsure).count(settled(now));
+        if (counts && was.wouldSettle && was.verdict == "not_enough_information")
             weakDecided.count(settled(now));
-        char sure[64];
-        std::snprintf(sure, sizeof sure, " (second simulator sure to %.2f%s)", now.furtherOwnError,
-                      counts ? "" : ", not counted");
+        char sure[96];
+        std::snprintf(sure, sizeof sure, " (%ssecond simulator sure to %.2f%s)",
+                      was.wouldSettle ? "" : "may not settle it; ", now.furtherOwnError, counts ? "" : ", not counted");
         lines += "  " + was.name + " (" + was.verdict + "): " + was.next + sure + "\n    " +
                  (settled(now) ? "settled" : "open or wrong") + ": " + now.statement + "\n";
     }
@@ -201,7 +201,9 @@ void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Ju
         return std::string(text);
     };
     const std::string text = "cases left open in which the run that was asked for settles it: " + share(decided) +
-                             "\n  of those said not to hold enough information: " + share(weakDecided) + "\n" + lines;
+                             "\n  of those said not to hold enough information: " + share(weakDecided) +
+                             "\nwhere the run was said to tell most, but perhaps not enough: " + share(unsure) + "\n" +
+                             lines;
     fs::create_directories(to);
     writeWhole(to / "settled.txt", text);
     std::printf("\n%s", text.c_str());
@@ -321,11 +323,12 @@ int main(int argc, char** argv) {
         else
             good = false;
     }
-    if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || (o.part != "tuning" && o.part != "blind")) {
-        std::fprintf(stderr, "prove --program SUPERCIRCLE --out DIR [--part tuning|blind] [--first N] [--limit N] "
-                             "[--only N,N] [--jobs N]"
-                             " [--seed N] [--score] [--further] [--own] [--apart] [--name NAME] [--from NAME] [-- "
-                             "flags for diagnose ...]\n");
+    if (!good || o.out.empty() || (o.program.empty() && !o.scoreOnly) || !isPart(o.part)) {
+        std::fprintf(stderr,
+                     "prove --program SUPERCIRCLE --out DIR [--part tuning|blind|limit] [--first N] [--limit N] "
+                     "[--only N,N] [--jobs N]"
+                     " [--seed N] [--score] [--further] [--own] [--apart] [--name NAME] [--from NAME] [-- "
+                     "flags for diagnose ...]\n");
         return 2;
     }
     try {

@@ -266,8 +266,10 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
         if (answer.contains("further_own_error")) // null: infinite
             j.furtherOwnError = answer["further_own_error"].is_number() ? answer["further_own_error"].get<double>()
                                                                         : std::numeric_limits<double>::infinity();
-        if (!d.at("next_experiment").is_null())
+        if (!d.at("next_experiment").is_null()) {
             j.next = wordsOf(d.at("next_experiment"));
+            j.wouldSettle = d["next_experiment"].value("settles", true); // programs of long ago did not say
+        }
     } catch (const Json::exception& e) {
         throw std::runtime_error(diagnosisFile + " or its answer: " + e.what());
     }

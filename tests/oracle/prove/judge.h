@@ -32,7 +32,8 @@ struct Judged {
     double detectable = 0.0;        ///< what the best possible test would have for a signal (Left::detectable)
     double seconds = 0.0;
     double pNothing = 0.0, pUnknown = 0.0, pFirst = 0.0, pTruth = 0.0;
-    std::string next; ///< experiment it proposes
+    std::string next;         ///< experiment it proposes
+    bool wouldSettle = false; ///< and says that it will settle it
     /// By which the second simulator is off itself in a run that was asked for, in units of the noise of the mean of
     /// its repeats; infinite: not known.
     double furtherOwnError = 0.0;

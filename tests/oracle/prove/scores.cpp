@@ -128,8 +128,9 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
         knowing, brier, places, seconds;
     for (const Judged& j : all) {
         const bool hides = j.kind != "nothing", one = j.kind == "single";
+        const bool isWeak = j.strength == "weak" || j.strength == "limit";
         if (hides)
-            (j.strength == "weak" ? weak : strong).count(j.detected);
+            (isWeak ? weak : strong).count(j.detected);
         else
             falseAlarm.count(j.detected);
         if (one && j.verdict == "named")
@@ -153,11 +154,11 @@ std::vector<Score> scoresOf(const std::vector<Judged>& all) {
                 to.push_back(v);
         };
         put(overlaps, j.overlap);
-        put(overlapsStrong, j.strength == "weak" ? -1.0 : j.overlap);
+        put(overlapsStrong, isWeak ? -1.0 : j.overlap);
         put(overlapsForce, j.overlapForce);
         put(overlapsNamed, j.overlapNamed);
         put(amplitudes, one ? j.amplitudeError : -1.0);
-        put(amplitudesStrong, one && j.strength != "weak" ? j.amplitudeError : -1.0);
+        put(amplitudesStrong, one && !isWeak ? j.amplitudeError : -1.0);
         put(places, j.placeError);
         put(noise, one && j.right ? j.overNoise : -1.0);
         put(knowing, one && j.detected ? j.overKnowing : -1.0);

@@ -182,6 +182,9 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markers == std::vector<double>{0.1, 0.9});
     CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markerRate == 3.0);
     CHECK(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).next == "fast, made 3 times");
+    CHECK(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).wouldSettle);
+    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"settles\": false, ");
+    CHECK_FALSE(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).wouldSettle);
 
     const std::vector<Plan> all = plans("tuning", 1);
     const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) { return p.kind == "nothing"; });
@@ -442,4 +445,21 @@ TEST_CASE("true numbers lie inside the intervals that are stated", "[oracle]") {
         CHECK(n.total() / d.noise > 0.7);
         CHECK(n.total() / d.noise < 1.3);
     }
+}
+
+TEST_CASE("effects near the limit of detection are sized to be", "[oracle]") {
+    const std::vector<Plan> all = plans("limit", 1);
+    CHECK(isPart("limit"));
+    CHECK(std::count_if(all.begin(), all.end(), [](const Plan& p) { return p.kind == "nothing"; }) == 5);
+    const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) {
+        return p.kind == "single" && p.families == std::vector<std::string>{"relaxation"};
+    });
+    REQUIRE(plan != all.end());
+    CHECK(plan->strength == "limit");
+    const Concealed made = conceal(*plan);
+    REQUIRE(made.failure.empty());
+    const double detectable = nlohmann::json::parse(made.answer).at("detectable");
+    // Aimed at 4.5 to 8 deviations, within a quarter in the logarithm.
+    CHECK(detectable > 4.5 / 1.3);
+    CHECK(detectable < 8.0 * 1.3);
 }

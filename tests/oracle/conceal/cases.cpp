@@ -57,7 +57,8 @@ std::vector<Plan> blind() {
     return all;
 }
 
-/// What is so weak that a diagnosis should ask for another run (prove --further), and as little where nothing is missing.
+/// What is so weak that a diagnosis should ask for another run (prove --further), and as little where nothing is
+/// missing.
 std::vector<Plan> limit() {
     std::vector<Plan> all;
     for (int i = 0; i < 5; ++i)

@@ -83,7 +83,8 @@ int main(int argc, char** argv) {
     }
     if ((out.empty() && accuracy == nullptr) || !isPart(part) || jobs < 1) {
         std::fprintf(
-            stderr, "conceal --part tuning|blind|limit --out DIR [--seed N] [--only CASE] [--shard I/N] [--accuracy CASE]\n");
+            stderr,
+            "conceal --part tuning|blind|limit --out DIR [--seed N] [--only CASE] [--shard I/N] [--accuracy CASE]\n");
         return 2;
     }
     if (seed == 0)

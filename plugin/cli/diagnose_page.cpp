@@ -192,8 +192,8 @@ std::string nextText(const Diagnosis& d) {
     if (d.next->side)
         told += (told.empty() ? "" : ", and ") + ("to which side " + escaped(diagnosis::plainWords(labels.front()))) +
                 " acts";
-    return "<p>" + escaped(diagnosis::inWords(*d.next)) + ". It tells " + told + " with a power of at most " +
-           fixed(100.0 * d.next->power, 0) + " %.</p>" + driveTable(d.next->run);
+    return "<p>" + escaped(diagnosis::inWords(*d.next)) + (d.next->settles ? ". It tells " : ". It would tell ") +
+           told + " with a power of at most " + fixed(100.0 * d.next->power, 0) + " %.</p>" + driveTable(d.next->run);
 }
 
 } // namespace

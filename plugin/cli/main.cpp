@@ -290,9 +290,10 @@ CLI::App* describeDiagnose(CLI::App& app, supercircle::cli::DiagnoseArguments& a
         ->type_name("EFFECT")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    verb->add_flag("--no-next", a.noNext,
-                   "do not look for the next run to make, where one is wanted (dozens of simulations); without this\n"
-                   "flag the same command looks for it, from the simulations that are kept");
+    verb->add_flag(
+        "--no-next", a.noNext,
+        "do not look for the next run to make, where one is wanted (a hundred simulations and more); without this\n"
+        "flag the same command looks for it, from the simulations that are kept");
     verb->add_option("--ablate", a.ablate,
                      "PART of the method to leave out, to see what it is good for: whitening, heldout, probes, unknown")
         ->check(CLI::IsMember({"whitening", "heldout", "probes", "unknown"}))

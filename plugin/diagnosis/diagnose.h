@@ -22,7 +22,8 @@ struct Settings {
     std::uint64_t seed = 1;
     int draws = 999;      ///< of the null distribution
     std::size_t fits = 6; ///< effects that are fitted in full
-    bool next = true; ///< choose the next run where the question stays open, which simulates dozens that were not made
+    /// Choose the next run where the question stays open, which simulates a hundred and more that were not made.
+    bool next = true;
     MisfitSettings misfit;
     Ablation ablation;
     /// Share of the probes' sizes at which effects are simulated (screen()).

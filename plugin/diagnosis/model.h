@@ -116,6 +116,7 @@ struct DesignResponse {
     std::string failure;
     Eigen::VectorXd time, force;
     Eigen::VectorXd markerTime{}, markers{}; ///< as Response::markers; empty: none is tracked
+    Eigen::VectorXd jumps{};                 ///< as Response::jumps
 };
 
 class Model {

@@ -3,10 +3,12 @@
 #include "plugin/diagnosis/sight.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 
 namespace supercircle::diagnosis {
 
@@ -86,20 +88,29 @@ public:
         }
     }
     /// How well so many of these runs, fitted together, refute whichever other rival is hardest to refute if one is
-    /// true.
+    /// true; of rivals without effects nothing, for that is not asked.
     [[nodiscard]] std::vector<Told> told(std::size_t repeats, Refit refit) const {
-        std::vector<Told> out;
+        std::vector<std::unique_ptr<Sight>> sights;
+        std::vector<Pair> pairs;
         for (std::size_t a = 0; a < rivals_.size(); ++a) {
-            const Sight sight(design_, responses_[a], noise_, zeroWindow_, repeats);
-            const Eigen::MatrixXd changes = refit == Refit::None ? Eigen::MatrixXd() : changesIn(sight, repeats);
-            std::optional<Told> hardest;
+            if (rivals_[a].point.terms.empty())
+                continue;
+            sights.push_back(std::make_unique<Sight>(design_, responses_[a], noise_, zeroWindow_, repeats));
+            const Eigen::MatrixXd changes =
+                refit == Refit::None ? Eigen::MatrixXd() : changesIn(*sights.back(), repeats);
             for (std::size_t b = 0; b < rivals_.size(); ++b)
                 if (!within(a, b))
-                    if (const Told t = refuted(sight, changes, {a, b, repeats}, refit);
-                        !hardest || t.surely() < hardest->surely())
-                        hardest = t;
-            out.push_back(hardest.value_or(Told{}));
+                    pairs.push_back(refuted(*sights.back(), changes, a, b, repeats));
         }
+        if (refit == Refit::Searched)
+            search(pairs, repeats);
+        std::vector<Told> out(rivals_.size());
+        std::vector<bool> any(rivals_.size(), false);
+        for (const Pair& p : pairs)
+            if (!any[p.is] || p.told.surely() < out[p.is].surely()) {
+                out[p.is] = p.told;
+                any[p.is] = true;
+            }
         return out;
     }
 
@@ -113,10 +124,16 @@ private:
         double step = 0.0;
         DesignResponse response;
     };
-    struct Question {
-        std::size_t is = 0;   ///< the rival that is true
-        std::size_t said = 0; ///< the one that is refitted
-        std::size_t repeats = 1;
+    /// One rival that is true and one that is refitted to what it foretells.
+    struct Pair {
+        std::size_t is = 0, said = 0;
+        const Sight* sight = nullptr; ///< of the one that is true
+        Told told;
+        Eigen::MatrixXd by;                  ///< what one deviation of each of its numbers changes
+        Eigen::LDLT<Eigen::MatrixXd> normal; ///< of 1 + by' by
+        Eigen::VectorXd left;                ///< where it stands: the readings that are left, all repeats together
+        Eigen::VectorXd at, to;              ///< where that is, and where derivatives lead from there, deviations
+        [[nodiscard]] double squares() const { return left.squaredNorm() + at.squaredNorm(); }
     };
 
     [[nodiscard]] bool usable(const DesignResponse& r) const {
@@ -129,10 +146,12 @@ private:
         for (std::size_t k = 0; k < moved_.size(); ++k) {
             const Moved& m = moved_[k];
             const DesignResponse& from = responses_[m.rival];
-            const Eigen::VectorXd column = sight.apart(usable(m.response) ? m.response : from, from);
+            const auto change = sight.apart(usable(m.response) ? m.response : from, from);
+            if (!change)
+                continue;
             if (out.size() == 0)
-                out.resize(column.size(), static_cast<Index>(moved_.size()));
-            out.col(static_cast<Index>(k)) = std::sqrt(static_cast<double>(repeats)) / m.step * column;
+                out.setZero(change->size(), static_cast<Index>(moved_.size()));
+            out.col(static_cast<Index>(k)) = std::sqrt(static_cast<double>(repeats)) / m.step * *change;
         }
         return out;
     }
@@ -158,59 +177,82 @@ private:
         return changes.leftCols(nominal_) * factor.topRows(nominal_) +
                changes.middleCols(own_[rival], factor.rows() - nominal_) * factor.bottomRows(factor.rows() - nominal_);
     }
-    [[nodiscard]] Told refuted(const Sight& sight, const Eigen::MatrixXd& changes, const Question& q,
-                               Refit refit) const {
-        const double root = std::sqrt(static_cast<double>(q.repeats));
-        const Eigen::VectorXd seen = root * sight.apart(responses_[q.is], responses_[q.said]);
-        if (refit == Refit::None)
-            return {seen.norm()};
-        const Eigen::MatrixXd of = deviations(changes, q.is), by = deviations(changes, q.said);
-        const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(by.cols(), by.cols()) + by.transpose() * by;
-        const Eigen::LDLT<Eigen::MatrixXd> solver(inner);
-        const Eigen::VectorXd moved = solver.solve(by.transpose() * seen);
-        const Eigen::VectorXd left = seen - by * moved; // of the covariance 1 + by by'
-        const double square = seen.dot(left);
+    /// By derivatives. @param changes empty: nothing is refitted
+    [[nodiscard]] Pair refuted(const Sight& sight, const Eigen::MatrixXd& changes, std::size_t is, std::size_t said,
+                               std::size_t repeats) const {
+        Pair p;
+        p.is = is;
+        p.said = said;
+        p.sight = &sight;
+        const auto seen = sight.apart(responses_[is], responses_[said]);
+        if (!seen)
+            return p;
+        p.left = std::sqrt(static_cast<double>(repeats)) * *seen;
+        p.told = {p.left.norm()};
+        if (changes.size() == 0)
+            return p;
+        p.by = deviations(changes, said);
+        p.normal.compute(Eigen::MatrixXd::Identity(p.by.cols(), p.by.cols()) + p.by.transpose() * p.by);
+        p.at = Eigen::VectorXd::Zero(p.by.cols());
+        p.to = p.normal.solve(p.by.transpose() * p.left);
+        const Eigen::VectorXd rest = p.left - p.by * p.to; // (1 + by by')^-1 of it
+        const double square = p.left.dot(rest);
+        p.told = {};
         if (!std::isfinite(square) || square <= 0.0)
-            return {};
+            return p;
         const double distance = std::sqrt(square);
-        const Told linear{distance, (of.transpose() * left).norm() / distance,
-                          std::sqrt(std::max(0.0, 1.0 - (by.transpose() * left).squaredNorm() / square))};
-        if (refit == Refit::Linear || linear.surely() <= 0.0)
-            return linear;
-        return {std::min(distance, std::sqrt(searched(sight, by, solver, q, moved))), linear.open, linear.noise};
+        p.told = {distance, (deviations(changes, is).transpose() * rest).norm() / distance,
+                  std::sqrt(std::max(0.0, 1.0 - (p.by.transpose() * rest).squaredNorm() / square))};
+        return p;
     }
-    /// Least squares in which the one that is said differs from the one that is, what it pays for moving included; by
-    /// simulations from where the derivatives lead, which are kept (chord method).
-    [[nodiscard]] double searched(const Sight& sight, const Eigen::MatrixXd& by,
-                                  const Eigen::LDLT<Eigen::MatrixXd>& solver, const Question& q,
-                                  Eigen::VectorXd to) const {
+    /// How near a rival comes by simulations from where the derivatives lead, which are kept (chord method), where that
+    /// is nearer than these say. All pairs go on together.
+    void search(std::vector<Pair>& pairs, std::size_t repeats) const {
         constexpr int kMost = 5;
-        const double root = std::sqrt(static_cast<double>(q.repeats));
-        const Rival& said = rivals_[q.said];
-        const Variables v(evaluator_.model(), said.point);
-        const Eigen::MatrixXd factor = factorOf(q.said);
-        Eigen::VectorXd at = Eigen::VectorXd::Zero(to.size());
-        Eigen::VectorXd seen = root * sight.apart(responses_[q.is], responses_[q.said]);
-        double least = seen.squaredNorm();
-        for (int i = 0; i < kMost && !evaluator_.stopped(); ++i) {
-            const Eigen::VectorXd x = (said.x + factor * to).cwiseMax(v.lower).cwiseMin(v.upper);
-            const DesignResponse there = evaluator_.foretell(index_, {v.at(x)}).front();
-            const Eigen::VectorXd next =
-                usable(there) ? Eigen::VectorXd(root * sight.apart(responses_[q.is], there)) : Eigen::VectorXd();
-            const double now = next.size() > 0 ? next.squaredNorm() + to.squaredNorm() : 1e300;
-            if (now >= least) {
-                to = 0.5 * (to + at);
-                continue;
+        constexpr double kLittle = 0.98; // of the squares: what is gained beyond is not worth a simulation
+        const double root = std::sqrt(static_cast<double>(repeats));
+        std::vector<Pair*> walking;
+        for (Pair& p : pairs)
+            if (p.told.surely() > 0.0)
+                walking.push_back(&p);
+        for (int i = 0; i < kMost && !walking.empty() && !evaluator_.stopped(); ++i) {
+            std::vector<Point> points;
+            for (Pair* p : walking)
+                points.push_back(bounded(*p));
+            const auto there = evaluator_.foretell(index_, points);
+            std::vector<Pair*> on;
+            for (std::size_t k = 0; k < walking.size(); ++k) {
+                Pair& p = *walking[k];
+                const auto left = usable(there[k]) ? p.sight->apart(responses_[p.is], there[k]) : std::nullopt;
+                const double before = p.squares(),
+                             now = left ? static_cast<double>(repeats) * left->squaredNorm() + p.to.squaredNorm()
+                                        : 2.0 * before;
+                if (!(now < before)) {
+                    p.to = 0.5 * (p.to + p.at);
+                    on.push_back(&p);
+                    continue;
+                }
+                p.at = p.to;
+                p.left = root * *left;
+                p.to = p.at + p.normal.solve(p.by.transpose() * p.left - p.at);
+                if (now < kLittle * before)
+                    on.push_back(&p);
             }
-            const bool little = now > 0.98 * least;
-            at = to;
-            seen = next;
-            least = now;
-            if (little)
-                break;
-            to = at + solver.solve(by.transpose() * seen - at);
+            walking = std::move(on);
         }
-        return least;
+        for (Pair& p : pairs)
+            if (p.told.surely() > 0.0)
+                p.told.distance = std::min(p.told.distance, std::sqrt(p.squares()));
+    }
+    /// Where a pair goes next, inside what is possible; `to` becomes that.
+    [[nodiscard]] Point bounded(Pair& p) const {
+        const Rival& said = rivals_[p.said];
+        const Variables v(evaluator_.model(), said.point);
+        const Eigen::MatrixXd factor = factorOf(p.said);
+        const Eigen::VectorXd wanted = said.x + factor * p.to, x = wanted.cwiseMax(v.lower).cwiseMin(v.upper);
+        if (x != wanted)
+            p.to = factor.completeOrthogonalDecomposition().solve(x - said.x);
+        return v.at(x);
     }
 
     Evaluator& evaluator_;
@@ -274,16 +316,26 @@ Offer bestOffer(const Foretold& run, const std::vector<Rival>& rivals, std::size
     return out;
 }
 
-/// An offer by derivatives, looked at where these lead: as much more often as that takes.
+/// An offer by derivatives, looked at where these lead, and as much more often as that takes.
 Offer checked(const Foretold& run, const std::vector<Rival>& rivals, const Offer& linear, std::size_t most) {
-    Offer out = offerOf(run, rivals, linear.repeats, Refit::Searched);
-    out.promise = out.worth;
-    for (std::size_t n = linear.repeats; linear.enough() && !out.enough() && n < most;) {
-        n = std::min(2 * n, most);
-        Offer more = offerOf(run, rivals, n, Refit::Searched);
-        more.promise = more.worth;
-        if (more.better(out))
-            out = more;
+    const auto searched = [&](std::size_t repeats) {
+        Offer offer = offerOf(run, rivals, repeats, Refit::Searched);
+        offer.promise = offer.worth;
+        return offer;
+    };
+    Offer out = searched(linear.repeats);
+    if (!linear.enough() && linear.worth > 0.0)
+        out.promise = linear.promise * out.worth / linear.worth; // of as many as may be
+    if (!linear.enough() || out.enough() || out.repeats == most)
+        return out;
+    std::size_t few = out.repeats;
+    out = searched(most);
+    while (out.enough() && out.repeats > few + 1) { // fewer may do
+        const Offer less = searched((few + out.repeats) / 2);
+        if (less.enough())
+            out = less;
+        else
+            few = less.repeats;
     }
     return out;
 }
@@ -294,7 +346,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
                                              double zeroWindow) {
     if (noise.total() <= 0.0 || rivals.size() < 2)
         return std::nullopt;
-    constexpr double kLittle = 0.25; // of what is enough: less is not worth derivatives
+    constexpr double kLittle = 0.25; // of what is enough: less is not worth a run
     Offer best;
     NextExperiment out;
     const std::vector<Design> designs = evaluator.model().designs();
@@ -315,7 +367,7 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
             out.run = designs[i];
         }
     }
-    if (best.worth <= 0.0 || evaluator.stopped())
+    if (best.worth < kLittle || evaluator.stopped())
         return std::nullopt;
     out.repeats = best.repeats;
     for (const Rival& r : rivals)
@@ -336,7 +388,7 @@ std::string noneTells(const Diagnosis& d) {
 
 std::string inWords(const NextExperiment& next) {
     return next.run.what + (next.repeats > 1 ? ", made " + std::to_string(next.repeats) + " times" : "") +
-           (next.settles ? "" : " (it tells most of what was looked at, but may not settle it)");
+           (next.settles ? "" : " (of the runs that were looked at it tells most, but it may not settle the matter)");
 }
 
 } // namespace supercircle::diagnosis

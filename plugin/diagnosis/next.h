@@ -5,10 +5,14 @@
 // numbers of a rival that is not true may take the difference up. So the distance is measured in the covariance
 // 1 + J C J', with C the posterior of that one's fit and J the derivatives of the new run (noise units; force and
 // markers), and in that of what every run has of its own and every simulation is off by: zero, clock, scale, contact
-// places (sight.h). A sensor that is 6 ms late was to be told from nothing in a hold of 100 s, read 19 times a
-// second, with a power of 1; a clock is known to a tenth of a row. Without all that, of seven runs that were proposed
-// and made with the second simulator three settled the case: a wrong gain and a softening that is over in a quarter of
-// a second differ by much in a slow run, until the modulus is fitted again.
+// places (sight.h: the run is compared as a recording of it would be). A sensor that is 6 ms late was to be told from
+// nothing in a hold of 100 s, read 19 times a second, with a power of 1; a clock is known to a tenth of a row. Without
+// all that, of seven runs that were proposed and made with the second simulator three settled the case: a wrong gain
+// and a softening that is over in a quarter of a second differ by much in a slow run, until the modulus is fitted
+// again.
+//
+// Where derivatives lead a refit is simulated, a few steps along them: derivatives of numbers that are open by much
+// say that what is a radian late on a circle cannot be reached. The distance is the smaller of the two.
 //
 // What is open in the one that *is* true makes the distance uncertain instead: the power is its mean over that
 // (assurance: A. O'Hagan, J. W. Stevens, M. J. Campbell, Pharm. Stat. 4 (2005) 187), and enough is what is enough with
@@ -48,9 +52,11 @@ struct Rival {
 /// Simulates the designs with all rivals and takes the one that refutes whatever is not true by four units, with a
 /// probability of .9, in the fewest repeats (of several the first), else, with up to eight of each, the one that does
 /// best, which may not settle it. Its power is that of one-sided tests at 5 %, the mean over what may be true. Empty if
-/// there are no two rivals, if no design can be simulated, or if the evaluator was stopped.
-std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals,
-                                             const Noise& noise, double zeroWindow = 0.0);
+/// there are no two rivals, if no design that can be simulated tells a quarter of what is enough, or if the evaluator
+/// was stopped.
+/// @param zeroWindow as Data::zeroWindow, s; 0: nobody tares the load cell
+std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<Rival>& rivals, const Noise& noise,
+                                             double zeroWindow);
 
 /// Where none was found: how many were tried, and what else there is to do.
 std::string noneTells(const Diagnosis& d);

@@ -275,6 +275,7 @@ DesignResponse ReplayModel::simulateDesign(std::size_t index, const Point& point
     out.force = vectorOf(s.readings.force);
     out.markerTime = vectorOf(s.markers.time);
     out.markers = stacked(s.markers, s.markers.time.empty() ? 0 : e.markers.size(), s.markers.time.size());
+    out.jumps = vectorOf(replay::jumpTimes(s));
     return out;
 }
 

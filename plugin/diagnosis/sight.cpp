@@ -1,6 +1,6 @@
 #include "plugin/diagnosis/sight.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace supercircle::diagnosis {
 
@@ -45,7 +45,7 @@ Data recorded(const Design& design, const DesignResponse& truth, double zeroWind
 }
 
 Response asResponse(const DesignResponse& r) {
-    return {r.failure, r.force, r.markers};
+    return {r.failure, r.force, r.markers, r.jumps};
 }
 
 Noise withCamera(Noise noise) {
@@ -55,7 +55,8 @@ Noise withCamera(Noise noise) {
 
 MisfitSettings settingsOf(const Design& design, std::size_t repeats) {
     MisfitSettings s = MisfitSettings{}.inEachOf(repeats);
-    s.repeated *= design.doubt;
+    s.shareOfPeak *= design.doubt;
+    s.markerPlace *= design.doubt;
     return s;
 }
 
@@ -67,11 +68,12 @@ Sight::Sight(const Design& design, const DesignResponse& truth, const Noise& noi
       misfit_(data_, withCamera(noise), {asResponse(truth)}, {Response{"not simulated", {}, {}}},
               settingsOf(design, repeats)) {}
 
-Eigen::VectorXd Sight::apart(const DesignResponse& a, const DesignResponse& b) const {
+std::optional<Eigen::VectorXd> Sight::apart(const DesignResponse& a, const DesignResponse& b) const {
     const Departure d = misfit_.change(0, asResponse(a), asResponse(b));
-    if (d.rows.size() != misfit_.rowsOf(0) || !d.rows.allFinite())
-        return Eigen::VectorXd::Zero(misfit_.rowsOf(0));
-    return misfit_.whiten(0, d.rows);
+    if (d.rows.size() != misfit_.rowsOf(0))
+        return std::nullopt;
+    Eigen::VectorXd out = misfit_.whiten(0, d.rows);
+    return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
 }
 
 } // namespace supercircle::diagnosis

@@ -146,7 +146,7 @@ struct Run {
     MarkerTracks markers;                   ///< empty: not tracked
 };
 
-/// Where the head is told to be, m.
+/// Where the head is told to be, m, by a drive of two break points or more.
 double commanded(const Run& run, double t);
 
 struct Sensors {

@@ -273,7 +273,7 @@ Place fittedTo(Evaluator& evaluator, const Misfit& misfit, const Variables& v, c
 } // namespace
 
 HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, const Fitted& fitted) {
-    // The density counts as bent where it is so many squares below what the fit to all rows contributes to it
+    // The density counts as bent where it is so many squares off what the fit to all rows contributes to it
     // (heldout.h), and the others as indifferent to so few.
     constexpr double kBent = 6.0, kIndifferent = 2.0;
     HeldOut out;
@@ -301,10 +301,11 @@ HeldOut leaveOut(Evaluator& evaluator, const Misfit& misfit, const Grouping& g, 
         const double rows = held.sum();
         const auto others = [&](const Place& p) { return p.squares(train) + p.x.dot(v.penalty * p.x); };
         const double object = std::max(0.0, others(best) - others(at));
-        if (e.squaredNorm() + held.dot(at.charge) > best.squares(held) + object + kBent) {
+        const double direct = e.squaredNorm() + held.dot(at.charge), whole = best.squares(held) + object;
+        if (std::abs(direct - whole) > kBent) {
             e = held.cwiseProduct(best.residual);
             at.charge = best.charge + object / rows * held;
-            if (object < kIndifferent) {
+            if (direct > whole && object < kIndifferent) {
                 at.responses = best.responses;
                 if (v.size() > v.nominal)
                     out.only[static_cast<std::size_t>(mostMoved(v, at.x - best.x, prior))] = f;

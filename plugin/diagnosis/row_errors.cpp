@@ -65,6 +65,19 @@ void leaveOutSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double 
     }
 }
 
+/// Leaves out the rows beside places where the drive turns round, starts or stops at once. Free runs have none.
+void leaveOutTurns(const RecordedRun& run, const MisfitSettings& s, RowErrors& out) {
+    double fastest = 0.0;
+    for (const Leg& leg : run.legs)
+        fastest = std::max(fastest, std::abs(leg.speed));
+    const double reach = s.turnRows * run.spacing();
+    for (std::size_t l = 1; l < run.legs.size(); ++l) {
+        const Leg &before = run.legs[l - 1], &after = run.legs[l];
+        if (before.stroke != after.stroke && std::abs(after.speed - before.speed) > s.turnAtOnce * fastest)
+            leaveOutForce(run, after.from - reach, after.from + reach, out);
+    }
+}
+
 /// Leaves out markers where the simulated force has just fallen to nothing.
 void leaveOutSwings(const RecordedRun& run, const Eigen::VectorXd& force, double peakForce, const MisfitSettings& s,
                     RowErrors& out) {
@@ -179,6 +192,7 @@ RowErrors rowErrors(const RecordedRun& run, const Noise& noise, const Response& 
     leaveOutSnaps(run, run.force, visible, visible, s, out);
     if (known)
         leaveOutSnaps(run, fine.force, visible, 0.0, s, out);
+    leaveOutTurns(run, s, out);
     if (elements) // of a driven specimen
         leaveOutTouches(run, run.force, visible, peakForce, s, out);
     if (known && elements) {

@@ -239,12 +239,23 @@ struct Apart {
     }
 };
 
-/// @param from first run that counts
-Apart apart(const Clean& a, const Clean& b, const Nuisance& n, std::size_t from = 0) {
+/// Of the readings that a fit should follow (besideJumps()). @param from first run that counts
+Apart apart(const Description& d, const Clean& a, const Clean& b, const Nuisance& n, std::size_t from = 0) {
     Apart out;
-    for (std::size_t r = from; r < a.force.size(); ++r)
-        for (std::size_t i = 0; i < a.force[r].size(); ++i)
-            out.rows.push_back(std::abs(a.force[r][i] - b.force[r][i]) / n.total());
+    for (std::size_t r = from; r < a.force.size(); ++r) {
+        const auto size = static_cast<Eigen::Index>(a.force[r].size());
+        const Eigen::VectorXd one = Eigen::Map<const Eigen::VectorXd>(a.force[r].data(), size) / n.total(),
+                              other = Eigen::Map<const Eigen::VectorXd>(b.force[r].data(), size) / n.total();
+        auto beside = besideJumps(d.runs[r], one);
+        const auto ofOther = besideJumps(d.runs[r], other);
+        beside.insert(beside.end(), ofOther.begin(), ofOther.end());
+        const std::vector<double> times = d.runs[r].times(d.runs[r].sampling);
+        for (Eigen::Index i = 0; i < size; ++i) {
+            const double t = times[static_cast<std::size_t>(i)];
+            if (std::none_of(beside.begin(), beside.end(), [&](const auto& s) { return t > s.first && t < s.second; }))
+                out.rows.push_back(std::abs(one[i] - other[i]));
+        }
+    }
     return out;
 }
 
@@ -301,7 +312,8 @@ Drawn drawCase(const Plan& plan) {
         const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
         const Clean usual = simulate(s.description, truth, {}), coarse = simulate(s.description, truth, finer(0.5));
         const bool both = usual.failure.empty() && coarse.failure.empty();
-        s.ownError = both ? apart(usual, coarse, s.nuisance).rms(kMostApart) : std::numeric_limits<double>::infinity();
+        s.ownError = both ? apart(s.description, usual, coarse, s.nuisance).rms(kMostApart)
+                          : std::numeric_limits<double>::infinity();
         if (s.ownError <= kSureOfItself)
             return d;
         if (i + 1 == kTries) {
@@ -330,14 +342,14 @@ Accuracy accuracyOf(const Plan& plan, const Clean* other) {
     const Absorber absorber(s.description, s.offsets, s.nuisance);
     if (out.failure = absorber.failure(); !out.failure.empty())
         return out;
-    Apart readings = apart(a, b, s.nuisance);
+    Apart readings = apart(s.description, a, b, s.nuisance);
     out.rms = readings.rms();
     std::sort(readings.rows.begin(), readings.rows.end());
     out.most = readings.rows[readings.rows.size() * 99 / 100];
     out.detectable = absorber.apart(a, b);
     out.markers = markersApart(a, b) / s.nuisance.marker;
     if (other != nullptr) {
-        out.otherRms = apart(a, *other, s.nuisance).rms();
+        out.otherRms = apart(s.description, a, *other, s.nuisance).rms();
         out.otherDetectable = absorber.apart(a, *other);
         out.otherMarkers = markersApart(a, *other) / s.nuisance.marker;
     }
@@ -394,7 +406,7 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
         const Clean coarse = simulate(s.description, truth, finer(0.5));
         // Repeats average their noise away, this they have in common. Infinite is null in JSON.
         const auto worst = [&] {
-            return std::max(apart(clean, coarse, s.nuisance, asked).rms(kMostApart),
+            return std::max(apart(s.description, clean, coarse, s.nuisance, asked).rms(kMostApart),
                             markersApart(clean, coarse, asked) / s.nuisance.marker);
         };
         answer["further_own_error"] = belongs(clean, coarse)

@@ -37,6 +37,30 @@ std::vector<double> turnsOf(const Drive& drive) {
 
 } // namespace
 
+std::vector<std::pair<double, double>> besideJumps(const RunPlan& run, const Eigen::Ref<const Eigen::VectorXd>& force) {
+    constexpr double kJump = 6.0;    // deviations from one reading to the next,
+    constexpr double kSteeper = 4.0; // and so many times what the neighbours do
+    constexpr double kTurn = 1.5;    // readings
+    const std::vector<double> times = run.times(run.sampling), turns = turnsOf(run.drive);
+    const double step = 1.0 / run.sampling;
+    std::vector<std::pair<double, double>> beside;
+    for (const double t : turns)
+        beside.emplace_back(t - kTurn * step, t + kTurn * step);
+    const auto change = [&](Eigen::Index i) {
+        return i >= 0 && i + 1 < force.size() ? std::abs(force[i + 1] - force[i]) : 0.0;
+    };
+    for (Eigen::Index i = 0; i + 1 < force.size(); ++i) {
+        if (change(i) < std::max(kJump, kSteeper * std::max(change(i - 2), change(i + 2))))
+            continue;
+        const double from = times[static_cast<std::size_t>(i)], to = times[static_cast<std::size_t>(i + 1)];
+        const bool atTurn = std::any_of(turns.begin(), turns.end(),
+                                        [&](double t) { return t > from - 0.5 * step && t < to + 0.5 * step; });
+        if (!atTurn)
+            beside.emplace_back(from - 0.1, to + 0.3);
+    }
+    return beside;
+}
+
 Resolution coarse(std::size_t rods) {
     Resolution r;
     r.edges = rods > 1 ? 40 : 60;
@@ -178,14 +202,12 @@ std::optional<Left> Absorber::left(const Effects& effects) const {
 }
 
 Eigen::VectorXd Absorber::apartFromJumps(const Eigen::VectorXd& stack) const {
-    constexpr double kJump = 6.0;    // noise units from one reading to the next,
-    constexpr double kSteeper = 4.0; // and so many times what the neighbours do
     Eigen::VectorXd counts = Eigen::VectorXd::Ones(stack.size());
     Eigen::Index at = 0;
     for (const RunPlan& run : d_.runs) {
         const std::vector<double> times = run.times(run.sampling), frames = run.times(run.markersSampling);
         const auto n = static_cast<Eigen::Index>(times.size()), m = static_cast<Eigen::Index>(frames.size());
-        const auto leaveOut = [&](double from, double to) {
+        for (const auto& [from, to] : besideJumps(run, stack.segment(at, n))) {
             for (Eigen::Index k = 0; k < n; ++k)
                 if (times[static_cast<std::size_t>(k)] > from && times[static_cast<std::size_t>(k)] < to)
                     counts[at + k] = 0.0;
@@ -193,22 +215,6 @@ Eigen::VectorXd Absorber::apartFromJumps(const Eigen::VectorXd& stack) const {
                 if (frames[static_cast<std::size_t>(k)] > from && frames[static_cast<std::size_t>(k)] < to)
                     for (std::size_t marker = 0; marker < d_.markers.size(); ++marker)
                         counts.segment(at + n + 2 * (static_cast<Eigen::Index>(marker) * m + k), 2).setZero();
-        };
-        const double step = 1.0 / run.sampling;
-        const std::vector<double> turns = turnsOf(run.drive);
-        const auto change = [&](Eigen::Index i) {
-            return i >= 0 && i + 1 < n ? std::abs(stack[at + i + 1] - stack[at + i]) : 0.0;
-        };
-        for (Eigen::Index i = 0; i + 1 < n; ++i) {
-            if (change(i) < std::max(kJump, kSteeper * std::max(change(i - 2), change(i + 2))))
-                continue;
-            const double from = times[static_cast<std::size_t>(i)], to = times[static_cast<std::size_t>(i + 1)];
-            const auto turn = std::find_if(turns.begin(), turns.end(),
-                                           [&](double t) { return t > from - 0.5 * step && t < to + 0.5 * step; });
-            if (turn != turns.end())
-                leaveOut(*turn - 1.5 * step, *turn + 1.5 * step);
-            else
-                leaveOut(from - 0.1, to + 0.3);
         }
         at += n + 2 * m * static_cast<Eigen::Index>(d_.markers.size());
     }

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::oracle {
@@ -21,6 +22,13 @@ struct Clean {
 Clean simulate(const Description& d, const Setup& truth, const Resolution& resolution);
 /// Two rods meet anywhere: their systems are expensive, and a design needs no more than a tenth.
 Resolution coarse(std::size_t rods);
+
+/// Which readings of a run's force a fit should not follow, s: those within one and a half of where the drive turns
+/// round, starts or stops, which no machine does in no time, and beside a jump of the force from 0.1 s before to 0.3 s
+/// behind, where clocks and dying swings decide. Three readings at turning points were all there was of a sensor that
+/// is 3.4 ms late.
+/// @param force of its readings, in deviations of their noise
+std::vector<std::pair<double, double>> besideJumps(const RunPlan& run, const Eigen::Ref<const Eigen::VectorXd>& force);
 
 struct Window {
     std::string run;
@@ -55,9 +63,7 @@ private:
     [[nodiscard]] Eigen::VectorXd stack(const Clean& c) const;
     [[nodiscard]] Eigen::VectorXd whitened(Eigen::VectorXd stack) const;
     [[nodiscard]] double detectable(const Eigen::VectorXd& with, const Eigen::VectorXd& without) const;
-    /// 1 for readings that count, 0 for those beside a jump of the force: within one and a half of where the drive
-    /// turns round or stops, which no machine does in no time, else from 0.1 s before to 0.3 s behind, where clocks and
-    /// dying swings decide. Three readings at turning points were all there was of a sensor that is 3.4 ms late.
+    /// 1 for readings that count, 0 for those besideJumps().
     [[nodiscard]] Eigen::VectorXd apartFromJumps(const Eigen::VectorXd& stack) const;
     [[nodiscard]] Eigen::VectorXd beyondNominal(const Eigen::VectorXd& signature) const;
     void addOwn();

@@ -50,6 +50,12 @@ Probes startsOf(const Probes& probes, bool allForms) {
     return starts;
 }
 
+/// Squares that forms of a law are compared by: a number more has to explain two (H. Akaike, IEEE Trans. Autom. Control
+/// 19 (1974) 716).
+double priced(const Tried& t) {
+    return t.fit.misfit + 2.0 * static_cast<double>(t.fit.x.size());
+}
+
 } // namespace
 
 std::optional<Tried> fitLabel(Evaluator& evaluator, const Misfit& misfit, const Fitted& base, const Probes& probes,
@@ -63,7 +69,7 @@ std::optional<Tried> fitLabel(Evaluator& evaluator, const Misfit& misfit, const 
         if (!t.fit.failure.empty())
             continue;
         least = least > 0.0 ? std::min(least, t.fit.misfit) : t.fit.misfit;
-        if (!best || t.fit.misfit < best->fit.misfit)
+        if (!best || priced(t) < priced(*best))
             best = std::move(t);
     }
     return best;
@@ -94,14 +100,14 @@ std::optional<Tried> betterForm(Evaluator& evaluator, const Misfit& misfit, cons
             if (const auto at = others.emplace(s.candidate, &s).first; s.gain > at->second->gain)
                 at->second = &s;
     std::optional<Tried> best;
-    double least = known.fit.misfit - 1.0;
+    double least = priced(known) - 1.0;
     for (const auto& [candidate, probe] : others) {
         if (evaluator.stopped())
             break;
         fitted.insert(candidate);
         Tried t = fitProbe(evaluator, misfit, base, *probe, known.fit.misfit);
-        if (t.fit.failure.empty() && t.fit.misfit < least) {
-            least = t.fit.misfit;
+        if (t.fit.failure.empty() && priced(t) < least) {
+            least = priced(t);
             best = std::move(t);
         }
     }

@@ -25,8 +25,9 @@ std::vector<Probes> byLabel(const Model& model, const std::vector<Screened>& scr
 /// @param rival misfit of a rival (FitSettings)
 Tried fitProbe(Evaluator& evaluator, const Misfit& misfit, const Fitted& base, const Screened& probe, double rival);
 
-/// The best fit of a label beside what `base` has: of each of its two best forms from the best probe, or of one form
-/// from the two best; in free scenes of all forms. Nothing if none can be simulated.
+/// The best fit of a label (a number more has to explain two squares) beside what `base` has: of each of its two best
+/// forms from the best probe, or of one form from the two best; in free scenes of all forms. Nothing if none can be
+/// simulated.
 /// @param least misfit of any rival, which a better one replaces; 0: none yet
 /// @param fitted takes the candidates in
 std::optional<Tried> fitLabel(Evaluator& evaluator, const Misfit& misfit, const Fitted& base, const Probes& probes,

@@ -205,6 +205,10 @@ void contacts(Writer& w, const Sizes& s) {
     for (const double dc : {2e-5, 1e-4, 5e-4})
         w.probe({1.4, dc, 3.0});
     w.probe({1.4, 1e-4, 0.5});
+    w.form("static_friction_excess", "elastic before sliding").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
+    w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration).extent("presliding_m", 5e-7, 5e-5);
+    for (const double dc : {1e-4, 5e-4})
+        w.probe({1.4, dc, 3.0, 3e-6});
     const char* laws[] = {"Stribeck", "logarithmic", "viscous"};
     for (int law = 0; law < 3; ++law) {
         w.form("rate_dependent_friction", laws[law]).with("law", law);

@@ -74,14 +74,15 @@ void io(Ar& ar, Is<effects::DragModel> auto& m) {
 
 template <class Ar>
 void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
-    auto& [staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance, wearLearned,
-           rateCurve, wearCurve] = m;
-    ar(staticRatio, slipWeakening, healing, rate, rateStrength, rateSpeed, wearChange, wearDistance, wearLearned,
-       rateCurve, wearCurve);
+    auto& [staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance,
+           wearLearned, rateCurve, wearCurve] = m;
+    ar(staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance,
+       wearLearned, rateCurve, wearCurve);
     demand(ar, possible(rateCurve, -0.95, 100.0) && possible(wearCurve, -0.95, 100.0));
     demand(ar, within(staticRatio, 1.0, 100.0) && within(slipWeakening, 1e-7, 1.0) && within(healing, 1e-6, 1e9) &&
-                   rate <= effects::FrictionModel::Rate::Learned && within(rateStrength, -0.95, 100.0) &&
-                   within(rateSpeed, 1e-9, 1e3) && within(wearChange, -0.95, 100.0) && within(wearDistance, 1e-6, 1e6));
+                   within(presliding, 0.0, 1e-2) && rate <= effects::FrictionModel::Rate::Learned &&
+                   within(rateStrength, -0.95, 100.0) && within(rateSpeed, 1e-9, 1e3) &&
+                   within(wearChange, -0.95, 100.0) && within(wearDistance, 1e-6, 1e6));
 }
 
 template <class Ar>

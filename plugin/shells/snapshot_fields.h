@@ -255,8 +255,8 @@ void io(Ar& ar, Is<step::BodyOutline> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::ContactImpulse> auto& c) {
-    auto& [id, normal, tangent] = c;
-    ar(id, normal, tangent);
+    auto& [id, normal, tangent, bent] = c;
+    ar(id, normal, tangent, bent);
 }
 
 template <class Ar>

@@ -110,6 +110,7 @@ struct FrictionModel {
     double staticRatio = 1.0;    ///< mu_s / mu_k, 1
     double slipWeakening = 1e-4; ///< D_c, m
     double healing = 1.0;        ///< time at rest after which the excess is back, s
+    double presliding = 0.0;     ///< elastic motion of a contact before it slides, m; 0: none
     Rate rate = Rate::Stribeck;
     double rateStrength = 0.0; ///< relative change, 1
     double rateSpeed = 1e-3;   ///< m/s, of a learned law the middle of its four decades
@@ -119,6 +120,7 @@ struct FrictionModel {
     SplineCoefficients rateCurve{}, wearCurve{}; ///< of learned laws, 1
 
     [[nodiscard]] bool on() const { return staticRatio != 1.0 || rateStrength != 0.0 || wearChange != 0.0; }
+    [[nodiscard]] bool gives() const { return staticRatio != 1.0 && presliding > 0.0; }
 };
 
 /// Attraction of near surfaces: force per length of rod against the gap.
@@ -147,6 +149,8 @@ struct ContactModel {
     ContactComplianceModel compliance;
 
     [[nodiscard]] bool on() const { return friction.on() || adhesion.on() || compliance.on(); }
+    /// Whether contacts have springs of their own.
+    [[nodiscard]] bool gives() const { return compliance.on() || friction.gives(); }
 };
 
 /// The testing machine.

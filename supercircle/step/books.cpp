@@ -84,16 +84,21 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
 }
 
 /// Energy in the springs of contacts that give, J.
-double giveEnergy(const World& world, const std::vector<contact::Candidate>& candidates,
-                  const std::vector<ContactImpulse>& forces) {
-    double sum = 0.0;
+struct GiveEnergy {
+    double compliance = 0.0, presliding = 0.0;
+};
+GiveEnergy giveEnergy(const World& world, const std::vector<contact::Candidate>& candidates,
+                      const std::vector<ContactImpulse>& forces) {
+    GiveEnergy sum;
     if (std::none_of(world.rods.begin(), world.rods.end(),
-                     [](const Rod& r) { return r.effects.surface.model.compliance.on(); }))
+                     [](const Rod& r) { return r.effects.surface.model.gives(); }))
         return sum;
     for (const contact::Candidate& c : candidates)
         if (const ContactImpulse* f = findImpulse(forces, c.id)) {
             const Vec2 give = giveOf(world, c);
-            sum += 0.5 * (give.x() * f->normal * f->normal + give.y() * f->tangent * f->tangent);
+            const double constant = give.y() * f->tangent; // m, of the deflection
+            sum.compliance += 0.5 * (give.x() * f->normal * f->normal + constant * f->tangent);
+            sum.presliding += std::max(0.0, 0.5 * (f->bent - constant) * f->tangent);
         }
     return sum;
 }
@@ -136,12 +141,17 @@ void accept(World& world, Attempt& t) {
     l.numerical += pulls.secondOrder;
     l.work += pulls.work;
     l.toBodies += pulls.toBodies;
-    effects::Book& give = world.effectsGone[static_cast<std::size_t>(effects::Key::ContactCompliance)];
-    if (const double held = giveEnergy(world, stage.after, t.impulses); held != give.stored) {
-        l.effects += held - give.stored;
-        l.numerical -= held - give.stored;
-        give.stored = held;
-    }
+    const auto hold = [&](effects::Key key, double held) {
+        effects::Book& give = world.effectsGone[static_cast<std::size_t>(key)];
+        if (held != give.stored) {
+            l.effects += held - give.stored;
+            l.numerical -= held - give.stored;
+            give.stored = held;
+        }
+    };
+    const GiveEnergy held = giveEnergy(world, stage.after, t.impulses);
+    hold(effects::Key::ContactCompliance, held.compliance);
+    hold(effects::Key::StaticFrictionExcess, held.presliding);
     advanceSurfaces(world, rods, dt, stage);
     std::vector<RodBooks>& books = t.books;
     books.assign(rods.size(), RodBooks{});

@@ -1,6 +1,7 @@
 #include "supercircle/step/contact_stage.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/friction_state.h"
 #include "supercircle/step/host_stage.h"
 #include "supercircle/step/link_stage.h"
 
@@ -112,12 +113,27 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     out.id = c.id;
 }
 
+/// Tangential give of a contact whose friction is elastic before it slides, m/N: presliding over the most it can hold
+/// at the force it was pressed with, so that the spring is as stiff as the contact is strong and ages with it. A
+/// contact that was not pressed yet has none.
+double preslidingOf(const World& world, const contact::Candidate& c, double dt, double mu, double load) {
+    double sum = 0.0, count = 0.0;
+    for (const contact::RodPoint* p : {&c.a, &c.b})
+        if (p->rod >= 0) {
+            const effects::FrictionModel& m =
+                world.rods[static_cast<std::size_t>(p->rod)].effects.surface.model.friction;
+            sum += m.gives() ? m.presliding : 0.0;
+            count += 1.0;
+        }
+    return sum > 0.0 && mu * load > 0.0 ? sum / count / (mu * factorAtRest(world, c, dt) * load) : 0.0;
+}
+
 /// A contact that gives has two springs of its own, memoryless along the normal, with the deflection left by the last
 /// step along the tangent. They are two more unknowns of the body on its first side, with A = dt^2 / give: a spring
 /// that is stiff or soft costs the solver the same, and the law stays exact.
 void addGive(const World& world, double dt, const std::vector<ContactImpulse>& warm, ContactStage& stage) {
-    const bool gives = std::any_of(world.rods.begin(), world.rods.end(),
-                                   [](const Rod& r) { return r.effects.surface.model.compliance.on(); });
+    const bool gives =
+        std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.effects.surface.model.gives(); });
     if (!gives) {
         for (ContactWork& k : stage.work)
             k.give.setZero();
@@ -128,12 +144,17 @@ void addGive(const World& world, double dt, const std::vector<ContactImpulse>& w
     for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
         ContactWork& k = stage.work[i];
         k.give = giveOf(world, stage.candidates[i]);
+        const ContactImpulse* before = findImpulse(warm, stage.candidates[i].id);
+        if (before != nullptr)
+            k.give.y() += preslidingOf(world, stage.candidates[i], dt, stage.problem.contacts[i].mu, before->normal);
+        k.bent = before != nullptr ? before->bent : 0.0;
         const int a = stage.problem.contacts[i].a;
         if ((k.give.x() > 0.0 || k.give.y() > 0.0) && a >= 0) {
             ofBody[static_cast<std::size_t>(a)].push_back(i);
             any = true;
         } else {
             k.give.setZero();
+            k.bent = 0.0;
         }
     }
     if (!any)
@@ -154,8 +175,6 @@ void addGive(const World& world, double dt, const std::vector<ContactImpulse>& w
             const Eigen::Index at = n + 2 * static_cast<Eigen::Index>(j);
             for (int axis = 0; axis < 2; ++axis)
                 body.A(at + axis, at + axis) = dt * dt / std::max(k.give[axis], kRigid);
-            const ContactImpulse* before = findImpulse(warm, stage.candidates[ofBody[b][j]].id);
-            k.bent = before != nullptr ? k.give.y() * before->tangent : 0.0;
         }
     }
     const auto widen = [&](std::int32_t body, Eigen::Matrix<double, 2, Eigen::Dynamic>& rows) {
@@ -383,7 +402,7 @@ void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& o
     for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
         const double rn = stage.r[static_cast<Eigen::Index>(2 * i)], rt = stage.r[static_cast<Eigen::Index>(2 * i + 1)];
         if (rn > 0.0)
-            out.push_back({stage.candidates[i].id, rn / dt, rt / dt});
+            out.push_back({stage.candidates[i].id, rn / dt, rt / dt, stage.work[i].give.y() * (rt / dt)});
     }
     std::sort(out.begin(), out.end(), [](const ContactImpulse& a, const ContactImpulse& b) { return a.id < b.id; });
 }

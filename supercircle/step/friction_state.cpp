@@ -15,7 +15,7 @@ bool anySurface(const World& world) {
 }
 
 /// Speed of slip as last solved, m/s.
-double slipOf(const std::vector<RodWork>& rods, const ContactStage& stage, std::size_t i) {
+double slipOf(const std::vector<RodWork>& rods, double dt, const ContactStage& stage, std::size_t i) {
     const ContactWork& k = stage.work[i];
     double u = k.Ja.row(1).dot(rods[static_cast<std::size_t>(k.rodA)].v);
     if (k.rodB >= 0) {
@@ -24,6 +24,8 @@ double slipOf(const std::vector<RodWork>& rods, const ContactStage& stage, std::
         const BodyMotion& m = stage.motion[static_cast<std::size_t>(k.bodyB)];
         u -= rod::perp(stage.candidates[i].normal).dot(m.velocity + m.spin * rod::perp(k.armB));
     }
+    if (k.give.y() > 0.0) // what the contact's spring takes is no slip
+        u += (k.give.y() * stage.r[static_cast<Eigen::Index>(2 * i + 1)] / dt - k.bent) / dt;
     return std::abs(u);
 }
 
@@ -79,6 +81,10 @@ double nextFactor(FactorBounds& b, double factor, double wanted, bool& bracketed
 
 } // namespace
 
+double factorAtRest(const World& world, const contact::Candidate& c, double dt) {
+    return factorAt(world, c, 0.0, dt);
+}
+
 bool refineFriction(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage) {
     if (!anySurface(world))
         return false;
@@ -89,7 +95,7 @@ bool refineFriction(const World& world, const std::vector<RodWork>& rods, double
         if (!(stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) || !grows(world, c))
             continue;
         ContactWork& k = stage.work[i];
-        const double slip = slipOf(rods, stage, i), wanted = factorAt(world, c, slip, dt);
+        const double slip = slipOf(rods, dt, stage, i), wanted = factorAt(world, c, slip, dt);
         stage.slips[c.id] = k.slip = slip;
         if (std::abs(wanted - k.friction) <= kShare * kTolerance * k.friction)
             continue;
@@ -114,9 +120,9 @@ void applyFrictionState(const World& world, const std::vector<RodWork>& rods, do
         const contact::Candidate& c = stage.candidates[i];
         double slip = 0.0;
         if (const auto it = known.find(c.id); again && it != known.end())
-            slip = 0.5 * (it->second + slipOf(rods, stage, i));
+            slip = 0.5 * (it->second + slipOf(rods, dt, stage, i));
         else if (again)
-            slip = slipOf(rods, stage, i);
+            slip = slipOf(rods, dt, stage, i);
         else
             forSides(world, c, [&](std::size_t, const effects::Surface& s, std::size_t site) {
                 slip = std::max(slip, s.sites[site].speed);
@@ -135,7 +141,7 @@ double frictionError(const World& world, const std::vector<RodWork>& rods, doubl
     double worst = 0.0;
     for (std::size_t i = 0; i < stage.candidates.size(); ++i)
         if (stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) {
-            const double now = factorAt(world, stage.candidates[i], slipOf(rods, stage, i), dt);
+            const double now = factorAt(world, stage.candidates[i], slipOf(rods, dt, stage, i), dt);
             worst = std::max(worst, std::abs(now - stage.work[i].friction) / (kTolerance * stage.work[i].friction));
         }
     return worst;
@@ -149,7 +155,7 @@ void advanceSurfaces(World& world, const std::vector<RodWork>& rods, double dt, 
         speeds[i].assign(world.rods[i].effects.surface.sites.size(), 0.0);
     for (std::size_t i = 0; i < stage.candidates.size(); ++i)
         if (stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) {
-            const double slip = slipOf(rods, stage, i);
+            const double slip = slipOf(rods, dt, stage, i);
             forSides(world, stage.candidates[i], [&](std::size_t rod, const effects::Surface&, std::size_t site) {
                 speeds[rod][site] = std::max(speeds[rod][site], slip);
             });

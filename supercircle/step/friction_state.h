@@ -16,6 +16,8 @@
 
 namespace supercircle::step {
 
+/// Factor of a contact's friction coefficient at the end of a step in which it does not slip.
+double factorAtRest(const World& world, const contact::Candidate& candidate, double dt);
 /// Multiplies the friction coefficients of the candidates' contacts; `again`: further linearisations of the same step.
 void applyFrictionState(const World& world, const std::vector<RodWork>& rods, double dt, bool again,
                         ContactStage& stage);

@@ -97,6 +97,7 @@ struct ContactImpulse {
     std::uint64_t id = 0;
     double normal = 0.0;  ///< mean force, N
     double tangent = 0.0; ///< N
+    double bent = 0.0;    ///< tangential deflection of a contact that gives, m
 };
 
 /// Resolution of the numerics. Lengths are relative to the thinnest shell's thickness h, so that a scene scales.

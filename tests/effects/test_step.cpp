@@ -67,6 +67,7 @@ TEST_CASE("energy books close with each effect on, and dissipation is never nega
              {"softening_over_time:drop=0.3", "softening_over_time:tau_s=0.05"},
              {"planar_drag:f_N_m=0.02"},
              {"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:Dc_m=0.001"},
+             {"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:presliding_m=1e-5"},
              {"rate_dependent_friction:strength=-0.4", "rate_dependent_friction:speed_m_s=0.05"},
              {"wear:change=0.5", "wear:distance_m=0.005"},
              {"contact_compliance:normal_m_N=1e-4", "contact_compliance:tangential_m_N=2e-4"},
@@ -164,4 +165,44 @@ TEST_CASE("friction that grows with speed lets a strip creep down a slope at the
     CHECK(way == Approx(3.0 * v0 * time).epsilon(0.02));
     const double weight = d.linearMass * 0.05 * kG;
     CHECK(w.ledger.friction - friction == Approx(weight * std::sin(slope) * way).epsilon(0.02));
+}
+
+TEST_CASE("a contact that is elastic before it slides gives by its share of what it can hold, and less as it ages") {
+    // A strip at rest on a slope: all of its contacts are bent by e, F = mu N e / presliding, so that
+    // e = presliding tan(slope) / mu, however they share the weight; mu grows as they heal from 4/5 of their slip.
+    const double mu = 0.3, ratio = 1.5, presliding = 4e-6, slope = std::atan(0.1), heal = 0.05;
+    FakeHost host;
+    host.g = {kG * std::sin(slope), -kG * std::cos(slope)};
+    host.addGround(1, mu);
+    step::World w;
+    w.gravity = host.g;
+    const rod::RodDefinition d = strip(0.05, 100.0);
+    put(w, d, {0.0, 0.5 * d.thickness}, 0.0, mu, {0.0, 0.0});
+    step::setEffects(w, 0,
+                     modelOf({"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:Dc_m=1",
+                              "static_friction_excess:tau_heal_s=0.05", "static_friction_excess:presliding_m=4e-6"}));
+    for (effects::Site& site : w.rods[0].effects.surface.sites)
+        site.weakened = 0.8;
+    step::Settings s;
+    s.fixedDt = 1e-3;
+    step::Stepper stepper{s};
+    const auto bent = [&] { // mean over the contacts by what they carry, m
+        double sum = 0.0, load = 0.0;
+        for (const step::ContactImpulse& c : w.impulses) {
+            sum += c.bent * c.normal;
+            load += c.normal;
+        }
+        return std::abs(sum / load);
+    };
+    const auto expected = [&](double t) {
+        return presliding * 0.1 / (mu * (1.0 + (ratio - 1.0) * (1.0 - 0.8 * std::exp(-t / heal))));
+    };
+    for (int i = 0; i < 5; ++i)
+        frame(stepper, w, host, 4e-3);
+    const double x = centre(w.rods[0]).x();
+    CHECK(bent() == Approx(expected(0.02)).epsilon(0.02));
+    for (int i = 0; i < 50; ++i)
+        frame(stepper, w, host, 4e-3);
+    CHECK(bent() == Approx(expected(0.22)).epsilon(0.02));
+    CHECK(x - centre(w.rods[0]).x() == Approx(expected(0.02) - expected(0.22)).epsilon(0.05));
 }

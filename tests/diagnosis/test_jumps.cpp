@@ -229,7 +229,7 @@ TEST_CASE("a jump that comes late is one observation, not one in every row it is
 }
 
 TEST_CASE("where a viscous specimen is touched, and where its machine turns round, rows say nothing", "[diagnosis]") {
-    // (Rows beside abrupt turns never count: test_statistics.cpp. Here jumps have to be seen.)
+    // (Rows beside abrupt turns never count, see below. Here jumps have to be seen.)
     Data data = toy::recordings(3);
     const toy::Spring spring(data);
     const std::size_t dashpot = 0, slow = 0, fast = 1;
@@ -277,6 +277,36 @@ TEST_CASE("where a viscous specimen is touched, and where its machine turns roun
     MisfitSettings wide = usual;
     wide.touchPlace = 5e-4;
     CHECK(near(missing(fast, viscous, viscous, wide), touch) > 2);
+}
+
+TEST_CASE("rows beside an abrupt turn of the drive do not count, rows of a ramp do", "[diagnosis]") {
+    // No machine turns round in no time: of five repeats such rows made a wrong gain of a misalignment.
+    Data data = toy::recordings(3);
+    RecordedRun& run = data.runs.front();
+    const Response there{{}, Eigen::VectorXd::Zero(run.time.size()), {}};
+    run.force.setZero(); // nothing can be seen at the turns
+    Noise noise;
+    noise.white = 0.01;
+    const double reach = MisfitSettings{}.turnRows * run.spacing();
+    const RowErrors abrupt = rowErrors(run, noise, there, there, 1.0, {});
+    for (Eigen::Index k = 0; k < run.time.size(); ++k) {
+        double nearest = 1e9;
+        for (std::size_t l = 1; l < run.legs.size(); ++l)
+            nearest = std::min(nearest, std::abs(run.time[k] - run.legs[l].from));
+        CAPTURE(run.time[k]);
+        CHECK(std::isfinite(abrupt.force[k]) == (nearest >= reach));
+    }
+    // The same way in which each leg speeds up and slows down in twelve steps.
+    std::vector<Leg> ramps;
+    for (const Leg& leg : run.legs) {
+        constexpr int kSteps = 12;
+        const double piece = (leg.to - leg.from) / (2 * kSteps);
+        for (int i = 0; i < 2 * kSteps; ++i)
+            ramps.push_back({leg.phase, leg.from + piece * i, leg.from + piece * (i + 1),
+                             leg.speed * std::min(i + 0.5, 2 * kSteps - i - 0.5) / kSteps});
+    }
+    run.drivenBy(std::move(ramps));
+    CHECK(rowErrors(run, noise, there, there, 1.0, {}).force.allFinite());
 }
 
 TEST_CASE("noise is no snap", "[diagnosis]") {

@@ -39,6 +39,16 @@ step::World dropped(const effects::Model* model, double tilt = 0.3) {
     return w;
 }
 
+/// A strip along a slope, `gap` above it; x points down.
+step::World onSlope(FakeHost& host, const rod::RodDefinition& d, double slope, double mu, double gap) {
+    host.g = {kG * std::sin(slope), -kG * std::cos(slope)};
+    host.addGround(1, mu);
+    step::World w;
+    w.gravity = host.g;
+    put(w, d, {0.0, 0.5 * d.thickness + gap}, 0.0, mu, {0.0, 0.0});
+    return w;
+}
+
 double scale(const step::Ledger& l) {
     return std::abs(l.added) + std::abs(l.kinetic) + std::abs(l.bending) + 1e-9;
 }
@@ -145,12 +155,8 @@ TEST_CASE("friction that grows with speed lets a strip creep down a slope at the
     // alone would change the speed by a hundred v0.
     const double mu = 0.35, strength = 0.2, v0 = 1e-4, slope = std::atan(mu * (1.0 + strength * std::log(4.0)));
     FakeHost host;
-    host.g = {kG * std::sin(slope), -kG * std::cos(slope)};
-    host.addGround(1, mu);
-    step::World w;
-    w.gravity = host.g;
     const rod::RodDefinition d = strip(0.05, 100.0);
-    put(w, d, {0.0, 0.5 * d.thickness + 1e-6}, 0.0, mu, {0.0, 0.0});
+    step::World w = onSlope(host, d, slope, mu, 1e-6);
     step::setEffects(w, 0,
                      modelOf({"rate_dependent_friction:law=logarithmic", "rate_dependent_friction:strength=0.2",
                               "rate_dependent_friction:speed_m_s=1e-4"}));
@@ -172,12 +178,7 @@ TEST_CASE("a contact that is elastic before it slides gives by its share of what
     // e = presliding tan(slope) / mu, however they share the weight; mu grows as they heal from 4/5 of their slip.
     const double mu = 0.3, ratio = 1.5, presliding = 4e-6, slope = std::atan(0.1), heal = 0.05;
     FakeHost host;
-    host.g = {kG * std::sin(slope), -kG * std::cos(slope)};
-    host.addGround(1, mu);
-    step::World w;
-    w.gravity = host.g;
-    const rod::RodDefinition d = strip(0.05, 100.0);
-    put(w, d, {0.0, 0.5 * d.thickness}, 0.0, mu, {0.0, 0.0});
+    step::World w = onSlope(host, strip(0.05, 100.0), slope, mu, 0.0);
     step::setEffects(w, 0,
                      modelOf({"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:Dc_m=1",
                               "static_friction_excess:tau_heal_s=0.05", "static_friction_excess:presliding_m=4e-6"}));

@@ -273,6 +273,16 @@ double markersApart(const Clean& a, const Clean& b, std::size_t from = 0) {
     return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
+/// Whether an effect changes any reading at all. One with a threshold was sized by a coarse simulation: a strip's touch
+/// made it yield there, and not in what was recorded.
+bool acts(const Clean& with, const Clean& without, const Nuisance& n) {
+    constexpr double kLeast = 1e-3; // deviations of a reading
+    double most = markersApart(with, without) / n.marker;
+    for (std::size_t r = 0; r < with.force.size(); ++r)
+        most = std::max(most, rms(with.force[r], without.force[r]) / n.total());
+    return most > kLeast;
+}
+
 constexpr const char* kForeign = "the readings do not belong to this case";
 
 /// Whether two recordings have the same runs, rows and markers.
@@ -385,6 +395,10 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
     }
     if (!belongs(clean, plain)) {
         out.failure = kForeign;
+        return out;
+    }
+    if (!s.hidden.empty() && !acts(clean, plain, s.nuisance)) {
+        out.failure = "what is hidden does not act in these recordings";
         return out;
     }
     out.files.emplace_back("experiment.json", writeDescription(s.description));

@@ -13,7 +13,7 @@
 //   and .08, shells on cylinders .05 and .09, .005 and .01);
 // - snaps: there a curve's rows mean nothing, they are missing. Where the machine itself turns round, starts or stops
 //   at once, only the rows beside the turning point are, whether or not a jump can be seen there: no machine turns
-//   round in no time. Left out where a jump of six deviations can be seen only, up to the commit before, what stood
+//   round in no time. While they were left out only where a jump of six deviations can be seen, what stood
 //   beside the other turns was off by 3 to 5 mN in a force of 70 (noise .7 mN) in one or two of 150 readings a second,
 //   and five repeats of six cycles made a wrong gain of a misalignment of 8 um. With them left out the mean of the five
 //   is met to .94 of its noise with the true numbers, for 1.42 (case 19 of the set near the limit, docs/proof.md).

@@ -32,39 +32,14 @@ Habits habitsOf(const experiment::Experiment& e) {
     return h;
 }
 
-/// Slowest period of a specimen that is held at one place, s: its longer arm as a cantilever (first root 1.8751).
-double slowestPeriod(const experiment::Experiment& e) {
-    constexpr double kRoot = 1.8751, kPi = 3.14159265358979323846;
-    double longest = 0.0;
-    for (const experiment::Specimen& s : e.specimens) {
-        const double at = s.clamp.where == experiment::ClampPlace::None ? 0.0 : s.clamp.arcPosition;
-        const double arm = std::max(at, s.length - at) / kRoot;
-        if (s.bendingModulus.value > 0.0)
-            longest = std::max(longest, 2.0 * kPi * arm * arm * std::sqrt(s.linearMass.value / s.bendingModulus.value));
-    }
-    return longest;
-}
-
-/// A second of rest, then the way through these places. Each leg speeds up and slows down within `ramp` seconds.
-Run through(const std::vector<double>& places, double speed, double hold, double ramp = 0.0) {
-    constexpr int kPieces = 12; // of a ramp: jumps of speed that many times smaller
+/// A second of rest, then the way through these places.
+Run through(const std::vector<double>& places, double speed, double hold = 0.0) {
     Run run;
     run.file = "design";
     run.driveTime = {0.0, 1.0};
     run.driveDisplacement = {0.0, 0.0};
     const auto go = [&](double to) {
-        const double from = run.driveDisplacement.back(), start = run.driveTime.back();
-        const double duration = std::abs(to - from) / speed + ramp;
-        const auto put = [&](double after, double way) {
-            run.driveTime.push_back(start + after);
-            run.driveDisplacement.push_back(from + std::copysign(way, to - from));
-        };
-        const auto ramped = [&](double t) { return 0.5 * speed * t * t / ramp; };
-        for (int i = 1; ramp > 0.0 && i <= kPieces; ++i)
-            put(ramp * i / kPieces, ramped(ramp * i / kPieces));
-        for (int i = kPieces; ramp > 0.0 && i > 0; --i)
-            put(duration - ramp * i / kPieces, std::abs(to - from) - ramped(ramp * i / kPieces));
-        run.driveTime.push_back(start + duration);
+        run.driveTime.push_back(run.driveTime.back() + std::abs(to - run.driveDisplacement.back()) / speed);
         run.driveDisplacement.push_back(to);
     };
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -81,7 +56,6 @@ Run through(const std::vector<double>& places, double speed, double hold, double
 struct Plan {
     std::string what;
     Run run;
-    double doubt = 1.0;            ///< Design::doubt
     std::vector<double> markers{}; ///< Design::markers
 };
 
@@ -109,8 +83,7 @@ double framesOf(const experiment::Experiment& e) {
     return rate;
 }
 
-constexpr double kDoubtOfFast = 12.0; // half a per cent of the peak
-constexpr double kUsualFrames = 4.0;  // Hz, of a camera
+constexpr double kUsualFrames = 4.0; // Hz, of a camera
 
 std::vector<Plan> plansFor(const experiment::Experiment& e) {
     const Habits h = habitsOf(e);
@@ -121,30 +94,19 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         std::snprintf(text, sizeof text, "%.3g mm/s", 1e3 * v);
         return std::string(text);
     };
-    const auto times = [](double factor) {
-        char text[40];
-        std::snprintf(text, sizeof text, "%.2g", factor);
-        return std::string(text);
-    };
     const double d = h.travel;
-    // The head's speed may not jump at such speeds: what a blow excites rings in the reading for many periods, is no
-    // use to anybody, and how it dies away in truth is not known (a run ten times faster, started with a blow, made
-    // internal damping out of a drift). Ramps of three periods keep quiet; a leg lasts twenty at least.
-    const double period = slowestPeriod(e);
-    const double fast = std::min(10.0 * h.fastest, period > 0.0 ? d / (20.0 * period) : 10.0 * h.fastest);
     std::vector<Plan> plans;
     if (!h.back) // what is lost shows on the way back first of all
-        plans.push_back({"the same way and back again (an unloading leg)", through({d, 0.0}, h.fastest, 0.0)});
+        plans.push_back({"the same way and back again (an unloading leg)", through({d, 0.0}, h.fastest)});
     const std::vector<Plan> usual = {
-        {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest, 0.0)},
+        {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest)},
         {"a hold of 100 s at the largest displacement", through({d, 0.0}, h.fastest, 100.0)},
         {"five small cycles between 60 % and 50 % of the largest displacement",
          through({0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
-                 h.slowest, 0.0)},
-        {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest, 0.0)},
-        {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest, 0.0)},
-        {"six cycles at " + speed(h.fastest),
-         through({d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest, 0.0)}};
+                 h.slowest)},
+        {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest)},
+        {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest)},
+        {"six cycles at " + speed(h.fastest), through({d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest)}};
     plans.insert(plans.end(), usual.begin(), usual.end());
     const double frames = framesOf(e);
     if (frames == 0.0) { // markers that are described and were never tracked are no others
@@ -153,22 +115,16 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         plans.push_back(
             {"a run that is filmed, with " +
                  (places.empty() ? std::string("its markers") : std::to_string(places.size()) + " markers on " + where),
-             through({d, 0.0}, h.fastest, 0.0), 1.0, places});
+             through({d, 0.0}, h.fastest), places});
         plans.back().run.markersSamplingRate = kUsualFrames;
     }
     // What sits in the specimen goes to the other side, what sits in the set-up does not. A ring has no ends.
     if (e.protocol != experiment::Protocol::RingBetweenPlates) {
         plans.push_back({std::string("a run with ") + (e.specimens.size() > 1 ? "both specimens" : "the specimen") +
                              " turned end for end",
-                         through({d, 0.0}, h.fastest, 0.0)});
+                         through({d, 0.0}, h.fastest)});
         plans.back().run.turned = true;
     }
-    // Last, and with doubt: at speeds that no recorded run has, simulations of different kinds, and surely specimens,
-    // differ most. Three fast runs that were asked for were made with the second simulator: each gave a wrong name.
-    if (fast >= 2.0 * h.fastest)
-        plans.push_back(
-            {"a run " + times(fast / h.fastest) + " times faster, at " + speed(fast) + ", started and stopped smoothly",
-             through({d, 0.0}, fast, 0.0, 3.0 * period), kDoubtOfFast});
     constexpr double kMost = 400.0; // frames
     for (Plan& p : plans)
         p.run.markersSamplingRate =
@@ -182,7 +138,7 @@ std::vector<Design> designsFor(const experiment::Experiment& e) {
     std::vector<Design> all;
     for (const Plan& p : plansFor(e))
         all.push_back({p.what, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate, p.run.turned, p.markers,
-                       p.run.markersSamplingRate, p.doubt});
+                       p.run.markersSamplingRate});
     return all;
 }
 

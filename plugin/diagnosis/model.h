@@ -107,8 +107,6 @@ struct Design {
     /// Arc fractions of each specimen at which markers are put for this run.
     std::vector<double> markers{};
     double markerRate = 0.0; ///< of frames, Hz; 0: it is not filmed
-    /// How many times farther simulations may be from the truth there than in the recorded runs.
-    double doubt = 1.0;
 };
 
 /// Readings of such a run, with their times.

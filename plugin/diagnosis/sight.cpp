@@ -53,20 +53,13 @@ Noise withCamera(Noise noise) {
     return noise;
 }
 
-MisfitSettings settingsOf(const Design& design, std::size_t repeats) {
-    MisfitSettings s = MisfitSettings{}.inEachOf(repeats);
-    s.shareOfPeak *= design.doubt;
-    s.markerPlace *= design.doubt;
-    return s;
-}
-
 } // namespace
 
 Sight::Sight(const Design& design, const DesignResponse& truth, const Noise& noise, double zeroWindow,
              std::size_t repeats)
     : data_(recorded(design, truth, zeroWindow)),
       misfit_(data_, withCamera(noise), {asResponse(truth)}, {Response{"not simulated", {}, {}}},
-              settingsOf(design, repeats)) {}
+              MisfitSettings{}.inEachOf(repeats)) {}
 
 std::optional<Eigen::VectorXd> Sight::apart(const DesignResponse& a, const DesignResponse& b) const {
     const Departure d = misfit_.change(0, asResponse(a), asResponse(b));

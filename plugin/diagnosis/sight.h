@@ -4,13 +4,11 @@
 // were to tell a machine that gives from a contact that gives, one deflection on a strip, by seven deviations in six
 // cycles.
 //
-// Three things are not as they would be. A jump that one of two simulations has and the other has not says nothing by
+// Two things are not as they would be. A jump that one of two simulations has and the other has not says nothing by
 // itself, for near the size from which on it is one that hangs on little (as far off as one may be, as in a recording,
 // the touches of that strip told the two apart in two cycles); a rival that does not snap reads something else behind.
 // What a simulation is off by for its finite elements is not known, because a run that nobody made is simulated once
-// and coarsely: what is foretold of repeats is too much where that is most of a simulation's error, on strips. And
-// where simulations are trusted less than in recorded runs (Design::doubt) single rows are off by that many times as
-// much.
+// and coarsely: what is foretold of repeats is too much where that is most of a simulation's error, on strips.
 
 #include "plugin/diagnosis/data.h"
 #include "plugin/diagnosis/misfit.h"

@@ -219,36 +219,26 @@ TEST_CASE("markers are proposed where there are none, and read in every further 
     CHECK(blind.simulateDesign(0, stated(blind), nullptr).markers.size() == 0);
 }
 
-TEST_CASE("a faster run that is proposed starts and stops without a blow", "[diagnosis]") {
+TEST_CASE("no run that is proposed is faster than what was recorded", "[diagnosis]") {
     const std::string name = GENERATE("case_101", "case_103");
     auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/" + name + "/experiment.json");
     REQUIRE(loaded);
-    const auto designs = designsFor(*loaded);
-    const auto faster = std::find_if(designs.begin(), designs.end(),
-                                     [](const Design& d) { return d.what.find("faster") != d.what.npos; });
-    REQUIRE(faster != designs.end());
-    CHECK(faster + 1 == designs.end()); // what simulations are trusted least in is asked for last
-    CHECK(std::all_of(designs.begin(), faster, [&](const Design& d) { return d.doubt < faster->doubt; }));
-    const experiment::Experiment smooth = designed(*loaded, static_cast<std::size_t>(faster - designs.begin()));
-    const experiment::Run& ramped = smooth.runs.front();
-    experiment::Experiment abrupt = smooth;
-    experiment::Run& run = abrupt.runs.front();
-    const double end = run.driveTime.back();
-    run.driveTime = {0.0, 1.0, 0.5 * (1.0 + end), end};
-    run.driveDisplacement = {0.0, 0.0, ramped.driveDisplacement[ramped.driveDisplacement.size() / 2], 0.0};
-    // Largest reading within half of a period: what the jump of the head's speed does to the specimen's inertia.
-    const double half = (ramped.driveTime[13] - 1.0) / 6.0;
-    const auto blow = [&](const experiment::Experiment& e) {
-        const replay::Simulated s = replay::simulate(e, 0, replay::nominal(e), replay::Resolution::coarse());
-        REQUIRE(s.failure.empty());
+    const auto fastest = [](const std::vector<double>& time, const std::vector<double>& displacement) {
         double most = 0.0;
-        for (std::size_t k = 0; k < s.readings.time.size(); ++k)
-            if (s.readings.time[k] > 1.0 && s.readings.time[k] < 1.0 + half)
-                most = std::max(most, std::abs(s.readings.force[k]));
+        for (std::size_t i = 1; i < time.size(); ++i)
+            most = std::max(most, std::abs(displacement[i] - displacement[i - 1]) / (time[i] - time[i - 1]));
         return most;
     };
-    REQUIRE(blow(abrupt) > 0.0);
-    CHECK(blow(smooth) <= blow(abrupt) / 12.0); // its ramp goes in twelve pieces, and before contact all is linear
+    double recorded = 0.0;
+    for (const experiment::Run& run : loaded->runs)
+        recorded = std::max(recorded, fastest(run.driveTime, run.driveDisplacement));
+    REQUIRE(recorded > 0.0);
+    const std::vector<Design> designs = designsFor(*loaded);
+    REQUIRE(designs.size() >= 6);
+    for (const Design& d : designs) {
+        INFO(d.what);
+        CHECK(fastest(d.time, d.displacement) <= recorded * (1.0 + 1e-9)); // rounding of a quotient
+    }
 }
 
 TEST_CASE("what acts on readings only is added to them as the sensor would", "[diagnosis]") {

@@ -54,27 +54,76 @@ bool repeats(const RecordedRun& a, const RecordedRun& b) {
            (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3;
 }
 
-/// Sets runToRun and repeats. Robust, because snaps come a row earlier or later.
-void fromRepeats(const Data& data, Noise& noise) {
+/// Half the mean square of two runs' difference, its middle taken out. Without what lies beyond three deviations, at
+/// least those of the sensor: snaps come a row earlier or later. (A median of absolute values alone says little of
+/// readings in steps: it is a step, or the next one.)
+double halfSquare(std::vector<double> difference, double sensor) {
+    constexpr double kFar = 3.0, kInside = 0.9733; // mean square of a normal variable within three deviations
+    const double middle = median(difference);
+    std::vector<double> size;
+    for (double& x : difference) {
+        x -= middle;
+        size.push_back(std::abs(x));
+    }
+    const double far = kFar * std::max(kMadToSigma * median(size), std::sqrt(2.0) * sensor);
     double sum = 0.0, rows = 0.0;
-    for (std::size_t a = 0; a < data.runs.size(); ++a)
-        for (std::size_t b = a + 1; b < data.runs.size(); ++b) {
+    for (const double x : difference)
+        if (std::abs(x) <= far) {
+            sum += x * x;
+            rows += 1.0;
+        }
+    return rows > 0.0 ? 0.5 * sum / rows / kInside : 0.0;
+}
+
+/// Variance of halfSquare() of one pair times its rows, by the sensor's noise alone: that of a mean square, whose
+/// memory makes fewer rows of it.
+double varianceByRow(const Noise& n, double dt) {
+    const double keep = std::exp(-2.0 * dt / n.memory), total = n.white * n.white + n.coloured * n.coloured;
+    return 2.0 * (total * total + 2.0 * std::pow(n.coloured, 4) * keep / (1.0 - keep));
+}
+
+/// Of the noise's variance, by what the readings leave open of it.
+double varianceOfSquare(const Noise& n) {
+    double sum = 0.0, squares = 0.0;
+    for (const Noise::Possible& p : n.possible) {
+        const double v = p.white * p.white + p.coloured * p.coloured;
+        sum += v;
+        squares += v * v;
+    }
+    const double many = static_cast<double>(std::max<std::size_t>(1, n.possible.size()));
+    return std::max(0.0, squares / many - sum * sum / (many * many));
+}
+
+/// Sets runToRun and repeats.
+void fromRepeats(const Data& data, Noise& noise) {
+    constexpr double kBeyond = 2.0; // deviations of what noise alone may seem to scatter by
+    double sum = 0.0, rows = 0.0;   // over all pairs
+    double open = 0.0, free = 0.0;  // over the runs that repeat another one: pairs of one drive have runs in common
+    for (std::size_t b = 1; b < data.runs.size(); ++b) {
+        bool again = false;
+        for (std::size_t a = 0; a < b; ++a) {
             if (!repeats(data.runs[a], data.runs[b]))
                 continue;
-            ++noise.repeats;
             std::vector<double> d;
             for (Eigen::Index k = 0; k < data.runs[a].force.size(); ++k)
                 if (const double x = data.runs[a].force[k] - data.runs[b].force[k]; std::isfinite(x))
                     d.push_back(x);
-            const double middle = median(d);
-            for (double& x : d)
-                x = std::abs(x - middle);
-            const double scale = kMadToSigma * median(d);
-            sum += 0.5 * scale * scale * static_cast<double>(d.size());
-            rows += static_cast<double>(d.size());
+            const auto n = static_cast<double>(d.size());
+            if (!again) {
+                ++noise.repeats;
+                open += n * varianceByRow(noise, data.runs[b].spacing());
+                free += n;
+            }
+            again = true;
+            sum += n * halfSquare(std::move(d), noise.total());
+            rows += n;
         }
-    if (rows > 0.0)
-        noise.runToRun = std::sqrt(std::max(0.0, sum / rows - noise.total() * noise.total()));
+    }
+    if (rows <= 0.0)
+        return;
+    const double excess = sum / rows - noise.total() * noise.total();
+    if (excess > kBeyond * std::sqrt(open / (free * free) + varianceOfSquare(noise)))
+        noise.runToRun = std::sqrt(excess);
 }
 
 /// Equally spaced quantiles of a posterior on a grid.
@@ -285,8 +334,10 @@ Noise estimateNoise(const Data& recorded, const Swing& seen) {
                       data.statedForceNoise, data.unit.c_str(), best.total(), data.unit.c_str());
         best.source += words;
     }
-    if (best.repeats > 0)
+    if (best.repeats > 0 && best.runToRun > 0.0)
         std::snprintf(words, sizeof words, "%zu repeats scatter by %.3g N beyond it", best.repeats, best.runToRun);
+    else if (best.repeats > 0)
+        std::snprintf(words, sizeof words, "%zu repeats scatter by no more than it", best.repeats);
     else
         std::snprintf(words, sizeof words, "no repeats were recorded");
     best.source += words;

@@ -14,9 +14,13 @@
 // any more; the source says so. Nothing is less noisy than the steps in which readings come, evenly distributed around
 // the truth; where nothing is stated and nothing rests, fourth differences of all rows have to do.
 //
-// Runs that repeat another one (same drive, same rows) differ by more than their sensors: half the variance of their
-// difference, its mean and the sensor's part taken out, is the scatter from run to run. Without repeats it is unknown
-// and taken as zero; the source says so.
+// Runs that repeat another one (same drive, same rows) may differ by more than their sensors: half the variance of
+// their difference, its mean and the sensor's part taken out, is the scatter from run to run, where it is more than two
+// deviations of what noise alone may seem to be (few memories in a pair, a size of the noise that is not quite known).
+// It counts in every row with the simulation's long memory, and hides what is weak and lasts: by a pair of readings in
+// steps of .46 mN, the median of whose differences was two steps and should have been 1.7, a scatter of .56 mN that was
+// none made "nothing" of a friction of six deviations. Without repeats it is unknown and taken as zero; the source says
+// so.
 //
 // Where a sine in the rests makes them so much more probable that there is no doubt, it is taken out first: a
 // disturbance that never rests would count as noise, and hide itself. Rests that are too short to show one say that
@@ -41,7 +45,7 @@ struct Noise {
     double marker = 0.0;   ///< m, per coordinate
     std::string source;    ///< in words
     double quietSeconds = 0.0;
-    double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N
+    double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N; 0: none that shows
     double tails = 0.0;      ///< excess kurtosis of the white part, 0: not told from a normal distribution
     std::size_t repeats = 0; ///< runs that repeat another one
     /// What rests (or whole runs) show beyond noise, a sine of the reading: no part of it. N, s; 0: none.

@@ -64,6 +64,37 @@ TEST_CASE("noise within what is stated keeps the stated size as a prior", "[diag
     }
 }
 
+TEST_CASE("repeats that differ by noise alone scatter by nothing, and others by what they do", "[diagnosis]") {
+    for (const double step : {0.0, 0.6 * kTotal, 1.0 * kTotal}) { // readings come in steps that are as large as noise
+        int scatters = 0;
+        for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+            Data data = toy::recordings(seed);
+            data.runs.resize(1);
+            const toy::Spring spring(data);
+            const Eigen::VectorXd quiet = spring.simulate(0, {{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+            data.runs.resize(3, data.runs.front());
+            Random random(100 + seed);
+            for (RecordedRun& run : data.runs) {
+                run.force = quiet;
+                toy::addNoise(run, random);
+                for (double& f : run.force)
+                    f = step > 0.0 ? stepped(f, step) : f;
+            }
+            Noise noise = estimateNoise(data);
+            CHECK(noise.repeats == 2); // runs, not pairs
+            scatters += noise.runToRun > 0.0 ? 1 : 0;
+            for (std::size_t r = 0; r < 3; ++r) // a seat that is another one each time, and wanders
+                for (Eigen::Index k = 0; k < quiet.size(); ++k)
+                    data.runs[r].force[k] +=
+                        3.0 * kTotal * std::sin(0.9 * data.runs[r].time[k] + 2.0 * static_cast<double>(r));
+            noise = estimateNoise(data);
+            // sines a third of a period apart: half the square of their difference is 1.5 times half of theirs
+            CHECK(noise.runToRun == Approx(3.0 * kTotal * std::sqrt(0.75)).epsilon(0.25));
+        }
+        CHECK(scatters <= 3); // of 20, each with a chance of some 3 %
+    }
+}
+
 TEST_CASE("bends of a curve are no noise of a quiet sensor", "[diagnosis]") {
     Data data = noisier(7, 1e-4, 4e5); // second differences of the cubic law are up to 1 mN, a thousand times the noise
     data.statedForceNoise = 1e-6;

@@ -96,7 +96,7 @@ double varianceOfSquare(const Noise& n) {
 
 /// Sets runToRun and repeats.
 void fromRepeats(const Data& data, Noise& noise) {
-    constexpr double kBeyond = 2.0; // deviations of what noise alone may seem to scatter by
+    constexpr double kBeyond = 3.0; // deviations of what noise alone may seem to scatter by
     double sum = 0.0, rows = 0.0;   // over all pairs
     double open = 0.0, free = 0.0;  // over the runs that repeat another one: pairs of one drive have runs in common
     for (std::size_t b = 1; b < data.runs.size(); ++b) {

@@ -15,12 +15,12 @@
 // the truth; where nothing is stated and nothing rests, fourth differences of all rows have to do.
 //
 // Runs that repeat another one (same drive, same rows) may differ by more than their sensors: half the variance of
-// their difference, its mean and the sensor's part taken out, is the scatter from run to run, where it is more than two
-// deviations of what noise alone may seem to be (few memories in a pair, a size of the noise that is not quite known).
-// It counts in every row with the simulation's long memory, and hides what is weak and lasts: by a pair of readings in
-// steps of .46 mN, the median of whose differences was two steps and should have been 1.7, a scatter of .56 mN that was
-// none made "nothing" of a friction of six deviations. Without repeats it is unknown and taken as zero; the source says
-// so.
+// their difference, its mean and the sensor's part taken out, is the scatter from run to run, where it is more than
+// three deviations of what noise alone may seem to be (few memories in a pair, a size of the noise that is not quite
+// known). It counts in every row with the simulation's long memory, and hides what is weak and lasts: by a pair of
+// readings in steps of .46 mN, the median of whose differences was two steps and should have been 1.7, a scatter of .56
+// mN that was none made "nothing" of a friction of six deviations. Without repeats it is unknown and taken as zero; the
+// source says so.
 //
 // Where a sine in the rests makes them so much more probable that there is no doubt, it is taken out first: a
 // disturbance that never rests would count as noise, and hide itself. Rests that are too short to show one say that

@@ -7,7 +7,7 @@
 // four that were asked for and made with the second simulator of docs/proof.md led to a wrong name. With the true
 // numbers the last one was met to 1.02 of its noise but for some 60 ms at the touch, the ramped turn and the release
 // (off by up to 8 of 1.1 mN), and these were enough. What happens there at speeds that nobody has recorded, no recorded
-// run can vouch for; how a law depends on speed a slower run tells as well.
+// run can vouch for; how a law depends on speed a slower run tells, too.
 
 #include "plugin/diagnosis/model.h"
 #include "plugin/experiment/experiment.h"

@@ -100,7 +100,7 @@ void fromRepeats(const Data& data, Noise& noise) {
     double sum = 0.0, rows = 0.0;   // over all pairs
     double open = 0.0, free = 0.0;  // over the runs that repeat another one: pairs of one drive have runs in common
     for (std::size_t b = 1; b < data.runs.size(); ++b) {
-        bool again = false;
+        double own = 0.0; // rows
         for (std::size_t a = 0; a < b; ++a) {
             if (!repeats(data.runs[a], data.runs[b]))
                 continue;
@@ -108,15 +108,14 @@ void fromRepeats(const Data& data, Noise& noise) {
             for (Eigen::Index k = 0; k < data.runs[a].force.size(); ++k)
                 if (const double x = data.runs[a].force[k] - data.runs[b].force[k]; std::isfinite(x))
                     d.push_back(x);
-            const auto n = static_cast<double>(d.size());
-            if (!again) {
-                ++noise.repeats;
-                open += n * varianceByRow(noise, data.runs[b].spacing());
-                free += n;
-            }
-            again = true;
-            sum += n * halfSquare(std::move(d), noise.total());
-            rows += n;
+            own = static_cast<double>(d.size());
+            sum += own * halfSquare(std::move(d), noise.total());
+            rows += own;
+        }
+        if (own > 0.0) {
+            ++noise.repeats;
+            open += own * varianceByRow(noise, data.runs[b].spacing());
+            free += own;
         }
     }
     if (rows <= 0.0)

@@ -80,16 +80,15 @@ TEST_CASE("repeats that differ by noise alone scatter by nothing, and others by 
                 for (double& f : run.force)
                     f = step > 0.0 ? stepped(f, step) : f;
             }
-            Noise noise = estimateNoise(data);
-            CHECK(noise.repeats == 2); // runs, not pairs
-            scatters += noise.runToRun > 0.0 ? 1 : 0;
+            const Noise alone = estimateNoise(data);
+            CHECK(alone.repeats == 2); // runs, not pairs
+            scatters += alone.runToRun > 0.0 ? 1 : 0;
             for (std::size_t r = 0; r < 3; ++r) // a seat that is another one each time, and wanders
                 for (Eigen::Index k = 0; k < quiet.size(); ++k)
                     data.runs[r].force[k] +=
                         3.0 * kTotal * std::sin(0.9 * data.runs[r].time[k] + 2.0 * static_cast<double>(r));
-            noise = estimateNoise(data);
-            // sines a third of a period apart: half the square of their difference is 1.5 times half of theirs
-            CHECK(noise.runToRun == Approx(3.0 * kTotal * std::sqrt(0.75)).epsilon(0.25));
+            // Sines a third of a period apart differ by a sine sqrt(3) times as large.
+            CHECK(estimateNoise(data).runToRun == Approx(3.0 * kTotal * std::sqrt(0.75)).epsilon(0.25));
         }
         CHECK(scatters <= 1); // of 20, each with a chance of one in a thousand, more where memories are few
     }

@@ -4,7 +4,6 @@
 #include "plugin/diagnosis/replay_model.h"
 #include "plugin/experiment/load.h"
 #include "plugin/replay/parameters.h"
-#include "plugin/replay/simulate.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,5 @@
 #include "plugin/cli/diagnose_page.h"
+#include "plugin/diagnosis/next.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -111,6 +112,20 @@ Json effectWindowsOf(const Diagnosis& d) {
     return all;
 }
 
+Json nextOf(const diagnosis::NextExperiment& next) {
+    Json runs = Json::array();
+    for (const diagnosis::FurtherRun& r : next.runs)
+        runs.push_back({{"what", r.design.what},
+                        {"repeats", r.repeats},
+                        {"drive", {{"time_s", r.design.time}, {"displacement_m", r.design.displacement}}},
+                        {"specimen_turned", r.design.turned},
+                        {"new_markers_arc_fraction", r.design.markers},
+                        {"markers_sampling_Hz", r.design.markerRate},
+                        {"sampling_Hz", r.design.rate}});
+    return {{"what", diagnosis::listed(next)}, {"separates", next.separates}, {"tells_side", next.side},
+            {"expected_power", next.power},    {"settles", next.settles},     {"runs", runs}};
+}
+
 } // namespace
 
 std::string diagnosisJson(const Diagnosis& d) {
@@ -130,17 +145,7 @@ std::string diagnosisJson(const Diagnosis& d) {
     };
     Json next = nullptr;
     if (d.next)
-        next = {{"what", d.next->run.what},
-                {"separates", d.next->separates},
-                {"tells_side", d.next->side},
-                {"expected_power", d.next->power},
-                {"settles", d.next->settles},
-                {"repeats", d.next->repeats},
-                {"drive", {{"time_s", d.next->run.time}, {"displacement_m", d.next->run.displacement}}},
-                {"specimen_turned", d.next->run.turned},
-                {"new_markers_arc_fraction", d.next->run.markers},
-                {"markers_sampling_Hz", d.next->run.markerRate},
-                {"sampling_Hz", d.next->run.rate}};
+        next = nextOf(*d.next);
     const Json json = {
         {"verdict", d.verdict},
         {"statement", d.statement},

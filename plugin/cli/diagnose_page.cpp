@@ -192,8 +192,13 @@ std::string nextText(const Diagnosis& d) {
     if (d.next->side)
         told += (told.empty() ? "" : ", and ") + ("to which side " + escaped(diagnosis::plainWords(labels.front()))) +
                 " acts";
-    return "<p>" + escaped(diagnosis::inWords(*d.next)) + (d.next->settles ? ". It tells " : ". It would tell ") +
-           told + " with a power of at most " + fixed(100.0 * d.next->power, 0) + " %.</p>" + driveTable(d.next->run);
+    const bool several = d.next->runs.size() > 1;
+    std::string html = "<p>" + escaped(diagnosis::inWords(*d.next)) + (several ? ". Together they " : ". It ") +
+                       (d.next->settles ? several ? "tell " : "tells " : "would tell ") + told +
+                       " with a power of at most " + fixed(100.0 * d.next->power, 0) + " %.</p>";
+    for (const diagnosis::FurtherRun& run : d.next->runs)
+        html += (several ? "<p>" + escaped(run.design.what) + ":</p>" : std::string()) + driveTable(run.design);
+    return html;
 }
 
 } // namespace

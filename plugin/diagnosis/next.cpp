@@ -1,13 +1,10 @@
 #include "plugin/diagnosis/next.h"
 
-#include "plugin/diagnosis/sight.h"
-
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 
 namespace supercircle::diagnosis {
@@ -29,81 +26,58 @@ struct Told {
     }
 };
 
-/// How far a rival may go to foretell what another one does.
-enum class Refit : std::uint8_t {
-    None,    ///< it stays, which refutes more than there is
-    Linear,  ///< by derivatives
-    Searched ///< by derivatives, and simulated where these take it
+/// A run, made so many times.
+struct Part {
+    Foretold* run = nullptr;
+    std::size_t repeats = 1;
 };
+using Series = std::vector<Part>;
 
-/// A run that was not made, as rivals foretell it.
-class Foretold {
+std::size_t countOf(const Series& series) {
+    std::size_t n = 0;
+    for (const Part& p : series)
+        n += p.repeats;
+    return n;
+}
+
+/// What a series of runs, fitted together, tells of rivals.
+class Contest {
 public:
-    Foretold(Evaluator& evaluator, std::size_t index, const Design& design, const Noise& noise, double zeroWindow,
-             const std::vector<Rival>& rivals)
-        : evaluator_(evaluator), index_(index), design_(design), noise_(noise), zeroWindow_(zeroWindow),
-          rivals_(rivals) {}
+    Contest(const Evaluator& evaluator, const std::vector<Rival>& rivals, const Open& open)
+        : evaluator_(evaluator), rivals_(rivals), open_(open) {}
 
-    /// False if it cannot be simulated.
-    bool simulate() {
-        std::vector<Point> points;
-        for (const Rival& r : rivals_)
-            points.push_back(r.point);
-        responses_ = evaluator_.foretell(index_, points);
-        return responses_.front().force.size() >= 8 &&
-               std::all_of(responses_.begin(), responses_.end(), [&](const DesignResponse& r) { return usable(r); });
-    }
-    /// What refitting may take up, and what is not known of the predictions: derivatives by the nominal parameters,
-    /// which do much the same in all rivals, and by each rival's own numbers.
-    void differentiate() {
-        std::vector<Point> points;
-        own_.clear();
-        moved_.clear();
-        for (std::size_t i = 0; i < rivals_.size(); ++i) {
-            const Rival& r = rivals_[i];
-            const Variables v(evaluator_.model(), r.point);
-            nominal_ = v.nominal;
-            own_.push_back(static_cast<Index>(points.size()));
-            for (Index k = i == 0 ? 0 : v.nominal; k < v.size(); ++k) {
-                Eigen::VectorXd y = r.x;
-                const double step = r.x[k] + kStep <= v.upper[k] ? kStep : -kStep; // to the side that has room
-                y[k] += step;
-                points.push_back(v.at(y));
-                moved_.push_back({i, k, step, {}});
-            }
+    /// How well they refute whichever other rival is hardest to refute if one is true; of rivals without effects
+    /// nothing, for that is not asked. By derivatives, as far as there are any.
+    [[nodiscard]] std::vector<Told> told(const Series& series) const {
+        std::vector<Told> out(rivals_.size());
+        for (std::size_t a = 0; a < rivals_.size(); ++a) {
+            const Eigen::MatrixXd products = productsOf(series, a);
+            for (std::size_t b = 0, any = 0; b < rivals_.size() && products.size() > 0; ++b)
+                if (!within(a, b)) {
+                    const Told t = refuted(products, a, b).told;
+                    if (any++ == 0 || t.surely() < out[a].surely())
+                        out[a] = t;
+                }
         }
-        own_.front() = nominal_;
-        auto there = evaluator_.foretell(index_, points);
-        for (std::size_t k = 0; k < there.size(); ++k) { // what fails may be simulated to the other side
-            Moved& m = moved_[k];
-            const Rival& r = rivals_[m.rival];
-            const Variables v(evaluator_.model(), r.point);
-            Eigen::VectorXd y = r.x;
-            y[m.number] -= m.step;
-            if (!usable(there[k]) && y[m.number] >= v.lower[m.number] && y[m.number] <= v.upper[m.number]) {
-                m.step = -m.step;
-                there[k] = evaluator_.foretell(index_, {v.at(y)}).front();
-            }
-            m.response = std::move(there[k]);
-        }
+        return out;
     }
-    /// How well so many of these runs, fitted together, refute whichever other rival is hardest to refute if one is
-    /// true; of rivals without effects nothing, for that is not asked.
-    [[nodiscard]] std::vector<Told> told(std::size_t repeats, Refit refit) const {
-        std::vector<std::unique_ptr<Sight>> sights;
+    /// The same, simulated where derivatives lead.
+    [[nodiscard]] std::vector<Told> searched(const Series& series) const {
+        std::vector<std::vector<Seen>> seen(rivals_.size()); // by which is true
         std::vector<Pair> pairs;
         for (std::size_t a = 0; a < rivals_.size(); ++a) {
-            if (rivals_[a].point.terms.empty())
+            const Eigen::MatrixXd products = productsOf(series, a);
+            if (products.size() == 0)
                 continue;
-            sights.push_back(std::make_unique<Sight>(design_, responses_[a], noise_, zeroWindow_, repeats));
-            const Eigen::MatrixXd changes =
-                refit == Refit::None ? Eigen::MatrixXd() : changesIn(*sights.back(), repeats);
+            for (const Part& part : series) {
+                seen[a].push_back({part.run->sightOf(a, part.repeats), {}});
+                seen[a].back().changes = part.run->changes(*seen[a].back().sight, part.repeats);
+            }
             for (std::size_t b = 0; b < rivals_.size(); ++b)
                 if (!within(a, b))
-                    pairs.push_back(refuted(*sights.back(), changes, a, b, repeats));
+                    pairs.push_back(refuted(products, a, b));
         }
-        if (refit == Refit::Searched)
-            search(pairs, repeats);
+        search(series, seen, pairs);
         std::vector<Told> out(rivals_.size());
         std::vector<bool> any(rivals_.size(), false);
         for (const Pair& p : pairs)
@@ -113,47 +87,34 @@ public:
             }
         return out;
     }
+    [[nodiscard]] const std::vector<Rival>& rivals() const { return rivals_; }
 
 private:
-    static constexpr double kStep = 0.2; ///< of x
-
-    /// The run with one number of a rival changed.
-    struct Moved {
-        std::size_t rival = 0;
-        Index number = 0;
-        double step = 0.0;
-        DesignResponse response;
-    };
     /// One rival that is true and one that is refitted to what it foretells.
     struct Pair {
         std::size_t is = 0, said = 0;
-        const Sight* sight = nullptr; ///< of the one that is true
         Told told;
-        Eigen::MatrixXd by;                  ///< what one deviation of each of its numbers changes
-        Eigen::LDLT<Eigen::MatrixXd> normal; ///< of 1 + by' by
-        Eigen::VectorXd left;                ///< where it stands: the readings that are left, all repeats together
+        Eigen::LDLT<Eigen::MatrixXd> normal; ///< of 1 + J' J, J: what one deviation of each of its numbers changes
+        double left = 0.0;                   ///< squares of the readings that are left where it stands
         Eigen::VectorXd at, to;              ///< where that is, and where derivatives lead from there, deviations
-        [[nodiscard]] double squares() const { return left.squaredNorm() + at.squaredNorm(); }
+        [[nodiscard]] double squares() const { return left + at.squaredNorm(); }
+    };
+    /// A part of the series where one rival is true.
+    struct Seen {
+        std::unique_ptr<Sight> sight;
+        Eigen::MatrixXd changes;
     };
 
-    [[nodiscard]] bool usable(const DesignResponse& r) const {
-        return r.failure.empty() && r.force.size() == responses_.front().force.size() &&
-               r.markers.size() == responses_.front().markers.size();
-    }
-    /// Of all repeats together, by each of moved_, in noise units; zero where it cannot be simulated.
-    [[nodiscard]] Eigen::MatrixXd changesIn(const Sight& sight, std::size_t repeats) const {
-        Eigen::MatrixXd out;
-        for (std::size_t k = 0; k < moved_.size(); ++k) {
-            const Moved& m = moved_[k];
-            const DesignResponse& from = responses_[m.rival];
-            const auto change = sight.apart(usable(m.response) ? m.response : from, from);
-            if (!change)
-                continue;
-            if (out.size() == 0)
-                out.setZero(change->size(), static_cast<Index>(moved_.size()));
-            out.col(static_cast<Index>(k)) = std::sqrt(static_cast<double>(repeats)) / m.step * *change;
+    /// Of all runs together (Foretold::products()). Empty: of this one it is not asked.
+    [[nodiscard]] Eigen::MatrixXd productsOf(const Series& series, std::size_t is) const {
+        Eigen::MatrixXd all;
+        for (const Part& part : series) {
+            if (rivals_[is].point.terms.empty())
+                break;
+            const Eigen::MatrixXd& its = part.run->products(is, part.repeats);
+            all = all.size() == 0 ? its : Eigen::MatrixXd(all + its);
         }
-        return out;
+        return all;
     }
     /// Whether b can do all that a does: it cannot be refuted where a is true.
     [[nodiscard]] bool within(std::size_t a, std::size_t b) const {
@@ -164,53 +125,34 @@ private:
             return std::any_of(by.begin(), by.end(), [&](const Term& u) { return u.candidate == t.candidate; });
         });
     }
-    /// How a rival's numbers deviate: a column each of what one deviation changes in x.
-    [[nodiscard]] Eigen::MatrixXd factorOf(std::size_t rival) const {
-        const Eigen::LLT<Eigen::MatrixXd> llt(rivals_[rival].covariance);
-        return llt.info() == Eigen::Success
-                   ? Eigen::MatrixXd(llt.matrixL())
-                   : Eigen::MatrixXd(rivals_[rival].covariance.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-    }
-    /// What one deviation each of a rival's numbers changes in the readings, of columns by moved_.
-    [[nodiscard]] Eigen::MatrixXd deviations(const Eigen::MatrixXd& changes, std::size_t rival) const {
-        const Eigen::MatrixXd factor = factorOf(rival);
-        return changes.leftCols(nominal_) * factor.topRows(nominal_) +
-               changes.middleCols(own_[rival], factor.rows() - nominal_) * factor.bottomRows(factor.rows() - nominal_);
-    }
-    /// By derivatives. @param changes empty: nothing is refitted
-    [[nodiscard]] Pair refuted(const Sight& sight, const Eigen::MatrixXd& changes, std::size_t is, std::size_t said,
-                               std::size_t repeats) const {
+    /// By derivatives.
+    [[nodiscard]] Pair refuted(const Eigen::MatrixXd& products, std::size_t is, std::size_t said) const {
+        const Eigen::MatrixXd& d = open_.deviations(said);
+        const Index n = open_.size(), from = n + static_cast<Index>(said);
+        const Eigen::VectorXd by = d.transpose() * products.col(from).head(n); // J' left
+        const Eigen::MatrixXd square = d.transpose() * products.topLeftCorner(n, n) * d;
         Pair p;
         p.is = is;
         p.said = said;
-        p.sight = &sight;
-        const auto seen = sight.apart(responses_[is], responses_[said]);
-        if (!seen)
+        p.left = products(from, from);
+        p.normal.compute(Eigen::MatrixXd::Identity(d.cols(), d.cols()) + square);
+        p.at = Eigen::VectorXd::Zero(d.cols());
+        p.to = p.normal.solve(by);
+        const double squares = p.left - by.dot(p.to); // left' (1 + J J')^-1 left
+        if (!std::isfinite(squares) || squares <= 0.0)
             return p;
-        p.left = std::sqrt(static_cast<double>(repeats)) * *seen;
-        p.told = {p.left.norm()};
-        if (changes.size() == 0)
-            return p;
-        p.by = deviations(changes, said);
-        p.normal.compute(Eigen::MatrixXd::Identity(p.by.cols(), p.by.cols()) + p.by.transpose() * p.by);
-        p.at = Eigen::VectorXd::Zero(p.by.cols());
-        p.to = p.normal.solve(p.by.transpose() * p.left);
-        const Eigen::VectorXd rest = p.left - p.by * p.to; // (1 + by by')^-1 of it
-        const double square = p.left.dot(rest);
-        p.told = {};
-        if (!std::isfinite(square) || square <= 0.0)
-            return p;
-        const double distance = std::sqrt(square);
-        p.told = {distance, (deviations(changes, is).transpose() * rest).norm() / distance,
-                  std::sqrt(std::max(0.0, 1.0 - (p.by.transpose() * rest).squaredNorm() / square))};
+        // What stays of the readings, rest = left - J to, by what is open in the one that is true and in the other.
+        const Eigen::VectorXd rest = products.col(from).head(n) - products.topLeftCorner(n, n) * (d * p.to);
+        const double distance = std::sqrt(squares);
+        p.told = {distance, (open_.deviations(is).transpose() * rest).norm() / distance,
+                  std::sqrt(std::max(0.0, 1.0 - (d.transpose() * rest).squaredNorm() / squares))};
         return p;
     }
     /// How near a rival comes by simulations from where the derivatives lead, which are kept (chord method), where that
     /// is nearer than these say. All pairs go on together.
-    void search(std::vector<Pair>& pairs, std::size_t repeats) const {
+    void search(const Series& series, const std::vector<std::vector<Seen>>& seen, std::vector<Pair>& pairs) const {
         constexpr int kMost = 5;
         constexpr double kLittle = 0.98; // of the squares: what is gained beyond is not worth a simulation
-        const double root = std::sqrt(static_cast<double>(repeats));
         std::vector<Pair*> walking;
         for (Pair& p : pairs)
             if (p.told.surely() > 0.0)
@@ -219,22 +161,32 @@ private:
             std::vector<Point> points;
             for (Pair* p : walking)
                 points.push_back(bounded(*p));
-            const auto there = evaluator_.foretell(index_, points);
+            std::vector<std::vector<DesignResponse>> there; // [part][pair]
+            for (const Part& part : series)
+                there.push_back(part.run->at(points));
             std::vector<Pair*> on;
             for (std::size_t k = 0; k < walking.size(); ++k) {
                 Pair& p = *walking[k];
-                const auto left = usable(there[k]) ? p.sight->apart(responses_[p.is], there[k]) : std::nullopt;
-                const double before = p.squares(),
-                             now = left ? static_cast<double>(repeats) * left->squaredNorm() + p.to.squaredNorm()
-                                        : 2.0 * before;
+                const Eigen::MatrixXd& d = open_.deviations(p.said);
+                double left = 0.0;
+                Eigen::VectorXd by = Eigen::VectorXd::Zero(d.cols());
+                for (std::size_t s = 0; s < series.size(); ++s) {
+                    const Seen& its = seen[p.is][s];
+                    const Eigen::VectorXd apart =
+                        series[s].run->apart(*its.sight, series[s].repeats, p.is, there[s][k]);
+                    left += apart.size() > 0 ? apart.squaredNorm() : 2.0 * p.squares(); // what fails is no way
+                    if (apart.size() > 0 && its.changes.rows() == apart.size())
+                        by += d.transpose() * (its.changes.transpose() * apart);
+                }
+                const double before = p.squares(), now = left + p.to.squaredNorm();
                 if (!(now < before)) {
                     p.to = 0.5 * (p.to + p.at);
                     on.push_back(&p);
                     continue;
                 }
                 p.at = p.to;
-                p.left = root * *left;
-                p.to = p.at + p.normal.solve(p.by.transpose() * p.left - p.at);
+                p.left = left;
+                p.to = p.at + p.normal.solve(by - p.at);
                 if (now < kLittle * before)
                     on.push_back(&p);
             }
@@ -248,45 +200,40 @@ private:
     [[nodiscard]] Point bounded(Pair& p) const {
         const Rival& said = rivals_[p.said];
         const Variables v(evaluator_.model(), said.point);
-        const Eigen::MatrixXd factor = factorOf(p.said);
+        const Eigen::MatrixXd& factor = open_.factor(p.said);
         const Eigen::VectorXd wanted = said.x + factor * p.to, x = wanted.cwiseMax(v.lower).cwiseMin(v.upper);
         if (x != wanted)
             p.to = factor.completeOrthogonalDecomposition().solve(x - said.x);
         return v.at(x);
     }
 
-    Evaluator& evaluator_;
-    std::size_t index_;
-    Design design_;
-    const Noise& noise_;
-    double zeroWindow_;
+    const Evaluator& evaluator_;
     const std::vector<Rival>& rivals_;
-    std::vector<DesignResponse> responses_; ///< of the rivals
-    std::vector<Moved> moved_;              ///< by the nominal parameters (of the first), by each rival's own numbers
-    Index nominal_ = 0;                     ///< number of nominal parameters
-    std::vector<Index> own_;                ///< first of moved_ by a rival's own numbers
+    const Open& open_;
 };
 
-constexpr std::size_t kMostRepeats = 8;
-constexpr double kAll = 0.98;   ///< of the suspects, by weight, that are told well enough
-constexpr double kEnough = 4.0; ///< units beyond which runs are all as good: a gain of 8 on the runs
+constexpr std::size_t kMostRepeats = 8; ///< of all runs together
+constexpr double kAll = 0.98;           ///< of the suspects, by weight, that are told well enough
+constexpr double kEnough = 4.0;         ///< units beyond which runs are all as good: a gain of 8 on the runs
 
-/// A design, made so many times.
+/// A series of runs, and what is expected of it.
 struct Offer {
-    std::size_t repeats = kMostRepeats;
+    Series series;
     double worth = 0.0;   ///< 1: whichever rival is true, all others are refuted
     double power = 0.0;   ///< mean over the rivals
     double promise = 0.0; ///< worth of as many runs as may be made
     [[nodiscard]] bool enough() const { return worth >= kAll; }
+    [[nodiscard]] std::size_t count() const { return series.empty() ? kMostRepeats : countOf(series); }
     /// What takes fewer runs, or where none tells enough what tells more.
     [[nodiscard]] bool better(const Offer& other) const {
-        return enough() && other.enough() ? repeats < other.repeats : promise > other.promise;
+        return enough() && other.enough() ? count() < other.count() : promise > other.promise;
     }
 };
 
-Offer offerOf(const Foretold& run, const std::vector<Rival>& rivals, std::size_t repeats, Refit refit) {
-    const std::vector<Told> told = run.told(repeats, refit);
-    Offer out{repeats};
+Offer offerOf(const Contest& contest, const Series& series, bool searched = false) {
+    const std::vector<Told> told = searched ? contest.searched(series) : contest.told(series);
+    const std::vector<Rival>& rivals = contest.rivals();
+    Offer out{series};
     double weights = 0.0;
     for (std::size_t i = 0; i < rivals.size(); ++i)
         if (!rivals[i].point.terms.empty()) {
@@ -298,16 +245,33 @@ Offer offerOf(const Foretold& run, const std::vector<Rival>& rivals, std::size_t
         out.worth /= weights;
         out.power /= weights;
     }
+    out.promise = out.worth;
     return out;
 }
 
-/// As few runs as tell enough; where even the most do not, as few as tell nearly as much.
-Offer bestOffer(const Foretold& run, const std::vector<Rival>& rivals, std::size_t most) {
+/// So many runs, divided as the series is, each at least once.
+Series shared(const Series& as, std::size_t count) {
+    Series out = as;
+    std::size_t left = count, of = countOf(as);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const std::size_t behind = out.size() - 1 - i; // that want one each
+        const std::size_t fair = (left * as[i].repeats + of / 2) / of;
+        out[i].repeats = behind == 0 ? left : std::clamp<std::size_t>(fair, 1, left - behind);
+        left -= out[i].repeats;
+        of -= as[i].repeats;
+    }
+    return out;
+}
+
+/// As few as tell enough of what `of` gives for 1 to `most` runs; where even the most do not, as few as tell nearly as
+/// much.
+template <class Of>
+Offer fewest(const Of& of, std::size_t least, std::size_t most) {
     constexpr double kNearly = 0.9;
-    const Offer farthest = offerOf(run, rivals, most, Refit::Linear);
+    const Offer farthest = of(most);
     Offer out = farthest;
-    for (std::size_t n = 1; n < most; ++n)
-        if (const Offer offer = offerOf(run, rivals, n, Refit::Linear);
+    for (std::size_t n = least; n < most; ++n)
+        if (const Offer offer = of(n);
             offer.enough() || (!farthest.enough() && offer.worth >= kNearly * farthest.worth)) {
             out = offer;
             break;
@@ -317,27 +281,88 @@ Offer bestOffer(const Foretold& run, const std::vector<Rival>& rivals, std::size
 }
 
 /// An offer by derivatives, looked at where these lead, and as much more often as that takes.
-Offer checked(const Foretold& run, const std::vector<Rival>& rivals, const Offer& linear, std::size_t most) {
-    const auto searched = [&](std::size_t repeats) {
-        Offer offer = offerOf(run, rivals, repeats, Refit::Searched);
-        offer.promise = offer.worth;
-        return offer;
-    };
-    Offer out = searched(linear.repeats);
+Offer checked(const Contest& contest, const Offer& linear, std::size_t most) {
+    const auto searched = [&](std::size_t count) { return offerOf(contest, shared(linear.series, count), true); };
+    Offer out = searched(linear.count());
     if (!linear.enough() && linear.worth > 0.0)
         out.promise = linear.promise * out.worth / linear.worth; // of as many as may be
-    if (!linear.enough() || out.enough() || out.repeats == most)
+    if (!linear.enough() || out.enough() || out.count() == most)
         return out;
-    std::size_t few = out.repeats;
+    std::size_t few = out.count();
     out = searched(most);
-    while (out.enough() && out.repeats > few + 1) { // fewer may do
-        const Offer less = searched((few + out.repeats) / 2);
+    while (out.enough() && out.count() > few + 1) { // fewer may do
+        const Offer less = searched((few + out.count()) / 2);
         if (less.enough())
             out = less;
         else
-            few = less.repeats;
+            few = less.count();
     }
     return out;
+}
+
+constexpr double kLittle = 0.25; ///< of what is enough: less is not worth a run
+
+/// The best of one run and its repeats. @param runs becomes those that can be simulated
+Offer bestOfOne(const Evaluator& evaluator, const Contest& contest, std::vector<std::unique_ptr<Foretold>>& runs) {
+    Offer best;
+    std::vector<std::unique_ptr<Foretold>> usable;
+    for (std::size_t i = 0; i < runs.size() && !evaluator.stopped(); ++i) {
+        if (best.enough() && best.count() == 1)
+            break; // the first one listed is the simplest
+        Foretold* run = runs[i].get();
+        const std::size_t most = best.enough() ? best.count() - 1 : kMostRepeats;
+        if (!run->simulate())
+            continue;
+        usable.push_back(std::move(runs[i]));
+        if (offerOf(contest, {{run, most}}).worth < std::max(kLittle, std::min(kAll, best.promise)))
+            continue;
+        run->differentiate();
+        const Offer linear = fewest([&](std::size_t n) { return offerOf(contest, {{run, n}}); }, 1, most);
+        if (!linear.better(best))
+            continue;
+        if (const Offer offer = checked(contest, linear, most); offer.better(best))
+            best = offer;
+    }
+    runs = std::move(usable);
+    return best;
+}
+
+/// Two different runs, where one takes many repeats or does not tell enough: what one leaves open the other may know.
+/// @param alone the best of one
+Offer bestOfTwo(const Evaluator& evaluator, const Contest& contest, const std::vector<std::unique_ptr<Foretold>>& runs,
+                const Offer& alone) {
+    constexpr std::size_t kSaved = 2; // runs, by which a second kind of run is worth its trouble
+    constexpr double kMore = 1.1;     // times as much told, likewise
+    constexpr int kTries = 3;         // what derivatives promise is looked at
+    Offer best = alone;
+    if (alone.enough() && alone.count() <= kSaved + 1)
+        return best;
+    for (const auto& run : runs)
+        if (!evaluator.stopped())
+            run->differentiate();
+    const std::size_t most = alone.enough() ? alone.count() - kSaved : kMostRepeats;
+    std::vector<Offer> offers;
+    for (std::size_t i = 0; i < runs.size(); ++i)
+        for (std::size_t j = i + 1; j < runs.size() && !evaluator.stopped(); ++j)
+            offers.push_back(fewest(
+                [&](std::size_t count) {
+                    Offer out;
+                    for (std::size_t n = 1; n < count; ++n)
+                        if (Offer o = offerOf(contest, {{runs[i].get(), n}, {runs[j].get(), count - n}});
+                            out.series.empty() || o.worth > out.worth)
+                            out = std::move(o);
+                    return out;
+                },
+                2, most));
+    std::stable_sort(offers.begin(), offers.end(), [](const Offer& a, const Offer& b) { return a.better(b); });
+    const auto worthIt = [&](const Offer& o) { return o.enough() || o.promise > kMore * alone.promise; };
+    for (int i = 0; i < kTries && i < static_cast<int>(offers.size()) && !evaluator.stopped(); ++i) {
+        if (!worthIt(offers[i]) || !offers[i].better(best))
+            break;
+        if (const Offer offer = checked(contest, offers[i], most); worthIt(offer) && offer.better(best))
+            best = offer;
+    }
+    return best;
 }
 
 } // namespace
@@ -346,30 +371,20 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
                                              double zeroWindow) {
     if (noise.total() <= 0.0 || rivals.size() < 2)
         return std::nullopt;
-    constexpr double kLittle = 0.25; // of what is enough: less is not worth a run
-    Offer best;
-    NextExperiment out;
     const std::vector<Design> designs = evaluator.model().designs();
-    for (std::size_t i = 0; i < designs.size() && !evaluator.stopped(); ++i) {
-        if (best.enough() && best.repeats == 1)
-            break; // the first one listed is the simplest
-        Foretold run(evaluator, i, designs[i], noise, zeroWindow, rivals);
-        const std::size_t most = best.enough() ? best.repeats - 1 : kMostRepeats;
-        if (!run.simulate() ||
-            offerOf(run, rivals, most, Refit::None).worth < std::max(kLittle, std::min(kAll, best.promise)))
-            continue;
-        run.differentiate();
-        const Offer linear = bestOffer(run, rivals, most);
-        if (!linear.better(best))
-            continue;
-        if (const Offer offer = checked(run, rivals, linear, most); offer.better(best)) {
-            best = offer;
-            out.run = designs[i];
-        }
-    }
+    const Open open(evaluator.model(), rivals);
+    const Contest contest(evaluator, rivals, open);
+    std::vector<std::unique_ptr<Foretold>> runs;
+    for (std::size_t i = 0; i < designs.size(); ++i)
+        runs.push_back(std::make_unique<Foretold>(evaluator, i, designs[i], noise, zeroWindow, rivals, open));
+    Offer best = bestOfOne(evaluator, contest, runs);
+    if (!evaluator.stopped())
+        best = bestOfTwo(evaluator, contest, runs, best);
     if (best.worth < kLittle || evaluator.stopped())
         return std::nullopt;
-    out.repeats = best.repeats;
+    NextExperiment out;
+    for (const Part& part : best.series)
+        out.runs.push_back({part.run->design(), part.repeats});
     for (const Rival& r : rivals)
         if (r.otherSide)
             out.side = true;
@@ -386,9 +401,18 @@ std::string noneTells(const Diagnosis& d) {
            " times, would tell: it takes a reading with less noise, or stated numbers that are better known.";
 }
 
+std::string listed(const NextExperiment& next) {
+    std::string text;
+    for (const FurtherRun& run : next.runs)
+        text += (text.empty() ? "" : ", and ") + run.design.what +
+                (run.repeats > 1 ? ", made " + std::to_string(run.repeats) + " times" : "");
+    return text;
+}
+
 std::string inWords(const NextExperiment& next) {
-    return next.run.what + (next.repeats > 1 ? ", made " + std::to_string(next.repeats) + " times" : "") +
-           (next.settles ? "" : " (of the runs that were looked at it tells most, but it may not settle the matter)");
+    const std::string they = next.runs.size() > 1 ? "they tell most, but they" : "it tells most, but it";
+    return listed(next) +
+           (next.settles ? "" : " (of the runs that were looked at " + they + " may not settle the matter)");
 }
 
 } // namespace supercircle::diagnosis

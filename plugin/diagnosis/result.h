@@ -68,13 +68,17 @@ struct NominalResult {
     double tension = 0.0; ///< (fitted - stated) / half-width
 };
 
+struct FurtherRun {
+    Design design;
+    std::size_t repeats = 1; ///< how often to make it
+};
+
 struct NextExperiment {
-    Design run;
-    std::size_t repeats = 1;            ///< how often to make it
+    std::vector<FurtherRun> runs;       ///< all of them are to be made; one, or two of different kinds
     std::vector<std::string> separates; ///< labels
     bool side = false;                  ///< it tells to which side the first of them acts
     double power = 0.0;
-    bool settles = false; ///< it is expected to tell them apart beyond doubt; else it is what tells most
+    bool settles = false; ///< they are expected to tell them apart beyond doubt; else they are what tells most
 };
 
 /// A stretch of time of a run, s.

@@ -74,6 +74,28 @@ private:
     }
 };
 
+/// The second of them alone.
+class OneDesign final : public Designs {
+public:
+    OneDesign() : Designs({{"apart", 0}}, {effect("swing", "N", -9.0, 9.0, 1.0)}) {}
+    [[nodiscard]] DesignResponse simulateDesign(std::size_t, const Point& p,
+                                                const std::atomic<bool>* i) const override {
+        return TwoDesigns().simulateDesign(1, p, i);
+    }
+};
+
+/// Each effect shows in one design, a sine each.
+class EachItsOwn final : public Pairs {
+public:
+    EachItsOwn() : Pairs("left", "right", "first", "second") {}
+
+private:
+    [[nodiscard]] Eigen::VectorXd shape(std::size_t design, std::size_t effect,
+                                        const Eigen::VectorXd& time) const override {
+        return (design == effect ? 1.0 : 0.0) * (2.0 * time.array()).sin();
+    }
+};
+
 /// The first effect shows in both designs, the second in the second one only.
 class TwoSuspects final : public Pairs {
 public:
@@ -180,21 +202,21 @@ TEST_CASE("a further run shows whatever it may be, not only what is likeliest", 
     Evaluator evaluator(model, 1, {}, store);
     const auto next = nextExperiment(evaluator, rivals, quiet(), 0.0);
     REQUIRE(next);
-    CHECK(next->run.what == "both");
-    CHECK(next->repeats == 1);
+    CHECK(next->runs.front().design.what == "both");
+    CHECK(next->runs.front().repeats == 1);
     CHECK(next->separates == std::vector<std::string>{"first", "second", "nothing"});
     CHECK(next->power > 0.99);
     // The likeliest alone would do with the first.
     const auto narrow = nextExperiment(evaluator, {rivals[0], rivals[2]}, quiet(), 0.0);
     REQUIRE(narrow);
-    CHECK(narrow->run.what == "one");
+    CHECK(narrow->runs.front().design.what == "one");
     // Where one is a part of the other, the other cannot be refuted if it acts alone, and is not waited for.
     rivals[1].point.terms.push_back({0, {0.05}}); // "second" beside the first
     rivals[1].x = Variables(model, rivals[1].point).of(rivals[1].point);
     rivals[1].covariance = 1e-6 * Eigen::MatrixXd::Identity(rivals[1].x.size(), rivals[1].x.size());
     const auto nested = nextExperiment(evaluator, rivals, quiet(), 0.0);
     REQUIRE(nested);
-    CHECK(nested->run.what == "both");
+    CHECK(nested->runs.front().design.what == "both");
     CHECK(nested->power > 0.99);
     CHECK_FALSE(nextExperiment(evaluator, {rivals[0]}, quiet(), 0.0));
 }
@@ -213,52 +235,89 @@ TEST_CASE("a further run is worth what its own clock does not take up", "[diagno
     Evaluator evaluator(model, 1, {}, store);
     const auto next = nextExperiment(evaluator, {late, nothing}, noise, 0.0);
     REQUIRE(next);
-    CHECK(next->run.what == "quick");
+    CHECK(next->runs.front().design.what == "quick");
     CHECK(next->power > 0.99);
 }
 
 TEST_CASE("what no single run tells is told by as many as it takes", "[diagnosis]") {
-    const TwoDesigns model;
+    const OneDesign model;
     const Noise noise = quiet();
     constexpr double kSize = 0.02; // N
-    /// Between a swing and nothing. @param slope how far it is open, in its steps @param known of the swing, N
-    const auto asked = [&](double slope, double known) {
+    /// Between a swing and nothing, the slope open. @param known of the swing, N
+    const auto asked = [&](const Model& of, double slope, double known) {
         Rival swing{"swing", {{0.0}, {{0, {kSize}}}}, {}, {}}, nothing{"nothing", {{0.0}, {}}, {}, {}};
         for (Rival* r : {&swing, &nothing}) {
-            r->x = Variables(model, r->point).of(r->point);
+            r->x = Variables(of, r->point).of(r->point);
             r->covariance = Eigen::MatrixXd::Identity(r->x.size(), r->x.size()) * known * known;
-            r->covariance(0, 0) = slope * slope;
+            r->covariance(0, 0) = slope * slope; // how far it is open, in its steps
         }
         Store store;
-        Evaluator evaluator(model, 1, {}, store);
+        Evaluator evaluator(of, 1, {}, store);
         return nextExperiment(evaluator, {swing, nothing}, noise, 0.0);
     };
-    // Where the slope is known the first design shows the swing ten times as large: one run.
-    const auto next = asked(1e-6, 1e-6);
-    REQUIRE(next);
-    CHECK(next->run.what == "alike");
-    CHECK(next->repeats == 1);
-    CHECK(inWords(*next) == "alike");
-    // Where it is open only the second tells: a sine in 200 readings, a constant and a slope taken out, n runs sqrt(n)
-    // times as well.
+    // A sine in 200 readings, a constant and a slope taken out, n runs sqrt(n) times as well.
     const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0), sine = time.array().sin();
     Eigen::MatrixXd taken(200, 2);
     taken << Eigen::VectorXd::Ones(200), time;
     const double one = (sine - taken * taken.colPivHouseholderQr().solve(sine)).norm() * kSize / 0.1;
     REQUIRE(one > 1.5);
     REQUIRE(one < 2.0);
-    const auto several = asked(1.0, 1e-6);
+    const auto several = asked(model, 1.0, 1e-6);
     REQUIRE(several);
-    CHECK(several->run.what == "apart");
-    CHECK(several->repeats == static_cast<std::size_t>(std::ceil(std::pow(4.0 / one, 2))));
-    CHECK(inWords(*several) == "apart, made " + std::to_string(several->repeats) + " times");
+    REQUIRE(several->runs.size() == 1);
+    CHECK(several->runs[0].design.what == "apart");
+    CHECK(several->runs[0].repeats == static_cast<std::size_t>(std::ceil(std::pow(4.0 / one, 2))));
+    CHECK(inWords(*several) == "apart, made " + std::to_string(several->runs[0].repeats) + " times");
     // A swing that is known to a quarter may be smaller: more runs, and a power below one, its mean over that.
-    const auto more = asked(1.0, kSize / 4.0);
+    const auto more = asked(model, 1.0, kSize / 4.0);
     REQUIRE(more);
-    CHECK(more->repeats > several->repeats);
-    const double d = std::sqrt(static_cast<double>(more->repeats)) * one;
+    CHECK(more->runs[0].repeats > several->runs[0].repeats);
+    const double d = std::sqrt(static_cast<double>(more->runs[0].repeats)) * one;
     const double power = 0.5 * std::erfc(-(d - 1.645) / std::hypot(1.0, d / 4.0) / std::sqrt(2.0));
     CHECK(more->power == Approx(power).margin(0.005)); // clock, scale and contact places take little of it
+    // Another design shows the swing ten times as large: one run of it where the slope is known.
+    const TwoDesigns two;
+    const auto large = asked(two, 1e-6, 1e-6);
+    REQUIRE(large);
+    CHECK(inWords(*large) == "alike");
+    // Where the slope is open that one alone tells nothing, the swing is part of a slope of .2 N/s to it. The run in
+    // which it is not knows the slope to .0025 N/s: one of each does what the latter does in six.
+    const auto both = asked(two, 1.0, 1e-6);
+    REQUIRE(both);
+    CHECK(inWords(*both) == "alike, and apart");
+    CHECK(both->settles);
+}
+
+TEST_CASE("what shows in two kinds of run only asks for both", "[diagnosis]") {
+    const EachItsOwn model;
+    const auto asked = [&](double size) { // N; of the other effect as much
+        std::vector<Rival> rivals = {{"first", {{0.0}, {{0, {size}}}}, {}, {}, 0.5},
+                                     {"second", {{0.0}, {{1, {size}}}}, {}, {}, 0.5},
+                                     {"nothing", {{0.0}, {}}, {}, {}, 0.0}};
+        for (Rival& r : rivals) {
+            r.x = Variables(model, r.point).of(r.point);
+            r.covariance = 1e-6 * Eigen::MatrixXd::Identity(r.x.size(), r.x.size());
+        }
+        Store store;
+        Evaluator evaluator(model, 1, {}, store);
+        return nextExperiment(evaluator, rivals, quiet(), 0.0);
+    };
+    // A sine of .08 N in 200 readings of .1 N: eight deviations, where it shows.
+    const auto once = asked(0.08);
+    REQUIRE(once);
+    CHECK(inWords(*once) == "left, and right");
+    CHECK(once->settles);
+    CHECK(once->power > 0.99);
+    // Four times as weak: two deviations each, so that four units take four runs each, and what is weaker more than
+    // eight.
+    const auto often = asked(0.022);
+    REQUIRE(often);
+    CHECK(inWords(*often) == "left, made 4 times, and right, made 4 times");
+    const auto weak = asked(0.016);
+    REQUIRE(weak);
+    CHECK_FALSE(weak->settles);
+    CHECK(weak->runs.size() == 2);
+    CHECK_THAT(inWords(*weak), Catch::Contains("they may not settle the matter"));
 }
 
 TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]") {
@@ -275,12 +334,12 @@ TEST_CASE("a further run is worth what refitting does not take up", "[diagnosis]
     // The slope is open: the first run's large difference would be taken up by it.
     auto next = nextExperiment(evaluator, {rival("swing", 0, 0.5), rival("other", 1, 0.5)}, noise, 0.0);
     REQUIRE(next);
-    CHECK(next->run.what == "apart");
+    CHECK(next->runs.front().design.what == "apart");
     CHECK(next->power > 0.99); // a sine of 1 N, noise .1 N, 200 readings
     // It is known: the first one listed will do.
     next = nextExperiment(evaluator, {rival("swing", 0, 1e-6), rival("other", 1, 1e-6)}, noise, 0.0);
     REQUIRE(next);
-    CHECK(next->run.what == "alike");
+    CHECK(next->runs.front().design.what == "alike");
     // Who interrupts gets none, and soon.
     const std::atomic<bool> stop{true};
     Evaluator stopped(model, 1, {}, store, &stop);
@@ -301,9 +360,9 @@ TEST_CASE("a further run that is filmed tells what no force shows", "[diagnosis]
     noise.marker = 3e-5;
     const auto next = nextExperiment(evaluator, {rival("first", 0), rival("second", 1)}, noise, 0.0);
     REQUIRE(next);
-    CHECK(next->run.what == "filmed");
+    CHECK(next->runs.front().design.what == "filmed");
     // A sine of .1 mm in 40 frames, each to 30 um beside 15 um of the simulation: 13 deviations.
-    CHECK(next->repeats == 1);
+    CHECK(next->runs.front().repeats == 1);
     CHECK(next->power > 0.99);
     // So is to which side an effect acts: its mirror image is no part of it.
     Rival here = rival("first", 0), there = rival("first", 0);
@@ -313,7 +372,7 @@ TEST_CASE("a further run that is filmed tells what no force shows", "[diagnosis]
     there.otherSide = true;
     const auto side = nextExperiment(evaluator, {here, there}, noise, 0.0);
     REQUIRE(side);
-    CHECK(side->run.what == "filmed");
+    CHECK(side->runs.front().design.what == "filmed");
     CHECK(side->power > 0.99);
     CHECK(side->side);
     CHECK(side->separates == std::vector<std::string>{"first"});
@@ -337,12 +396,12 @@ TEST_CASE("a further run is worth what refitting does not take up where derivati
     Evaluator evaluator(model, 1, {}, store);
     const auto next = nextExperiment(evaluator, {rival("one", 0, 0.5), rival("other", 1, 1.5)}, quiet(), 0.0);
     REQUIRE(next);
-    CHECK(next->run.what == "swing");
+    CHECK(next->runs.front().design.what == "swing");
     CHECK(next->settles);
     // Derivatives lead beyond what is possible (3 s); inside it the search goes on from there.
     const auto bounded = nextExperiment(evaluator, {rival("one", 0, 2.9), rival("other", 1, 1.9)}, quiet(), 0.0);
     REQUIRE(bounded);
-    CHECK(bounded->run.what == "swing");
+    CHECK(bounded->runs.front().design.what == "swing");
 }
 
 TEST_CASE("a snap that a rival has not says nothing by itself, what follows does", "[diagnosis]") {

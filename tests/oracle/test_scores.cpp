@@ -152,14 +152,20 @@ TEST_CASE("what is hidden in no catalogue is right when called unexplained", "[o
 
 TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[oracle]") {
     const Folder f;
-    CHECK_FALSE(proposedRun(f.put("none.json", kDiagnosis)));
+    CHECK(proposedRuns(f.put("none.json", kDiagnosis)).empty());
     std::string diagnosis = kDiagnosis;
-    diagnosis.replace(diagnosis.find("\"next_experiment\": null"), 23, R"("next_experiment": {"what": "fast",
-        "drive": {"time_s": [0, 1, 3], "displacement_m": [0, 0, 0.01]}, "sampling_Hz": 30})");
+    diagnosis.replace(diagnosis.find("\"next_experiment\": null"), 23, R"("next_experiment": {
+        "what": "slow, made 3 times, and turned", "settles": true, "runs": [
+        {"drive": {"time_s": [0, 1, 3], "displacement_m": [0, 0, 0.01]}, "sampling_Hz": 30, "repeats": 3,
+         "specimen_turned": false, "new_markers_arc_fraction": [], "markers_sampling_Hz": 0},
+        {"drive": {"time_s": [0, 1, 2], "displacement_m": [0, 0, 0.01]}, "sampling_Hz": 60, "repeats": 1,
+         "specimen_turned": true, "new_markers_arc_fraction": [0.1, 0.9], "markers_sampling_Hz": 3}]})");
     diagnosis.replace(diagnosis.find("named"), 5, "ambiguous");
     const Judged j = judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis));
     CHECK(open(j));
     CHECK_FALSE(settled(j));
+    CHECK(j.next == "slow, made 3 times, and turned");
+    CHECK(j.wouldSettle);
     Judged named = judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", kDiagnosis));
     named.group = {named.first};
     CHECK_FALSE(open(named));
@@ -167,29 +173,27 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     named.group.push_back("another"); // named because it is more probable, not because the runs tell them apart
     CHECK(open(named));
     CHECK_FALSE(settled(named));
-    const auto run = proposedRun(f.put("diagnosis.json", diagnosis));
-    REQUIRE(run);
-    CHECK(run->drive.at(2.0) == Approx(0.005));
-    CHECK(run->repeats == 1);
-    CHECK_FALSE(run->turned);
-    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"repeats\": 3, ");
-    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->repeats == 3);
-    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"specimen_turned\": true, ");
-    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->turned);
-    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markers.empty());
-    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0,
-                      R"("new_markers_arc_fraction": [0.1, 0.9], "markers_sampling_Hz": 3, )");
-    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markers == std::vector<double>{0.1, 0.9});
-    CHECK(proposedRun(f.put("diagnosis.json", diagnosis))->markerRate == 3.0);
-    CHECK(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).next == "fast, made 3 times");
-    CHECK(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).wouldSettle);
-    diagnosis.replace(diagnosis.find("\"sampling_Hz\""), 0, "\"settles\": false, ");
+    const std::vector<Further> asked = proposedRuns(f.put("diagnosis.json", diagnosis));
+    REQUIRE(asked.size() == 2);
+    CHECK(asked[0].drive.at(2.0) == Approx(0.005));
+    CHECK(asked[0].rate == 30.0);
+    CHECK(asked[0].repeats == 3);
+    CHECK_FALSE(asked[0].turned);
+    CHECK(asked[0].markers.empty());
+    CHECK(asked[1].drive.at(2.0) == Approx(0.01));
+    CHECK(asked[1].repeats == 1);
+    CHECK(asked[1].turned);
+    CHECK(asked[1].markers == std::vector<double>{0.1, 0.9});
+    CHECK(asked[1].markerRate == 3.0);
+    diagnosis.replace(diagnosis.find("\"settles\": true"), 15, "\"settles\": false");
     CHECK_FALSE(judge(f.put("answer.json", kAnswer), f.put("diagnosis.json", diagnosis)).wouldSettle);
 
+    Further once = asked[0];
+    once.repeats = 1;
     const std::vector<Plan> all = plans("tuning", 1);
     const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) { return p.kind == "nothing"; });
     REQUIRE(plan != all.end());
-    const Concealed before = conceal(*plan), after = conceal(*plan, run);
+    const Concealed before = conceal(*plan), after = conceal(*plan, {once});
     REQUIRE(after.failure.empty());
     REQUIRE(after.files.size() > before.files.size());
     // A straight drive of a specimen without anything hidden: the second simulator is sure of it.
@@ -199,9 +203,9 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     CHECK(own.get<double>() < kSureOfItself);
     CHECK(before.answer.find("further_own_error") == std::string::npos); // their sums are published
     // Made twice it is recorded twice: another noise, and nothing else.
-    Further twice = *run;
+    Further twice = once;
     twice.repeats = 2;
-    const Concealed repeated = conceal(*plan, twice);
+    const Concealed repeated = conceal(*plan, {twice});
     REQUIRE(repeated.failure.empty());
     const std::size_t ofOne = after.files.size() - before.files.size();
     REQUIRE(repeated.files.size() == after.files.size() + ofOne);
@@ -221,9 +225,9 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
         return p.kind == "nothing" && conceal(p).files.front().second.find("markers_file") == std::string::npos;
     });
     REQUIRE(unseen != all.end());
-    Further filmed = *run;
+    Further filmed = once;
     filmed.markers = {0.25, 0.75};
-    const Concealed without = conceal(*unseen), with = conceal(*unseen, filmed);
+    const Concealed without = conceal(*unseen), with = conceal(*unseen, {filmed});
     REQUIRE(with.files.size() == without.files.size() + 2);
     CHECK(with.files.back().second.rfind("time_s,m0_x_mm,m0_y_mm,m1_x_mm", 0) == 0);
     for (std::size_t i = 1; i < without.files.size(); ++i)
@@ -231,6 +235,21 @@ TEST_CASE("a run that a diagnosis asks for is recorded behind the others", "[ora
     const Description d = readDescription(f.put("filmed.json", with.files.front().second));
     CHECK(d.runs.back().filmed);
     CHECK_FALSE(d.runs.front().filmed);
+    // Two kinds: the one without a camera stays without one, whichever comes first, and the less sure one counts.
+    filmed.turned = true;
+    const Concealed both = conceal(*unseen, {once, filmed}), one = conceal(*unseen, {once}),
+                    other = conceal(*unseen, {filmed});
+    REQUIRE(both.files.size() == without.files.size() + 3);
+    const Description two = readDescription(f.put("two.json", both.files.front().second));
+    REQUIRE(two.runs.size() == d.runs.size() + 1);
+    CHECK_FALSE(two.runs[two.runs.size() - 2].filmed);
+    CHECK_FALSE(two.runs[two.runs.size() - 2].turned);
+    CHECK(two.runs.back().filmed);
+    CHECK(two.runs.back().turned);
+    const auto sure = [](const Concealed& c) {
+        return nlohmann::json::parse(c.answer).at("further_own_error").get<double>();
+    };
+    CHECK(sure(both) == Approx(std::max(sure(one), sure(other))));
 }
 
 TEST_CASE("a specimen turned end for end shows what is hidden in it at the other side", "[oracle]") {
@@ -298,7 +317,7 @@ TEST_CASE("our own simulator's readings take the second one's place with the sam
 
     const std::vector<Plan> all = plans("tuning", 1);
     const auto plan = std::find_if(all.begin(), all.end(), [](const Plan& p) { return p.kind == "nothing"; });
-    CHECK_FALSE(conceal(*plan, std::nullopt, &read).failure.empty()); // readings of something else
+    CHECK_FALSE(conceal(*plan, {}, &read).failure.empty()); // readings of something else
 }
 
 TEST_CASE("intervals of shares and medians", "[oracle]") {

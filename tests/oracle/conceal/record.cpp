@@ -239,10 +239,15 @@ struct Apart {
     }
 };
 
-/// Of the readings that a fit should follow (besideJumps()). @param from first run that counts
-Apart apart(const Description& d, const Clean& a, const Clean& b, const Nuisance& n, std::size_t from = 0) {
+/// Runs that count.
+struct Span {
+    std::size_t from = 0, to = std::numeric_limits<std::size_t>::max(); ///< to: behind the last one
+};
+
+/// Of the readings that a fit should follow (besideJumps()).
+Apart apart(const Description& d, const Clean& a, const Clean& b, const Nuisance& n, const Span& of = {}) {
     Apart out;
-    for (std::size_t r = from; r < a.force.size(); ++r) {
+    for (std::size_t r = of.from; r < std::min(of.to, a.force.size()); ++r) {
         const auto size = static_cast<Eigen::Index>(a.force[r].size());
         const Eigen::VectorXd one = Eigen::Map<const Eigen::VectorXd>(a.force[r].data(), size) / n.total(),
                               other = Eigen::Map<const Eigen::VectorXd>(b.force[r].data(), size) / n.total();
@@ -261,10 +266,10 @@ Apart apart(const Description& d, const Clean& a, const Clean& b, const Nuisance
 
 constexpr double kMostApart = 8.0; // noise units; beside a jump readings say when it comes, not how large it is
 
-/// Distance of the markers of two recordings along x or y, rms over all rows, m; none: 0. @param from first run
-double markersApart(const Clean& a, const Clean& b, std::size_t from = 0) {
+/// Distance of the markers of two recordings along x or y, rms over all rows, m; none: 0.
+double markersApart(const Clean& a, const Clean& b, const Span& of = {}) {
     double squares = 0.0, count = 0.0;
-    for (std::size_t r = from; r < a.markers.size(); ++r)
+    for (std::size_t r = of.from; r < std::min(of.to, a.markers.size()); ++r)
         for (std::size_t m = 0; m < a.markers[r].size(); ++m)
             for (std::size_t i = 0; i < a.markers[r][m].size(); ++i) {
                 squares += (a.markers[r][m][i] - b.markers[r][m][i]).squaredNorm();
@@ -366,25 +371,31 @@ Accuracy accuracyOf(const Plan& plan, const Clean* other) {
     return out;
 }
 
-Concealed conceal(const Plan& plan, const std::optional<Further>& further, const Clean* instead) {
+Concealed conceal(const Plan& plan, const std::vector<Further>& further, const Clean* instead) {
     Concealed out;
     Drawn drawn = drawCase(plan);
     Draw& draw = drawn.draw;
     Secret& s = drawn.secret;
     if (out.failure = drawn.failure; !out.failure.empty())
         return out;
-    const std::size_t asked = s.description.runs.size(); // the first run that was asked for
-    if (further && s.description.markers.empty()) {      // a camera that was not there before
-        for (RunPlan& run : s.description.runs)
-            run.filmed = false;
-        for (std::size_t a = 0; a < s.description.nominal.specimens.size(); ++a)
-            for (const double at : further->markers)
-                s.description.markers.push_back({static_cast<int>(a), at});
-    }
-    for (std::size_t i = 0; further && i < further->repeats; ++i) {
-        addRun(s.description, further->drive, further->rate, further->turned);
-        if (further->markerRate > 0.0)
-            s.description.runs.back().markersSampling = further->markerRate;
+    std::vector<Span> asked; // the runs that were asked for, each with its repeats
+    const bool filmed = !s.description.markers.empty();
+    for (const Further& f : further) {
+        if (!filmed && !f.markers.empty()) { // a camera that was not there before
+            for (RunPlan& run : s.description.runs)
+                run.filmed = false;
+            for (std::size_t a = 0; a < s.description.nominal.specimens.size(); ++a)
+                for (const double at : f.markers)
+                    s.description.markers.push_back({static_cast<int>(a), at});
+        }
+        const std::size_t before = s.description.runs.size();
+        for (std::size_t i = 0; i < f.repeats; ++i) {
+            addRun(s.description, f.drive, f.rate, f.turned);
+            s.description.runs.back().filmed = filmed || !f.markers.empty();
+            if (f.markerRate > 0.0)
+                s.description.runs.back().markersSampling = f.markerRate;
+        }
+        asked.push_back({before, s.description.runs.size()});
     }
     const Setup truth = trueSetup(s.description, s.offsets, effectsOf(s.hidden));
     const Clean clean = instead != nullptr ? *instead : simulate(s.description, truth, {});
@@ -416,16 +427,18 @@ Concealed conceal(const Plan& plan, const std::optional<Further>& further, const
                         {"peak_N", *std::max_element(clean.force[r].begin(), clean.force[r].end())}});
     }
     Json answer = answerOf(s, truth, runs);
-    if (further) {
+    if (!asked.empty()) {
         const Clean coarse = simulate(s.description, truth, finer(0.5));
-        // Repeats average their noise away, this they have in common. Infinite is null in JSON.
-        const auto worst = [&] {
-            return std::max(apart(s.description, clean, coarse, s.nuisance, asked).rms(kMostApart),
-                            markersApart(clean, coarse, asked) / s.nuisance.marker);
-        };
-        answer["further_own_error"] = belongs(clean, coarse)
-                                          ? std::sqrt(static_cast<double>(further->repeats)) * worst()
-                                          : std::numeric_limits<double>::infinity();
+        double worst = belongs(clean, coarse) ? 0.0 : std::numeric_limits<double>::infinity(); // null in JSON
+        for (const Span& of : asked) {
+            if (std::isinf(worst))
+                break;
+            // Repeats average their noise away, this they have in common.
+            const double one = std::max(apart(s.description, clean, coarse, s.nuisance, of).rms(kMostApart),
+                                        markersApart(clean, coarse, of) / s.nuisance.marker);
+            worst = std::max(worst, std::sqrt(static_cast<double>(of.to - of.from)) * one);
+        }
+        answer["further_own_error"] = worst;
     }
     out.answer = answer.dump(1) + "\n";
     return out;

@@ -35,11 +35,10 @@ struct Clean;
 /// effect of ten deviations.
 constexpr double kSureOfItself = 0.25;
 
-/// The files of the same plan are the same bytes every time; a further run is recorded behind the others with the same
-/// specimen, effects and sensors, and changes nothing in them but the description's list of runs.
+/// The files of the same plan are the same bytes every time; further runs are recorded behind the others with the same
+/// specimen, effects and sensors, and change nothing in them but the description's list of runs.
 /// @param instead readings that take the place of the second simulator's, with the same noise
-Concealed conceal(const Plan& plan, const std::optional<Further>& further = std::nullopt,
-                  const Clean* instead = nullptr);
+Concealed conceal(const Plan& plan, const std::vector<Further>& further = {}, const Clean* instead = nullptr);
 
 /// The whole file or none of it, whatever happens meanwhile. Throws std::runtime_error where it cannot be written.
 void writeWhole(const std::filesystem::path& file, const std::string& text);

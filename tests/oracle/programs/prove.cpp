@@ -9,7 +9,7 @@
 // --only 2,5: of these cases those with these numbers. --score: score what there is, diagnose nothing. --name: folder
 // of the diagnoses (default "diagnoses"), so that the same cases can be diagnosed with other flags. --from: what the
 // diagnoses of that name have simulated needs no simulation again (the digits are the same). --further: where a
-// diagnosis does not decide and proposes a run, the run is recorded with the same hidden effect and everything is
+// diagnosis does not decide and proposes runs, these are recorded with the same hidden effect and everything is
 // diagnosed again. --own: the program's own simulator records the cases instead of the second one (an ablation; with
 // --name own). --apart: diagnoses nothing; how far the two simulators' readings are apart in each case with the true
 // numbers and effects, in units of its noise, and in how many deviations the best possible test would tell them apart:
@@ -77,7 +77,7 @@ bool write(const Concealed& c, const std::string& name, const fs::path& folder) 
 }
 
 /// Makes a case unless it is there.
-bool provide(const Plan& plan, const fs::path& folder, const std::optional<Further>& further = std::nullopt) {
+bool provide(const Plan& plan, const fs::path& folder, const std::vector<Further>& further = {}) {
     return fs::exists(folder / "answers" / (plan.name + ".json")) || write(conceal(plan, further), plan.name, folder);
 }
 
@@ -104,7 +104,7 @@ bool provideOwn(const Options& o, const Plan& plan, const fs::path& cases, const
     if (fs::exists(own / "answers" / (plan.name + ".json")))
         return true;
     const auto clean = replayCase(o, plan, cases, own / "replays" / plan.name);
-    return clean && write(conceal(plan, std::nullopt, &*clean), plan.name, own);
+    return clean && write(conceal(plan, {}, &*clean), plan.name, own);
 }
 
 /// How well the two simulators can be told apart in each case, at the truth.
@@ -167,7 +167,7 @@ bool diagnose(const Options& o, const Plan& plan, const fs::path& cases, const f
     return code == 0;
 }
 
-/// The cases that were left open, once more with the run that was asked for. @param before as judged, same order
+/// The cases that were left open, once more with the runs that were asked for. @param before as judged, same order
 void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Judged>& before, const fs::path& folder) {
     const fs::path cases = fs::path(o.out) / o.part / (o.name + "_further_cases"),
                    to = fs::path(o.out) / o.part / (o.name + "_further");
@@ -175,15 +175,15 @@ void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Ju
     std::string lines;
     for (const Judged& was : before) {
         const auto plan = std::find_if(all.begin(), all.end(), [&](const Plan& p) { return p.name == was.name; });
-        const auto run = proposedRun((folder / was.name / "diagnosis.json").string());
-        if (!open(was) || !run || plan == all.end())
+        const auto runs = proposedRuns((folder / was.name / "diagnosis.json").string());
+        if (!open(was) || runs.empty() || plan == all.end())
             continue;
         if (!fs::exists(to / was.name / "diagnosis.json") &&
-            (o.scoreOnly || !provide(*plan, cases, run) || !diagnose(o, *plan, cases, to / was.name)))
+            (o.scoreOnly || !provide(*plan, cases, runs) || !diagnose(o, *plan, cases, to / was.name)))
             continue;
         const Judged now =
             judge((cases / "answers" / (was.name + ".json")).string(), (to / was.name / "diagnosis.json").string());
-        // A run in which the second simulator is not sure of itself settles nothing: such cases are drawn again, too.
+        // Runs in which the second simulator is not sure of itself settle nothing: such cases are drawn again, too.
         const bool counts = now.furtherOwnError <= kSureOfItself;
         if (counts)
             (was.wouldSettle ? decided : unsure).count(settled(now));
@@ -200,9 +200,9 @@ void settle(const Options& o, const std::vector<Plan>& all, const std::vector<Ju
         std::snprintf(text, sizeof text, "%d of %d, %.2f [%.2f, %.2f]", s.hits, s.of, s.value(), s.low(), s.high());
         return std::string(text);
     };
-    const std::string text = "cases left open in which the run that was asked for settles it: " + share(decided) +
+    const std::string text = "cases left open in which what was asked for settles it: " + share(decided) +
                              "\n  of those said not to hold enough information: " + share(weakDecided) +
-                             "\nwhere the run was said to tell most, but perhaps not enough: " + share(unsure) + "\n" +
+                             "\nwhere it was said to tell most, but perhaps not enough: " + share(unsure) + "\n" +
                              lines;
     fs::create_directories(to);
     writeWhole(to / "settled.txt", text);

@@ -214,11 +214,6 @@ void compareErrors(const Json& answer, const Json& d, Judged& j) {
             j.overKnowing = held / e.at("heldout_rmse_N").get<double>();
 }
 
-std::string wordsOf(const Json& next) {
-    const auto repeats = next.value("repeats", 1);
-    return next.at("what").get<std::string>() + (repeats > 1 ? ", made " + std::to_string(repeats) + " times" : "");
-}
-
 } // namespace
 
 Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
@@ -267,8 +262,8 @@ Judged judge(const std::string& answerFile, const std::string& diagnosisFile) {
             j.furtherOwnError = answer["further_own_error"].is_number() ? answer["further_own_error"].get<double>()
                                                                         : std::numeric_limits<double>::infinity();
         if (!d.at("next_experiment").is_null()) {
-            j.next = wordsOf(d.at("next_experiment"));
-            j.wouldSettle = d["next_experiment"].value("settles", true); // programs of long ago did not say
+            j.next = d.at("next_experiment").at("what");
+            j.wouldSettle = d["next_experiment"].at("settles");
         }
     } catch (const Json::exception& e) {
         throw std::runtime_error(diagnosisFile + " or its answer: " + e.what());
@@ -289,20 +284,24 @@ bool settled(const Judged& j) {
     return j.verdict == "named" && j.firstRight && j.group.size() == 1 && !j.eitherSide;
 }
 
-std::optional<Further> proposedRun(const std::string& diagnosisFile) {
+std::vector<Further> proposedRuns(const std::string& diagnosisFile) {
     const Json d = read(diagnosisFile);
     try {
+        std::vector<Further> out;
         const Json& next = d.at("next_experiment");
-        if (next.is_null() || next.at("drive").at("time_s").empty())
-            return std::nullopt;
-        const Json& drive = next.at("drive");
-        return Further{
-            {drive.at("time_s").get<std::vector<double>>(), drive.at("displacement_m").get<std::vector<double>>()},
-            next.at("sampling_Hz"),
-            next.value("repeats", std::size_t{1}),
-            next.value("specimen_turned", false),
-            next.value("new_markers_arc_fraction", std::vector<double>{}),
-            next.value("markers_sampling_Hz", 0.0)};
+        for (const Json& run : next.is_null() ? Json::array() : next.at("runs")) {
+            const Json& drive = run.at("drive");
+            if (drive.at("time_s").empty()) // nothing is driven
+                return {};
+            out.push_back(
+                {{drive.at("time_s").get<std::vector<double>>(), drive.at("displacement_m").get<std::vector<double>>()},
+                 run.at("sampling_Hz"),
+                 run.at("repeats"),
+                 run.at("specimen_turned"),
+                 run.at("new_markers_arc_fraction").get<std::vector<double>>(),
+                 run.at("markers_sampling_Hz")});
+        }
+        return out;
     } catch (const Json::exception& e) {
         throw std::runtime_error(diagnosisFile + ": " + e.what());
     }

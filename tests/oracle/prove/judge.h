@@ -32,7 +32,7 @@ struct Judged {
     double detectable = 0.0;        ///< what the best possible test would have for a signal (Left::detectable)
     double seconds = 0.0;
     double pNothing = 0.0, pUnknown = 0.0, pFirst = 0.0, pTruth = 0.0;
-    std::string next;         ///< experiment it proposes
+    std::string next;         ///< runs it proposes
     bool wouldSettle = false; ///< and says that it will settle it
     /// By which the second simulator is off itself in a run that was asked for, in units of the noise of the mean of
     /// its repeats; infinite: not known.
@@ -48,7 +48,7 @@ bool open(const Judged& j);
 /// It decides, and rightly: the one effect and no other that could be it, nothing, or none that is known.
 bool settled(const Judged& j);
 
-/// The run that a diagnosis proposes; empty if none. Throws like judge().
-std::optional<Further> proposedRun(const std::string& diagnosisFile);
+/// The runs that a diagnosis proposes; empty if none. Throws like judge().
+std::vector<Further> proposedRuns(const std::string& diagnosisFile);
 
 } // namespace supercircle::oracle

@@ -48,44 +48,12 @@ public:
 
     /// How well they refute whichever other rival is hardest to refute if one is true; of rivals without effects
     /// nothing, for that is not asked. By derivatives, as far as there are any.
-    [[nodiscard]] std::vector<Told> told(const Series& series) const {
-        std::vector<Told> out(rivals_.size());
-        for (std::size_t a = 0; a < rivals_.size(); ++a) {
-            const Eigen::MatrixXd products = productsOf(series, a);
-            for (std::size_t b = 0, any = 0; b < rivals_.size() && products.size() > 0; ++b)
-                if (!within(a, b)) {
-                    const Told t = refuted(products, a, b).told;
-                    if (any++ == 0 || t.surely() < out[a].surely())
-                        out[a] = t;
-                }
-        }
-        return out;
-    }
+    [[nodiscard]] std::vector<Told> told(const Series& series) const { return hardest(pairsOf(series)); }
     /// The same, simulated where derivatives lead.
     [[nodiscard]] std::vector<Told> searched(const Series& series) const {
-        std::vector<std::vector<Seen>> seen(rivals_.size()); // by which is true
-        std::vector<Pair> pairs;
-        for (std::size_t a = 0; a < rivals_.size(); ++a) {
-            const Eigen::MatrixXd products = productsOf(series, a);
-            if (products.size() == 0)
-                continue;
-            for (const Part& part : series) {
-                seen[a].push_back({part.run->sightOf(a, part.repeats), {}});
-                seen[a].back().changes = part.run->changes(*seen[a].back().sight, part.repeats);
-            }
-            for (std::size_t b = 0; b < rivals_.size(); ++b)
-                if (!within(a, b))
-                    pairs.push_back(refuted(products, a, b));
-        }
-        search(series, seen, pairs);
-        std::vector<Told> out(rivals_.size());
-        std::vector<bool> any(rivals_.size(), false);
-        for (const Pair& p : pairs)
-            if (!any[p.is] || p.told.surely() < out[p.is].surely()) {
-                out[p.is] = p.told;
-                any[p.is] = true;
-            }
-        return out;
+        std::vector<Pair> pairs = pairsOf(series);
+        search(series, pairs);
+        return hardest(pairs);
     }
     [[nodiscard]] const std::vector<Rival>& rivals() const { return rivals_; }
 
@@ -105,16 +73,29 @@ private:
         Eigen::MatrixXd changes;
     };
 
-    /// Of all runs together (Foretold::products()). Empty: of this one it is not asked.
-    [[nodiscard]] Eigen::MatrixXd productsOf(const Series& series, std::size_t is) const {
-        Eigen::MatrixXd all;
-        for (const Part& part : series) {
-            if (rivals_[is].point.terms.empty())
-                break;
-            const Eigen::MatrixXd& its = part.run->products(is, part.repeats);
-            all = all.size() == 0 ? its : Eigen::MatrixXd(all + its);
+    [[nodiscard]] std::vector<Pair> pairsOf(const Series& series) const {
+        std::vector<Pair> out;
+        for (std::size_t a = 0; a < rivals_.size(); ++a) {
+            if (rivals_[a].point.terms.empty())
+                continue;
+            Eigen::MatrixXd products = series.front().run->products(a, series.front().repeats);
+            for (std::size_t s = 1; s < series.size(); ++s)
+                products += series[s].run->products(a, series[s].repeats);
+            for (std::size_t b = 0; b < rivals_.size(); ++b)
+                if (!within(a, b))
+                    out.push_back(refuted(products, a, b));
         }
-        return all;
+        return out;
+    }
+    [[nodiscard]] std::vector<Told> hardest(const std::vector<Pair>& pairs) const {
+        std::vector<Told> out(rivals_.size());
+        std::vector<bool> any(rivals_.size(), false);
+        for (const Pair& p : pairs)
+            if (!any[p.is] || p.told.surely() < out[p.is].surely()) {
+                out[p.is] = p.told;
+                any[p.is] = true;
+            }
+        return out;
     }
     /// Whether b can do all that a does: it cannot be refuted where a is true.
     [[nodiscard]] bool within(std::size_t a, std::size_t b) const {
@@ -150,13 +131,19 @@ private:
     }
     /// How near a rival comes by simulations from where the derivatives lead, which are kept (chord method), where that
     /// is nearer than these say. All pairs go on together.
-    void search(const Series& series, const std::vector<std::vector<Seen>>& seen, std::vector<Pair>& pairs) const {
+    void search(const Series& series, std::vector<Pair>& pairs) const {
         constexpr int kMost = 5;
         constexpr double kLittle = 0.98; // of the squares: what is gained beyond is not worth a simulation
         std::vector<Pair*> walking;
         for (Pair& p : pairs)
             if (p.told.surely() > 0.0)
                 walking.push_back(&p);
+        std::vector<std::vector<Seen>> seen(rivals_.size()); // by which is true
+        for (const Pair* p : walking)
+            for (std::size_t s = seen[p->is].size(); s < series.size(); ++s) {
+                seen[p->is].push_back({series[s].run->sightOf(p->is, series[s].repeats), {}});
+                seen[p->is].back().changes = series[s].run->changes(*seen[p->is].back().sight, series[s].repeats);
+            }
         for (int i = 0; i < kMost && !walking.empty() && !evaluator_.stopped(); ++i) {
             std::vector<Point> points;
             for (Pair* p : walking)
@@ -250,7 +237,7 @@ Offer offerOf(const Contest& contest, const Series& series, bool searched = fals
 }
 
 /// So many runs, divided as the series is, each at least once.
-Series shared(const Series& as, std::size_t count) {
+Series divided(const Series& as, std::size_t count) {
     Series out = as;
     std::size_t left = count, of = countOf(as);
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -263,8 +250,8 @@ Series shared(const Series& as, std::size_t count) {
     return out;
 }
 
-/// As few as tell enough of what `of` gives for 1 to `most` runs; where even the most do not, as few as tell nearly as
-/// much.
+/// Of what is offered for `least` to `most` runs the fewest that tell enough; where even the most do not, the fewest
+/// that tell nearly as much.
 template <class Of>
 Offer fewest(const Of& of, std::size_t least, std::size_t most) {
     constexpr double kNearly = 0.9;
@@ -282,7 +269,7 @@ Offer fewest(const Of& of, std::size_t least, std::size_t most) {
 
 /// An offer by derivatives, looked at where these lead, and as much more often as that takes.
 Offer checked(const Contest& contest, const Offer& linear, std::size_t most) {
-    const auto searched = [&](std::size_t count) { return offerOf(contest, shared(linear.series, count), true); };
+    const auto searched = [&](std::size_t count) { return offerOf(contest, divided(linear.series, count), true); };
     Offer out = searched(linear.count());
     if (!linear.enough() && linear.worth > 0.0)
         out.promise = linear.promise * out.worth / linear.worth; // of as many as may be

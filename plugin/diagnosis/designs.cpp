@@ -13,14 +13,19 @@ using experiment::Run;
 /// What the recorded runs do, as far as new ones need it.
 struct Habits {
     double travel = 0.0, slowest = 0.0, fastest = 0.0; ///< m, m/s
+    double rate = 0.0;                                 ///< Hz, the highest
+    double rest = 1.0;                                 ///< s, the longest where strokes begin, one to ten
     bool back = false;                                 ///< some run goes back by half of its way
 };
 
 Habits habitsOf(const experiment::Experiment& e) {
     Habits h;
-    for (const Run& run : e.runs)
+    for (const Run& run : e.runs) {
+        h.rate = std::max(h.rate, run.samplingRate);
         for (std::size_t i = 1; i < run.driveTime.size(); ++i) {
             h.travel = std::max(h.travel, run.driveDisplacement[i]);
+            if (run.driveDisplacement[i - 1] == 0.0 && run.driveDisplacement[i] == 0.0)
+                h.rest = std::clamp(run.driveTime[i] - run.driveTime[i - 1], h.rest, 10.0);
             h.back = h.back || run.driveDisplacement[i] < 0.5 * run.driveDisplacement[i - 1];
             const double speed = std::abs(run.driveDisplacement[i] - run.driveDisplacement[i - 1]) /
                                  (run.driveTime[i] - run.driveTime[i - 1]);
@@ -29,27 +34,28 @@ Habits habitsOf(const experiment::Experiment& e) {
                 h.slowest = h.slowest > 0.0 ? std::min(h.slowest, speed) : speed;
             }
         }
+    }
     return h;
 }
 
-/// A second of rest, then the way through these places.
-Run through(const std::vector<double>& places, double speed, double hold = 0.0) {
+/// A second of rest, then the way through these places, with a rest wherever it begins anew: a specimen that was let go
+/// swings, and where it lands next depends on how that is damped.
+Run through(const Habits& h, const std::vector<double>& places, double speed, double hold = 0.0) {
     Run run;
     run.file = "design";
     run.driveTime = {0.0, 1.0};
     run.driveDisplacement = {0.0, 0.0};
-    const auto go = [&](double to) {
-        run.driveTime.push_back(run.driveTime.back() + std::abs(to - run.driveDisplacement.back()) / speed);
+    const auto go = [&](double to, double time) {
+        run.driveTime.push_back(run.driveTime.back() + time);
         run.driveDisplacement.push_back(to);
     };
     for (std::size_t i = 0; i < places.size(); ++i) {
-        go(places[i]);
-        if (hold > 0.0 && i == 0) {
-            run.driveTime.push_back(run.driveTime.back() + hold);
-            run.driveDisplacement.push_back(places[i]);
-        }
+        go(places[i], std::abs(places[i] - run.driveDisplacement.back()) / speed);
+        const double stay = i == 0 ? hold : places[i] == 0.0 && i + 1 < places.size() ? h.rest : 0.0;
+        if (stay > 0.0)
+            go(places[i], stay);
     }
-    run.samplingRate = std::clamp(2000.0 / run.driveTime.back(), 5.0, 1000.0);
+    run.samplingRate = std::min(h.rate, std::clamp(2000.0 / run.driveTime.back(), 5.0, 1000.0));
     return run;
 }
 
@@ -97,16 +103,16 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
     const double d = h.travel;
     std::vector<Plan> plans;
     if (!h.back) // what is lost shows on the way back first of all
-        plans.push_back({"the same way and back again (an unloading leg)", through({d, 0.0}, h.fastest)});
+        plans.push_back({"the same way and back again (an unloading leg)", through(h, {d, 0.0}, h.fastest)});
     const std::vector<Plan> usual = {
-        {"a run ten times slower, at " + speed(0.1 * h.slowest), through({d, 0.0}, 0.1 * h.slowest)},
-        {"a hold of 100 s at the largest displacement", through({d, 0.0}, h.fastest, 100.0)},
+        {"a run ten times slower, at " + speed(0.1 * h.slowest), through(h, {d, 0.0}, 0.1 * h.slowest)},
+        {"a hold of 100 s at the largest displacement", through(h, {d, 0.0}, h.fastest, 100.0)},
         {"five small cycles between 60 % and 50 % of the largest displacement",
-         through({0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
+         through(h, {0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
                  h.slowest)},
-        {"a displacement larger by a tenth", through({1.1 * d, 0.0}, h.fastest)},
-        {"two cycles, the first to half of the displacement", through({0.5 * d, 0.0, d, 0.0}, h.fastest)},
-        {"six cycles at " + speed(h.fastest), through({d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest)}};
+        {"a displacement larger by a tenth", through(h, {1.1 * d, 0.0}, h.fastest)},
+        {"two cycles, the first to half of the displacement", through(h, {0.5 * d, 0.0, d, 0.0}, h.fastest)},
+        {"six cycles at " + speed(h.fastest), through(h, {d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest)}};
     plans.insert(plans.end(), usual.begin(), usual.end());
     const double frames = framesOf(e);
     if (frames == 0.0) { // markers that are described and were never tracked are no others
@@ -115,14 +121,14 @@ std::vector<Plan> plansFor(const experiment::Experiment& e) {
         plans.push_back(
             {"a run that is filmed, with " +
                  (places.empty() ? std::string("its markers") : std::to_string(places.size()) + " markers on " + where),
-             through({d, 0.0}, h.fastest), places});
+             through(h, {d, 0.0}, h.fastest), places});
         plans.back().run.markersSamplingRate = kUsualFrames;
     }
     // What sits in the specimen goes to the other side, what sits in the set-up does not. A ring has no ends.
     if (e.protocol != experiment::Protocol::RingBetweenPlates) {
         plans.push_back({std::string("a run with ") + (e.specimens.size() > 1 ? "both specimens" : "the specimen") +
                              " turned end for end",
-                         through({d, 0.0}, h.fastest)});
+                         through(h, {d, 0.0}, h.fastest)});
         plans.back().run.turned = true;
     }
     constexpr double kMost = 400.0; // frames

@@ -218,7 +218,7 @@ TEST_CASE("markers are proposed where there are none, and read in every further 
     CHECK(blind.simulateDesign(0, stated(blind), nullptr).markers.size() == 0);
 }
 
-TEST_CASE("no run that is proposed is faster than what was recorded", "[diagnosis]") {
+TEST_CASE("no run that is proposed is faster or read more often than what was recorded", "[diagnosis]") {
     const std::string name = GENERATE("case_101", "case_103");
     auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/" + name + "/experiment.json");
     REQUIRE(loaded);
@@ -228,16 +228,51 @@ TEST_CASE("no run that is proposed is faster than what was recorded", "[diagnosi
             most = std::max(most, std::abs(displacement[i] - displacement[i - 1]) / (time[i] - time[i - 1]));
         return most;
     };
-    double recorded = 0.0;
-    for (const experiment::Run& run : loaded->runs)
+    double recorded = 0.0, rate = 0.0;
+    for (const experiment::Run& run : loaded->runs) {
         recorded = std::max(recorded, fastest(run.driveTime, run.driveDisplacement));
+        rate = std::max(rate, run.samplingRate);
+    }
     REQUIRE(recorded > 0.0);
     const std::vector<Design> designs = designsFor(*loaded);
     REQUIRE(designs.size() >= 6);
     for (const Design& d : designs) {
         INFO(d.what);
         CHECK(fastest(d.time, d.displacement) <= recorded * (1.0 + 1e-9)); // rounding of a quotient
+        CHECK(d.rate <= rate);
+        CHECK(d.rate * d.time.back() > 100.0); // readings
     }
+}
+
+TEST_CASE("a specimen that is let go rests before the next stroke", "[diagnosis]") {
+    experiment::Experiment e = strip();
+    const auto rests = [&] {
+        std::vector<double> out; // at zero, between strokes
+        for (const Design& d : designsFor(e))
+            for (std::size_t i = 2; i + 1 < d.time.size(); ++i)
+                if (d.displacement[i] == 0.0) {
+                    const bool again = d.displacement[i + 1] == 0.0;
+                    CHECK((again || d.displacement[i - 1] == 0.0));
+                    if (again)
+                        out.push_back(d.time[i + 1] - d.time[i]);
+                }
+        return out;
+    };
+    const std::vector<double> usual = rests();
+    REQUIRE(usual.size() == 6); // of two cycles one, of six cycles five
+    for (const double s : usual)
+        CHECK(s == Approx(1.0));
+    experiment::Run& run = e.runs.front(); // one stroke more, after three seconds
+    const double end = run.driveTime.back(), last = run.driveDisplacement.back();
+    REQUIRE(last == 0.0);
+    for (const auto& [time, displacement] : {std::pair{3.0, 0.0}, {5.0, 0.005}, {7.0, 0.0}}) {
+        run.driveTime.push_back(end + time);
+        run.driveDisplacement.push_back(displacement);
+    }
+    const std::vector<double> longer = rests();
+    REQUIRE(longer.size() == 6);
+    for (const double s : longer)
+        CHECK(s == Approx(3.0));
 }
 
 TEST_CASE("what acts on readings only is added to them as the sensor would", "[diagnosis]") {

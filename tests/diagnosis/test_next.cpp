@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 
 using namespace supercircle::diagnosis;
 
@@ -40,38 +41,37 @@ private:
 /// Two designs and two effects beside a straight line, 200 readings in ten seconds.
 class Pairs : public Designs {
 public:
-    Pairs(const char* oneRun, const char* otherRun, const char* oneEffect, const char* otherEffect)
+    /// What one newton of an effect does in a design.
+    using Shape = std::function<Eigen::ArrayXd(std::size_t design, std::size_t effect, const Eigen::ArrayXd& time)>;
+    Pairs(const char* oneRun, const char* otherRun, const char* oneEffect, const char* otherEffect, Shape shape)
         : Designs({{oneRun, 0}, {otherRun, 0}},
-                  {effect(oneEffect, "N", -9.0, 9.0, 1.0), effect(otherEffect, "N", -9.0, 9.0, 1.0)}) {}
+                  {effect(oneEffect, "N", -9.0, 9.0, 1.0), effect(otherEffect, "N", -9.0, 9.0, 1.0)}),
+          shape_(std::move(shape)) {}
     [[nodiscard]] DesignResponse simulateDesign(std::size_t i, const Point& p,
                                                 const std::atomic<bool>*) const override {
         DesignResponse out;
         out.time = Eigen::VectorXd::LinSpaced(200, 0.0, 10.0);
         out.force = p.nominal[0] * out.time;
         for (const Term& t : p.terms)
-            out.force += t.values[0] * shape(i, t.candidate, out.time);
+            out.force += t.values[0] * shape_(i, t.candidate, out.time.array()).matrix();
         return out;
     }
 
 private:
-    /// What one newton of an effect does in a design.
-    [[nodiscard]] virtual Eigen::VectorXd shape(std::size_t design, std::size_t effect,
-                                                const Eigen::VectorXd& time) const = 0;
+    Shape shape_;
 };
 
 /// In the first design an effect looks like the nominal parameter, and large; in the second like nothing else. The
 /// other effect does nothing.
 class TwoDesigns final : public Pairs {
 public:
-    TwoDesigns() : Pairs("alike", "apart", "swing", "other") {}
-
-private:
-    [[nodiscard]] Eigen::VectorXd shape(std::size_t design, std::size_t effect,
-                                        const Eigen::VectorXd& time) const override {
-        if (effect == 1)
-            return Eigen::VectorXd::Zero(time.size());
-        return design == 0 ? Eigen::VectorXd(10.0 * time) : Eigen::VectorXd(time.array().sin());
-    }
+    TwoDesigns()
+        : Pairs("alike", "apart", "swing", "other",
+                [](std::size_t design, std::size_t effect, const Eigen::ArrayXd& time) -> Eigen::ArrayXd {
+                    if (effect == 1)
+                        return 0.0 * time;
+                    return design == 0 ? Eigen::ArrayXd(10.0 * time) : Eigen::ArrayXd(time.sin());
+                }) {}
 };
 
 /// The second of them alone.
@@ -87,27 +87,21 @@ public:
 /// Each effect shows in one design, a sine each.
 class EachItsOwn final : public Pairs {
 public:
-    EachItsOwn() : Pairs("left", "right", "first", "second") {}
-
-private:
-    [[nodiscard]] Eigen::VectorXd shape(std::size_t design, std::size_t effect,
-                                        const Eigen::VectorXd& time) const override {
-        return (design == effect ? 1.0 : 0.0) * (2.0 * time.array()).sin();
-    }
+    EachItsOwn()
+        : Pairs("left", "right", "first", "second",
+                [](std::size_t design, std::size_t effect, const Eigen::ArrayXd& time) -> Eigen::ArrayXd {
+                    return (design == effect ? 1.0 : 0.0) * (2.0 * time).sin();
+                }) {}
 };
 
 /// The first effect shows in both designs, the second in the second one only.
 class TwoSuspects final : public Pairs {
 public:
-    TwoSuspects() : Pairs("one", "both", "first", "second") {}
-
-private:
-    [[nodiscard]] Eigen::VectorXd shape(std::size_t design, std::size_t effect,
-                                        const Eigen::VectorXd& time) const override {
-        if (effect == 1 && design == 0)
-            return Eigen::VectorXd::Zero(time.size());
-        return ((effect == 0 ? 2.0 : 3.0) * time.array()).sin();
-    }
+    TwoSuspects()
+        : Pairs("one", "both", "first", "second",
+                [](std::size_t design, std::size_t effect, const Eigen::ArrayXd& time) -> Eigen::ArrayXd {
+                    return (effect == 1 && design == 0 ? 0.0 : 1.0) * ((effect == 0 ? 2.0 : 3.0) * time).sin();
+                }) {}
 };
 
 /// A sensor that may be late, in a run that is read twenty times a second and in the same one read four hundred times.

@@ -180,18 +180,24 @@ Noise quiet() {
     return noise;
 }
 
-} // namespace
-
-TEST_CASE("a further run shows whatever it may be, not only what is likeliest", "[diagnosis]") {
-    const TwoSuspects model;
-    // A sine of .08 N in 200 readings of .1 N: eight deviations.
-    std::vector<Rival> rivals = {{"first", {{0.0}, {{0, {0.08}}}}, {}, {}, 0.6},
-                                 {"second", {{0.0}, {{1, {0.08}}}}, {}, {}, 0.4},
+/// The first effect, the second, or nothing, all numbers known.
+std::vector<Rival> known(const Model& model, double size, double first, double second) {
+    std::vector<Rival> rivals = {{"first", {{0.0}, {{0, {size}}}}, {}, {}, first},
+                                 {"second", {{0.0}, {{1, {size}}}}, {}, {}, second},
                                  {"nothing", {{0.0}, {}}, {}, {}, 0.0}};
     for (Rival& r : rivals) {
         r.x = Variables(model, r.point).of(r.point);
         r.covariance = 1e-6 * Eigen::MatrixXd::Identity(r.x.size(), r.x.size());
     }
+    return rivals;
+}
+
+} // namespace
+
+TEST_CASE("a further run shows whatever it may be, not only what is likeliest", "[diagnosis]") {
+    const TwoSuspects model;
+    // A sine of .08 N in 200 readings of .1 N: eight deviations.
+    std::vector<Rival> rivals = known(model, 0.08, 0.6, 0.4);
     Store store;
     Evaluator evaluator(model, 1, {}, store);
     const auto next = nextExperiment(evaluator, rivals, quiet(), 0.0);
@@ -285,16 +291,9 @@ TEST_CASE("what no single run tells is told by as many as it takes", "[diagnosis
 TEST_CASE("what shows in two kinds of run only asks for both", "[diagnosis]") {
     const EachItsOwn model;
     const auto asked = [&](double size) { // N; of the other effect as much
-        std::vector<Rival> rivals = {{"first", {{0.0}, {{0, {size}}}}, {}, {}, 0.5},
-                                     {"second", {{0.0}, {{1, {size}}}}, {}, {}, 0.5},
-                                     {"nothing", {{0.0}, {}}, {}, {}, 0.0}};
-        for (Rival& r : rivals) {
-            r.x = Variables(model, r.point).of(r.point);
-            r.covariance = 1e-6 * Eigen::MatrixXd::Identity(r.x.size(), r.x.size());
-        }
         Store store;
         Evaluator evaluator(model, 1, {}, store);
-        return nextExperiment(evaluator, rivals, quiet(), 0.0);
+        return nextExperiment(evaluator, known(model, size, 0.5, 0.5), quiet(), 0.0);
     };
     // A sine of .08 N in 200 readings of .1 N: eight deviations, where it shows.
     const auto once = asked(0.08);

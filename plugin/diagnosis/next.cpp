@@ -201,7 +201,10 @@ private:
 
 constexpr std::size_t kMostRepeats = 8; ///< of all runs together
 constexpr double kAll = 0.98;           ///< of the suspects, by weight, that are told well enough
-constexpr double kEnough = 4.0;         ///< units beyond which runs are all as good: a gain of 8 on the runs
+/// Units beyond which runs are all as good: a gain of 12.5 on the runs. Named is what has .9, the mean over what
+/// strokes may weigh (weigh.h): of a gain of 8 that the two strokes of one run hold .88 is left, of this one .95. With
+/// four units two of six cases of seed 2048 that were to be settled ended at .86 and .89.
+constexpr double kEnough = 5.0;
 
 /// A series of runs, and what is expected of it.
 struct Offer {

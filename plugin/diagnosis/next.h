@@ -44,7 +44,7 @@
 
 namespace supercircle::diagnosis {
 
-/// Simulates the designs with all rivals and takes the one that refutes whatever is not true by four units, with a
+/// Simulates the designs with all rivals and takes the one that refutes whatever is not true by five units, with a
 /// probability of .9, in the fewest repeats (of several the first), or two of them where that saves two runs at least;
 /// else, with up to eight runs in all, the one or two that do best, which may not settle it. Their power is that of
 /// one-sided tests at 5 %, the mean over what may be true. Empty if there are no two rivals, if no designs that can be

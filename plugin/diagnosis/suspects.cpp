@@ -18,7 +18,7 @@ Rival rivalOf(const Model& model, const Misfit& misfit, const std::string& label
     return {label, f.point, f.x, posteriorOf(Variables(model, f.point), f.jacobian, misfitPerRow(misfit, f)), weight};
 }
 
-/// Where nothing is believed: what explains most at first sight, as fitted, if need be now.
+/// What explains most at first sight, as fitted, if need be now; weights by that, of the best one 1.
 std::vector<Rival> promising(Evaluator& evaluator, const Misfit& misfit, const Fitted& base,
                              const std::vector<Named>& named, const std::vector<Screened>& screened) {
     constexpr double kFar = 6.0; // squares: a factor of twenty
@@ -68,8 +68,15 @@ std::vector<Rival> suspects(Evaluator& evaluator, const Misfit& misfit, const Fi
                               out.front().weight));
         out.back().otherSide = true;
     }
-    if (out.empty())
-        out = promising(evaluator, misfit, base, named, screened);
+    const double first = out.empty() ? 1.0 : out.front().weight;
+    if (out.size() < kMost)
+        for (Rival& r : promising(evaluator, misfit, base, named, screened)) {
+            const bool there = std::any_of(out.begin(), out.end(), [&](const Rival& o) { return o.label == r.label; });
+            if (there || out.size() == kMost)
+                continue;
+            r.weight *= first;
+            out.push_back(std::move(r));
+        }
     if (out.size() == 1 || (!out.empty() && nothing >= kLeast))
         out.push_back(rivalOf(evaluator.model(), misfit, "nothing", base, 0.0));
     return out;

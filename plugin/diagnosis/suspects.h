@@ -1,9 +1,10 @@
 #pragma once
 // What may act, as a further run would have to tell it apart.
 //
-// Where the runs say that something is missing these are the effects that were fitted, by their probability. Where they
-// say that nothing is, near the limit of detection, a fit's probability says little more than which effect happened to
-// be worth one: there it is what explains most at first sight, fitted for the purpose.
+// Where the runs say that something is missing these are the effects that were fitted, by their probability. Near the
+// limit of detection that says little more than which effect happened to be worth a fit: there it is, besides, what
+// explains nearly as much at first sight, fitted for the purpose. (A drift was the only one beside nothing; the run
+// that tells these two was a run of the friction that it was, .89, for which two would have been asked.)
 
 #include "plugin/diagnosis/next.h"
 #include "plugin/diagnosis/screen.h"

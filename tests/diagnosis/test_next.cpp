@@ -242,7 +242,7 @@ TEST_CASE("a further run is worth what its own clock does not take up", "[diagno
 TEST_CASE("what no single run tells is told by as many as it takes", "[diagnosis]") {
     const OneDesign model;
     const Noise noise = quiet();
-    constexpr double kSize = 0.02; // N
+    constexpr double kSize = 0.025; // N
     /// Between a swing and nothing, the slope open. @param known of the swing, N
     const auto asked = [&](const Model& of, double slope, double known) {
         Rival swing{"swing", {{0.0}, {{0, {kSize}}}}, {}, {}}, nothing{"nothing", {{0.0}, {}}, {}, {}};
@@ -260,27 +260,27 @@ TEST_CASE("what no single run tells is told by as many as it takes", "[diagnosis
     Eigen::MatrixXd taken(200, 2);
     taken << Eigen::VectorXd::Ones(200), time;
     const double one = (sine - taken * taken.colPivHouseholderQr().solve(sine)).norm() * kSize / 0.1;
-    REQUIRE(one > 1.5);
-    REQUIRE(one < 2.0);
+    REQUIRE(one > 2.0);
+    REQUIRE(one < 2.5);
     const auto several = asked(model, 1.0, 1e-6);
     REQUIRE(several);
     REQUIRE(several->runs.size() == 1);
     CHECK(several->runs[0].design.what == "apart");
-    CHECK(several->runs[0].repeats == static_cast<std::size_t>(std::ceil(std::pow(4.0 / one, 2))));
+    CHECK(several->runs[0].repeats == static_cast<std::size_t>(std::ceil(std::pow(5.0 / one, 2))));
     CHECK(inWords(*several) == "apart, made " + std::to_string(several->runs[0].repeats) + " times");
-    // A swing that is known to a quarter may be smaller: more runs, and a power below one, its mean over that.
-    const auto more = asked(model, 1.0, kSize / 4.0);
+    // A swing that is known to an eighth may be smaller: more runs, and a power below one, its mean over that.
+    const auto more = asked(model, 1.0, kSize / 8.0);
     REQUIRE(more);
     CHECK(more->runs[0].repeats > several->runs[0].repeats);
     const double d = std::sqrt(static_cast<double>(more->runs[0].repeats)) * one;
-    const double power = 0.5 * std::erfc(-(d - 1.645) / std::hypot(1.0, d / 4.0) / std::sqrt(2.0));
+    const double power = 0.5 * std::erfc(-(d - 1.645) / std::hypot(1.0, d / 8.0) / std::sqrt(2.0));
     CHECK(more->power == Approx(power).margin(0.005)); // clock, scale and contact places take little of it
     // Another design shows the swing ten times as large: one run of it where the slope is known.
     const TwoDesigns two;
     const auto large = asked(two, 1e-6, 1e-6);
     REQUIRE(large);
     CHECK(inWords(*large) == "alike");
-    // Where the slope is open that one alone tells nothing, the swing is part of a slope of .2 N/s to it. The run in
+    // Where the slope is open that one alone tells nothing, the swing is part of a slope of .25 N/s to it. The run in
     // which it is not knows the slope to .0025 N/s: one of each does what the latter does in six.
     const auto both = asked(two, 1.0, 1e-6);
     REQUIRE(both);
@@ -301,9 +301,9 @@ TEST_CASE("what shows in two kinds of run only asks for both", "[diagnosis]") {
     CHECK(inWords(*once) == "left, and right");
     CHECK(once->settles);
     CHECK(once->power > 0.99);
-    // Four times as weak: two deviations each, so that four units take four runs each, and what is weaker more than
-    // eight.
-    const auto often = asked(0.022);
+    // A third of it: two and a half deviations each, so that five units take four runs each, and what is weaker more
+    // than eight.
+    const auto often = asked(0.0275);
     REQUIRE(often);
     CHECK(inWords(*often) == "left, made 4 times, and right, made 4 times");
     const auto weak = asked(0.016);

@@ -122,8 +122,8 @@ Json nextOf(const diagnosis::NextExperiment& next) {
                         {"new_markers_arc_fraction", r.design.markers},
                         {"markers_sampling_Hz", r.design.markerRate},
                         {"sampling_Hz", r.design.rate}});
-    return {{"what", diagnosis::listed(next)}, {"separates", next.separates}, {"tells_side", next.side},
-            {"expected_power", next.power},    {"settles", next.settles},     {"runs", runs}};
+    return {{"what", diagnosis::listed(next.runs)}, {"separates", next.separates}, {"tells_side", next.side},
+            {"expected_power", next.power},         {"settles", next.settles},     {"runs", runs}};
 }
 
 } // namespace

@@ -197,7 +197,8 @@ std::string nextText(const Diagnosis& d) {
                        (d.next->settles ? several ? "tell " : "tells " : "would tell ") + told +
                        " with a power of at most " + fixed(100.0 * d.next->power, 0) + " %.</p>";
     for (const diagnosis::FurtherRun& run : d.next->runs)
-        html += (several ? "<p>" + escaped(run.design.what) + ":</p>" : std::string()) + driveTable(run.design);
+        html +=
+            (several ? "<p>" + escaped(diagnosis::listed({run})) + ":</p>" : std::string()) + driveTable(run.design);
     return html;
 }
 

@@ -391,9 +391,9 @@ std::string noneTells(const Diagnosis& d) {
            " times, would tell: it takes a reading with less noise, or stated numbers that are better known.";
 }
 
-std::string listed(const NextExperiment& next) {
+std::string listed(const std::vector<FurtherRun>& runs) {
     std::string text;
-    for (const FurtherRun& run : next.runs)
+    for (const FurtherRun& run : runs)
         text += (text.empty() ? "" : ", and ") + run.design.what +
                 (run.repeats > 1 ? ", made " + std::to_string(run.repeats) + " times" : "");
     return text;
@@ -401,7 +401,7 @@ std::string listed(const NextExperiment& next) {
 
 std::string inWords(const NextExperiment& next) {
     const std::string they = next.runs.size() > 1 ? "they tell most, but they" : "it tells most, but it";
-    return listed(next) +
+    return listed(next.runs) +
            (next.settles ? "" : " (of the runs that were looked at " + they + " may not settle the matter)");
 }
 

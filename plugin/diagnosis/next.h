@@ -57,9 +57,9 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
 std::string noneTells(const Diagnosis& d);
 
 /// "a run ten times slower, at 0.2 mm/s, made 3 times, and two cycles".
-std::string listed(const NextExperiment& next);
+std::string listed(const std::vector<FurtherRun>& runs);
 
-/// The same, and that they may not settle it, if so.
+/// The same of what is asked for, and that it may not settle the matter, if so.
 std::string inWords(const NextExperiment& next);
 
 } // namespace supercircle::diagnosis

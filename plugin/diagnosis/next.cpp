@@ -266,7 +266,7 @@ Offer fewest(const Of& of, std::size_t least, std::size_t most) {
             out = offer;
             break;
         }
-    out.promise = farthest.worth;
+    out.promise = std::max(farthest.worth, out.worth); // what is enough is before all that is not (better())
     return out;
 }
 
@@ -386,9 +386,9 @@ std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::ve
 }
 
 std::string noneTells(const Diagnosis& d) {
-    return "None of the " + std::to_string(d.nextTried) + " further runs that were looked at, made up to " +
-           std::to_string(kMostRepeats) +
-           " times, would tell: it takes a reading with less noise, or stated numbers that are better known.";
+    return "None of the " + std::to_string(d.nextTried) +
+           " further runs that were looked at, nor any two of them, made up to " + std::to_string(kMostRepeats) +
+           " times in all, would tell: it takes a reading with less noise, or stated numbers that are better known.";
 }
 
 std::string listed(const std::vector<FurtherRun>& runs) {

@@ -13,7 +13,11 @@ namespace supercircle::diagnosis {
 namespace {
 
 /// Sizes that are simulated between two others where the first one disappoints, and how often anew around the best.
-constexpr int kBetween = 3, kRounds = 3;
+/// Six rounds find a size to 1e-4 of itself, and less will not do: a strip of which the tip alone yields in six cycles
+/// went from nothing to nine times what is wanted within 1.2 % of its yield curvature. Three rounds ended at nothing,
+/// where no derivative knows a way on, and the plasticity that was hidden was no hypothesis (3 of the set near the
+/// limit, seed 2049).
+constexpr int kBetween = 3, kRounds = 6;
 
 bool bothSigns(const Candidate& c) {
     return std::any_of(c.parameters.begin(), c.parameters.end(),
@@ -123,7 +127,8 @@ std::vector<double> settledValues(Evaluator& evaluator, const Misfit& misfit, co
         const double here = at->first;
         const double below = at == gains.begin() ? here : std::prev(at)->first;
         const double above = std::next(at) == gains.end() ? here : std::next(at)->first;
-        simulate(betweenBy(below, here, kBetween));
+        if (!nothing(at) && here > below)
+            simulate(betweenBy(below, here, kBetween));
         simulate(betweenBy(here, above, kBetween));
     }
     return best()->second > 0.0 ? stretched(candidate, own, std::copysign(best()->first, probe.stretch)) : probe.values;

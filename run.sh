@@ -28,8 +28,8 @@ done
 
 trap 'give_back "$top/build" "$top/out"' EXIT
 install_missing "$top/.ci/packages"
-build "$top/build" OFF supercircle
-program=$top/build/plugin/supercircle
+build "$top/build" supercircle
+program=$top/build/bin/supercircle
 [ "$help" = no ] || exec "$program" run --help
 options=("$@")
 [ "$given" = yes ] || options+=(--out "$out")

@@ -11,10 +11,10 @@ if [ "${1:-}" = --all ]; then
     selection=()
     shift
 fi
-directory=$top/build/with-tests
+directory=$top/build
 trap 'give_back "$top/build"' EXIT
 install_missing "$top/.ci/packages"
-build "$directory" ON
+build "$directory"
 
 log=$directory/ctest.log
 code=0

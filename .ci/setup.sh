@@ -58,14 +58,16 @@ build_jobs() {
     echo $((cores < memory ? cores : memory))
 }
 
-# build DIRECTORY TESTS(ON|OFF) [TARGET...]
+# build DIRECTORY [TARGET...]: run.sh and test.sh share one folder, so that nothing is built twice.
 build() {
-    local directory=$1 tests=$2
-    shift 2
+    local directory=$1
+    shift
     [ -e "$directory/build.ninja" ] || echo "$me: building (the first time takes some minutes)"
     mkdir -p "$directory" || fail "cannot create $directory"
+    local launcher=()
+    ! command -v ccache >/dev/null 2>&1 || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
     quiet_step "configuring" "$directory/configure.log" \
-        cmake -S "$top" -B "$directory" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSUPERCIRCLE_TESTS="$tests"
+        cmake -S "$top" -B "$directory" -G Ninja -DCMAKE_BUILD_TYPE=Release "${launcher[@]}"
     quiet_step "building" "$directory/build.log" ninja -C "$directory" -j "$(build_jobs)" "$@"
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 // A scene being watched: what the testbed does with it, apart from how it looks.
 
-#include "examples/frame/stage.h"
+#include "examples/games/frame/stage.h"
 #include "examples/testbed/testbed.h"
-#include "plugin/report/cairo_canvas.h"
+#include "plugin/graphics/cairo_canvas.h"
 
 #include <array>
 #include <cstdio>

@@ -1,8 +1,8 @@
 #include "examples/testbed/layers.h"
 
-#include "bridge/include/supercircle/box2d_proxies.hpp"
-#include "plugin/report/colour_map.h"
-#include "plugin/report/plot.h"
+#include "bridge/box2d/include/supercircle/box2d_proxies.hpp"
+#include "plugin/graphics/colour_map.h"
+#include "plugin/graphics/plot.h"
 #include "supercircle/step/stepper.h"
 
 #include <box2d/box2d.h>

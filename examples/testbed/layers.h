@@ -1,7 +1,7 @@
 #pragma once
 // What the testbed can draw into a scene.
 
-#include "examples/frame/view.h"
+#include "examples/games/frame/view.h"
 #include "examples/testbed/bed.h"
 
 namespace supercircle::testbed {

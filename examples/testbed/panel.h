@@ -2,7 +2,7 @@
 // Dear ImGui without a window system or a graphics card: fed with Input, drawn by a small rasteriser into the picture
 // that Cairo made. One path for windows and PNG files, so that panels can be tested and shown without a display.
 
-#include "plugin/report/cairo_canvas.h"
+#include "plugin/graphics/cairo_canvas.h"
 
 struct ImDrawData;
 

@@ -1,7 +1,7 @@
 #include "examples/testbed/testbed.h"
 
-#include "examples/frame/run.h"
-#include "examples/frame/window.h"
+#include "examples/games/frame/run.h"
+#include "examples/games/frame/window.h"
 #include "examples/testbed/layers.h"
 #include "examples/testbed/panel.h"
 

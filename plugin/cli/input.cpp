@@ -1,8 +1,8 @@
 #include "plugin/cli/input.h"
 
-#include "bridge/lab_world.h"
-#include "plugin/experiment/load.h"
-#include "plugin/scene/document.h"
+#include "bridge/box2d/lab_world.h"
+#include "plugin/recording/experiment/load.h"
+#include "plugin/scene/loader/document.h"
 
 #include <charconv>
 #include <cmath>
@@ -113,6 +113,30 @@ std::optional<sweep::Definition> loadSweep(const std::string& file) {
     for (const scene::Problem& p : problems)
         std::fprintf(stderr, "%s\n", p.toString().c_str());
     return loaded;
+}
+
+std::optional<scene::Scene> loadWith(const std::string& text, const std::string& file,
+                                     const std::vector<sweep::Setting>& settings,
+                                     std::vector<scene::Problem>& problems) {
+    std::vector<scene::Override> overrides;
+    for (const auto& [name, value] : settings)
+        overrides.push_back({name, value});
+    return scene::loadText(text, file, overrides, problems);
+}
+
+bool canStart(const std::string& sceneText, const std::string& sceneFile, const std::vector<sweep::Setting>& settings) {
+    std::vector<scene::Problem> problems;
+    const auto scene = loadWith(sceneText, sceneFile, settings, problems);
+    for (const scene::Problem& p : problems)
+        if (p.severity == scene::Problem::Severity::Error)
+            std::fprintf(stderr, "%s\n", p.toString().c_str());
+    std::string why;
+    if (scene && bridge::makeWorld(scene->rigid, why))
+        return true;
+    if (scene)
+        std::fprintf(stderr, "%s: %s\n", sceneFile.c_str(), why.c_str());
+    std::fprintf(stderr, "%s: not with %s\n", sceneFile.c_str(), sweep::keyOf(settings).c_str());
+    return false;
 }
 
 std::string resultsFolder(const std::string& file, const std::string& out, const std::string& verb) {

@@ -1,9 +1,9 @@
 #pragma once
 // Reading a scene or an experiment for a verb: overrides from NAME=VALUE, problems printed where a user looks.
 
-#include "plugin/experiment/experiment.h"
-#include "plugin/scene/loader.h"
-#include "plugin/sweep/definition.h"
+#include "plugin/lab/sweep/definition.h"
+#include "plugin/recording/experiment/experiment.h"
+#include "plugin/scene/loader/loader.h"
 #include "supercircle/step/port.h"
 
 #include <memory>
@@ -33,6 +33,13 @@ std::optional<experiment::Experiment> loadExperiment(const std::string& file, bo
 
 /// Loads a sweep; prints every problem to stderr. Empty: exit 2.
 std::optional<sweep::Definition> loadSweep(const std::string& file);
+
+/// A scene with these values of its parameters; empty after problems.
+std::optional<scene::Scene> loadWith(const std::string& sceneText, const std::string& sceneFile,
+                                     const std::vector<sweep::Setting>& settings,
+                                     std::vector<scene::Problem>& problems);
+/// Loads the scene with these values and builds its world, without playing. Prints every problem.
+bool canStart(const std::string& sceneText, const std::string& sceneFile, const std::vector<sweep::Setting>& settings);
 
 /// Folder for an experiment's results: `out`, or if that is empty out/<name of the experiment's folder>_<verb>.
 std::string resultsFolder(const std::string& file, const std::string& out, const std::string& verb);

@@ -1,5 +1,7 @@
 #include "plugin/cli/progress.h"
 
+#include "plugin/recording/table/rounded.h"
+
 #include <cmath>
 #include <cstdio>
 #include <sys/ioctl.h>
@@ -19,18 +21,6 @@ std::size_t terminalWidth() {
 }
 
 } // namespace
-
-std::string duration(double seconds) {
-    const long long s = std::llround(std::min(std::max(0.0, seconds), 1e9));
-    char text[64];
-    if (s < 100)
-        std::snprintf(text, sizeof text, "%lld s", s);
-    else if (s < 3600)
-        std::snprintf(text, sizeof text, "%lld min %02lld s", s / 60, s % 60);
-    else
-        std::snprintf(text, sizeof text, "%lld h %02lld min", s / 3600, s % 3600 / 60);
-    return text;
-}
 
 ProgressLine::ProgressLine(bool quiet)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()), last_(start_) {}
@@ -57,7 +47,7 @@ bool ProgressLine::due() {
 
 std::string ProgressLine::left(double fraction) const {
     const double spent = std::chrono::duration<double>(last_ - start_).count();
-    return fraction > 0.02 ? ", about " + duration(spent * (1.0 - fraction) / fraction) + " left" : "";
+    return fraction > 0.02 ? ", about " + record::duration(spent * (1.0 - fraction) / fraction) + " left" : "";
 }
 
 void ProgressLine::print(const std::string& text) {

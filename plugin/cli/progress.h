@@ -1,15 +1,12 @@
 #pragma once
 // Progress of long work: one living line with the time left on a terminal, plain lines elsewhere.
 
-#include "plugin/lab/runner.h"
+#include "plugin/lab/session/runner.h"
 
 #include <chrono>
 #include <string>
 
 namespace supercircle::cli {
-
-/// "12 s", "3 min 20 s", "2 h 05 min".
-std::string duration(double seconds);
 
 class ProgressLine {
 public:

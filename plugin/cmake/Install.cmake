@@ -5,8 +5,8 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(SC_PUBLIC_INCLUDES "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin/include>"
-    "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/bridge/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+set(SC_PUBLIC_INCLUDES "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin/api/include>"
+    "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/bridge/box2d/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 
 # sc_ship(NAME LINKS ... FOLDERS ...): NAME (shared) and NAME_static from the objects of the folders' libraries.
 function(sc_ship name)
@@ -37,11 +37,11 @@ function(sc_ship name)
   target_link_libraries(sc_ship_${name}_static PUBLIC ${ARG_STATIC_LINKS})
 endfunction()
 
-sc_ship(supercircle OUTPUT supercircle FOLDERS sc_rod sc_contact sc_coulomb sc_effects sc_step sc_plugin sc_scene sc_player)
+sc_ship(supercircle OUTPUT supercircle FOLDERS sc_rod sc_contact sc_coulomb sc_effects sc_step sc_api sc_scene sc_player)
 target_link_libraries(sc_ship_supercircle PRIVATE TBB::tbb Threads::Threads PkgConfig::MUPARSER)
 target_link_libraries(sc_ship_supercircle_static PRIVATE TBB::tbb Threads::Threads $<BUILD_INTERFACE:PkgConfig::MUPARSER>
                       $<INSTALL_INTERFACE:PkgConfig::supercircle_MUPARSER>)
-sc_ship(box2d OUTPUT supercircle_box2d FOLDERS sc_bridge LINKS sc_ship_supercircle box2d::box2d
+sc_ship(box2d OUTPUT supercircle_box2d FOLDERS sc_box2d LINKS sc_ship_supercircle box2d::box2d
         STATIC_LINKS sc_ship_supercircle_static box2d::box2d)
 
 install(TARGETS sc_ship_supercircle EXPORT supercircleTargets)
@@ -65,20 +65,20 @@ foreach(pc supercircle supercircle-box2d)
   install(FILES ${PROJECT_BINARY_DIR}/${pc}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
 
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/include/ ${PROJECT_SOURCE_DIR}/bridge/include/
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp" PATTERN "box2d3.hpp" EXCLUDE) # Box2D 3: from the source tree only
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/api/include/ ${PROJECT_SOURCE_DIR}/bridge/box2d/include/
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp") # Box2D 3: from the source tree only
 # The core's headers, for those who look behind the facade (Shells::world()); they need Eigen 3.4.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/supercircle/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/supercircle
   FILES_MATCHING PATTERN "*.h")
-install(TARGETS supercircle)
+install(TARGETS supercircle supercircle-lab supercircle-identify supercircle-view) # the benchmarks need the source tree
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/ DESTINATION ${SCENES_DIR} FILES_MATCHING PATTERN "*.json")
 install(FILES ${PROJECT_SOURCE_DIR}/plugin/scene/scene.schema.json
-  ${PROJECT_SOURCE_DIR}/plugin/sweep/sweep.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle)
+  ${PROJECT_SOURCE_DIR}/plugin/lab/sweep/sweep.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/data/reference/
   DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle/reference FILES_MATCHING PATTERN "*.csv" PATTERN "README.md")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # Those that build on the installed package; the games need the source tree.
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/hello ${PROJECT_SOURCE_DIR}/examples/hello_scene
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/embed/hello ${PROJECT_SOURCE_DIR}/examples/embed/hello_scene
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)

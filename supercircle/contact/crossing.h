@@ -4,7 +4,7 @@
 // seen by the other.
 
 #include "supercircle/contact/geometry.h"
-#include "supercircle/parallel/parallel.h"
+#include "supercircle/support/parallel.h"
 
 #include <string>
 #include <vector>

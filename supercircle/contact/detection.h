@@ -2,7 +2,7 @@
 // From curves and outlines to contact candidates.
 
 #include "supercircle/contact/geometry.h"
-#include "supercircle/parallel/parallel.h"
+#include "supercircle/support/parallel.h"
 
 #include <cstdint>
 #include <memory>

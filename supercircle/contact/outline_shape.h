@@ -5,7 +5,7 @@
 // Corners are owned: where one-sided edges of a chain join, the edge that starts there owns the corner, so that a point
 // or a rod near it is answered once. Only convex joined corners count; at concave ones both faces answer.
 
-#include "supercircle/contact/closest.h"
+#include "supercircle/contact/detection/closest.h"
 
 #include <vector>
 

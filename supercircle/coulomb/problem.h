@@ -2,7 +2,7 @@
 // One frictional contact problem as plain data: what a time step hands to a solver, what the judge reads and what an
 // FCP2D file holds. Nothing here knows rods, geometry or time stepping beyond `dt`.
 
-#include "supercircle/parallel/parallel.h"
+#include "supercircle/support/parallel.h"
 
 #include <Eigen/Core>
 #include <cstdint>

@@ -15,7 +15,7 @@
 //
 // Every stage has a cap.
 
-#include "supercircle/coulomb/cascade.h"
+#include "supercircle/coulomb/strategy/cascade.h"
 
 #include <algorithm>
 #include <array>

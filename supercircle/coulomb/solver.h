@@ -2,7 +2,7 @@
 // The one door to the contact solvers: the method cascade, its settings, and what it reports back.
 
 #include "supercircle/coulomb/problem.h"
-#include "supercircle/parallel/parallel.h"
+#include "supercircle/support/parallel.h"
 
 #include <memory>
 #include <string>

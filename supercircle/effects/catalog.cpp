@@ -1,4 +1,4 @@
-#include "supercircle/effects/entries.h"
+#include "supercircle/effects/entries/entries.h"
 
 namespace supercircle::effects {
 

@@ -2,7 +2,7 @@
 // What the effects of one world amount to, slot by slot: plain numbers that the step, the laboratory and the replay
 // read. Everything here is off as initialised.
 
-#include "supercircle/effects/spline.h"
+#include "supercircle/effects/laws/spline.h"
 #include "supercircle/rod/arc.h"
 
 #include <array>

@@ -1,10 +1,10 @@
 #pragma once
 // Everything the effects keep per rod, constants and state: plain data inside the saved world.
 
-#include "supercircle/effects/attraction.h"
-#include "supercircle/effects/drag.h"
-#include "supercircle/effects/material.h"
-#include "supercircle/effects/surface.h"
+#include "supercircle/effects/laws/attraction.h"
+#include "supercircle/effects/laws/drag.h"
+#include "supercircle/effects/laws/material.h"
+#include "supercircle/effects/laws/surface.h"
 
 namespace supercircle::effects {
 

@@ -1,13 +1,13 @@
 // What an accepted attempt moves: state, energy books (ledger.h), bodies.
 
-#include "supercircle/step/attempt.h"
-#include "supercircle/step/attraction_stage.h"
 #include "supercircle/step/contact_memory.h"
-#include "supercircle/step/friction_state.h"
-#include "supercircle/step/host_stage.h"
-#include "supercircle/step/link_stage.h"
+#include "supercircle/step/coupling/host_stage.h"
 #include "supercircle/step/parallel.h"
-#include "supercircle/step/rod_stage.h"
+#include "supercircle/step/stages/attempt.h"
+#include "supercircle/step/stages/attraction_stage.h"
+#include "supercircle/step/stages/friction_state.h"
+#include "supercircle/step/stages/link_stage.h"
+#include "supercircle/step/stages/rod_stage.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 // - at all of it the frame ends early, after a whole accepted step (FrameOutcome::late). What is left of the frame is
 //   not simulated: slow motion instead of wrong motion.
 
-#include "supercircle/step/attempt.h"
+#include "supercircle/step/stages/attempt.h"
 
 namespace supercircle::step {
 

@@ -7,7 +7,7 @@
 // saturated law, found again with each linearisation): a force of constant size and an explicit direction would shoot
 // over the target at the moment the saturation ends.
 
-#include "supercircle/step/work.h"
+#include "supercircle/step/stages/work.h"
 
 namespace supercircle::step {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The loop over threads that step/ runs its own stages with and hands down to contact/ and coulomb/.
 
-#include "supercircle/parallel/parallel.h"
+#include "supercircle/support/parallel.h"
 
 namespace supercircle::step {
 

@@ -3,7 +3,7 @@
 #include "supercircle/step/budget.h"
 #include "supercircle/step/loads.h"
 #include "supercircle/step/sleep.h"
-#include "supercircle/step/stepper_work.h"
+#include "supercircle/step/stages/stepper_work.h"
 
 #include <algorithm>
 #include <cmath>

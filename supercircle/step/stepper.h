@@ -27,8 +27,8 @@
 // - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
 //   1/2 dt |u_new - u_old| of backward Euler, the motion of touching rods, and the true gaps after the step decide.
 
-#include "supercircle/parallel/parallel.h"
 #include "supercircle/step/world.h"
+#include "supercircle/support/parallel.h"
 
 #include <array>
 #include <functional>

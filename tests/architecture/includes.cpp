@@ -10,111 +10,126 @@ namespace supercircle::architecture {
 
 namespace {
 
-/// What one folder may include: paths from the project root (folders end in '/'), and libraries by their prefix.
+/// What one module may include. A module is a folder with sources; the first module that fits a file decides. Paths are
+/// written from the project root; those that end in '/' are folders.
 struct Rule {
     std::string_view folder;
-    std::vector<std::string_view> paths;
-    std::vector<std::string_view> libraries;        ///< in every file
+    std::vector<std::string_view> paths;            ///< beside the module itself
+    std::vector<std::string_view> libraries;        ///< in every file, by their prefix
     std::vector<std::string_view> privateLibraries; ///< in .cpp files only
     bool system = false;                            ///< C and POSIX headers such as <unistd.h>
 };
 
 const std::vector<Rule>& rules() {
-    // The first folder that fits decides. What stands in none of them (tests, docs) is free.
     static const std::vector<Rule> kRules = {
-        {"supercircle/rod/", {"supercircle/rod/"}, {"Eigen/"}, {}},
-        {"supercircle/parallel/", {"supercircle/parallel/"}, {}, {}},
-        {"supercircle/contact/",
-         {"supercircle/contact/", "supercircle/parallel/", "supercircle/rod/arc.h"},
-         {"Eigen/"},
-         {}},
-        {"supercircle/coulomb/", {"supercircle/coulomb/", "supercircle/parallel/"}, {"Eigen/"}, {}},
-        {"supercircle/effects/", {"supercircle/effects/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
+        {"supercircle/support/", {}, {"Eigen/"}, {}},
+        {"supercircle/rod/", {"supercircle/support/"}, {"Eigen/"}, {}},
+        {"supercircle/contact/", {"supercircle/support/", "supercircle/rod/arc.h"}, {"Eigen/"}, {}},
+        {"supercircle/coulomb/", {"supercircle/support/"}, {"Eigen/"}, {}},
+        {"supercircle/effects/", {"supercircle/support/", "supercircle/rod/", "supercircle/contact/"}, {"Eigen/"}, {}},
         {"supercircle/step/", {"supercircle/"}, {"Eigen/", "tbb/"}, {}},
-        {"supercircle/", {}, {"Eigen/"}, {}},
-        {"bridge/box3/", // the headers of the two Box2Ds do not go together
-         {"bridge/box3/", "bridge/include/supercircle/box2d3.hpp", "supercircle/"},
-         {"Eigen/", "box2d/"},
+
+        // The headers of the two Box2Ds do not go together.
+        {"bridge/box2d/", {"supercircle/", "plugin/api/include/"}, {"Eigen/", "box2d/"}, {}},
+        {"bridge/box2d3/", {"supercircle/", "plugin/api/include/"}, {"Eigen/", "box2d/"}, {}},
+
+        {"plugin/api/include/", {"supercircle/support/result.h"}, {}, {}}, // the one core header of the public ones
+        {"plugin/api/", {"supercircle/"}, {"Eigen/"}, {}},
+        {"plugin/scene/loader/", {"plugin/api/include/", "supercircle/"}, {"Eigen/"}, {"nlohmann/", "muParser"}, true},
+        {"plugin/scene/player/", {"plugin/api/include/", "plugin/scene/loader/", "supercircle/"}, {"Eigen/"}, {}},
+        {"plugin/recording/table/", {"supercircle/support/"}, {}, {"nlohmann/"}, true},
+        {"plugin/recording/experiment/",
+         {"plugin/api/include/", "plugin/scene/loader/", "plugin/recording/table/", "supercircle/support/"},
+         {},
          {}},
-        {"bridge/", {"bridge/", "supercircle/", "plugin/include/supercircle/draw.hpp"}, {"Eigen/", "box2d/"}, {}},
-        {"plugin/include/", {"plugin/include/"}, {}, {}},
-        {"plugin/scene/",
-         {"plugin/include/", "plugin/scene/", "supercircle/"},
+        {"plugin/recording/import/",
+         {"plugin/scene/loader/", "plugin/recording/experiment/", "plugin/recording/table/", "supercircle/support/"},
          {"Eigen/"},
-         {"nlohmann/", "muParser"},
-         true},
-        {"plugin/record/",
-         {"plugin/include/", "plugin/record/", "supercircle/"},
-         {"Eigen/"},
-         {"nlohmann/", "muParser"},
-         true},
-        {"plugin/report/",
-         {"plugin/include/", "plugin/report/", "plugin/record/", "plugin/scene/", "plugin/lab/", "supercircle/"},
-         {"Eigen/"},
-         {"nlohmann/", "muParser", "cairo"},
-         true},
-        {"plugin/validation/",
-         {"plugin/include/", "plugin/validation/", "plugin/report/", "plugin/record/", "plugin/scene/", "plugin/lab/",
-          "plugin/shells/", "supercircle/"},
+         {"nlohmann/"}},
+        {"plugin/graphics/", {"plugin/recording/table/", "supercircle/support/"}, {}, {"cairo"}, true},
+        {"plugin/lab/session/",
+         {"plugin/api/include/", "plugin/scene/", "plugin/recording/table/", "supercircle/"},
          {"Eigen/"},
          {},
          true},
-        {"plugin/experiment/", {"plugin/include/", "plugin/experiment/", "plugin/scene/", "plugin/record/"}, {}, {}},
-        {"plugin/replay/",
-         {"plugin/include/", "plugin/replay/", "plugin/experiment/", "plugin/scene/", "supercircle/"}, // free scenes
-         {"Eigen/"},
-         {}},
-        {"plugin/importing/",
-         {"plugin/include/", "plugin/importing/", "plugin/experiment/", "plugin/record/", "plugin/scene/"},
-         {"Eigen/"},
-         {"nlohmann/"}},
-        {"plugin/sensitivity/",
-         {"plugin/include/", "plugin/sensitivity/", "plugin/experiment/", "plugin/replay/"},
-         {"Eigen/", "tbb/"},
-         {}},
-        {"plugin/diagnosis/",
-         {"plugin/include/", "plugin/diagnosis/", "plugin/experiment/", "plugin/replay/", "plugin/record/",
-          "supercircle/effects/effect.h", "supercircle/effects/spline.h", "supercircle/parallel/"},
-         {"Eigen/", "boost/math/"},
-         {}},
-        {"plugin/calibration/",
-         {"plugin/include/", "plugin/calibration/", "plugin/diagnosis/", "plugin/experiment/", "plugin/record/",
-          "supercircle/step/parallel.h"},
-         {"Eigen/"},
-         {}},
-        {"plugin/sweep/",
-         {"plugin/include/", "plugin/sweep/", "plugin/scene/", "plugin/record/"},
+        {"plugin/lab/sweep/",
+         {"plugin/scene/loader/", "plugin/recording/table/", "supercircle/support/"},
          {},
          {"nlohmann/", "sqlite3.h", "boost/math/"},
          true},
-        // The verb `view` starts the testbed, which lives on the games' frame.
+        {"plugin/lab/validation/",
+         {"plugin/api/include/", "plugin/scene/", "plugin/lab/session/", "plugin/recording/table/", "supercircle/"},
+         {"Eigen/"},
+         {},
+         true},
+        {"plugin/identification/replay/",
+         {"plugin/recording/experiment/", "plugin/scene/loader/", "supercircle/"},
+         {"Eigen/"},
+         {}},
+        {"plugin/identification/sensitivity/",
+         {"plugin/identification/replay/", "plugin/recording/experiment/", "supercircle/support/"},
+         {"Eigen/", "tbb/"},
+         {}},
+        {"plugin/identification/diagnosis/",
+         {"plugin/identification/replay/", "plugin/recording/", "supercircle/effects/effect.h", "supercircle/support/"},
+         {"Eigen/", "boost/math/"},
+         {}},
+        {"plugin/identification/calibration/",
+         {"plugin/identification/diagnosis/", "plugin/recording/", "supercircle/support/",
+          "supercircle/step/parallel.h"},
+         {"Eigen/"},
+         {}},
+        {"plugin/pages/run/",
+         {"plugin/graphics/", "plugin/lab/session/", "plugin/recording/table/", "supercircle/support/"},
+         {},
+         {"nlohmann/", "cairo"},
+         true},
+        {"plugin/pages/sweep/",
+         {"plugin/graphics/", "plugin/lab/sweep/", "plugin/recording/table/", "plugin/pages/run/",
+          "supercircle/support/"},
+         {},
+         {}},
+        {"plugin/pages/validation/",
+         {"plugin/graphics/", "plugin/lab/validation/", "plugin/recording/table/", "supercircle/support/"},
+         {},
+         {}},
+        {"plugin/pages/replay/",
+         {"plugin/graphics/", "plugin/identification/replay/", "plugin/recording/", "supercircle/support/"},
+         {},
+         {}},
+        {"plugin/pages/sensitivity/",
+         {"plugin/graphics/", "plugin/identification/sensitivity/", "plugin/recording/", "supercircle/support/"},
+         {},
+         {}},
+        {"plugin/pages/diagnosis/",
+         {"plugin/graphics/", "plugin/identification/diagnosis/", "plugin/recording/", "supercircle/support/"},
+         {},
+         {"nlohmann/"}},
+        // The subcommand `view` starts the testbed, which lives on the games' framework.
         {"plugin/cli/",
-         {"plugin/", "bridge/", "supercircle/", "examples/testbed/testbed.h"},
+         {"plugin/", "bridge/box2d/", "supercircle/", "examples/testbed/testbed.h"},
          {"Eigen/", "CLI/"},
          {"nlohmann/", "muParser"},
          true},
-        {"plugin/",
-         {"plugin/include/", "plugin/scene/", "plugin/record/", "plugin/player/", "plugin/lab/", "plugin/shells/",
-          "supercircle/"},
-         {"Eigen/", "tbb/"},
-         {},
-         true},
-        // Games see the public headers and their frame; the frame draws with report's canvas and reads levels with the
-        // scenes' reader, so that a level is checked like any scene and a window shows what a PNG file has.
-        {"examples/frame/",
-         {"examples/frame/", "plugin/include/", "plugin/report/", "plugin/scene/", "bridge/"},
+        {"plugin/bench/", {"plugin/", "bridge/box2d/", "supercircle/"}, {"Eigen/"}, {"nlohmann/"}, true},
+        {"plugin/", {}, {}, {}},
+        // Games see the public headers and their framework; the framework draws with the canvas of the pages and reads
+        // levels with the scenes' reader, so that a level is checked like any scene and a window shows what a PNG has.
+        {"examples/games/frame/",
+         {"plugin/api/include/", "plugin/graphics/", "plugin/scene/loader/", "bridge/box2d/"},
          {"Eigen/", "box2d/"},
          {"CLI/", "GLFW/", "GL/"},
          true},
         // The testbed looks inside the step: contacts, timings.
         {"examples/testbed/",
-         {"examples/testbed/", "examples/frame/", "plugin/include/", "plugin/report/", "bridge/", "supercircle/step/"},
+         {"examples/games/frame/", "plugin/api/include/", "plugin/graphics/", "bridge/box2d/", "supercircle/step/"},
          {"Eigen/", "box2d/"},
          {"imgui"},
          true},
-        {"examples/", {"examples/", "plugin/include/", "bridge/"}, {"Eigen/", "box2d/"}, {}, true},
+        {"examples/", {"examples/", "plugin/api/include/", "bridge/box2d/include/"}, {"Eigen/", "box2d/"}, {}, true},
         // The second simulator, which judges the first, shares nothing with it.
-        {"tests/oracle/", {"tests/oracle/"}, {"Eigen/"}, {"nlohmann/", "catch2/"}, true},
+        {"tests/reference_simulator/", {"tests/blind_benchmark/"}, {"Eigen/"}, {"nlohmann/", "catch2/"}, true},
+        {"tests/blind_benchmark/", {"tests/reference_simulator/"}, {"Eigen/"}, {"nlohmann/", "catch2/"}, true},
     };
     return kRules;
 }
@@ -175,17 +190,41 @@ bool isPublicHeader(std::string_view path) {
            path.find('/', std::string_view("supercircle/").size()) == std::string_view::npos;
 }
 
+/// The module a file belongs to: its folder, null outside of all.
+const Rule* moduleOf(std::string_view file) {
+    for (const Rule& r : rules())
+        if (startsWith(file, r.folder))
+            return &r;
+    return nullptr;
+}
+
+/// Headers in a sub-folder of a module are private to it; the public headers of `include/` are no such sub-folder.
+bool isPrivate(const Rule& module, std::string_view path) {
+    const std::string_view rest = path.substr(module.folder.size());
+    return rest.find('/') != std::string_view::npos && !endsWith(module.folder, "include/") &&
+           !startsWith(rest, "include/") && module.folder != "examples/";
+}
+
 std::string checkProjectPath(const Rule& rule, const std::string& path) {
-    if (startsWithOneOf(path, rule.paths))
+    if (startsWith(path, rule.folder))
         return {};
-    const bool seesPublic = startsWithOneOf("plugin/include/", rule.paths);
+    if (startsWith(rule.folder, "supercircle/") && isPublicHeader(path))
+        return "the core does not know the public headers";
+    const bool seesPublic =
+        startsWith(rule.folder, "plugin/api/") || startsWithOneOf("plugin/api/include/", rule.paths);
     if (seesPublic && isPublicHeader(path))
         return {};
+    if (startsWithOneOf(path, rule.paths)) {
+        const Rule* module = moduleOf(path);
+        if (module != nullptr && isPrivate(*module, path))
+            return "this header is private to " + std::string(module->folder);
+        return {};
+    }
     std::string allowed;
     for (const std::string_view p : rule.paths)
         allowed += (allowed.empty() ? "" : ", ") + std::string(p);
     return "from the project, " + std::string(rule.folder) + " may include only " +
-           (allowed.empty() ? std::string("nothing") : allowed);
+           (allowed.empty() ? std::string("itself") : allowed);
 }
 
 std::string checkLibrary(const Rule& rule, const std::string& file, const std::string& path) {
@@ -216,7 +255,7 @@ std::string check(const Rule& rule, const std::string& file, const Include& incl
     if (isProjectPath(include.path))
         return checkProjectPath(rule, include.path);
     if (include.quoted && include.path.find('/') == std::string::npos) {
-        if (rule.folder == "plugin/include/") // the public headers are also copied elsewhere as one folder
+        if (rule.folder == "plugin/api/include/") // the public headers are also copied elsewhere as one folder
             return {};
         return "includes are written from the project root";
     }
@@ -227,9 +266,8 @@ std::string check(const Rule& rule, const std::string& file, const Include& incl
 
 std::vector<Offence> checkIncludes(const std::string& file, const std::vector<std::string>& lines) {
     std::vector<Offence> offences;
-    const auto rule =
-        std::find_if(rules().begin(), rules().end(), [&](const Rule& r) { return startsWith(file, r.folder); });
-    if (rule == rules().end())
+    const Rule* rule = moduleOf(file);
+    if (rule == nullptr)
         return offences;
     for (std::size_t i = 0; i < lines.size(); ++i) {
         const std::optional<Include> include = parse(lines[i]);

@@ -1,9 +1,9 @@
 // The frame the games share: inputs from scripts, camera, hand, pictures between two steps, what a body feels.
 
-#include "examples/frame/feel.h"
-#include "examples/frame/input.h"
-#include "examples/frame/stage.h"
-#include "examples/frame/view.h"
+#include "examples/games/frame/feel.h"
+#include "examples/games/frame/input.h"
+#include "examples/games/frame/stage.h"
+#include "examples/games/frame/view.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 // The monkey's hands: random calls of everything that holds, joins, pulls and changes shells.
 
-#include "plugin/include/supercircle/shells.hpp"
+#include "plugin/api/include/supercircle/shells.hpp"
 #include "tests/fuzz/tape.h"
 
 #include <string>

@@ -1,8 +1,8 @@
 #include "tests/fuzz/monkey.h"
 
-#include "bridge/box2d_port.h"
-#include "bridge/debug_draw.h"
-#include "plugin/include/supercircle/shells.hpp"
+#include "bridge/box2d/box2d_port.h"
+#include "bridge/box2d/debug_draw.h"
+#include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
 #include "tests/fuzz/hands.h"
 #include "tests/fuzz/surroundings.h"

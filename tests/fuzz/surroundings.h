@@ -1,7 +1,7 @@
 #pragma once
 // What a game does to the Box2D world around the shells, at random.
 
-#include "bridge/include/supercircle/box2d.hpp"
+#include "bridge/box2d/include/supercircle/box2d.hpp"
 #include "tests/fuzz/tape.h"
 
 #include <box2d/box2d.h>

@@ -1,7 +1,7 @@
 #pragma once
 // Random bytes read as numbers, places and choices.
 
-#include "plugin/include/supercircle/definitions.hpp"
+#include "plugin/api/include/supercircle/definitions.hpp"
 
 #include <cstdint>
 #include <cstdio>

@@ -4,7 +4,7 @@
 //
 // prints one hash a line. Within one build the test below checks that numbers of threads do not matter.
 
-#include "plugin/include/supercircle/shells.hpp"
+#include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
 #include "tests/support/tumble.h"
 

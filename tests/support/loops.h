@@ -1,7 +1,7 @@
 #pragma once
 // Loops for parallel::For that bring out what depends on the order or on the thread of a turn.
 
-#include "supercircle/parallel/parallel.h"
+#include "supercircle/support/parallel.h"
 
 #include <atomic>
 #include <thread>

@@ -1,7 +1,7 @@
 #pragma once
 // A lively scene: shells tumble in a box with a loose crate, are pressed by a plate, and snap.
 
-#include "plugin/include/supercircle/shells.hpp"
+#include "plugin/api/include/supercircle/shells.hpp"
 #include "tests/support/fake_host.h"
 
 #include <cmath>

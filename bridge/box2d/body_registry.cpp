@@ -1,0 +1,112 @@
+#include "bridge/box2d/body_registry.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+namespace supercircle::bridge {
+
+BodyRegistry::Traits BodyRegistry::traitsOf(const b2Body& body) {
+    Traits t;
+    t.userData = const_cast<b2Body&>(body).GetUserData().pointer; // 2.4.1 has no const getter
+    t.fixtures = body.GetFixtureList();
+    t.type = body.GetType();
+    t.mass = body.GetMass();
+    t.inertia = body.GetInertia();
+    return t;
+}
+
+bool BodyRegistry::looksTheSame(const Traits& before, const b2Body& body) {
+    const Traits now = traitsOf(body);
+    if (before.fixtures == now.fixtures)
+        return before == now;
+    if (before.userData != now.userData || before.type != now.type)
+        return false;
+    // Fixtures may have been added to the same body: then the old head is still in the list.
+    bool found = before.fixtures == nullptr;
+    for (const b2Fixture* f = now.fixtures; f != nullptr && !found; f = f->GetNext())
+        found = f == before.fixtures;
+    return found;
+}
+
+std::size_t BodyRegistry::place(const b2Body* body) const {
+    const auto found = std::lower_bound(byBody_.begin(), byBody_.end(), body, [](const auto& entry, const b2Body* b) {
+        return std::less<>()(entry.first, b);
+    });
+    return found == byBody_.end() || found->first != body ? known_.size() : found->second;
+}
+
+std::size_t BodyRegistry::place(step::BodyId id) const {
+    const auto found = std::lower_bound(byId_.begin(), byId_.end(), id,
+                                        [](const auto& entry, step::BodyId sought) { return entry.first < sought; });
+    return found == byId_.end() || found->first != id ? known_.size() : found->second;
+}
+
+void BodyRegistry::sortNames() {
+    byBody_.clear();
+    byId_.clear();
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+        byBody_.emplace_back(known_[i].body, i);
+        byId_.emplace_back(known_[i].id, i);
+    }
+    std::sort(byBody_.begin(), byBody_.end(),
+              [](const auto& a, const auto& b) { return std::less<>()(a.first, b.first); });
+    std::sort(byId_.begin(), byId_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
+void BodyRegistry::sync(b2World& world) {
+    current_.clear();
+    for (b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext())
+        current_.push_back(b);
+    std::reverse(current_.begin(), current_.end()); // Box2D's list starts with the youngest
+
+    // Survivors keep their order and stand before all newcomers: they are a stretch at the front that is in the old
+    // order. Where that stretch ends, a newcomer at a dead body's address may stand in the dead one's place; whoever
+    // stands before a true survivor is one.
+    survivors_.clear(); // indices into known_
+    for (const b2Body* b : current_) {
+        const std::size_t found = place(b);
+        if (found == known_.size() || (!survivors_.empty() && found <= survivors_.back()))
+            break;
+        survivors_.push_back(found);
+    }
+    while (!survivors_.empty() && !looksTheSame(known_[survivors_.back()].traits, *current_[survivors_.size() - 1]))
+        survivors_.pop_back();
+
+    const bool all = survivors_.size() == current_.size() && current_.size() == known_.size();
+    now_.clear();
+    for (std::size_t i = 0; i < current_.size(); ++i)
+        now_.push_back(
+            {current_[i], i < survivors_.size() ? known_[survivors_[i]].id : next_++, traitsOf(*current_[i])});
+    std::swap(known_, now_);
+    if (!all)
+        sortNames();
+}
+
+void BodyRegistry::syncIfChanged(b2World& world) {
+    const bool same = world.GetBodyCount() == static_cast<int32>(known_.size()) &&
+                      (known_.empty() || world.GetBodyList() == known_.back().body);
+    if (!same)
+        sync(world);
+}
+
+b2Body* BodyRegistry::body(step::BodyId id) const {
+    const std::size_t found = place(id);
+    return found == known_.size() ? nullptr : known_[found].body;
+}
+
+step::BodyId BodyRegistry::id(const b2Body* body) const {
+    const std::size_t found = place(body);
+    return found == known_.size() ? 0 : known_[found].id;
+}
+
+void BodyRegistry::forget(const b2Body* body) {
+    const std::size_t found = place(body);
+    if (found == known_.size())
+        return;
+    // The place in the order stays (the body still lives for a moment); its name changes.
+    known_[found].id = next_++;
+    sortNames();
+}
+
+} // namespace supercircle::bridge

@@ -1,0 +1,460 @@
+// Float <-> double. Box2D's floats are the truth about bodies it moves itself. A driven (kinematic) body is different:
+// its owner knows where it is to the last double, while Box2D rounds to about 1e-7 of the distance from the origin,
+// which at a plate speed of 5 mm/s and steps of 0.1 ms is several per cent of the way of one step. So the port
+// remembers the exact pose it was given and reports that one for as long as Box2D's own pose is the rounding of it.
+
+#include "bridge/box2d/box2d_port.h"
+
+#include "bridge/box2d/body_registry.h"
+#include "bridge/box2d/build.h"
+#include "bridge/box2d/constraints.h"
+#include "bridge/box2d/outlines.h"
+#include "bridge/box2d/rigid_check.h"
+#include "bridge/box2d/units.h"
+
+#include <algorithm>
+#include <box2d/box2d.h>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace supercircle::bridge {
+
+using step::BodyId;
+using step::BodyOutline;
+using step::BodyState;
+using step::Box;
+using step::Vec2;
+
+namespace {
+
+constexpr double kMaxHost = 1e7; // beyond it Box2D's floats resolve less than a length unit; far below overflow
+
+/// A body that is moved by drive(): the exact motion, and Box2D's pose that stands for it.
+struct Driven {
+    Vec2 centre = Vec2::Zero();
+    double angle = 0.0;
+    Vec2 velocity = Vec2::Zero();
+    double spin = 0.0;
+    b2Vec2 hostCentre{0.0F, 0.0F};
+    float hostAngle = 0.0F;
+};
+
+struct Deferred {
+    BodyId body = 0;
+    bool isDrive = false;
+    Vec2 linear = Vec2::Zero(); ///< impulse, or velocity
+    double angular = 0.0;       ///< angular impulse, or spin
+    Vec2 centre = Vec2::Zero();
+    double angle = 0.0;
+};
+
+Vec2 toSi(const b2Vec2& v, double scale) {
+    return {static_cast<double>(v.x) / scale, static_cast<double>(v.y) / scale};
+}
+
+bool fits(const Vec2& v, double scale) {
+    return std::abs(v.x() * scale) < kMaxHost && std::abs(v.y() * scale) < kMaxHost; // false for NaN too
+}
+
+bool fitsFloat(double v) {
+    return std::abs(v) < 1e30;
+}
+
+struct Hit {
+    b2Body* body = nullptr;
+    const b2Fixture* fixture = nullptr;
+    int32 child = 0;
+};
+
+struct Collector {
+    const b2BroadPhase* broadPhase = nullptr;
+    b2AABB box{};
+    std::vector<Hit> hits;
+
+    bool QueryCallback(int32 proxyId) {
+        auto* proxy = static_cast<b2FixtureProxy*>(broadPhase->GetUserData(proxyId));
+        if (!isSolid(*proxy->fixture))
+            return true;
+        b2AABB exact; // the tree's own boxes are fattened
+        b2Body* body = proxy->fixture->GetBody();
+        proxy->fixture->GetShape()->ComputeAABB(&exact, body->GetTransform(), proxy->childIndex);
+        if (b2TestOverlap(exact, box))
+            hits.push_back({body, proxy->fixture, proxy->childIndex});
+        return true;
+    }
+};
+
+} // namespace
+
+struct Box2dPort::Impl {
+    b2World* world = nullptr;
+    double scale = 1.0;
+    BodyRegistry registry;
+    std::map<std::string, BodyId> names;
+    std::map<BodyId, Driven> driven;
+    std::vector<Deferred> deferred;
+    double lastDt = 0.0; ///< of the host's last step as far as told, s
+    std::uint64_t refused = 0;
+    std::string lastRefusal;
+    Collector collector; ///< storage of query()
+    ConstraintWork walk; ///< storage of constraints() and impulses()
+
+    void refuse(const std::string& why) {
+        ++refused;
+        lastRefusal = why;
+    }
+
+    /// Work that waits for the unlocked world, then a look at who is there.
+    void refresh(bool thorough) {
+        if (thorough)
+            registry.sync(*world);
+        else
+            registry.syncIfChanged(*world);
+        if (world->IsLocked() || deferred.empty())
+            return;
+        const std::vector<Deferred> work = std::exchange(deferred, {});
+        for (const Deferred& d : work) {
+            if (d.isDrive)
+                drive(d.body, d.centre, d.angle, d.linear, d.angular);
+            else
+                applyImpulse(d.body, d.linear, d.angular);
+        }
+    }
+
+    void applyImpulse(BodyId id, const Vec2& impulse, double angular) {
+        b2Body* b = registry.body(id);
+        if (b == nullptr) {
+            refuse("applyImpulse: the body no longer exists");
+            return;
+        }
+        if (!b->IsEnabled() || (impulse.isZero(0.0) && angular == 0.0))
+            return; // an impulse of nothing wakes nobody
+        b->ApplyLinearImpulseToCenter(toHost(impulse, scale), true);
+        b->ApplyAngularImpulse(static_cast<float>(angular * scale * scale), true);
+    }
+
+    void drive(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
+        b2Body* b = registry.body(id);
+        if (b == nullptr || b->GetType() != b2_kinematicBody) {
+            refuse(b == nullptr ? "drive: the body no longer exists" : "drive: the body is not kinematic");
+            return;
+        }
+        const b2Vec2 host = toHost(centre, scale);
+        const b2Rot rotation(static_cast<float>(angle));
+        b->SetTransform(host - b2Mul(rotation, b->GetLocalCenter()), static_cast<float>(angle));
+        b->SetLinearVelocity(toHost(velocity, scale));
+        b->SetAngularVelocity(static_cast<float>(spin));
+        driven[id] = {centre, angle, velocity, spin, b->GetWorldCenter(), b->GetAngle()};
+    }
+
+    void exactWhereDriven(BodyId id, const b2Body& body, BodyState& out) const {
+        const auto found = driven.find(id);
+        if (found == driven.end())
+            return;
+        const Driven& d = found->second;
+        if (body.GetWorldCenter() == d.hostCentre && body.GetAngle() == d.hostAngle) {
+            out.centre = d.centre;
+            out.angle = d.angle;
+        }
+        if (body.GetLinearVelocity() == toHost(d.velocity, scale) &&
+            body.GetAngularVelocity() == static_cast<float>(d.spin)) {
+            out.velocity = d.velocity;
+            out.spin = d.spin;
+        }
+    }
+
+    /// Appends the hits in the order (body id, key).
+    void append(const std::vector<Hit>& hits, std::vector<BodyOutline>& out) const {
+        const std::size_t first = out.size();
+        for (const Hit& h : hits) {
+            BodyOutline o;
+            o.local = outlineOf(*h.fixture, h.child, scale, key(h));
+            o.body = registry.id(h.body);
+            o.friction = static_cast<double>(h.fixture->GetFriction());
+            out.push_back(std::move(o));
+        }
+        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                  [](const BodyOutline& a, const BodyOutline& b) {
+                      return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
+                  });
+    }
+
+    /// Counts children from the body's oldest fixture, so that fixtures added later change no key.
+    static std::uint32_t key(const Hit& h) {
+        std::uint32_t older = 0;
+        for (const b2Fixture* f = h.fixture->GetNext(); f != nullptr; f = f->GetNext()) // newest first
+            older += static_cast<std::uint32_t>(f->GetShape()->GetChildCount());
+        return older + static_cast<std::uint32_t>(h.child);
+    }
+};
+
+Box2dPort::Box2dPort(b2World& world, const Options& options) : impl_(std::make_unique<Impl>()) {
+    if (!std::isfinite(options.units_per_metre) || options.units_per_metre <= 0.0)
+        throw std::invalid_argument("bridge: units_per_metre must be finite and positive");
+    impl_->world = &world;
+    impl_->scale = options.units_per_metre;
+    impl_->registry.sync(world);
+}
+
+Box2dPort::~Box2dPort() = default;
+
+Vec2 Box2dPort::gravity() const {
+    return toSi(impl_->world->GetGravity(), impl_->scale);
+}
+
+double Box2dPort::unitsPerMetre() const {
+    return impl_->scale;
+}
+
+void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
+    impl_->refresh(true);
+    if (!fits(box.lower, impl_->scale) || !fits(box.upper, impl_->scale)) {
+        impl_->refuse("query: the box is not finite or too far away");
+        return;
+    }
+    Collector& collector = impl_->collector;
+    collector.hits.clear();
+    collector.broadPhase = &impl_->world->GetContactManager().m_broadPhase;
+    collector.box = {toHost(box.lower, impl_->scale), toHost(box.upper, impl_->scale)};
+    collector.broadPhase->Query(&collector, collector.box);
+    impl_->append(collector.hits, out);
+}
+
+void Box2dPort::everything(std::vector<BodyOutline>& out) const {
+    impl_->refresh(true);
+    std::vector<Hit> hits;
+    for (b2Body* b = impl_->world->GetBodyList(); b != nullptr; b = b->GetNext()) {
+        for (const b2Fixture* f = b->GetFixtureList(); f != nullptr && b->IsEnabled(); f = f->GetNext()) {
+            for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child)
+                hits.push_back({b, f, child});
+        }
+    }
+    impl_->append(hits, out);
+}
+
+bool Box2dPort::state(BodyId body, BodyState& out) const {
+    impl_->refresh(false);
+    const b2Body* b = impl_->registry.body(body);
+    if (b == nullptr)
+        return false;
+    const double scale = impl_->scale;
+    out = BodyState{};
+    out.centre = toSi(b->GetWorldCenter(), scale);
+    out.angle = static_cast<double>(b->GetAngle());
+    out.velocity = toSi(b->GetLinearVelocity(), scale);
+    out.spin = static_cast<double>(b->GetAngularVelocity());
+    if (b->GetType() == b2_dynamicBody) {
+        out.mass = static_cast<double>(b->GetMass());
+        if (!b->IsFixedRotation()) {
+            // GetInertia is about the body origin.
+            const Vec2 c = toSi(b->GetLocalCenter(), 1.0);
+            out.inertia =
+                std::max(0.0, static_cast<double>(b->GetInertia()) - out.mass * c.squaredNorm()) / (scale * scale);
+        }
+    }
+    out.gravityScale = static_cast<double>(b->GetGravityScale());
+    out.linearDamping = static_cast<double>(b->GetLinearDamping());
+    out.angularDamping = static_cast<double>(b->GetAngularDamping());
+    out.awake = b->IsAwake();
+    out.enabled = b->IsEnabled();
+    out.moving = b->GetType() != b2_staticBody;
+    impl_->exactWhereDriven(body, *b, out);
+    return true;
+}
+
+void Box2dPort::constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const {
+    impl_->refresh(false);
+    appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt, impl_->walk,
+                      out);
+}
+
+void Box2dPort::impulses(double dt, step::HostConstraints& io) const {
+    impl_->refresh(true);
+    impl_->lastDt = dt;
+    readImpulses(impl_->registry, impl_->scale, dt, impl_->walk, io);
+}
+
+void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) {
+    impl_->refresh(false);
+    const double scale = impl_->scale;
+    if (!fitsFloat(impulse.x() * scale) || !fitsFloat(impulse.y() * scale) ||
+        !fitsFloat(angularImpulse * scale * scale)) {
+        impl_->refuse("applyImpulse: the impulse is not finite or too large");
+        return;
+    }
+    if (impl_->world->IsLocked()) {
+        Deferred d;
+        d.body = body;
+        d.linear = impulse;
+        d.angular = angularImpulse;
+        impl_->deferred.push_back(d);
+        return;
+    }
+    impl_->applyImpulse(body, impulse, angularImpulse);
+}
+
+void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
+    impl_->refresh(false);
+    if (!fits(velocity, impl_->scale) || !(std::abs(spin) < kMaxHost)) {
+        impl_->refuse("setVelocity: the velocity is not finite or too large");
+        return;
+    }
+    b2Body* b = impl_->registry.body(body);
+    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
+        impl_->refuse("setVelocity: no dynamic body of an unlocked world");
+        return;
+    }
+    if (!b->IsAwake())
+        return;
+    b->SetLinearVelocity(toHost(velocity, impl_->scale));
+    b->SetAngularVelocity(static_cast<float>(spin));
+}
+
+void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
+    impl_->refresh(false);
+    if (!fits(centre, impl_->scale) || !(std::abs(angle) < kMaxHost)) {
+        impl_->refuse("place: the pose is not finite or too far away");
+        return;
+    }
+    b2Body* b = impl_->registry.body(body);
+    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
+        impl_->refuse("place: no dynamic body of an unlocked world");
+        return;
+    }
+    b2Vec2 way = toHost(centre, impl_->scale) - b->GetWorldCenter();
+    bool blocked = false;
+    for (const b2ContactEdge* e = b->GetContactList(); e != nullptr; e = e->next) {
+        if (e->other->GetType() == b2_dynamicBody || !e->contact->IsTouching() || !pushes(*e->contact))
+            continue;
+        b2WorldManifold manifold;
+        e->contact->GetWorldManifold(&manifold);
+        const b2Vec2 out = e->contact->GetFixtureB()->GetBody() == b ? manifold.normal : -manifold.normal;
+        if (const float in = b2Dot(way, out); in < 0.0F) {
+            way -= in * out;
+            blocked = true;
+        }
+    }
+    const float turned = blocked ? b->GetAngle() : static_cast<float>(angle);
+    const b2Vec2 target = b->GetWorldCenter() + way;
+    b->SetTransform(target - b2Mul(b2Rot(turned), b->GetLocalCenter()), turned);
+}
+
+void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
+    impl_->refresh(false);
+    if (!fits(centre, impl_->scale) || !fits(velocity, impl_->scale) || !(std::abs(angle) < kMaxHost) ||
+        !(std::abs(spin) < kMaxHost)) {
+        impl_->refuse("drive: the motion is not finite or too large");
+        return;
+    }
+    if (impl_->world->IsLocked()) {
+        impl_->deferred.push_back({body, true, velocity, spin, centre, angle});
+        return;
+    }
+    impl_->drive(body, centre, angle, velocity, spin);
+}
+
+BodyId Box2dPort::find(const std::string& name) const {
+    impl_->refresh(false);
+    const auto found = impl_->names.find(name);
+    return found != impl_->names.end() && impl_->registry.body(found->second) != nullptr ? found->second : 0;
+}
+
+std::string Box2dPort::build(const step::RigidWorldDefinition& definition) {
+    if (impl_->world->IsLocked())
+        return "bodies cannot be built inside the world's own step";
+    step::RigidWorldDefinition scaled = definition;
+    scaled.lengthScale = impl_->scale;
+    if (std::string why = checkDefinition(scaled); !why.empty())
+        return why;
+    impl_->world->SetGravity(toHost(scaled.gravity, scaled.lengthScale));
+    const std::vector<b2Body*> bodies = buildBodies(scaled, *impl_->world);
+    impl_->registry.sync(*impl_->world);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        if (!scaled.bodies[i].name.empty())
+            setName(*bodies[i], scaled.bodies[i].name);
+    return {};
+}
+
+BodyId Box2dPort::idOf(const b2Body& body) const {
+    impl_->refresh(false);
+    return impl_->registry.id(&body);
+}
+
+b2Body* Box2dPort::bodyOf(BodyId body) const {
+    impl_->refresh(false);
+    return impl_->registry.body(body);
+}
+
+void Box2dPort::setName(const b2Body& body, const std::string& name) {
+    if (const BodyId id = idOf(body); id != 0)
+        impl_->names[name] = id;
+    else
+        impl_->refuse("setName: '" + name + "' is not a body of this world");
+}
+
+void Box2dPort::forget(const b2Body& body) {
+    impl_->registry.forget(&body);
+}
+
+void Box2dPort::stepped(double dt) {
+    impl_->lastDt = dt;
+    impl_->refresh(false);
+    for (auto it = impl_->driven.begin(); it != impl_->driven.end();) {
+        const b2Body* b = impl_->registry.body(it->first);
+        if (b == nullptr) {
+            it = impl_->driven.erase(it);
+            continue;
+        }
+        Driven& d = it->second;
+        const Vec2 centre = d.centre + dt * d.velocity;
+        const double angle = d.angle + dt * d.spin;
+        // Box2D caps the way of one step and its user may have moved the body: then its pose is the truth.
+        const double rounding = 1e-6 * (1.0 + impl_->scale * (centre.cwiseAbs().maxCoeff() + d.centre.norm()));
+        const Vec2 off = toSi(b->GetWorldCenter(), 1.0) - impl_->scale * centre;
+        const bool arrived = off.cwiseAbs().maxCoeff() < rounding &&
+                             std::abs(static_cast<double>(b->GetAngle()) - angle) < 1e-6 * (1.0 + std::abs(angle));
+        if (!arrived) {
+            it = impl_->driven.erase(it);
+            continue;
+        }
+        d.centre = centre;
+        d.angle = angle;
+        d.hostCentre = b->GetWorldCenter();
+        d.hostAngle = b->GetAngle();
+        ++it;
+    }
+}
+
+std::uint64_t Box2dPort::refused() const {
+    return impl_->refused;
+}
+
+const std::string& Box2dPort::lastRefusal() const {
+    return impl_->lastRefusal;
+}
+
+Attachment attach(b2World& world, const Options& options) {
+    auto port = std::make_shared<Box2dPort>(world, options);
+    Box2dPort* const seen = port.get();
+    return {std::move(port), seen};
+}
+
+void Attachment::set_name(const b2Body& body, const std::string& name) const {
+    port_->setName(body, name);
+}
+std::uint64_t Attachment::body_id(const b2Body& body) const {
+    return port_->idOf(body);
+}
+void Attachment::forget(const b2Body& body) const {
+    port_->forget(body);
+}
+std::uint64_t Attachment::refused() const {
+    return port_->refused();
+}
+std::string Attachment::last_refusal() const {
+    return port_->lastRefusal();
+}
+
+} // namespace supercircle::bridge

@@ -1,4 +1,0 @@
-#pragma once
-// Shells in a picture that b2Draw makes: the public header has it all.
-
-#include "bridge/include/supercircle/box2d_draw.hpp"

@@ -1,0 +1,108 @@
+#pragma once
+// The picture of a level: camera, bodies, shells, hand, and the frame of words around them. One look for all games and
+// the testbed; drawn on report's canvas, so that a window and a PNG file show the same pixels.
+
+#include "examples/games/frame/stage.h"
+#include "plugin/graphics/canvas.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace supercircle::frame {
+
+using report::Canvas;
+using report::Colour;
+
+namespace look {
+inline constexpr Colour sky = Colour::hex(0xf6f4ef);
+inline constexpr Colour strip = Colour::hex(0xffffff);
+inline constexpr Colour rule = Colour::hex(0xd8d4ca);
+inline constexpr Colour ink = Colour::hex(0x22272e);
+inline constexpr Colour muted = Colour::hex(0x68707a);
+inline constexpr Colour still = Colour::hex(0xd3d8de), stillEdge = Colour::hex(0x98a2ad);
+inline constexpr Colour driven = Colour::hex(0x9fb2c6), drivenEdge = Colour::hex(0x506a84);
+inline constexpr Colour loose = Colour::hex(0xf2cd8e), looseEdge = Colour::hex(0xa9742a);
+inline constexpr Colour good = Colour::hex(0x2f9e63), bad = Colour::hex(0xc8452d), accent = Colour::hex(0x2a6fb8);
+inline constexpr double top = 52.0;    ///< px, strip above
+inline constexpr double bottom = 34.0; ///< px, strip below
+} // namespace look
+
+struct Style {
+    Colour fill = look::still, edge = look::stillEdge;
+};
+
+/// Box of the world that is shown, with a zoom and a shift of the player's.
+class Camera {
+public:
+    void fit(Point lower, Point upper) {
+        lower_ = lower;
+        upper_ = upper;
+        home();
+    }
+    void home() {
+        zoom_ = 1.0;
+        shift_ = {};
+    }
+    void resize(double width, double height, double left = 0.0);
+    /// Keeps the place under the mouse.
+    void zoom(double factor, report::Point at);
+    void pan(double dx, double dy);
+    [[nodiscard]] double scale() const; ///< px per metre
+    [[nodiscard]] report::Point pixel(Point p) const;
+    [[nodiscard]] Point world(report::Point p) const;
+
+private:
+    Point lower_{-8, -1}, upper_{8, 8}, shift_{};
+    double zoom_ = 1.0, width_ = 1280.0, height_ = 720.0, left_ = 0.0;
+};
+
+/// A sheet with a camera.
+class View {
+public:
+    View(Canvas& canvas, const Camera& camera, double width, double height)
+        : canvas_(&canvas), camera_(&camera), width_(width), height_(height) {}
+    [[nodiscard]] Canvas& canvas() const { return *canvas_; }
+    [[nodiscard]] const Camera& camera() const { return *camera_; }
+    [[nodiscard]] double width() const { return width_; }
+    [[nodiscard]] double height() const { return height_; }
+    [[nodiscard]] report::Point pixel(Point p) const { return camera_->pixel(p); }
+
+    void background() const;
+    void bodies(const Stage& stage, double alpha, const std::function<Style(const b2Body&)>& style = {}) const;
+    void shells(const Stage& stage, double alpha, const std::function<Colour(ShellHandle)>& colour = {}) const;
+    void hand(const Stage& stage) const;
+    /// World shapes of the games' own.
+    void disc(Point centre, double radius, const Style& style) const;
+    void line(Point a, Point b, const Colour& colour, double width, bool dashed = false) const;
+    void area(Point lower, Point upper, const Colour& colour, const std::string& label) const;
+    void label(Point at, const std::string& text, const Colour& colour, double size = 14.0) const;
+    /// A shell curve as a thick line with an edge.
+    void curve(const std::vector<Point>& line, const Colour& colour, double thickness) const;
+
+private:
+    Canvas* canvas_;
+    const Camera* camera_;
+    double width_, height_;
+};
+
+/// One entry of the status line: a name and what it is.
+struct Status {
+    std::string name, value;
+    Colour colour = look::ink;
+};
+
+/// Title, status and hint around the picture.
+void drawStrips(const View& view, const std::string& title, const std::vector<Status>& status, const std::string& hint,
+                const std::string& corner = "");
+/// A card in the middle, for the end of a game and for help.
+void drawCard(const View& view, const std::string& title, const std::vector<std::string>& lines, const Colour& colour);
+/// Keys and what they do, a card at the right.
+void drawHelp(const View& view, const std::vector<std::pair<std::string, std::string>>& keys);
+/// Where the energy went: one bar each, at (x, y) px.
+void drawEnergy(const View& view, double x, double y, const std::string& title,
+                const std::vector<std::pair<std::string, double>>& joules, const std::vector<Colour>& colours);
+/// "12.3", at most `digits` after the point.
+[[nodiscard]] std::string number(double value, int digits);
+
+} // namespace supercircle::frame

@@ -1,0 +1,42 @@
+#pragma once
+// A window that shows finished pictures and gathers input. With GLFW where CMake finds it, else open() says so.
+
+#include "examples/games/frame/input.h"
+#include "plugin/graphics/cairo_canvas.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace supercircle::frame {
+
+/// Raw mouse in pixels of the picture, beside what Input has.
+struct Pointer {
+    report::Point at{};
+    double wheel = 0.0;               ///< notches since the last poll
+    bool left = false, right = false; ///< buttons down
+    double dragX = 0.0, dragY = 0.0;  ///< px, with the right button since the last poll
+};
+
+class Window {
+public:
+    Window();
+    ~Window();
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+    /// Empty, or why there is no window.
+    std::string open(int width, int height, const std::string& title);
+    /// Gathers input; `world` turns pixels into metres. False when the window was closed.
+    bool poll(Input& input, const std::function<Point(report::Point)>& world);
+    [[nodiscard]] const Pointer& pointer() const;
+    [[nodiscard]] int width() const;
+    [[nodiscard]] int height() const;
+    [[nodiscard]] double seconds() const; ///< of a clock
+    void show(const report::CairoCanvas& picture);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace supercircle::frame

@@ -1,0 +1,33 @@
+// Built instead of window_glfw.cpp where there is no GLFW.
+
+#include "examples/games/frame/window.h"
+
+namespace supercircle::frame {
+
+struct Window::Impl {
+    Pointer pointer;
+};
+
+Window::Window() : impl_(std::make_unique<Impl>()) {}
+Window::~Window() = default;
+std::string Window::open(int, int, const std::string&) {
+    return "this build has no windows (GLFW was not found): use --headless, or install libglfw3-dev and build again";
+}
+bool Window::poll(Input&, const std::function<Point(report::Point)>&) {
+    return false;
+}
+const Pointer& Window::pointer() const {
+    return impl_->pointer;
+}
+int Window::width() const {
+    return 1280;
+}
+int Window::height() const {
+    return 720;
+}
+double Window::seconds() const {
+    return 0.0;
+}
+void Window::show(const report::CairoCanvas&) {}
+
+} // namespace supercircle::frame

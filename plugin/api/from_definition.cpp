@@ -1,0 +1,90 @@
+#include "plugin/api/from_definition.h"
+
+#include "plugin/api/limits.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle {
+
+double shellLength(const ShellDef& d) {
+    return d.length != 0.0 ? d.length : 2.0 * M_PI * d.phi_bar * d.radius;
+}
+
+namespace {
+
+std::string checkNumbers(const ShellDef& d) {
+    const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
+    if (d.elements < 1 || d.elements > 4096)
+        return "elements must lie between 1 and 4096";
+    if (!positive(d.thickness) || !positive(d.width) || !positive(d.density) || !positive(d.young_modulus))
+        return "thickness, width, density and young_modulus must be positive and finite";
+    if (!limits::friction(d.mu))
+        return limits::kBadFriction;
+    if (d.length == 0.0 && !(positive(d.phi_bar) && d.phi_bar <= 1.0 && positive(d.radius)))
+        return "without a length, radius must be positive and phi_bar lie in (0, 1]";
+    if (std::isnan(d.radius) || d.radius == 0.0)
+        return "radius must not be zero";
+    if (!positive(shellLength(d)))
+        return "length must be positive and finite";
+    for (double x : {d.position.x, d.position.y, d.angle, d.velocity.x, d.velocity.y, d.spin})
+        if (!std::isfinite(x))
+            return "position, angle, velocity and spin must be finite";
+    if (!(d.tip_refinement >= 0.01 && d.tip_refinement <= 100.0))
+        return "tip_refinement must lie between 0.01 and 100";
+    const auto count = static_cast<std::size_t>(d.elements);
+    if ((!d.natural_curvature.empty() && d.natural_curvature.size() != count) ||
+        (!d.curvature.empty() && d.curvature.size() != count))
+        return "natural_curvature and curvature need one value per element (" + std::to_string(d.elements) + ")";
+    return {};
+}
+
+} // namespace
+
+std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
+    if (std::string why = checkNumbers(d); !why.empty())
+        return why;
+    const auto count = static_cast<std::size_t>(d.elements);
+    rod::RodDefinition& r = out.definition;
+    r.length = shellLength(d);
+    r.thickness = d.thickness;
+    r.linearMass = d.density * d.width * d.thickness;
+    r.bendingModulus = bendingModulus(d);
+    r.closed = d.closed;
+    if (d.tip_refinement != 1.0)
+        r.elementLength = rod::gradedLengths(r.length, d.elements, d.tip_refinement);
+    r.naturalCurvature = d.natural_curvature;
+    if (r.naturalCurvature.empty())
+        r.naturalCurvature.assign(count, std::isinf(d.radius) ? 0.0 : 1.0 / d.radius);
+    if (std::string why = rod::validate(r); !why.empty())
+        return why;
+    std::vector<double> curvature = d.curvature.empty() ? r.naturalCurvature : d.curvature;
+    if (d.closed && d.curvature.empty()) // the round ring: natural curvature may differ, the welded shape may not
+        curvature.assign(count, 2.0 * M_PI / r.length);
+    if (std::string why = limits::shell(r); !why.empty())
+        return why;
+    double bend = 0.0;
+    for (const double k : curvature)
+        bend = std::max(bend, std::abs(k));
+    if (!limits::motion(r, d.velocity, d.spin) || !(r.bendingModulus * r.length * bend * bend < limits::kMostEnergy) ||
+        !limits::place(d.position) || !limits::angle(d.angle))
+        return "the shell is too far away, too fast or too strongly bent for its energy to be a number";
+    const rod::RodModel model(r);
+    for (const auto* list : {&r.naturalCurvature, &curvature})
+        if (std::string why = limits::turns(model, *list); !why.empty())
+            return why;
+    out.q.setZero(model.dofs());
+    out.v.setZero(model.dofs());
+    for (int i = 0; i < d.elements; ++i) {
+        out.q[model.dofOfElement(i)] = curvature[static_cast<std::size_t>(i)];
+    }
+    out.q[model.dofX()] = d.position.x;
+    out.q[model.dofY()] = d.position.y;
+    out.q[model.dofTheta()] = d.angle;
+    out.v[model.dofX()] = d.velocity.x;
+    out.v[model.dofY()] = d.velocity.y;
+    out.v[model.dofTheta()] = d.spin;
+    return {};
+}
+
+} // namespace supercircle

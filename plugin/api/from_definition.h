@@ -1,0 +1,25 @@
+#pragma once
+// From a user's ShellDef to the core's rod.
+
+#include "plugin/api/include/supercircle/definitions.hpp"
+#include "supercircle/rod/model.h"
+
+#include <Eigen/Core>
+#include <string>
+
+namespace supercircle {
+
+/// What the core needs to make the rod.
+struct RodFromDefinition {
+    rod::RodDefinition definition;
+    Eigen::VectorXd q; ///< layout of rod::RodModel
+    Eigen::VectorXd v;
+};
+
+/// Arc length of a definition, m.
+double shellLength(const ShellDef& d);
+
+/// Fills `out`; empty string, or what is wrong with the definition.
+std::string fromDefinition(const ShellDef& d, RodFromDefinition& out);
+
+} // namespace supercircle

@@ -1,0 +1,78 @@
+#pragma once
+// How large and how small the numbers of a call may be (private to shells/).
+//
+// Finite is not enough: squares of finite numbers overflow, masses of denormal densities divide to infinity, and the
+// NaN that comes of it ends in the books of everybody (found by the fuzzer). These bounds are far beyond any world and
+// leave the numerics room for squares and products.
+
+#include "plugin/api/include/supercircle/definitions.hpp"
+#include "supercircle/rod/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace supercircle::limits {
+
+constexpr double kFarthest = 1e12;   ///< m, coordinates and lengths; rad
+constexpr double kFastest = 1e9;     ///< m/s; rad/s and Hz
+constexpr double kMostEnergy = 1e30; ///< J
+constexpr double kMostTurn = 8.0 * M_PI;
+constexpr double kMostFriction = 1e9;
+constexpr double kScale =
+    1e30; ///< masses (kg) and B / length (N m): not larger than this, nor smaller than its inverse
+
+inline const char* const kTooFar = "places must be finite and within 1e12 m";
+inline const char* const kTooStrong = "forces and impulses must be finite, and not move the shell beyond all numbers";
+inline const char* const kBadFriction = "mu must lie between 0 and 1e9";
+
+inline bool place(const Point& p) {
+    return std::hypot(p.x, p.y) < kFarthest;
+}
+inline bool angle(double a) {
+    return std::abs(a) < kFarthest;
+}
+inline bool velocity(const Point& v, double spin = 0.0) {
+    return std::hypot(v.x, v.y) < kFastest && std::abs(spin) < kFastest;
+}
+inline bool friction(double mu) {
+    return mu >= 0.0 && mu <= kMostFriction;
+}
+/// Whether an impulse (or a force that acts for a second) leaves the shell with an energy.
+inline bool impulse(const rod::RodModel& model, const Point& p, double angular) {
+    const double linear = std::hypot(p.x, p.y) + std::abs(angular) / model.definition().length;
+    return linear * linear < kMostEnergy * model.mass();
+}
+/// The same for the motion of a rigid shell.
+inline bool motion(const rod::RodDefinition& d, const Point& v, double spin) {
+    const double speed = std::hypot(v.x, v.y) + std::abs(spin) * d.length;
+    return d.linearMass * d.length * speed * speed < kMostEnergy;
+}
+/// What is wrong with the sizes of a shell that rod::validate finds in order; empty if nothing.
+inline std::string shell(const rod::RodDefinition& d) {
+    const auto within = [](double x, double low, double high) { return x > low && x < high; };
+    const double mass = d.linearMass * d.length;
+    if (!within(d.length, 1.0 / kFarthest, kFarthest) || !within(d.thickness, 1.0 / kFarthest, kFarthest) ||
+        !within(mass, 1.0 / kScale, kScale) || !within(d.bendingModulus / d.length, 1.0 / kScale, kScale))
+        return "the shell is too large or too small, too heavy or too light, too stiff or too soft for its motion to "
+               "be "
+               "a number";
+    double bend = 0.0;
+    for (const double k : d.naturalCurvature)
+        bend = std::max(bend, std::abs(k));
+    if (!(d.bendingModulus * d.length * bend * bend < kMostEnergy))
+        return "the shell is too strongly bent for its energy to be a number";
+    return {};
+}
+/// An element that turns more than once lies upon itself; a million turns would take memory without end to draw.
+inline std::string turns(const rod::RodModel& model, const std::vector<double>& curvature) {
+    for (int i = 0; i < model.elements(); ++i)
+        if (const double turn = curvature[static_cast<std::size_t>(i)] * model.elementLength(i);
+            !(std::abs(turn) <= kMostTurn))
+            return "natural_curvature, curvature and radius may turn an element by 8 pi at most: element " +
+                   std::to_string(i) + " would turn by " + std::to_string(turn) + " rad";
+    return {};
+}
+
+} // namespace supercircle::limits

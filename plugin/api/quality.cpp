@@ -1,0 +1,68 @@
+#include "plugin/api/quality.h"
+
+#include "plugin/api/shells_impl.h"
+#include "plugin/api/snapshot_fields.h"
+
+namespace supercircle {
+
+step::Settings settingsFor(Quality quality, const step::Settings& before) {
+    step::Settings s;
+    s.threads = before.threads;
+    s.autoSleep = before.autoSleep;
+    s.sleepDrift = before.sleepDrift;
+    s.sleepAfter = before.sleepAfter;
+    if (quality == Quality::Laboratory)
+        return s;
+    s.dtMax = 1.0 / 30.0;
+    s.localError = 1.0;
+    s.motionLimit = 5.0;
+    s.relinearise = 0.01;
+    s.maxIterations = 2;
+    s.contact.tolerance = 1e-6;
+    s.sweepAbove = 500;
+    s.cappedSweeps = 40;
+    s.acceptUnconverged = true;
+    s.prune = true;
+    s.frameWork = 20000;
+    s.witness = true;
+    return s;
+}
+
+Quality qualityOf(const step::Settings& settings) {
+    return settings.prune ? Quality::Game : Quality::Laboratory;
+}
+
+Outcome Shells::set_quality(Quality quality) {
+    return impl_->change([&] {
+        if (quality != Quality::Laboratory && quality != Quality::Game)
+            return refused("a quality is Laboratory or Game");
+        impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings());
+        impl_->recorder.record(Call::SetQuality, quality);
+        return done();
+    });
+}
+
+Quality Shells::quality() const {
+    return qualityOf(impl_->stepper.settings());
+}
+
+Outcome Shells::set_frame_budget(std::uint64_t work) {
+    return impl_->change([&] {
+        if (quality() != Quality::Game)
+            return refused("only Quality::Game has a budget");
+        impl_->stepper.settings().frameWork = work;
+        impl_->recorder.record(Call::SetFrameBudget, work);
+        return done();
+    });
+}
+
+Outcome Shells::set_threads(int threads) {
+    return impl_->change([&] {
+        if (threads < 1 || threads > 256)
+            return refused("the number of threads must lie between 1 and 256");
+        impl_->stepper.settings().threads = threads;
+        return done();
+    });
+}
+
+} // namespace supercircle

@@ -1,0 +1,157 @@
+#pragma once
+// The fields of effects that are saved (private to shells/), see snapshot_fields.h. Constants that follow from the
+// model of an effect and its rod are made again; state is checked against them.
+
+#include "plugin/api/snapshot_archive.h"
+#include "supercircle/effects/rod_effects.h"
+
+#include <algorithm>
+
+namespace supercircle::archive {
+
+/// Numbers beyond what the catalogue allows were never set by anybody: they are refused, not simulated.
+template <class Ar>
+void demand(Ar& ar, bool possible) {
+    if constexpr (Ar::kLoads)
+        if (!possible)
+            ar.fail("an effect in it is impossible");
+}
+inline bool within(double value, double least, double most) {
+    return value >= least && value <= most; // not a number is within nothing
+}
+inline bool possible(const effects::SplineCoefficients& c, double least, double most) {
+    return std::all_of(c.begin(), c.end(), [&](double v) { return within(v, least, most); });
+}
+inline constexpr double kAny = std::numeric_limits<double>::max();
+inline constexpr double kEndlessToo = std::numeric_limits<double>::infinity();
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Book> auto& b) {
+    auto& [stored, dissipated] = b;
+    ar(stored, dissipated);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Profile> auto& p) {
+    auto& [cause, shape, centre, width, stiffness, curvature] = p;
+    ar(cause, shape, centre, width, stiffness, curvature);
+    demand(ar, cause < effects::Key::Count && shape <= effects::Profile::Shape::Thickness &&
+                   within(width, 1e-9, kAny) && within(centre, 0.0, 1.0) && within(stiffness, -0.99, 1e3) &&
+                   within(curvature, -1e4, 1e4));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Backbone> auto& b) {
+    auto& [law, knee, exponent, learned] = b;
+    ar(law, knee, exponent, learned);
+    demand(ar, possible(learned, -0.95, 100.0) && law <= effects::Backbone::Law::Learned &&
+                   within(knee, 1e-3, kEndlessToo) && within(exponent, 1.0, 50.0));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Branch> auto& b) {
+    auto& [stiffness, time] = b;
+    ar(stiffness, time);
+    demand(ar, within(stiffness, 0.0, 1e3) && within(time, 1e-6, 1e9));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::MaterialModel> auto& m) {
+    auto& [profiles, backbone, viscosity, branches, yield, hardening, kinematic, softening, softeningTime,
+           softeningByDecades] = m;
+    ar(profiles, backbone, viscosity, branches, yield, hardening, kinematic, softening, softeningTime,
+       softeningByDecades);
+    demand(ar, within(viscosity, 0.0, 1e4) && within(yield, 1e-6, kEndlessToo) && within(hardening, 0.0, 1e3) &&
+                   within(softening, 0.0, 0.95) && within(softeningTime, 1e-6, 1e9));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::DragModel> auto& m) {
+    auto& [force, presliding] = m;
+    ar(force, presliding);
+    demand(ar, within(force, 0.0, 1e4) && within(presliding, 1e-9, 1e-2));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
+    auto& [staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance,
+           wearLearned, rateCurve, wearCurve] = m;
+    ar(staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance,
+       wearLearned, rateCurve, wearCurve);
+    demand(ar, possible(rateCurve, -0.95, 100.0) && possible(wearCurve, -0.95, 100.0));
+    demand(ar, within(staticRatio, 1.0, 100.0) && within(slipWeakening, 1e-7, 1.0) && within(healing, 1e-6, 1e9) &&
+                   within(presliding, 0.0, 1e-2) && rate <= effects::FrictionModel::Rate::Learned &&
+                   within(rateStrength, -0.95, 100.0) && within(rateSpeed, 1e-9, 1e3) &&
+                   within(wearChange, -0.95, 100.0) && within(wearDistance, 1e-6, 1e6));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::AdhesionModel> auto& m) {
+    auto& [law, force, range, spots, learned] = m;
+    ar(law, force, range, spots, learned);
+    demand(ar, possible(learned, -10.0, 10.0) && law <= effects::AdhesionModel::Law::Learned &&
+                   within(force, 0.0, 1e6) && within(range, 1e-7, 1.0) && within(spots, 0.0, 1.0));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::ContactComplianceModel> auto& m) {
+    auto& [normal, tangential] = m;
+    ar(normal, tangential);
+    demand(ar, within(normal, 0.0, 1.0) && within(tangential, 0.0, 1.0));
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::ContactModel> auto& m) {
+    auto& [friction, adhesion, compliance] = m;
+    ar(friction, adhesion, compliance);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<effects::Site> auto& s) {
+    auto& [weakened, slid, speed] = s;
+    ar(weakened, slid, speed);
+    demand(ar, within(weakened, 0.0, 1.0 + 1e-9) && within(slid, 0.0, kAny) && within(speed, -kAny, kAny));
+}
+
+/// `made`: the effect as it is right after being given to the rod; its lists say how long those that were saved are.
+template <class Ar, class List>
+void ioState(Ar& ar, List& list, const std::remove_const_t<List>& made) {
+    ar(list);
+    if constexpr (Ar::kLoads)
+        if (list.size() != made.size()) {
+            ar.fail("the state of an effect in it has the wrong size");
+            list = made;
+        }
+}
+
+template <class Ar>
+void ioEffects(Ar& ar, const rod::RodModel& rod, Is<effects::RodEffects> auto& fx) {
+    auto& [material, drag, surface, attraction, books] = fx;
+    auto& [laws, upTo, age, plastic, hardened, overstress] = material;
+    auto& [dragModel, dragPlace, dragWeight, stretch] = drag;
+    auto& [contact, spacing, sites] = surface;
+    effects::Model model;
+    if constexpr (Ar::kLoads) {
+        ar(model.material, model.drag, model.contact);
+        if (ar.fault().empty())
+            fx = effects::makeRodEffects(rod, model);
+    } else {
+        ar(laws, dragModel, contact);
+    }
+    const effects::RodEffects made = Ar::kLoads ? fx : effects::RodEffects{};
+    ar(age, books);
+    ioState(ar, plastic, made.material.plastic);
+    ioState(ar, hardened, made.material.hardened);
+    ioState(ar, overstress, made.material.overstress);
+    if constexpr (Ar::kLoads)
+        for (auto& branch : overstress)
+            if (branch.size() != plastic.size()) {
+                ar.fail("the state of an effect in it has the wrong size");
+                branch.assign(plastic.size(), 0.0);
+            }
+    ioState(ar, stretch, made.drag.stretch);
+    ioState(ar, sites, made.surface.sites);
+    (void)upTo, (void)dragPlace, (void)dragWeight, (void)spacing, (void)attraction; // follow from the models
+}
+
+} // namespace supercircle::archive

@@ -1,0 +1,386 @@
+#pragma once
+// The fields of everything that is saved (private to shells/). Structured bindings name every member of a struct: who
+// adds a member and forgets it here gets a compiler error ("decomposes into n elements"), not a state that is lost. A
+// new field changes the format: raise the version in kStateKind (snapshot.cpp).
+
+#include "plugin/api/shells_impl.h"
+#include "plugin/api/snapshot_archive.h"
+#include "plugin/api/snapshot_effects.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace supercircle::archive {
+
+template <class Ar>
+void io(Ar& ar, Is<Point> auto& p) {
+    auto& [x, y] = p;
+    ar(x, y);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<ShellHandle> auto& h) {
+    auto& [index, generation, world] = h;
+    ar(index, generation, world);
+}
+
+template <class Ar, class Part>
+void io(Ar& ar, PartHandle<Part>& h) {
+    ar(h.index, h.generation, h.world);
+}
+template <class Ar, class Part>
+void io(Ar& ar, const PartHandle<Part>& h) {
+    ar(h.index, h.generation, h.world);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<DriveDef> auto& d) {
+    auto& [position, angle, velocity, spin] = d;
+    ar(position, angle, velocity, spin);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<JointDef> auto& d) {
+    auto& [kind, shell, arcFraction, other, otherFraction, body, point, length, collideConnected] = d;
+    ar(kind, shell, arcFraction, other, otherFraction, body, point, length, collideConnected);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<GrabDef> auto& d) {
+    auto& [arcFraction, target, frequency, dampingRatio, maxForce] = d;
+    ar(arcFraction, target, frequency, dampingRatio, maxForce);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<FilterDef> auto& d) {
+    auto& [category, mask, group] = d;
+    ar(category, mask, group);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<SleepSettings> auto& s) {
+    auto& [automatic, drift, delay] = s;
+    ar(automatic, drift, delay);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<MaterialDef> auto& d) {
+    auto& [mu, youngModulus, density, naturalCurvature] = d;
+    ar(mu, youngModulus, density, naturalCurvature);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<ShellDef> auto& d) {
+    auto& [position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density,
+           youngModulus, mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, material, userData,
+           name] = d;
+    ar(position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density, youngModulus,
+       mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, material, userData, name);
+}
+
+// ---- the core ----
+
+template <class Ar>
+void io(Ar& ar, Is<rod::RodDefinition> auto& d) {
+    auto& [length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength] = d;
+    ar(length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<rod::RodModel> auto& model) {
+    if constexpr (Ar::kLoads) {
+        rod::RodDefinition d;
+        ar(d);
+        if (!ar.fault().empty())
+            return;
+        if (const std::string why = d.naturalCurvature.size() <= 4096 ? rod::validate(d) : "too many elements";
+            !why.empty())
+            ar.fail("a shell in it is impossible: " + why);
+        else
+            model = rod::RodModel(std::move(d));
+    } else {
+        ar(model.definition());
+    }
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Path> auto& p) {
+    auto& [active, start, end, from, to, fromVelocity, toVelocity, fromAngle, toAngle, fromSpin, toSpin] = p;
+    ar(active, start, end, from, to, fromVelocity, toVelocity, fromAngle, toAngle, fromSpin, toSpin);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Target> auto& t) {
+    auto& [point, angle, velocity, spin, path, pending] = t;
+    ar(point, angle, velocity, spin, path, pending);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Hold> auto& h) {
+    auto& [s, clamped, onMachine, target, reaction, reactionTorque, key] = h;
+    ar(s, clamped, onMachine, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
+       target.path, target.pending, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::PointForce> auto& f) {
+    auto& [s, force, torque, once, key] = f;
+    ar(s, force, torque, once, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Grab> auto& g) {
+    auto& [s, target, stiffness, damping, maxForce, force, key] = g;
+    ar(s, target, stiffness, damping, maxForce, force, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Link> auto& l) {
+    auto& [key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque] =
+        l;
+    ar(key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::PairFriction> auto& f) {
+    auto& [a, b, mu] = f;
+    ar(a, b, mu);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
+    auto& [body, material] = m;
+    ar(body, material);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Rod> auto& r) {
+    auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs, width,
+           material, group, island, rested, restPlace, effects] = r;
+    ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material, group,
+       island, rested, restPlace);
+    ioEffects(ar, model, effects);
+    if constexpr (Ar::kLoads) { // kin and gauss are functions of q
+        const auto n = model.dofs();
+        if (q.size() != n || v.size() != n || qGood.size() != n || static_cast<int>(u.size()) != model.gaussPoints() ||
+            !q.allFinite() || !qGood.allFinite()) {
+            ar.fail("a shell in it has the wrong number of coordinates, or bad ones");
+            q.setZero(n);
+        }
+        const double length = model.definition().length;
+        const auto beyond = [length](const auto& part) { return !(part.s >= 0.0 && part.s <= length); };
+        if (std::any_of(holds.begin(), holds.end(), beyond) || std::any_of(forces.begin(), forces.end(), beyond) ||
+            std::any_of(grabs.begin(), grabs.end(), beyond))
+            ar.fail("a hold, force or grab in it is beyond its shell");
+        kin.evaluate(model, q);
+        rod::evaluateGauss(model, kin, gauss);
+    }
+}
+
+inline void io(Loader& ar, std::vector<step::Rod>& rods) {
+    rod::RodDefinition least;
+    least.naturalCurvature = {0.0};
+    rods.clear();
+    for (std::size_t left = ar.count(); left > 0 && ar.fault().empty(); --left) {
+        rods.push_back(
+            step::Rod{rod::RodModel(least), {}, {}, {}, {}, {}, 0.0, 0, 1, 0xffff, false, 0.0, {}, {}, {}, {}});
+        ar(rods.back());
+    }
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::BodyState> auto& b) {
+    auto& [centre, angle, velocity, spin, mass, inertia, gravityScale, linearDamping, angularDamping, awake, enabled,
+           moving] = b;
+    ar(centre, angle, velocity, spin, mass, inertia, gravityScale, linearDamping, angularDamping, awake, enabled,
+       moving);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostPush> auto& p) {
+    auto& [linear, angular, expectedLinear, expectedAngular] = p;
+    ar(linear, angular, expectedLinear, expectedAngular);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Handover> auto& h) {
+    auto& [coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
+           unexplained, all, known, seen] = h;
+    ar(coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
+       unexplained, all, known, seen);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostContact> auto& c) {
+    auto& [a, b, armA, armB, normal, friction, conveyor, bounce, normalForce, tangentForce, key, point, sumNormal,
+           sumTangent, hostNormal, hostTangent, told, lost, room] = c;
+    ar(a, b, armA, armB, normal, friction, conveyor, bounce, normalForce, tangentForce, point, sumNormal, sumTangent,
+       hostNormal, hostTangent, told, lost, room);
+    ar.aside(key); // an address of the host's
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostRow> auto& r) {
+    auto& [a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, key, sum, host, told,
+           saturated] = r;
+    ar(a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, sum, host, told, saturated);
+    ar.aside(key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostConstraints> auto& c) {
+    auto& [contacts, rows, farthest, mostTurn] = c;
+    ar(contacts, rows, farthest, mostTurn);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Body> auto& b) {
+    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, handover] = b;
+    ar(id, state, driven, dynamic, impulse, angularImpulse, force, handover);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::Outline> auto& o) {
+    auto& [kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category,
+           mask, group] = o;
+    ar(kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category, mask,
+       group);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::BodyOutline> auto& o) {
+    auto& [local, body, friction] = o;
+    ar(local, body, friction);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::ContactImpulse> auto& c) {
+    auto& [id, normal, tangent, bent] = c;
+    ar(id, normal, tangent, bent);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::RodPoint> auto& p) {
+    auto& [rod, element, s] = p;
+    ar(rod, element, s);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::Candidate> auto& c) {
+    auto& [a, b, outline, normal, pointA, pointB, gap, id] = c;
+    ar(a, b, outline, normal, pointA, pointB, gap, id);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Ledger> auto& l) {
+    auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, pushOut, effects, toBodies] = l;
+    ar(kinetic, bending, gravity, added, work, friction, impact, numerical, pushOut, effects, toBodies);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Counters> auto& c) {
+    auto& [steps, rejected, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax, contactsMax, loadedMax,
+           penetrationMax] = c;
+    ar(steps, rejected, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax, contactsMax, loadedMax,
+       penetrationMax);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
+    auto& [method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots] = o;
+    ar(method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Settings> auto& s) {
+    auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep,
+           sleepDrift, sleepAfter, witness] = s;
+    (void)threads; // belongs to the machine
+    (void)length;  // is the thickness in every quality
+    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
+       contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepDrift, sleepAfter,
+       witness);
+    if constexpr (Ar::kLoads) { // steps of no length would never end
+        constexpr double shortest = 1e-9;
+        if (!(dtMin >= shortest && dtMax >= dtMin && (fixedDt <= 0.0 || fixedDt >= shortest) && localError > 1e-3 &&
+              motionLimit > 1e-3))
+            ar.fail("its settings make steps without length");
+    }
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::World> auto& w) {
+    auto& [time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
+           ledger, counters, candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials,
+           sleepingImpulses, nextIsland, effectsGone] = w;
+    ar(time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
+       ledger);
+    ar.aside(counters);
+    ar.aside(nextPart); // handles only
+    ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland,
+       effectsGone);
+}
+
+// ---- the facade ----
+
+template <class Ar>
+void io(Ar& ar, Is<EventSettings> auto& s) {
+    auto& [impulseThreshold, snapEnergy, snapTime] = s;
+    ar(impulseThreshold, snapEnergy, snapTime);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<TouchPair> auto& p) {
+    auto& [a, b, body] = p;
+    ar(a, b, body);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<Touch> auto& t) {
+    auto& [a, b, body, fractionA, fractionB, point, normal] = t;
+    ar.aside(a.index, a.generation, b.index, b.generation); // of the world that is saved
+    ar(body, fractionA, fractionB, point, normal);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<TouchState> auto& t) {
+    auto& [pair, last] = t;
+    ar(pair, last);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<SnapState> auto& s) {
+    auto& [key, lowest, bucket, filled, time, energy, snapping, begun, before, low, lowTime, kineticPeak] = s;
+    ar(key, lowest, bucket, filled, time, energy, snapping, begun, before, low, lowTime, kineticPeak);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<WatchState> auto& w) {
+    auto& [settings, touching, snaps, quarantined] = w;
+    ar(settings, touching, snaps, quarantined);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<Slot> auto& s) {
+    auto& [generation, key, highest, name, userData] = s;
+    (void)highest; // belongs to the Shells that gives handles out
+    ar(generation, key, name, userData);
+}
+
+/// A Shells without its host.
+struct State {
+    std::vector<Slot> slots;
+    double advanced = 0.0;
+    step::World world;
+    step::Settings settings;
+    WatchState watched;
+};
+/// The same where it lives.
+template <class Ar>
+void ioState(Ar& ar, auto& slots, auto& advanced, auto& world, auto& settings, auto& watched) {
+    ar.aside(slots, advanced);
+    ar(world, settings, watched);
+}
+
+} // namespace supercircle::archive

@@ -1,0 +1,178 @@
+#include "plugin/cli/command_line.h"
+
+#include "plugin/cli/verbs.h"
+#include "plugin/scene/loader/problem.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <thread>
+#include <unistd.h>
+
+namespace supercircle::cli {
+
+std::atomic<bool> interrupted{false};
+
+const char* const kExperimentParameterHelp = "NAME=VALUE: set a physical parameter of the experiment (repeatable)";
+
+namespace {
+
+void onInterrupt(int signal) {
+    interrupted = true;
+    std::signal(signal, SIG_DFL); // a second Ctrl-C ends the program at once
+}
+
+void listenToSignals() {
+    std::signal(SIGINT, onInterrupt);
+    std::signal(SIGTERM, onInterrupt);
+    std::signal(SIGHUP, onInterrupt);
+    // A full disk, a file-size limit or a closed pipe is answered by the failing write, which can say what is wrong.
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+void unknownSubcommand(const CLI::App& app, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(subcommand->get_name());
+    const std::string nearest = scene::nearestName(word, names);
+    std::fprintf(stderr, "there is no verb \"%s\"%s\nRun with --help for more information.\n", word.c_str(),
+                 nearest.empty() ? "" : ("; did you mean \"" + nearest + "\"?").c_str());
+}
+
+/// Replaces this process by the program beside it; returns only after a message.
+int startSibling(const Sibling& sibling, int argc, char** argv) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+    const fs::path program = folder / sibling.program;
+    if (!fs::exists(program, error)) {
+        const fs::path build = folder.parent_path();
+        std::string remedy = "install the whole package";
+        if (fs::exists(build / "CMakeCache.txt", error))
+            remedy = "build it with: cmake --build " + build.string() + " --target " + sibling.program;
+        std::fprintf(stderr, "supercircle %s: the program %s is not there; %s\n", sibling.subcommand.c_str(),
+                     sibling.program.c_str(), remedy.c_str());
+        return kBadInput;
+    }
+    std::vector<std::string> words{program.string()};
+    for (int i = sibling.passName ? 1 : 2; i < argc; ++i)
+        words.emplace_back(argv[i]);
+    std::vector<char*> arguments;
+    for (std::string& word : words)
+        arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(program.c_str(), arguments.data());
+    std::fprintf(stderr, "%s cannot be started: %s\n", program.c_str(), std::strerror(errno));
+    return kBadInput;
+}
+
+/// Calls `work`; an exception becomes a message and an exit code.
+int guarded(const std::function<int()>& work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        std::fprintf(stderr, "supercircle: out of memory\n");
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "supercircle: stopped by an error of its own, please report it: %s\n", e.what());
+    }
+    return kCannotGoOn;
+}
+
+/// The exit code where parsing ended the program (bad words, help, version), else -1.
+int parse(CLI::App& app, int argc, char** argv) {
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::RequiredError& e) {
+        // CLI11 would say that a subcommand is required, not that it is unknown.
+        if (argc > 1 && app.get_subcommands().empty() && app.get_require_subcommand_min() > 0) {
+            unknownSubcommand(app, argv[1]);
+            return kBadInput;
+        }
+        app.exit(e);
+        return kBadInput;
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? kDone : kBadInput; // help and version come here too, with 0
+    }
+    return -1;
+}
+
+} // namespace
+
+int runProgram(int argc, char** argv, const std::string& name, const std::string& about, const Describe& describe,
+               const std::vector<Sibling>& siblings) {
+    listenToSignals();
+    return guarded([&] {
+        if (argc > 1)
+            for (const Sibling& s : siblings)
+                if (s.subcommand == argv[1])
+                    return startSibling(s, argc, argv);
+        CLI::App app{about, name};
+        app.set_version_flag("--version", SC_VERSION);
+        app.require_subcommand(1);
+        app.failure_message(CLI::FailureMessage::simple);
+        const std::vector<Subcommand> subcommands = describe(app);
+        for (const Sibling& s : siblings)
+            app.add_subcommand(s.subcommand, s.about);
+        if (const int code = parse(app, argc, argv); code >= 0)
+            return code;
+        for (const Subcommand& s : subcommands)
+            if (s.options->parsed())
+                return s.run();
+        for (const Sibling& s : siblings) // options of this program stand before it
+            if (app.got_subcommand(s.subcommand))
+                return startSibling(s, argc, argv);
+        return static_cast<int>(kBadInput);
+    });
+}
+
+int runPlainProgram(int argc, char** argv, const std::string& name, const std::string& about,
+                    const std::function<std::function<int()>(CLI::App& app)>& describe) {
+    listenToSignals();
+    return guarded([&] {
+        CLI::App app{about, name};
+        app.set_version_flag("--version", SC_VERSION);
+        app.failure_message(CLI::FailureMessage::simple);
+        const std::function<int()> run = describe(app);
+        const int code = parse(app, argc, argv);
+        return code >= 0 ? code : run();
+    });
+}
+
+void addParameters(CLI::App& app, std::vector<std::string>& parameters, const char* help) {
+    app.add_option("--param", parameters, help)
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void addJobs(CLI::App& app, int& jobs, int most, const char* help) {
+    app.add_option("--jobs", jobs, help)
+        ->check(CLI::Range(1, most).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+}
+
+int cores(int most) {
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, most);
+}
+
+std::string wholeFromZero(const std::string& text) {
+    std::int64_t value = 0;
+    const bool good = CLI::detail::lexical_cast(text, value) && value >= 0;
+    return good ? "" : text + " is not a whole number from 0 to 9223372036854775807";
+}
+
+std::string positive(const std::string& text) {
+    double value = 0.0;
+    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+    return good ? "" : text + " is not a positive number";
+}
+
+} // namespace supercircle::cli

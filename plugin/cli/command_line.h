@@ -1,0 +1,49 @@
+#pragma once
+// What the command lines of all programs share.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace supercircle::cli {
+
+/// A subcommand of a program and what it does; the function returns the exit code.
+struct Subcommand {
+    CLI::App* options = nullptr;
+    std::function<int()> run;
+};
+
+/// Adds its subcommands to the program.
+using Describe = std::function<std::vector<Subcommand>(CLI::App& app)>;
+
+/// A subcommand that another program beside this one carries out.
+struct Sibling {
+    std::string subcommand;
+    std::string program;
+    std::string about;
+    bool passName = true; ///< whether that program wants the subcommand's name as its first argument
+};
+
+/// Parses the command line, runs what was asked for and returns the exit code; no exception leaves it. Programs with
+/// `siblings` list them in their help and start them.
+int runProgram(int argc, char** argv, const std::string& name, const std::string& about, const Describe& describe,
+               const std::vector<Sibling>& siblings = {});
+
+/// A program without subcommands: `run` is called once the options are read.
+int runPlainProgram(int argc, char** argv, const std::string& name, const std::string& about,
+                    const std::function<std::function<int()>(CLI::App& app)>& describe);
+
+/// --param NAME=VALUE, one after each: a greedy option would swallow the scene that follows it.
+void addParameters(CLI::App& app, std::vector<std::string>& parameters,
+                   const char* help = "NAME=VALUE: set a parameter of the scene (repeatable)");
+extern const char* const kExperimentParameterHelp;
+/// --jobs N, 1 to `most`; as given in `jobs` unless the user says otherwise.
+void addJobs(CLI::App& app, int& jobs, int most, const char* help);
+/// Cores of this machine, 1 to `most`.
+int cores(int most);
+/// CLI11 checks: empty, or what is wrong.
+std::string wholeFromZero(const std::string& text);
+std::string positive(const std::string& text);
+
+} // namespace supercircle::cli

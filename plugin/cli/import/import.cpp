@@ -1,0 +1,119 @@
+#include "plugin/cli/output.h"
+#include "plugin/cli/verbs.h"
+
+#include "plugin/recording/experiment/load.h"
+#include "plugin/recording/import/template.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace supercircle::cli {
+
+namespace {
+
+/// "time[s],displacement[mm],-" as names per column.
+std::vector<std::string> splitNames(const std::string& list) {
+    std::vector<std::string> names;
+    std::size_t from = 0;
+    while (!list.empty() && from <= list.size()) {
+        const std::size_t to = std::min(list.find(',', from), list.size());
+        names.push_back(list.substr(from, to - from));
+        from = to + 1;
+    }
+    return names;
+}
+
+/// The account with what the description still needs.
+std::string wholeAccount(const importing::Imported& imported, const importing::Description& d) {
+    std::string text = importing::account(imported);
+    for (const std::string& remark : d.remarks)
+        text += "worked out: " + remark + "\n";
+    text += "supposed in experiment.json (change what is not so):\n";
+    for (const std::string& s : d.supposed)
+        text += "  " + s + "\n";
+    if (!d.todo.empty())
+        text += "null in experiment.json, to be filled in before a replay (or given with --specimen and --protocol):\n";
+    for (const std::string& todo : d.todo)
+        text += "  " + todo + "\n";
+    return text;
+}
+
+/// An experiment.json that somebody may have filled in stays, under another name.
+void keepOld(const std::string& folder, std::vector<record::NamedText>& files, const std::string& fresh,
+             std::string& account) {
+    const auto old = record::readText(folder + "/experiment.json");
+    if (!old || old.value == fresh)
+        return;
+    files.emplace_back("experiment.old.json", old.value);
+    account +=
+        "the experiment.json that was there is kept as experiment.old.json (give it with --specimen to take over "
+        "what it states)\n";
+}
+
+/// Whether the written experiment can be replayed, if nothing is null.
+void printReady(const importing::Description& d, const std::string& file) {
+    if (!d.todo.empty())
+        return;
+    std::vector<scene::Problem> problems;
+    const auto loaded = experiment::load(file, problems);
+    for (const scene::Problem& p : problems)
+        std::printf("%s\n", p.toString().c_str());
+    if (loaded)
+        std::printf("ready: supercircle replay %s\n", file.c_str());
+    else
+        std::printf("not ready: `supercircle check %s` says the same until this is mended\n", file.c_str());
+}
+
+} // namespace
+
+int import(const ImportArguments& a) {
+    importing::Hints hints;
+    hints.columns = splitNames(a.columns);
+    hints.rate = a.rate;
+    hints.speed = 1e-3 * a.speed;
+    hints.driveTolerance = 1e-3 * a.tolerance;
+    hints.displacementSign = a.displacementSign;
+    hints.forceSign = a.forceSign;
+    hints.fromTurn = a.fromTurn;
+    hints.average = a.average;
+    const auto imported = importing::readExports(a.files, hints);
+    if (!imported) {
+        std::fprintf(stderr, "%s\n", imported.error.c_str());
+        return kBadInput;
+    }
+    const auto description = importing::describe(imported.value, {a.protocol, a.specimen, a.scene});
+    if (!description) {
+        std::fprintf(stderr, "%s\n", description.error.c_str());
+        return kBadInput;
+    }
+    auto files = importing::runFiles(imported.value);
+    if (!files) {
+        std::fprintf(stderr, "%s\n", files.error.c_str());
+        return kBadInput;
+    }
+    std::string account = wholeAccount(imported.value, description.value);
+    Folder folder(a.out);
+    std::string error = folder.prepare();
+    if (error.empty()) {
+        keepOld(folder.path(), files.value, description.value.json, account);
+        for (const record::NamedText& beside : description.value.files)
+            files.value.push_back(beside);
+        files.value.emplace_back("experiment.json", description.value.json);
+        files.value.emplace_back("import.json", importing::accountJson(imported.value, description.value));
+        files.value.emplace_back("import.txt", account);
+        error = record::writeAtomically(folder.path(), files.value);
+    }
+    if (!error.empty()) {
+        std::fprintf(stderr, "%s\n", error.c_str());
+        return kCannotWrite;
+    }
+    if (!a.quiet) {
+        const std::size_t runs = imported.value.runs.size();
+        std::printf("%swritten: %s/experiment.json, %zu run%s; this account: import.txt and import.json\n",
+                    account.c_str(), folder.path().c_str(), runs, runs == 1 ? "" : "s");
+        printReady(description.value, folder.path() + "/experiment.json");
+    }
+    return printed() ? kDone : kCannotWrite;
+}
+
+} // namespace supercircle::cli

@@ -1,0 +1,140 @@
+#include "plugin/cli/input.h"
+#include "plugin/cli/output.h"
+#include "plugin/cli/progress.h"
+#include "plugin/cli/verbs.h"
+
+#include "plugin/lab/session/runner.h"
+#include "plugin/pages/run/report.h"
+#include "plugin/recording/table/writer.h"
+#include "supercircle/coulomb/dump.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace supercircle::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+int cannotWrite(const std::string& error) {
+    std::fprintf(stderr, "%s\n", error.c_str());
+    return kCannotWrite;
+}
+
+/// Every contact problem of the run as a file. The first one that cannot be written stops the run.
+class Dump {
+public:
+    explicit Dump(std::string path) : folder_(std::move(path)) {}
+
+    std::string prepare() { return folder_.prepare(); }
+    [[nodiscard]] const std::string& error() const { return error_; }
+
+    void write(const coulomb::Problem& problem) {
+        if (!error_.empty())
+            return;
+        char name[32];
+        std::snprintf(name, sizeof name, "/%06llu.fcp", count_++);
+        const std::string path = folder_.path() + name;
+        error_ = coulomb::writeDump(path, problem);
+        if (error_.empty())
+            return;
+        std::error_code ignored; // half a problem is worse than none
+        fs::remove(path, ignored);
+        interrupted = true;
+    }
+
+private:
+    Folder folder_;
+    std::string error_;
+    unsigned long long count_ = 0;
+};
+
+std::string text(const record::Value& v) {
+    if (const auto* d = std::get_if<double>(&v)) {
+        char buffer[32];
+        std::snprintf(buffer, sizeof buffer, "%.4g", *d);
+        return buffer;
+    }
+    if (const auto* i = std::get_if<std::int64_t>(&v))
+        return std::to_string(*i);
+    if (const auto* b = std::get_if<bool>(&v))
+        return *b ? "true" : "false";
+    return std::get<std::string>(v);
+}
+
+void printSummary(const record::Recording& r, const std::string& folder, bool pictures) {
+    for (const auto& [key, value] : r.summary)
+        if (key.rfind("stage_", 0) != 0)
+            std::printf("  %-26s %s\n", key.c_str(), text(value).c_str());
+    std::printf("results: %s/summary.json, series.csv\n", folder.c_str());
+    if (pictures)
+        std::printf("pictures: %s/report.html (without a browser: overview.png)\n", folder.c_str());
+}
+
+/// All files or none; without a report, that of an earlier run goes.
+std::string writeAll(const record::Recording& recording, const std::string& folder, bool report) {
+    auto files = record::recordingFiles(recording);
+    if (!files)
+        return files.error;
+    std::string noReport;
+    if (report) {
+        auto pictures = report::reportFiles(recording);
+        noReport = pictures.error;
+        std::move(pictures.value.begin(), pictures.value.end(), std::back_inserter(files.value));
+    }
+    if (const std::string error = record::writeAtomically(folder, files.value); !error.empty())
+        return error;
+    const std::string old = report::removeOldReport(folder, files.value);
+    return noReport.empty() ? old : noReport;
+}
+
+} // namespace
+
+int run(const RunArguments& a) {
+    const auto input = loadScene(a.scene, a.parameters, a.quiet);
+    if (!input)
+        return kBadInput;
+    Folder folder(a.out.empty() ? "out/" + fs::path(a.scene).stem().string() : a.out);
+    if (const std::string error = folder.prepare(); !error.empty())
+        return cannotWrite(error);
+    Dump dump(a.dump);
+    if (!a.dump.empty())
+        if (const std::string error = dump.prepare(); !error.empty())
+            return cannotWrite(error);
+    ProgressLine line(a.quiet);
+    lab::Options options;
+    options.seed = static_cast<std::uint64_t>(a.seed);
+    options.threads = a.threads;
+    options.fixedDt = a.fixedDt;
+    options.interrupt = &interrupted;
+    options.progress = [&](const lab::Progress& p) { line.show(p); };
+    if (!a.dump.empty())
+        options.onSolve = [&](const coulomb::Problem& p, const coulomb::SolveReport&) { dump.write(p); };
+    const lab::Outcome out = lab::run(input->scene, input->host, options);
+    line.clear();
+    if (out.end == lab::End::BadScene) {
+        std::fprintf(stderr, "%s: %s\n", a.scene.c_str(), out.message.c_str());
+        return kBadInput;
+    }
+    if (const std::string error = writeAll(out.recording, folder.path(), !a.noReport); !error.empty())
+        return cannotWrite(error);
+    if (!dump.error().empty())
+        return cannotWrite(dump.error());
+    if (!a.quiet)
+        printSummary(out.recording, folder.path(), !a.noReport);
+    const bool arrived = printed();
+    if (out.end == lab::End::Failed) {
+        std::fprintf(stderr, "the simulation could not go on: %s; the last good state is in %s\n", out.message.c_str(),
+                     folder.path().c_str());
+        return kCannotGoOn;
+    }
+    if (out.end == lab::End::Interrupted) {
+        std::fprintf(stderr, "interrupted; what is done is in %s\n", folder.path().c_str());
+        return kInterrupted;
+    }
+    return arrived ? kDone : kCannotWrite;
+}
+
+} // namespace supercircle::cli

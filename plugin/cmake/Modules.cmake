@@ -1,0 +1,62 @@
+# Modules: a folder with sources is one static library. Its links are the only dependencies; tests/architecture checks
+# the #include lines as well.
+
+# sc_glob(VARIABLE [FLAT] PATTERN...): the files that match, without FLAT in sub-folders too. No match is an error: a folder that was
+# moved must not become an empty library in silence.
+function(sc_glob variable)
+  cmake_parse_arguments(ARG "FLAT" "" "" ${ARGN})
+  if(ARG_FLAT)
+    file(GLOB found CONFIGURE_DEPENDS ${ARG_UNPARSED_ARGUMENTS})
+  else()
+    file(GLOB_RECURSE found CONFIGURE_DEPENDS ${ARG_UNPARSED_ARGUMENTS})
+  endif()
+  if(NOT found)
+    message(FATAL_ERROR "no file matches ${ARGN}")
+  endif()
+  set(${variable} ${found} PARENT_SCOPE)
+endfunction()
+
+# Headers that most sources read are compiled once; every library reuses the result.
+if(SUPERCIRCLE_PRECOMPILE)
+  add_library(sc_precompiled OBJECT ${PROJECT_SOURCE_DIR}/plugin/cmake/precompiled.cpp)
+  target_link_libraries(sc_precompiled PRIVATE sc_flags)
+  target_include_directories(sc_precompiled SYSTEM PRIVATE ${EIGEN3_INCLUDE_DIRS})
+  set_target_properties(sc_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_precompile_headers(sc_precompiled PRIVATE <Eigen/Core> <Eigen/Cholesky> <algorithm> <array> <cmath> <cstdint>
+    <cstdio> <functional> <limits> <map> <memory> <optional> <string> <string_view> <utility> <vector>)
+endif()
+
+# sc_module(NAME FOLDER [PLAIN] [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER. LINKS are visible to
+# whoever links it, PRIVATE libraries are not. PLAIN: without the precompiled headers.
+function(sc_module name folder)
+  cmake_parse_arguments(ARG "PLAIN" "" "LINKS;PRIVATE" ${ARGN})
+  sc_glob(sources ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h ${PROJECT_SOURCE_DIR}/${folder}/*.hpp)
+  add_library(${name} STATIC ${sources})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(${name} SYSTEM PUBLIC ${EIGEN3_INCLUDE_DIRS})
+  target_link_libraries(${name} PRIVATE sc_flags ${ARG_PRIVATE} PUBLIC ${ARG_LINKS})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  set_property(TARGET ${name} PROPERTY SC_FILES ${sources} ${headers})
+  if(SUPERCIRCLE_PRECOMPILE AND NOT ARG_PLAIN)
+    target_precompile_headers(${name} REUSE_FROM sc_precompiled)
+  endif()
+endfunction()
+
+# sc_headers_alone(): target `headers_alone`, which compiles each header by itself and without the precompiled ones, so
+# that a missing #include is found. Not part of `all`; .ci/run builds it.
+function(sc_headers_alone)
+  sc_glob(headers ${PROJECT_SOURCE_DIR}/supercircle/*.h ${PROJECT_SOURCE_DIR}/bridge/box2d/*.h ${PROJECT_SOURCE_DIR}/bridge/box2d/*.hpp
+          ${PROJECT_SOURCE_DIR}/plugin/*.h ${PROJECT_SOURCE_DIR}/plugin/*.hpp)
+  set(sources)
+  foreach(header ${headers})
+    file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${header})
+    string(MAKE_C_IDENTIFIER ${path} name)
+    set(source ${PROJECT_BINARY_DIR}/headers_alone/${name}.cpp)
+    file(CONFIGURE OUTPUT ${source} CONTENT "#include \"${path}\"\n#include \"${path}\"\n")
+    list(APPEND sources ${source})
+  endforeach()
+  add_library(headers_alone OBJECT EXCLUDE_FROM_ALL ${sources})
+  target_link_libraries(headers_alone PRIVATE sc_flags sc_box2d sc_graphics nlohmann_json::nlohmann_json CLI11::CLI11 PkgConfig::CAIRO)
+  target_compile_options(headers_alone PRIVATE -O0 -Wno-unused)
+endfunction()

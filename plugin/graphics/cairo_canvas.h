@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+
+#include "plugin/graphics/canvas.h"
+#include "plugin/recording/table/result.h"
+
+typedef struct _cairo cairo_t;
+typedef struct _cairo_surface cairo_surface_t;
+
+namespace supercircle::report {
+
+/// Draws into pixels on white.
+class CairoCanvas final : public Canvas {
+public:
+    /// Logical size in pixels; the picture has `scale` times as many pixels in either direction.
+    CairoCanvas(double width, double height, double scale);
+    ~CairoCanvas() override;
+
+    void path(const std::vector<Point>& points, bool closed, const Paint& paint) override;
+    void circle(Point centre, double radius, const Paint& paint) override;
+    void text(Point at, std::string_view text, const TextStyle& style) override;
+    void pushClip(const Rect& area) override;
+    void popClip() override;
+
+    /// The picture as the content of a PNG file, or what Cairo says is wrong.
+    [[nodiscard]] record::Result<std::string> png();
+
+    /// The finished picture in memory: rows of `stride` bytes, four bytes a pixel, 0xXXRRGGBB in native order. Good
+    /// until the next drawing call; null if Cairo failed.
+    struct Pixels {
+        unsigned char* data = nullptr;
+        int width = 0, height = 0, stride = 0;
+    };
+    [[nodiscard]] Pixels pixels() const;
+    /// To be called after somebody else has drawn into pixels().
+    void touched() const;
+
+private:
+    void apply(const Paint& paint);
+    cairo_surface_t* surface = nullptr;
+    cairo_t* context = nullptr;
+};
+
+} // namespace supercircle::report

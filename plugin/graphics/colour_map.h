@@ -1,0 +1,22 @@
+#pragma once
+// Colours that mean numbers.
+
+#include "plugin/graphics/canvas.h"
+
+namespace supercircle::report {
+
+/// Sequential map for t in 0 .. 1 (clamped; NaN: grey): light blue over violet to dark red. Its lightness falls
+/// strictly and equal steps of t are equal steps of perceived colour (constant speed in OKLab), so that it also reads
+/// in grey and shows no edges the data do not have; its light end is still visible on white.
+[[nodiscard]] Colour energyColour(double t);
+
+/// Diverging map for t in -1 .. 1 (clamped): blue, grey, red, of equal lightness at equal distance from 0.
+[[nodiscard]] Colour signedColour(double t);
+
+/// Lightness of OKLab, 0 .. 1 (B. Ottosson, "A perceptual color space for image processing", 2020).
+[[nodiscard]] double lightness(const Colour& colour);
+
+/// Distance of two colours in OKLab.
+[[nodiscard]] double colourDistance(const Colour& a, const Colour& b);
+
+} // namespace supercircle::report

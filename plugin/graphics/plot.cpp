@@ -1,0 +1,131 @@
+#include "plugin/graphics/plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plugin/graphics/decimate.h"
+#include "plugin/graphics/theme.h"
+
+namespace supercircle::report {
+
+namespace {
+
+Range scaled(const Range& range, double factor) {
+    return {range.lo * factor, range.hi * factor};
+}
+
+constexpr TextStyle tickStyle(Anchor anchor) {
+    return {theme::tickSize, theme::muted, anchor};
+}
+
+} // namespace
+
+void Plot::drawGrid(Canvas& canvas, const PlotStyle& style) const {
+    const Ticks tx = niceTicks(scaled(x, style.x.factor), style.xTicks);
+    const Ticks ty = niceTicks(scaled(y, style.y.factor), style.yTicks);
+    for (const double value : tx.values) {
+        const double px = at(value / style.x.factor, y.lo).x;
+        canvas.line({px, area.y}, {px, area.bottom()}, {theme::grid, 1.0});
+        canvas.text({px, area.bottom() + 18.0}, tx.label(value), tickStyle(Anchor::Middle));
+    }
+    for (const double value : ty.values) {
+        const double py = at(x.lo, value / style.y.factor).y;
+        canvas.line({area.x, py}, {area.right(), py}, {theme::grid, 1.0});
+        canvas.text({area.x - 8.0, py + 4.0}, ty.label(value), tickStyle(Anchor::End));
+    }
+}
+
+void Plot::drawSecondAxes(Canvas& canvas, const PlotStyle& style) const {
+    if (style.top) {
+        const Ticks ticks = niceTicks(scaled(x, style.top->factor), style.xTicks);
+        for (const double value : ticks.values) {
+            const double px = at(value / style.top->factor, y.lo).x;
+            canvas.line({px, area.y}, {px, area.y - 4.0}, {theme::axis, 1.0});
+            canvas.text({px, area.y - 9.0}, ticks.label(value), tickStyle(Anchor::Middle));
+        }
+        canvas.text({area.x + 0.5 * area.width, area.y - 28.0}, style.top->label,
+                    {theme::labelSize, theme::muted, Anchor::Middle});
+    }
+    if (style.right) {
+        const Ticks ticks = niceTicks(scaled(y, style.right->factor), style.yTicks);
+        for (const double value : ticks.values) {
+            const double py = at(x.lo, value / style.right->factor).y;
+            canvas.line({area.right(), py}, {area.right() + 4.0, py}, {theme::axis, 1.0});
+            canvas.text({area.right() + 9.0, py + 4.0}, ticks.label(value), tickStyle(Anchor::Start));
+        }
+        canvas.text({area.right() + 54.0, area.y + 0.5 * area.height}, style.right->label,
+                    {theme::labelSize, theme::muted, Anchor::Middle, false, 90.0});
+    }
+}
+
+void Plot::drawFrame(Canvas& canvas, const PlotStyle& style) const {
+    drawGrid(canvas, style);
+    if (y.lo < 0.0 && y.hi > 0.0) {
+        const double zero = at(x.lo, 0.0).y;
+        canvas.line({area.x, zero}, {area.right(), zero}, {theme::axis, 1.2});
+    }
+    canvas.rectangle(area, {.stroke = Stroke{theme::axis, 1.0}});
+    if (!style.x.label.empty())
+        canvas.text({area.x + 0.5 * area.width, area.bottom() + 40.0}, style.x.label,
+                    {theme::labelSize, theme::ink, Anchor::Middle});
+    canvas.text({area.x - 52.0, area.y + 0.5 * area.height}, style.y.label,
+                {theme::labelSize, theme::ink, Anchor::Middle, false, -90.0});
+    drawSecondAxes(canvas, style);
+}
+
+void Plot::drawLine(Canvas& canvas, const std::vector<double>& xs, const std::vector<double>& ys,
+                    const Stroke& stroke) const {
+    std::size_t finite = 1;
+    const auto stretches = finiteStretches(xs, ys);
+    for (const Stretch& stretch : stretches)
+        finite += stretch.last - stretch.first + 1;
+    // The buckets are shared out by length, so that a series torn into many pieces is thinned as well.
+    const double total = std::max(64.0, area.width * 1.2);
+    for (const Stretch& stretch : stretches) {
+        const double share = static_cast<double>(stretch.last - stretch.first + 1) / static_cast<double>(finite);
+        std::vector<Point> points;
+        for (const std::size_t row : decimate(ys, stretch, static_cast<std::size_t>(std::ceil(total * share)))) {
+            const Point p = at(xs[row], ys[row]);
+            // Far outside the sheet back ends lose their fixed-point coordinates.
+            const Point inside{std::clamp(p.x, -1e4, 1e4), std::clamp(p.y, -1e4, 1e4)};
+            if (points.empty() || std::hypot(inside.x - points.back().x, inside.y - points.back().y) > 0.05)
+                points.push_back(inside);
+        }
+        if (points.size() == 1)
+            canvas.circle(points.front(), 0.8 * stroke.width, {.fill = stroke.colour});
+        else
+            canvas.path(points, false, {.stroke = stroke});
+    }
+}
+
+bool LabelPlacer::free(const Rect& r) const {
+    if (r.x < bounds.x || r.y < bounds.y || r.right() > bounds.right() || r.bottom() > bounds.bottom())
+        return false;
+    return std::none_of(taken.begin(), taken.end(), [&r](const Rect& other) { return other.overlaps(r); });
+}
+
+bool LabelPlacer::place(Canvas& canvas, Point anchor, double distance, std::string_view text, const TextStyle& style) {
+    const double width = textWidth(text, style.size, style.bold) + 2.0;
+    const double height = style.size;
+    // Above first, then around, then farther out.
+    static constexpr std::array<std::array<double, 2>, 8> directions{
+        {{0, -1}, {-1, -0.4}, {1, -0.4}, {1, 0.6}, {-1, 0.6}, {0, 1}, {-0.7, -1}, {0.7, -1}}};
+    for (const double reach : {1.0, 1.7, 2.6}) {
+        for (const auto& [dx, dy] : directions) {
+            const Point middle{anchor.x + dx * (reach * distance + (dx == 0.0 ? 0.0 : 0.5 * width)),
+                               anchor.y + dy * (reach * distance + 0.5 * height)};
+            const Rect box{middle.x - 0.5 * width, middle.y - 0.5 * height, width, height};
+            if (!free(box))
+                continue;
+            reserve(box);
+            TextStyle centred = style;
+            centred.anchor = Anchor::Middle;
+            canvas.text({middle.x, middle.y + 0.36 * height}, text, centred);
+            return true;
+        }
+    }
+    return false;
+}
+
+} // namespace supercircle::report

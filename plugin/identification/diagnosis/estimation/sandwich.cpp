@@ -1,0 +1,64 @@
+#include "plugin/identification/diagnosis/estimation/sandwich.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace supercircle::diagnosis {
+
+namespace {
+
+using Index = Eigen::Index;
+
+/// Rows of one stroke of one run, force (and jumps) or markers.
+std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> blocksOf(const Misfit& misfit) {
+    std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> out;
+    for (std::size_t r = 0; r < misfit.runs(); ++r)
+        for (Index k = 0; k < misfit.rowsOf(r); ++k)
+            if (misfit.counts(r, k))
+                out[{r, misfit.stroke(r, k), misfit.isMarker(r, k)}].push_back(misfit.start(r) + k);
+    return out;
+}
+
+} // namespace
+
+Eigen::VectorXd dispersionsOf(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& residual,
+                              const Eigen::MatrixXd& jacobian, double perRow) {
+    constexpr double kPromised = 4.0;       // strokes' worth of what the model promises
+    constexpr double kLeastOfItsOwn = 0.02; // of a stroke's share that it has not pulled the fit to
+    const double least = std::max(1.0, perRow);
+    Eigen::VectorXd out = Eigen::VectorXd::Constant(v.size(), least);
+    if (v.size() == 0 || residual.size() != jacobian.rows())
+        return out;
+    const Eigen::MatrixXd covariance = posteriorOf(v, jacobian, 1.0);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+    const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                                 eigen.eigenvectors().transpose();
+    Eigen::VectorXd scatter = Eigen::VectorXd::Zero(v.size()), promised = scatter, squares = scatter;
+    for (const auto& [block, rows] : blocksOf(misfit)) {
+        const Eigen::MatrixXd J = jacobian(rows, Eigen::all);
+        const Eigen::MatrixXd information = J.transpose() * J;
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> share(root * information * root);
+        const Eigen::VectorXd own = (1.0 - share.eigenvalues().array()).cwiseMax(kLeastOfItsOwn).rsqrt();
+        const Eigen::VectorXd pull = J.transpose() * residual(rows);
+        const Eigen::VectorXd step =
+            root * (share.eigenvectors() * own.asDiagonal() * (share.eigenvectors().transpose() * (root * pull)));
+        const Eigen::VectorXd expected = (covariance * information * covariance).diagonal();
+        scatter += step.cwiseAbs2();
+        promised += expected;
+        squares += expected.cwiseAbs2();
+    }
+    for (Index k = 0; k < v.size(); ++k)
+        if (promised[k] > 0.0 && std::isfinite(scatter[k])) {
+            const double strokes = promised[k] * promised[k] / squares[k]; // that say something
+            out[k] = std::max(least, (strokes * scatter[k] / promised[k] + kPromised * least) / (strokes + kPromised));
+            const double t = quantile(boost::math::students_t(strokes + kPromised), 0.95) / k90;
+            out[k] *= t * t;
+        }
+    return out;
+}
+
+} // namespace supercircle::diagnosis

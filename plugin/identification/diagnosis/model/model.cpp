@@ -1,0 +1,35 @@
+#include "plugin/identification/diagnosis/model/model.h"
+
+#include <cmath>
+
+namespace supercircle::diagnosis {
+
+double outer(Scale scale, double x) {
+    switch (scale) {
+    case Scale::Reciprocal:
+        return x > 0.0 ? 1.0 / x : std::numeric_limits<double>::infinity();
+    case Scale::ReciprocalSquare:
+        return x > 0.0 ? 1.0 / std::sqrt(x) : std::numeric_limits<double>::infinity();
+    case Scale::Logarithm:
+        return std::exp(x);
+    case Scale::Linear:
+        break;
+    }
+    return x;
+}
+
+double inner(Scale scale, double x) {
+    switch (scale) {
+    case Scale::Reciprocal:
+        return 1.0 / x;
+    case Scale::ReciprocalSquare:
+        return 1.0 / (x * x);
+    case Scale::Logarithm:
+        return std::log(x);
+    case Scale::Linear:
+        break;
+    }
+    return x;
+}
+
+} // namespace supercircle::diagnosis

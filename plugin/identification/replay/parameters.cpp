@@ -1,0 +1,266 @@
+#include "plugin/identification/replay/parameters.h"
+
+#include "plugin/scene/loader/problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace supercircle::replay {
+
+namespace {
+
+using experiment::Experiment;
+using experiment::Specimen;
+using experiment::Stated;
+
+/// What a specimen has: how it is called, where it is stored, what the experiment says about it.
+struct Property {
+    const char* name;
+    const char* unit;
+    const char* about;
+    double SpecimenParameters::*value;
+    Stated Specimen::*stated;
+    bool positive;
+};
+
+const Property kProperties[] = {
+    {"bending_modulus", "N m^2", "bending modulus B = E w h^3 / 12", &SpecimenParameters::bendingModulus,
+     &Specimen::bendingModulus, true},
+    {"natural_curvature", "1/m", "curvature of the unloaded specimen", &SpecimenParameters::naturalCurvature,
+     &Specimen::naturalCurvature, false},
+    {"thickness", "m", "thickness as contacts see it", &SpecimenParameters::thickness, &Specimen::thickness, true},
+    {"linear_mass", "kg/m", "mass per length", &SpecimenParameters::linearMass, &Specimen::linearMass, true},
+};
+
+Stated exact(double value, double halfWidth = 0.0) {
+    return {value, halfWidth};
+}
+
+/// A strip pressed lengthwise shortens by this per newton, m/N.
+double stretch(const Experiment& e) {
+    if (e.protocol != experiment::Protocol::StripOnRigidFloor || e.specimens.empty() ||
+        e.specimens.front().stretchModulus <= 0.0)
+        return 0.0;
+    return e.specimens.front().length / e.specimens.front().stretchModulus;
+}
+
+/// What the surroundings have.
+struct Surrounding {
+    const char* name;
+    const char* unit;
+    const char* about;
+    double& (*value)(Parameters&);
+    Stated (*stated)(const Experiment&);
+    bool notNegative;
+    double most = std::numeric_limits<double>::infinity();
+};
+
+const Surrounding kSurroundings[] = {
+    {"friction", "1", "friction coefficient of all contacts", [](Parameters& p) -> double& { return p.friction; },
+     [](const Experiment& e) { return e.friction; }, true},
+    {"gap_shift", "m", "the head stands this much higher at displacement 0 than stated",
+     [](Parameters& p) -> double& { return p.gapShift; },
+     [](const Experiment& e) { return exact(0.0, e.initialGapHalfWidth); }, false},
+    {"gravity_x", "m/s^2", "gravity to the right", [](Parameters& p) -> double& { return p.gravity.x; },
+     [](const Experiment& e) { return exact(e.gravity.x); }, false},
+    {"gravity_y", "m/s^2", "gravity upwards", [](Parameters& p) -> double& { return p.gravity.y; },
+     [](const Experiment& e) { return exact(e.gravity.y); }, false},
+    {"contact_arm", "1", "where obstacles push on the section: 0 centre line, 1 surface",
+     [](Parameters& p) -> double& { return p.contactArm; }, [](const Experiment&) { return exact(0.0); }, true, 1.0},
+    {"series_compliance", "m/N", "give in series with the specimen",
+     [](Parameters& p) -> double& { return p.seriesCompliance; }, [](const Experiment&) { return exact(0.0); }, true},
+    {"touch_compliance", "m/N", "give of each touch, the stretch of a strip pressed lengthwise included",
+     [](Parameters& p) -> double& { return p.touchCompliance; }, [](const Experiment& e) { return exact(stretch(e)); },
+     true},
+};
+
+/// Where a name leads: the values it sets, and whether a value is acceptable.
+struct Target {
+    std::vector<double*> values;
+    bool positive = false;
+    bool notNegative = false;
+    double most = std::numeric_limits<double>::infinity();
+};
+
+bool ofGravity(const Surrounding& s) {
+    return std::string(s.name).rfind("gravity", 0) == 0;
+}
+
+/// "NAME", or "NAME_run2" of a run.
+std::string nameOf(const SceneValue& v) {
+    return v.name + (v.run < 0 ? "" : "_run" + std::to_string(v.run + 1));
+}
+
+Target findFree(Parameters& p, const std::string& name) {
+    for (SceneValue& v : p.scene)
+        if (nameOf(v) == name)
+            return {{&v.value}};
+    for (const Surrounding& s : kSurroundings)
+        if (name == s.name && ofGravity(s))
+            return {{&s.value(p)}};
+    if (name == "reading_zero")
+        return {{&p.readingZero}};
+    return {};
+}
+
+/// Names, units and intervals of what a free scene has; in the order of Parameters::scene.
+std::vector<ParameterInfo> freeList(const Experiment& e) {
+    std::vector<ParameterInfo> all;
+    const auto add = [&](const experiment::SceneParameter& s, int run) {
+        all.push_back({nameOf({s.name, run, 0.0}), s.unit.empty() ? "1" : s.unit,
+                       s.about + (run < 0 ? std::string() : ", of run " + std::to_string(run + 1)), s.stated});
+    };
+    for (const experiment::SceneParameter& s : e.scene->parameters)
+        add(s, -1);
+    for (std::size_t r = 0; r < e.runs.size(); ++r)
+        for (const experiment::SceneParameter& s : e.runs[r].parameters)
+            add(s, static_cast<int>(r));
+    for (const Surrounding& s : kSurroundings)
+        if (ofGravity(s))
+            all.push_back({s.name, s.unit, s.about, s.stated(e)});
+    all.push_back({"reading_zero", e.scene->quantity == experiment::Quantity::Angle ? "rad" : "m",
+                   "reading where the scene says 0", exact(0.0, e.scene->zeroHalfWidth)});
+    return all;
+}
+
+Target find(Parameters& p, const Experiment& e, const std::string& name) {
+    if (e.scene)
+        return findFree(p, name);
+    for (const Surrounding& s : kSurroundings)
+        if (name == s.name)
+            return {{&s.value(p)}, false, s.notNegative, s.most};
+    for (const Property& property : kProperties)
+        for (std::size_t i = 0; i < p.specimens.size(); ++i)
+            if (name == property.name) {
+                Target all{{}, property.positive, false};
+                for (SpecimenParameters& s : p.specimens)
+                    all.values.push_back(&(s.*property.value));
+                return all;
+            } else if (i < e.specimens.size() && name == property.name + ("." + e.specimens[i].id)) {
+                return {{&(p.specimens[i].*property.value)}, property.positive, false};
+            }
+    return {};
+}
+
+} // namespace
+
+Parameters nominal(const Experiment& e) {
+    Parameters p;
+    for (const Specimen& s : e.specimens)
+        p.specimens.push_back(
+            {s.bendingModulus.value, s.naturalCurvature.value, s.thickness.value, s.linearMass.value});
+    p.gravity = e.gravity;
+    if (e.scene) {
+        for (const experiment::SceneParameter& s : e.scene->parameters)
+            p.scene.push_back({s.name, -1, s.stated.value});
+        for (std::size_t r = 0; r < e.runs.size(); ++r)
+            for (const experiment::SceneParameter& s : e.runs[r].parameters)
+                p.scene.push_back({s.name, static_cast<int>(r), s.stated.value});
+        return p;
+    }
+    p.friction = e.friction.value;
+    p.touchCompliance = stretch(e);
+    return p;
+}
+
+std::vector<ParameterInfo> parameterList(const Experiment& e) {
+    if (e.scene)
+        return freeList(e);
+    std::vector<ParameterInfo> all;
+    for (const Property& property : kProperties)
+        if (!e.specimens.empty())
+            all.push_back({property.name, property.unit, property.about, e.specimens.front().*property.stated});
+    for (const Surrounding& s : kSurroundings)
+        all.push_back({s.name, s.unit, s.about, s.stated(e)});
+    for (const Specimen& specimen : e.specimens)
+        for (const Property& property : kProperties)
+            if (e.specimens.size() > 1)
+                all.push_back({property.name + ("." + specimen.id), property.unit,
+                               std::string(property.about) + ", of specimen " + specimen.id,
+                               specimen.*property.stated});
+    return all;
+}
+
+bool acts(const Experiment& experiment, effects::Key key) {
+    switch (key) {
+    case effects::Key::BearingFriction:
+    case effects::Key::AirDrag:
+        return experiment.scene.has_value();
+    case effects::Key::Gravity:
+    case effects::Key::SensorGain:
+    case effects::Key::SensorDelay:
+        return true;
+    default:
+        return !experiment.scene;
+    }
+}
+
+std::string checkEffects(const Parameters& parameters, const Experiment& experiment) {
+    for (const effects::Setting& s : parameters.effects)
+        if (!effects::isOff(s) && !acts(experiment, s.key))
+            return "effect " + effects::catalog()[static_cast<std::size_t>(s.key)].name +
+                   (experiment.scene ? " has nothing to act on in a free scene of rigid bodies"
+                                     : " acts on the rigid bodies of a free scene; there are none here");
+    std::vector<std::string> known;
+    for (const Specimen& s : experiment.specimens)
+        known.push_back(s.id);
+    for (const std::string& shell : effects::shellsNamed(parameters.effects))
+        if (std::find(known.begin(), known.end(), shell) == known.end()) {
+            const std::string near = effects::nearest(shell, known);
+            return "there is no specimen \"" + shell + "\"" + (near.empty() ? "" : "; did you mean \"" + near + "\"?");
+        }
+    return effects::validate(parameters.effects);
+}
+
+std::string set(Parameters& parameters, const Experiment& experiment, const std::string& name, double value) {
+    if (name.find(':') != std::string::npos) {
+        char number[32];
+        std::snprintf(number, sizeof number, "%.17g", value);
+        return effects::add(parameters.effects, name + "=" + number);
+    }
+    const Target target = find(parameters, experiment, name);
+    if (target.values.empty()) {
+        std::vector<std::string> names;
+        std::string all;
+        for (const ParameterInfo& info : parameterList(experiment)) {
+            names.push_back(info.name);
+            all += (all.empty() ? "" : ", ") + info.name;
+        }
+        const std::string near = scene::nearestName(name, names);
+        return "there is no parameter \"" + name + "\"; expected one of " + all +
+               (near.empty() ? "" : "; did you mean \"" + near + "\"?");
+    }
+    char shown[32];
+    std::snprintf(shown, sizeof shown, "%.10g", value);
+    if (!std::isfinite(value) || (target.positive && value <= 0.0) || (target.notNegative && value < 0.0) ||
+        value > target.most)
+        return "parameter " + name + ": " + shown + " is out of range; expected a finite number" +
+               (target.positive      ? " > 0"
+                : target.notNegative ? " >= 0"
+                                     : "") +
+               (std::isfinite(target.most) ? " and at most 1" : "");
+    for (double* v : target.values)
+        *v = value;
+    return {};
+}
+
+std::optional<double> get(const Parameters& parameters, const Experiment& experiment, const std::string& name) {
+    if (const std::size_t colon = name.find(':'); colon != std::string::npos) {
+        const effects::Effect* effect = effects::find(name.substr(0, colon));
+        for (std::size_t i = 0; effect != nullptr && i < effect->parameters.size(); ++i)
+            if (effect->parameters[i].name == name.substr(colon + 1)) {
+                for (const effects::Setting& s : parameters.effects)
+                    if (s.key == effect->key)
+                        return s.values[i];
+                return effect->parameters[i].off;
+            }
+        return std::nullopt;
+    }
+    Parameters copy = parameters;
+    const Target target = find(copy, experiment, name);
+    return target.values.empty() ? std::nullopt : std::optional<double>(*target.values.front());
+}
+
+} // namespace supercircle::replay

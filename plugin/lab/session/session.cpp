@@ -1,0 +1,419 @@
+#include "plugin/lab/session/session.h"
+
+#include "plugin/scene/player/dropper.h"
+#include "supercircle/contact/crossing.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+namespace supercircle::lab {
+
+namespace {
+
+using rod::Vec2;
+
+constexpr double kPaperRadius = 0.0192; ///< m; the absolute settings are for shells of this size and grow with it:
+                                        ///< a shell twice as large of the same material is twice as slow
+constexpr double kReleaseWay = 0.05;    ///< R, of travel in which an abrupt snap is over and a smooth one is not
+constexpr double kFreeFrame = 4e-3;     ///< s, longest step where no machine moves
+
+double wallClock() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Length of the smallest shell over that of the paper's: its natural radius, or for a flat one that of three quarters
+/// of a circle of its length.
+double sizeOf(const scene::Scene& scene) {
+    double smallest = std::numeric_limits<double>::infinity();
+    const auto take = [&](const ShellDef& d) {
+        const double length = d.length > 0.0 ? d.length : 2.0 * M_PI * d.phi_bar * d.radius;
+        const double radius = d.radius <= length ? d.radius : length / (1.5 * M_PI);
+        if (radius > 0.0)
+            smallest = std::min(smallest, radius);
+    };
+    for (const ShellDef& d : scene.shells)
+        take(d);
+    if (scene.drop)
+        take(scene.drop->shell);
+    return std::isfinite(smallest) ? smallest / kPaperRadius : 1.0;
+}
+
+} // namespace
+
+/// Processor time of the whole process, s.
+double cpuClock() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options)
+    : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
+      release_(kReleaseWay * scene.report.R), wallStart_(wallClock()), cpuStart_(cpuClock()) {
+    step::Settings& s = shells_.stepper().settings();
+    size_ = sizeOf(scene);
+    s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * size_;
+    if (scene.numerics.dt_max > 0.0)
+        s.dtMin = std::min(s.dtMin, scene.numerics.dt_max);
+    s.contact.absoluteImpulse *= size_ * size_ * size_;
+    fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
+    s.contact.tolerance = scene.numerics.tolerance;
+    double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
+    for (const ShellDef& d : scene.shells)
+        thickness = std::min(thickness, d.thickness);
+    pace(0.0);
+    if (std::isfinite(thickness) && thickness > 0.0)
+        s.localError =
+            (scene.numerics.position_tolerance > 0.0 ? scene.numerics.position_tolerance : 5e-6 * size_) / thickness;
+    s.threads = options.threads;
+    shells_.stepper().loop = options.loop;
+    s.witness = options.witness;
+    shells_.stepper().onSolve = options.onSolve;
+    shells_.stepper().watchStages(options.onStage);
+    out_.scene = scene.name;
+    out_.about = scene.about;
+    out_.R = scene.report.R;
+    out_.B = scene.report.B;
+    if (out_.B <= 0.0 && !scene.shells.empty())
+        out_.B = bendingModulus(scene.shells.front());
+    if (out_.B <= 0.0 && scene.drop)
+        out_.B = bendingModulus(scene.drop->shell);
+    const effects::Model common = effects::modelFor(scene.effects, "all");
+    apparatus_ = common.apparatus;
+    sensor_ = effects::SensorChain(common.sensor);
+    sensorOn_ = common.sensor.on();
+    for (const scene::Parameter& p : scene.parameters)
+        out_.parameters.emplace_back(p.name, p.value);
+    out_.series.names = {"time_s",     "displacement_m", "force_N",    "work_in_J", "bending_J",
+                         "gravity_J",  "kinetic_J",      "friction_J", "impact_J",  "numerical_J",
+                         "push_out_J", "effects_J",      "residual_J", "dt_s",      "contact_residual"};
+    out_.series.columns.resize(out_.series.names.size());
+}
+
+/// Quasi-static experiments cost what their travel costs, however slow the machine is: the longest step is a length of
+/// travel. It is R / 500, or less where the branch (m of travel, as far as known) is short, because a loading branch is
+/// to have at least 500 samples; accuracy is the controller's business.
+void Session::pace(double speed, double branch) {
+    step::Settings& s = shells_.stepper().settings();
+    s.fixedDt = fixedDt_;
+    s.dtMax = scene_.numerics.dt_max;
+    const double travel = std::min(scene_.report.R, 0.8 * branch) / 500.0;
+    if (s.dtMax <= 0.0)
+        s.dtMax = size_ * (speed == 0.0 ? kFreeFrame : std::clamp(travel / (size_ * std::abs(speed)), 1e-3, 1.0));
+    frame_ = s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
+}
+
+void Session::addEffects(std::size_t rod, const std::string& shell) {
+    if (!scene_.effects.empty())
+        step::setEffects(shells_.world(), rod, effects::modelFor(scene_.effects, shell.empty() ? "all" : shell));
+}
+
+std::string Session::populate() {
+    std::vector<std::pair<std::string, ShellHandle>> named;
+    for (const ShellDef& d : scene_.shells) {
+        const auto made = shells_.create(d);
+        if (!made)
+            return "shell \"" + d.name + "\": " + made.error();
+        named.emplace_back(d.name, *made);
+        addEffects(shells_.size() - 1, d.name);
+        addShellInfo(shells_.size() - 1);
+    }
+    for (const HoldDef& h : scene_.holds) {
+        const auto it = std::find_if(named.begin(), named.end(), [&](const auto& n) { return n.first == h.shell; });
+        if (it == named.end())
+            return "hold: there is no shell called \"" + h.shell + "\"";
+        const auto made = shells_.hold(it->second, h.arc_fraction, h.kind, h.on_machine);
+        if (!made)
+            return "hold on \"" + h.shell + "\": " + made.error();
+    }
+    if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.carry(scene_.protocol->body))
+        return "protocol: the host has no body called \"" + scene_.protocol->body + "\"";
+    step::World& w = shells_.world();
+    shells_.stepper().pullFromHost(w, *host_, frame_);
+    describeOutlines();
+    std::vector<contact::Curve> curves(w.rods.size());
+    std::vector<contact::Outline> outlines;
+    for (std::size_t i = 0; i < w.rods.size(); ++i)
+        step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
+    for (const step::BodyOutline& o : w.outlines)
+        for (const step::Body& b : w.bodies)
+            if (b.id == o.body) {
+                outlines.push_back(step::placed(o, b.state.centre, b.state.angle));
+                outlines.back().key = static_cast<std::uint32_t>(outlines.size() - 1);
+            }
+    std::vector<contact::Crossing> crossings;
+    contact::findCrossings(curves, outlines, crossings);
+    contact::Detector detector;
+    std::vector<contact::Candidate> near;
+    detector.detect(curves, outlines, {0.0}, near);
+    const auto shellName = [&](int i) {
+        const std::string& n = scene_.shells[static_cast<std::size_t>(i)].name;
+        return n.empty() ? "shell " + std::to_string(i) : "shell \"" + n + "\"";
+    };
+    if (!crossings.empty())
+        return shellName(crossings.front().rodA) + " crosses " +
+               (crossings.front().rodB >= 0 ? shellName(crossings.front().rodB) : std::string("a rigid body")) +
+               " at the start; move it away";
+    for (const contact::Candidate& c : near)
+        if (c.gap < -0.01 * curves[static_cast<std::size_t>(c.a.rod)].halfThickness)
+            return shellName(c.a.rod) + " overlaps " +
+                   (c.b.rod >= 0 ? shellName(c.b.rod) : std::string("a rigid body")) + " by " +
+                   std::to_string(-c.gap * 1e6) + " um at the start; start from a touching or free state";
+    return {};
+}
+
+void Session::describeOutlines() {
+    std::vector<step::BodyOutline> all;
+    host_->everything(all);
+    std::vector<step::BodyId> ids;
+    for (const step::BodyOutline& o : all)
+        ids.push_back(o.body);
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    for (const step::BodyOutline& o : all) {
+        record::OutlineInfo info;
+        using Kind = contact::OutlineKind;
+        info.kind = o.local.kind == Kind::Circle    ? record::OutlineInfo::Kind::Circle
+                    : o.local.kind == Kind::Polygon ? record::OutlineInfo::Kind::Polygon
+                                                    : record::OutlineInfo::Kind::Polyline;
+        for (const Vec2& p : o.local.points)
+            info.points.push_back({p.x(), p.y()});
+        info.radius = o.local.radius;
+        for (const step::Body& b : shells_.world().bodies)
+            info.driven = info.driven || (b.id == o.body && b.driven);
+        info.body = static_cast<std::int32_t>(std::lower_bound(ids.begin(), ids.end(), o.body) - ids.begin());
+        out_.outlines.push_back(std::move(info));
+    }
+}
+
+void Session::addShellInfo(std::size_t rod) {
+    const rod::RodModel& m = shells_.world().rods[rod].model;
+    record::ShellInfo info;
+    info.name = "shell " + std::to_string(rod + 1);
+    info.length = m.definition().length;
+    info.thickness = m.definition().thickness;
+    info.bending_modulus = m.definition().bendingModulus;
+    info.closed = m.definition().closed;
+    for (int i = 0; i < m.elements(); ++i)
+        info.element_length.push_back(m.elementLength(i));
+    info.natural_curvature = m.definition().naturalCurvature;
+    out_.shells.push_back(std::move(info));
+}
+
+double Session::pileTop() const {
+    return player::pileTop(shells_.world());
+}
+
+double Session::machineBottom() const {
+    const step::World& w = shells_.world();
+    double bottom = std::numeric_limits<double>::infinity();
+    std::vector<step::BodyOutline> all;
+    host_->everything(all);
+    for (const step::Body& b : w.bodies)
+        if (b.driven)
+            for (const step::BodyOutline& o : all)
+                if (o.body == b.id)
+                    for (const Vec2& p : step::placed(o, b.state.centre, b.state.angle).points)
+                        bottom = std::min(bottom, p.y() - o.local.radius);
+    return bottom;
+}
+
+double Session::force() const {
+    if (!scene_.protocol)
+        return 0.0;
+    const Point f = shells_.machine_force();
+    return -(f.x * scene_.protocol->direction.x + f.y * scene_.protocol->direction.y);
+}
+
+/// What the drive shows: the head, what gives between it and the drive, and play.
+double Session::travel() const {
+    if (!scene_.protocol)
+        return 0.0;
+    const Vec2 t = shells_.world().machineTravel;
+    const double head = t.x() * scene_.protocol->direction.x + t.y() * scene_.protocol->direction.y - zeroTravel_;
+    if (!apparatus_.on())
+        return head;
+    const double f = force();
+    return head + apparatus_.compliance * f - (back_ ? apparatus_.backlash : 0.0) +
+           (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / std::hypot(f, apparatus_.slackForce) : 0.0);
+}
+
+bool Session::frame(double dt, const std::function<bool()>& stop) {
+    if (options_.interrupt && options_.interrupt->load()) {
+        end_ = End::Interrupted;
+        message_ = "interrupted";
+        return false;
+    }
+    const FrameReport r = shells_.pre_step(dt, [&] {
+        sample();
+        keep(false);
+        return (options_.interrupt && options_.interrupt->load()) || (stop && stop());
+    });
+    if (r.advanced > 0.0) {
+        host_->step(r.advanced);
+        shells_.post_step();
+    }
+    if (!r.failure.empty()) {
+        end_ = End::Failed;
+        message_ = r.failure + " (at t = " + std::to_string(shells_.time()) + " s)";
+        return false;
+    }
+    if (shells_.world().counters.quarantined > 0) { // a game goes on without the shell, an experiment cannot
+        end_ = End::Failed;
+        message_ =
+            std::string(shells_.world().counters.crossings > 0
+                            ? "shells would cross even at the smallest step"
+                            : "a shell became faster than sound in its own material, or its numbers were not finite, "
+                              "and was taken out of the motion") +
+            " (at t = " + std::to_string(shells_.time()) +
+            " s); look for shells put into each other or driven too fast";
+        return false;
+    }
+    return true;
+}
+
+void Session::sample() {
+    const step::World& w = shells_.world();
+    if (!inProtocol_ && w.time < nextSampleTime_)
+        return;
+    nextSampleTime_ = w.time + 0.01;
+    if (scene_.protocol && !inProtocol_)
+        return;
+    const step::Ledger& l = w.ledger;
+    const double row[] = {w.time,
+                          travel(),
+                          sensorOn_ ? sensor_.read(w.time, force()) : force(),
+                          l.work - atStart_.work,
+                          l.bending,
+                          l.gravity,
+                          l.kinetic,
+                          l.friction - atStart_.friction,
+                          l.impact - atStart_.impact,
+                          l.numerical - atStart_.numerical,
+                          l.pushOut - atStart_.pushOut,
+                          l.effects - atStart_.effects,
+                          l.residual() - atStart_.residual(),
+                          w.dt,
+                          w.counters.etaMax};
+    for (std::size_t i = 0; i < std::size(row); ++i)
+        out_.series.columns[i].push_back(row[i]);
+    if (!loading_)
+        return;
+    energies_.clear();
+    for (const step::Rod& r : w.rods)
+        energies_.push_back(rod::bendingEnergy(r.model, r.q));
+    release_.sample(row[1], energies_);
+}
+
+void Session::keep(bool always) {
+    const step::World& w = shells_.world();
+    if (!options_.frames || (!always && w.time < nextFrameTime_))
+        return;
+    nextFrameTime_ = w.time + std::max(scene_.report.sample_dt, 1e-4);
+    record::Frame f;
+    f.time = w.time;
+    f.displacement = inProtocol_ ? travel() : 0.0;
+    f.force = inProtocol_ ? force() : 0.0;
+    f.phase = phase_;
+    for (const step::Rod& r : w.rods) {
+        record::ShellPose p;
+        p.start = {r.kin.node(0).x(), r.kin.node(0).y()};
+        p.angle = r.kin.arcs().front().angle;
+        for (const rod::Arc& a : r.kin.arcs())
+            p.curvature.push_back(static_cast<float>(a.curvature));
+        p.bending_energy = rod::bendingEnergy(r.model, r.q);
+        f.shells.push_back(std::move(p));
+    }
+    std::vector<step::BodyOutline> all;
+    host_->everything(all);
+    std::vector<step::BodyId> ids;
+    for (const step::BodyOutline& o : all)
+        ids.push_back(o.body);
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    for (const step::BodyId id : ids) {
+        step::BodyState s;
+        host_->state(id, s);
+        for (const step::Body& b : w.bodies)
+            if (b.id == id)
+                s = b.state;
+        f.bodies.push_back({s.centre.x(), s.centre.y(), s.angle});
+    }
+    step::Stepper& stepper = shells_.stepper();
+    const Eigen::VectorXd& r = stepper.lastImpulses();
+    const auto& candidates = stepper.lastCandidates();
+    const double dt = stepper.lastDt();
+    for (std::size_t i = 0; dt > 0.0 && i < candidates.size() && 2 * i + 1 < static_cast<std::size_t>(r.size()); ++i) {
+        const double rn = r[static_cast<Eigen::Index>(2 * i)], rt = r[static_cast<Eigen::Index>(2 * i + 1)];
+        if (rn <= 0.0)
+            continue;
+        const Vec2 n = candidates[i].normal, force = (n * rn + rod::perp(n) * rt) / dt;
+        const bool slips = std::abs(rt) >= stepper.lastProblem().contacts[i].mu * rn * (1.0 - 1e-9);
+        f.contacts.push_back({candidates[i].pointA.x(), candidates[i].pointA.y(), force.x(), force.y(), slips});
+    }
+    out_.frames.push_back(std::move(f));
+}
+
+void Session::report(double fraction) {
+    if (options_.progress)
+        options_.progress({phase_, std::clamp(fraction, 0.0, 1.0), shells_.time(), inProtocol_ ? force() : 0.0,
+                           inProtocol_ ? travel() : 0.0});
+}
+
+bool Session::settle(double speed, double longest) {
+    const double start = shells_.time();
+    while (shells_.time() - start < longest) {
+        if (!frame(frame_, {}))
+            return false;
+        if (player::fastest(shells_.world()) < speed && shells_.time() - start > 0.05)
+            break;
+    }
+    return true;
+}
+
+/// Drops `count` shells side by side, in rows above the pile. Empty or why it cannot.
+std::string Session::dropBatch(int count) {
+    const std::size_t before = shells_.size();
+    std::vector<ShellHandle> made;
+    if (std::string error = player::dropBatch(shells_, *scene_.drop, count, random_, made); !error.empty())
+        return error;
+    for (std::size_t i = before; i < shells_.size(); ++i) {
+        addEffects(i, {});
+        addShellInfo(i);
+    }
+    keep(true);
+    return {};
+}
+
+void Session::drop() {
+    const scene::Drop& d = *scene_.drop;
+    // A random start needs no trajectory to the micrometre: while the shells rain down steps may be coarser.
+    step::Settings& settings = shells_.stepper().settings();
+    const double measured = settings.localError, motion = settings.motionLimit;
+    settings.localError = std::max(measured, 0.3);
+    settings.motionLimit = 2.0 * motion;
+    if (d.adaptive) {
+        settings.fixedDt = 0.0;
+        frame_ = settings.dtMax;
+    }
+    for (int done = 0; done < d.count && end_ == End::Done;) {
+        const int count = std::min(d.together, d.count - done);
+        phase_ = "drop " + std::to_string(done + 1);
+        if (const std::string error = dropBatch(count); !error.empty()) {
+            end_ = End::BadScene;
+            message_ = "drop: " + error;
+            return;
+        }
+        report(0.3 * done / d.count);
+        done += count;
+        if (done < d.count)
+            settle(d.settle_speed, d.settle_time);
+        else
+            settle(d.final_settle_speed, d.final_settle_time);
+    }
+    settings.localError = measured;
+    settings.motionLimit = motion;
+    pace(0.0);
+}
+
+} // namespace supercircle::lab

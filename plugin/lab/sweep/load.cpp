@@ -1,0 +1,238 @@
+// From sweep.json to the list of runs, with every problem placed.
+
+#include "plugin/lab/sweep/definition.h"
+#include "plugin/scene/loader/reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace supercircle::sweep {
+
+namespace {
+
+using scene::Context;
+using scene::Node;
+using scene::ObjectReader;
+using scene::Place;
+
+constexpr const char* schemaName = "supercircle-sweep/1";
+constexpr std::int64_t kMaxSeed = std::int64_t{1} << 53; // larger ones are not whole in a JSON number
+
+std::optional<double> plainNumber(Context& context, const Node& node, const std::string& pointer) {
+    if (node.kind == Node::Kind::Number && std::isfinite(node.number))
+        return node.number;
+    context.error(node, pointer, std::string("this is ") + scene::kindName(node.kind), "a number");
+    return std::nullopt;
+}
+
+/// Values of one axis: a list, or {"from", "to", "count"} evenly spaced with both ends.
+std::vector<double> readAxis(Context& context, const Node& node, const std::string& pointer) {
+    std::vector<double> values;
+    if (node.kind == Node::Kind::Object) {
+        ObjectReader object(context, node, pointer);
+        for (const char* key : {"from", "to", "count"})
+            object.require(key, "a number");
+        const double from = object.number("from", 0.0), to = object.number("to", 0.0);
+        const std::int64_t count = object.integer("count", 2, 1, 100'000);
+        object.finish();
+        for (std::int64_t i = 0; i < count; ++i)
+            values.push_back(
+                count == 1 ? from : from + (to - from) * (static_cast<double>(i) / static_cast<double>(count - 1)));
+        return values;
+    }
+    if (node.kind != Node::Kind::Array || node.children.empty()) {
+        context.error(node, pointer, "no values", "a list of numbers, or {\"from\", \"to\", \"count\"}");
+        return values;
+    }
+    for (std::size_t i = 0; i < node.children.size(); ++i) {
+        const std::string place = pointer + "/" + std::to_string(i);
+        if (const auto value = plainNumber(context, node.children[i], place)) {
+            if (std::find(values.begin(), values.end(), *value) != values.end())
+                context.error(node.children[i], place, "this value is there twice");
+            values.push_back(*value);
+        }
+    }
+    return values;
+}
+
+/// An object of numbers by name.
+std::vector<Setting> readSettings(Context& context, const Node& node, const std::string& pointer) {
+    std::vector<Setting> settings;
+    if (node.kind != Node::Kind::Object) {
+        context.error(node, pointer, std::string("this is ") + scene::kindName(node.kind),
+                      "an object of parameters and their values");
+        return settings;
+    }
+    for (const Node& child : node.children)
+        if (child.key != "about")
+            if (const auto value = plainNumber(context, child, pointer + "/" + scene::pointerToken(child.key)))
+                settings.emplace_back(child.key, *value);
+    return settings;
+}
+
+/// Cases: sets of values that belong together; every case names the same parameters.
+void readCases(Context& context, ObjectReader& top, Definition& sweep) {
+    std::vector<std::vector<double>> rows;
+    for (const Place& place : top.array("cases")) {
+        const std::vector<Setting> settings = readSettings(context, *place.node, place.pointer);
+        if (rows.empty())
+            for (const Setting& s : settings)
+                sweep.names.push_back(s.first);
+        std::vector<double> row;
+        for (const std::string& name : sweep.names)
+            for (const Setting& s : settings)
+                if (s.first == name)
+                    row.push_back(s.second);
+        if (row.size() != sweep.names.size() || row.size() != settings.size()) {
+            context.error(*place.node, place.pointer, "this case does not name the parameters of the first one");
+            continue;
+        }
+        if (std::find(rows.begin(), rows.end(), row) != rows.end())
+            context.error(*place.node, place.pointer, "this case is there twice");
+        rows.push_back(std::move(row));
+    }
+    if (!rows.empty())
+        sweep.sets = std::move(rows);
+}
+
+void multiply(Definition& sweep, const std::string& name, const std::vector<double>& values) {
+    std::vector<std::vector<double>> product;
+    for (const std::vector<double>& set : sweep.sets)
+        for (const double value : values) {
+            product.push_back(set);
+            product.back().push_back(value);
+        }
+    sweep.names.push_back(name);
+    sweep.sets = std::move(product);
+}
+
+void readGrid(Context& context, ObjectReader& top, Definition& sweep) {
+    sweep.sets = {{}};
+    readCases(context, top, sweep);
+    const Node* grid = top.find("grid");
+    if (grid == nullptr)
+        return;
+    if (grid->kind != Node::Kind::Object) {
+        context.error(*grid, "/grid", std::string("this is ") + scene::kindName(grid->kind),
+                      "an object of parameters and their values");
+        return;
+    }
+    for (const Node& axis : grid->children) {
+        const std::string pointer = "/grid/" + scene::pointerToken(axis.key);
+        if (axis.key == "about")
+            continue;
+        if (std::find(sweep.names.begin(), sweep.names.end(), axis.key) != sweep.names.end()) {
+            context.keyError(axis, pointer, "this parameter varies in \"cases\" already");
+            continue;
+        }
+        const std::vector<double> values = readAxis(context, axis, pointer);
+        if (values.size() * sweep.sets.size() > maxRuns) {
+            context.error(axis, pointer, "too many sets of parameters", "at most " + std::to_string(maxRuns));
+            return;
+        }
+        if (!values.empty())
+            multiply(sweep, axis.key, values);
+    }
+}
+
+std::vector<std::int64_t> readSeeds(Context& context, ObjectReader& top) {
+    const Node* node = top.find("seeds");
+    if (node == nullptr)
+        return {1};
+    std::vector<std::int64_t> seeds;
+    if (node->kind == Node::Kind::Object) {
+        ObjectReader object(context, *node, "/seeds");
+        object.require("last", "a whole number");
+        const std::int64_t first = object.integer("first", 1, 0, kMaxSeed);
+        const std::int64_t last = object.integer("last", first, 0, kMaxSeed);
+        object.finish();
+        if (last < first || last - first >= static_cast<std::int64_t>(maxRuns))
+            context.error(*node, "/seeds", "no good range", "first <= last, at most " + std::to_string(maxRuns));
+        else
+            for (std::int64_t seed = first; seed <= last; ++seed)
+                seeds.push_back(seed);
+        return seeds;
+    }
+    for (const double value : top.numbers("seeds", {0.0, static_cast<double>(kMaxSeed), false})) {
+        if (value != std::floor(value))
+            context.error(*node, "/seeds", "seeds are whole numbers");
+        seeds.push_back(static_cast<std::int64_t>(value));
+    }
+    std::sort(seeds.begin(), seeds.end());
+    if (std::adjacent_find(seeds.begin(), seeds.end()) != seeds.end())
+        context.error(*node, "/seeds", "a seed is there twice");
+    if (seeds.empty())
+        context.error(*node, "/seeds", "no seeds", "a list, or {\"first\", \"last\"}");
+    return seeds;
+}
+
+void readReport(Context& context, ObjectReader& top, Definition& sweep) {
+    if (!sweep.names.empty())
+        sweep.x = sweep.names.front();
+    const Node* node = top.find("report");
+    if (node == nullptr)
+        return;
+    ObjectReader object(context, *node, "/report");
+    sweep.x = object.string("x", sweep.x);
+    if (object.find("x") != nullptr && std::find(sweep.names.begin(), sweep.names.end(), sweep.x) == sweep.names.end())
+        context.error(*object.find("x"), "/report/x", "no parameter \"" + sweep.x + "\" varies",
+                      "one of \"grid\" or \"cases\"", scene::nearestName(sweep.x, sweep.names));
+    object.finish();
+}
+
+void readTop(Context& context, Definition& sweep) {
+    ObjectReader top(context, context.document.root, "");
+    if (!top.valid())
+        return;
+    if (top.require("schema", std::string("\"") + schemaName + "\"")) {
+        const std::string schema = top.string("schema", schemaName);
+        if (schema != schemaName)
+            context.error(*top.find("schema"), "/schema", "this is \"" + schema + "\", not a sweep of this version",
+                          std::string("\"") + schemaName + "\"");
+    }
+    sweep.name = top.string("name", std::filesystem::path(sweep.file).stem().string());
+    sweep.about = top.string("about", "");
+    if (top.require("scene", "path of a scene file, relative to this one")) {
+        const std::filesystem::path scene = top.string("scene", "");
+        sweep.scene = (std::filesystem::path(sweep.file).parent_path() / scene).lexically_normal().string();
+    }
+    readGrid(context, top, sweep);
+    if (const Node* fixed = top.find("fixed"))
+        sweep.fixed = readSettings(context, *fixed, "/fixed");
+    for (const Setting& s : sweep.fixed)
+        if (std::find(sweep.names.begin(), sweep.names.end(), s.first) != sweep.names.end())
+            context.error(*top.find("fixed")->find(s.first), "/fixed/" + scene::pointerToken(s.first),
+                          "this parameter varies, it cannot be fixed");
+    sweep.seeds = readSeeds(context, top);
+    readReport(context, top, sweep);
+    top.finish();
+    if (sweep.sets.size() * sweep.seeds.size() > maxRuns)
+        context.error(context.document.root, "", "too many runs", "at most " + std::to_string(maxRuns));
+}
+
+} // namespace
+
+std::optional<Definition> loadText(const std::string& text, const std::string& file,
+                                   std::vector<scene::Problem>& problems) {
+    std::vector<scene::Problem> found;
+    std::optional<Definition> sweep;
+    if (const auto document = scene::parseDocument(text, file, found)) {
+        scene::Scope none;
+        Context context{*document, found, none};
+        sweep.emplace();
+        sweep->file = file;
+        readTop(context, *sweep);
+    }
+    if (scene::anyError(found))
+        sweep.reset();
+    problems.insert(problems.end(), found.begin(), found.end());
+    return sweep;
+}
+
+std::optional<Definition> load(const std::string& path, std::vector<scene::Problem>& problems) {
+    const auto text = scene::readFile(path, problems);
+    return text ? loadText(*text, path, problems) : std::nullopt;
+}
+
+} // namespace supercircle::sweep

@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "plugin/graphics/decimate.h"
+#include "plugin/graphics/plot.h"
+#include "plugin/graphics/theme.h"
+#include "plugin/pages/run/figures.h"
+#include "plugin/pages/run/words.h"
+
+// Lines and not a stack: gravity gives energy back while the pile falls, push-out and residual change sign, and a stack
+// of signed layers cannot be read.
+
+namespace supercircle::report {
+
+namespace {
+
+using record::Recording;
+
+struct Book {
+    std::string label;
+    Colour colour;
+    const std::vector<double>* values = nullptr;
+    double largest = 0.0;
+    bool residual = false;
+};
+
+Colour bookColour(const std::string& name, std::size_t index) {
+    struct Named {
+        std::string_view start;
+        unsigned rgb;
+    };
+    static constexpr std::array<Named, 10> known{{{"work", 0x1b1f24},
+                                                  {"elastic", 0xc8452d},
+                                                  {"bending", 0xc8452d},
+                                                  {"gravity", 0x2a6fb8},
+                                                  {"kinetic", 0x1f9e89},
+                                                  {"friction", 0xd98a00},
+                                                  {"impact", 0x8250a8},
+                                                  {"effects", 0xc2457f},
+                                                  {"numerical", 0x6e7781},
+                                                  {"push", 0x8a5a2b}}};
+    for (const Named& entry : known)
+        if (name.rfind(entry.start, 0) == 0)
+            return Colour::hex(entry.rgb);
+    static constexpr std::array<unsigned, 4> others{0x4c956c, 0x5e60ce, 0xb56576, 0x457b9d};
+    return Colour::hex(others[index % others.size()]);
+}
+
+std::vector<Book> booksOf(const Recording& recording) {
+    std::vector<Book> books;
+    const auto& series = recording.series;
+    for (std::size_t i = 0; i < std::min(series.names.size(), series.columns.size()); ++i) {
+        const std::string& name = series.names[i];
+        if (name.size() < 3 || name.substr(name.size() - 2) != "_J")
+            continue;
+        Book book{plainName(name), bookColour(name, i), &series.columns[i]};
+        book.residual = name.find("residual") != std::string::npos;
+        for (const double value : series.columns[i])
+            if (std::isfinite(value))
+                book.largest = std::max(book.largest, std::abs(value));
+        books.push_back(book);
+    }
+    return books;
+}
+
+Range rangeOf(const std::vector<Book>& books, bool residual) {
+    Range range{0.0, 0.0};
+    for (const Book& book : books)
+        if (book.residual == residual)
+            for (const double value : *book.values)
+                if (std::isfinite(value))
+                    range = {std::min(range.lo, value), std::max(range.hi, value)};
+    return padded(range, 0.06);
+}
+
+/// Names of the lines at their right ends, pushed apart, with leaders where they had to move.
+void labelEnds(Canvas& canvas, const Plot& plot, const std::vector<double>& time, const std::vector<Book>& books) {
+    struct End {
+        double wanted, y;
+        const Book* book;
+    };
+    std::vector<End> ends;
+    for (const Book& book : books) {
+        if (book.residual)
+            continue;
+        for (std::size_t i = std::min(time.size(), book.values->size()); i-- > 0;)
+            if (std::isfinite((*book.values)[i]) && std::isfinite(time[i])) {
+                const double y = plot.at(time[i], (*book.values)[i]).y;
+                ends.push_back({y, y, &book});
+                break;
+            }
+    }
+    std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.wanted < b.wanted; });
+    constexpr double gap = 16.0;
+    for (std::size_t i = 0; i < ends.size(); ++i)
+        ends[i].y = std::max(ends[i].wanted, i == 0 ? plot.area.y + 6.0 : ends[i - 1].y + gap);
+    double limit = plot.area.bottom() - 4.0;
+    for (std::size_t i = ends.size(); i-- > 0; limit = ends[i].y - gap)
+        if (ends[i].y > limit)
+            ends[i].y = limit;
+    const double x = plot.area.right();
+    for (const End& end : ends) {
+        canvas.path({{x, end.wanted}, {x + 6.0, end.wanted}, {x + 16.0, end.y}, {x + 20.0, end.y}}, false,
+                    {.stroke = Stroke{end.book->colour.alpha(0.7), 1.0}});
+        canvas.text({x + 24.0, end.y + 4.0}, end.book->label, {12.0, end.book->colour, Anchor::Start, true});
+    }
+}
+
+/// Strip above the diagram that names the phases of the run.
+void drawPhases(Canvas& canvas, const Plot& plot, const Recording& recording) {
+    struct Phase {
+        double start, end;
+        std::string name;
+    };
+    std::vector<Phase> phases;
+    for (const auto& frame : recording.frames) {
+        if (!std::isfinite(frame.time))
+            continue;
+        if (!phases.empty() && phases.back().name == frame.phase) {
+            phases.back().end = frame.time;
+            continue;
+        }
+        if (!phases.empty())
+            phases.back().end = frame.time;
+        phases.push_back({frame.time, frame.time, frame.phase});
+    }
+    if (phases.size() < 2 || phases.size() > 200)
+        return;
+    const double y = plot.area.y - 20.0;
+    for (std::size_t i = 0; i < phases.size(); ++i) {
+        const double a = std::clamp(plot.at(phases[i].start, 0.0).x, plot.area.x, plot.area.right());
+        const double b = std::clamp(plot.at(phases[i].end, 0.0).x, plot.area.x, plot.area.right());
+        if (b - a < 1.0)
+            continue;
+        const bool load = phases[i].name.rfind("load", 0) == 0, unload = phases[i].name.rfind("unload", 0) == 0;
+        const Colour tone = load ? theme::loading.alpha(0.16) : unload ? theme::unloading.alpha(0.16) : theme::grid;
+        canvas.rectangle({a + 0.5, y, std::max(b - a - 1.0, 0.5), 17.0}, {.fill = tone});
+        if (textWidth(phases[i].name, 11.0) + 6.0 < b - a)
+            canvas.text({0.5 * (a + b), y + 12.5}, phases[i].name, {11.0, theme::muted, Anchor::Middle});
+    }
+}
+
+} // namespace
+
+std::optional<PlotFrame> drawEnergy(Canvas& canvas, const Recording& recording, const Rect& sheet,
+                                    const std::string& title) {
+    const auto* time = recording.series.find("time_s");
+    const std::vector<Book> books = booksOf(recording);
+    if (time == nullptr || time->empty() || books.empty())
+        return std::nullopt;
+    const double huge = std::numeric_limits<double>::infinity();
+    Range span{huge, -huge};
+    for (const double t : *time)
+        if (std::isfinite(t))
+            span = {std::min(span.lo, t), std::max(span.hi, t)};
+    span = padded(span, 0.0);
+
+    const bool residual = std::any_of(books.begin(), books.end(), [](const Book& b) { return b.residual; });
+    const double head = title.empty() ? 0.0 : 30.0;
+    const double top = sheet.y + head + 34.0;
+    const double bottom = sheet.bottom() - 52.0;
+    const double lower = residual ? std::max(70.0, 0.2 * (bottom - top)) : 0.0;
+    const Rect area{sheet.x + 70.0, top, sheet.width - 70.0 - 140.0, bottom - top - (residual ? lower + 26.0 : 0.0)};
+    const Plot plot(area, span, rangeOf(books, false));
+    const Unit unit = readableUnit(std::max(std::abs(plot.y.lo), std::abs(plot.y.hi)), "J");
+    PlotStyle style;
+    style.x = {residual ? "" : "time (s)", 1.0};
+    style.y = {"energy (" + unit.text + ")", unit.factor};
+    plot.drawFrame(canvas, style);
+    drawPhases(canvas, plot, recording);
+    canvas.pushClip(area);
+    for (const Book& book : books)
+        if (!book.residual)
+            plot.drawLine(canvas, *time, *book.values, {book.colour, 1.7});
+    canvas.popClip();
+    labelEnds(canvas, plot, *time, books);
+
+    Rect whole = area;
+    if (residual) {
+        const Rect strip{area.x, area.bottom() + 26.0, area.width, lower};
+        const Plot rest(strip, span, rangeOf(books, true));
+        const Unit small = readableUnit(std::max(std::abs(rest.y.lo), std::abs(rest.y.hi)), "J");
+        PlotStyle lowerStyle;
+        lowerStyle.x = {"time (s)", 1.0};
+        lowerStyle.y = {"(" + small.text + ")", small.factor};
+        lowerStyle.yTicks = 3;
+        rest.drawFrame(canvas, lowerStyle);
+        canvas.pushClip(strip);
+        for (const Book& book : books)
+            if (book.residual)
+                rest.drawLine(canvas, *time, *book.values, {Colour::hex(0x57606a), 1.0});
+        canvas.popClip();
+        canvas.text({strip.right() + 12.0, strip.y + 0.5 * lower + 4.0}, "residual",
+                    {12.0, theme::muted, Anchor::Start, true});
+        whole.height = strip.bottom() - area.y;
+    }
+    if (!title.empty())
+        canvas.text({sheet.x + 20.0, sheet.y + 28.0}, title, {theme::titleSize, theme::ink, Anchor::Start, true});
+    return PlotFrame{whole, plot.x, plot.y};
+}
+
+} // namespace supercircle::report

@@ -1,0 +1,27 @@
+#pragma once
+// Pictures of a run.
+
+#include <string>
+#include <vector>
+
+#include "plugin/recording/table/files.h"
+#include "plugin/recording/table/recording.h"
+
+namespace supercircle::report {
+
+/// report.html and its pictures by name and content, drawn but not written. Never throws.
+[[nodiscard]] record::Result<std::vector<record::NamedText>> reportFiles(const record::Recording& recording) noexcept;
+
+/// Removes from `directory` what an earlier report left there and `files` did not replace: a force curve of yesterday's
+/// run beside today's page would be believed.
+/// @return empty, or what could not be removed. Never throws.
+[[nodiscard]] std::string removeOldReport(const std::string& directory,
+                                          const std::vector<record::NamedText>& files) noexcept;
+
+/// Writes report.html and, for those without a browser, force.png, energy.png, before.png, peak.png, after.png
+/// (start.png and end.png where the run names no key frames) and overview.png into `directory`, all of them or none.
+/// Pictures without data are left out, and those of an earlier run in the same place are removed.
+/// @return empty, or why not. Never throws.
+[[nodiscard]] std::string writeReport(const record::Recording& recording, const std::string& directory) noexcept;
+
+} // namespace supercircle::report

@@ -1,0 +1,141 @@
+// The CSV files of the runs.
+
+#include "plugin/recording/experiment/free_scene.h"
+#include "plugin/recording/experiment/health.h"
+#include "plugin/recording/experiment/load.h"
+#include "plugin/recording/table/csv.h"
+#include "plugin/recording/table/files.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace supercircle::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The reader's message begins with file:line:column already.
+void reportCsv(std::vector<scene::Problem>& problems, const std::string& file, const std::string& message) {
+    scene::Problem p;
+    p.file = file;
+    p.what = message;
+    if (message.rfind(file + ":", 0) == 0) {
+        const char* rest = message.c_str() + file.size() + 1;
+        int used = 0;
+        if (std::sscanf(rest, "%d:%d: %n", &p.line, &p.column, &used) != 2 || used == 0)
+            p.line = p.column = used = 0;
+        p.what = rest + used + (used == 0 && *rest == ' ' ? 1 : 0);
+    }
+    problems.push_back(std::move(p));
+}
+
+std::vector<double> scaled(const std::vector<double>& values, double factor) {
+    std::vector<double> out(values);
+    for (double& v : out)
+        v *= factor;
+    return out;
+}
+
+/// What a file of another kind is, told before its bytes are taken for names of columns; empty: nothing strange.
+std::string foreign(const std::string& text) {
+    const std::string import = "; `supercircle import` reads exports of other forms";
+    if (text.find('\0') != std::string::npos)
+        return ":1:1: there are zero bytes in it: UTF-16, or no text; expected CSV in UTF-8" + import;
+    if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos)
+        return ":1:1: its lines end with a carriage return alone; expected LF or CRLF" + import;
+    const std::string head = text.substr(0, std::min(text.find('\n'), text.size()));
+    const auto strange = std::find_if(head.begin(), head.end(), [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r';
+    });
+    if (strange != head.end())
+        return ":1:" + std::to_string(strange - head.begin() + 1) + ": a control character; expected names of columns";
+    if (head.find(',') == std::string::npos && head.find_first_of(";\t") != std::string::npos)
+        return ":1:1: cells are separated by " +
+               std::string(head.find(';') != std::string::npos ? "semicolons" : "tabs") + "; expected commas" + import;
+    return {};
+}
+
+record::Result<record::Series> readTable(const std::string& path, const record::CsvOptions& options) {
+    const auto text = record::readText(path);
+    if (!text)
+        return record::Result<record::Series>::fail(text.error);
+    if (const std::string why = foreign(text.value); !why.empty())
+        return record::Result<record::Series>::fail(path + why);
+    return record::parseCsv(text.value, path, options);
+}
+
+void readReadings(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
+    record::CsvOptions options;
+    options.required = {"time_s", "displacement_mm", "force_N"};
+    const auto csv = readTable(path, options);
+    if (!csv) {
+        reportCsv(problems, path, csv.error);
+        return;
+    }
+    run.readings.time = *csv.value.find("time_s");
+    run.readings.displacement = scaled(*csv.value.find("displacement_mm"), 1e-3);
+    run.readings.force = *csv.value.find("force_N");
+    judgeReadings(e, run, path, problems);
+}
+
+/// A free scene's run: times and one column of a pose.
+void readPose(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
+    record::CsvOptions options;
+    options.required = {"time_s"};
+    auto csv = readTable(path, options);
+    if (!csv) {
+        reportCsv(problems, path, csv.error);
+        return;
+    }
+    std::string wanted;
+    for (const Channel& c : columnsOf(e)) {
+        wanted += (wanted.empty() ? "" : " or ") + std::string(c.column);
+        const std::vector<double>* column = csv.value.find(c.column);
+        if (column == nullptr)
+            continue;
+        run.readings.time = *csv.value.find("time_s");
+        run.readings.force = scaled(*column, 1.0 / c.perUnit);
+        run.readings.displacement.assign(run.readings.time.size(), 0.0);
+        judgeReadings(e, run, path, problems);
+        return;
+    }
+    reportCsv(problems, path, path + ":1:1: there is no column " + wanted + "; expected what /observed names");
+}
+
+void readTracks(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
+    record::CsvOptions options;
+    options.required = {"time_s"};
+    for (const Marker& m : e.markers)
+        for (const char* axis : {"_x_mm", "_y_mm"})
+            options.required.push_back(m.name + axis);
+    const auto csv = readTable(path, options);
+    if (!csv) {
+        reportCsv(problems, path, csv.error);
+        return;
+    }
+    run.markers.time = *csv.value.find("time_s");
+    for (const Marker& m : e.markers) {
+        run.markers.x.push_back(scaled(*csv.value.find(m.name + "_x_mm"), 1e-3));
+        run.markers.y.push_back(scaled(*csv.value.find(m.name + "_y_mm"), 1e-3));
+    }
+    judgeTracks(e, run, path, problems);
+}
+
+} // namespace
+
+void readRuns(Experiment& experiment, std::vector<scene::Problem>& problems) {
+    const fs::path folder = fs::path(experiment.file).parent_path();
+    for (Run& run : experiment.runs) {
+        const std::string path = (folder / run.file).string();
+        if (experiment.scene)
+            readPose(experiment, run, path, problems);
+        else
+            readReadings(experiment, run, path, problems);
+        if (!run.markersFile.empty())
+            readTracks(experiment, run, (folder / run.markersFile).string(), problems);
+    }
+}
+
+} // namespace supercircle::experiment

@@ -1,0 +1,150 @@
+#include "plugin/recording/experiment/values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace supercircle::experiment {
+
+namespace {
+
+std::string shown(double v) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%.10g", v);
+    return buffer;
+}
+
+std::string wanted(const Limits& limits) {
+    std::string text = "a number";
+    if (std::isfinite(limits.min))
+        text += (limits.above ? " > " : " >= ") + shown(limits.min);
+    if (std::isfinite(limits.max))
+        text += std::string(std::isfinite(limits.min) ? " and" : "") + " <= " + shown(limits.max);
+    return text;
+}
+
+std::string thisIs(const Node& node) {
+    return std::string("this is ") + scene::kindName(node.kind);
+}
+
+} // namespace
+
+double numberAt(Context& context, const Node& node, const std::string& pointer, const Limits& limits) {
+    if (node.kind != Node::Kind::Number) {
+        context.error(node, pointer, thisIs(node), wanted(limits));
+        return 0.0;
+    }
+    const double v = node.number;
+    if (!std::isfinite(v) || (limits.above ? v <= limits.min : v < limits.min) || v > limits.max) {
+        context.error(node, pointer, shown(v) + " is out of range", wanted(limits));
+        return 0.0;
+    }
+    return v;
+}
+
+Object::Object(Context& context, const Node& node, std::string pointer)
+    : context_(context), reader_(context, node, std::move(pointer)), known_{"about"} {}
+
+const Node* Object::find(const std::string& key) {
+    known_.push_back(key);
+    return reader_.find(key);
+}
+
+const Node* Object::required(const std::string& key, const std::string& expected) {
+    known_.push_back(key);
+    return reader_.require(key, expected) ? reader_.find(key) : nullptr;
+}
+
+double Object::number(const std::string& key, const Limits& limits) {
+    const Node* node = required(key, wanted(limits));
+    return node == nullptr ? 0.0 : numberAt(context_, *node, pointerTo(key), limits);
+}
+
+double Object::number(const std::string& key, double fallback, const Limits& limits) {
+    const Node* node = find(key);
+    return node == nullptr ? fallback : numberAt(context_, *node, pointerTo(key), limits);
+}
+
+std::string Object::text(const std::string& key) {
+    return required(key, "a text") == nullptr ? std::string() : reader_.string(key, {});
+}
+
+std::string Object::text(const std::string& key, const std::string& fallback) {
+    known_.push_back(key);
+    return reader_.string(key, fallback);
+}
+
+bool Object::flag(const std::string& key, bool fallback) {
+    known_.push_back(key);
+    return reader_.boolean(key, fallback);
+}
+
+std::vector<Place> Object::array(const std::string& key, bool mustHaveItems) {
+    const Node* node = required(key, "an array");
+    if (node == nullptr)
+        return {};
+    std::vector<Place> items = reader_.array(key);
+    if (mustHaveItems && node->kind == Node::Kind::Array && items.empty())
+        context_.error(*node, pointerTo(key), "the array is empty", "at least one item");
+    return items;
+}
+
+std::vector<double> Object::numbers(const std::string& key, const Limits& limits) {
+    std::vector<double> values;
+    for (const Place& item : array(key, true))
+        values.push_back(numberAt(context_, *item.node, item.pointer, limits));
+    return values;
+}
+
+Point Object::pair(const std::string& key) {
+    const Node* node = required(key, "[x, y]");
+    if (node == nullptr)
+        return {};
+    if (node->kind != Node::Kind::Array || node->children.size() != 2) {
+        context_.error(*node, pointerTo(key),
+                       node->kind == Node::Kind::Array ? std::to_string(node->children.size()) + " items"
+                                                       : thisIs(*node),
+                       "[x, y]");
+        return {};
+    }
+    return {numberAt(context_, node->children[0], pointerTo(key) + "/0", scene::anyNumber),
+            numberAt(context_, node->children[1], pointerTo(key) + "/1", scene::anyNumber)};
+}
+
+std::size_t Object::choice(const std::string& key, const std::vector<std::string>& words) {
+    std::string all;
+    for (const std::string& w : words)
+        all += (all.empty() ? "\"" : ", \"") + w + "\"";
+    return required(key, "one of " + all) == nullptr ? 0 : reader_.choice(key, words, 0);
+}
+
+void Object::error(const std::string& key, const std::string& what, const std::string& expected,
+                   const std::string& nearest) {
+    const Node* node = reader_.find(key);
+    context_.error(node == nullptr ? reader_.node() : *node, pointerTo(key), what, expected, nearest);
+}
+
+void Object::note(const std::string& key, const std::string& what) {
+    const Node* node = reader_.find(key);
+    context_.note(node == nullptr ? reader_.node() : *node, pointerTo(key), what);
+}
+
+void Object::finish() {
+    if (!valid())
+        return;
+    std::vector<std::string> absent;
+    for (const std::string& key : known_)
+        if (reader_.node().find(key) == nullptr)
+            absent.push_back(key);
+    for (const Node& child : reader_.node().children) {
+        if (std::find(known_.begin(), known_.end(), child.key) != known_.end())
+            continue;
+        const std::string near = scene::nearestName(child.key, absent);
+        if (near.empty())
+            context_.note(child, pointerTo(child.key), "key without meaning here: \"" + child.key + "\"");
+        else
+            context_.keyError(child, pointerTo(child.key), "unknown key \"" + child.key + "\"", {}, near);
+    }
+}
+
+} // namespace supercircle::experiment

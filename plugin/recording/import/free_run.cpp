@@ -1,0 +1,238 @@
+#include "plugin/recording/import/free_run.h"
+
+#include "plugin/scene/loader/loader.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace supercircle::importing {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = Remark::Kind;
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+double rounded(double v) {
+    const double r = std::round(v * 1e6) / 1e6;
+    return r == 0.0 ? 0.0 : r;
+}
+
+/// Means over `half` rows on either side; rows that are missing do not count.
+std::vector<double> smooth(const std::vector<double>& v, std::size_t half) {
+    std::vector<double> out;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        double sum = 0.0, n = 0.0;
+        for (std::size_t k = i > half ? i - half : 0; k < std::min(v.size(), i + half + 1); ++k)
+            if (std::isfinite(v[k])) {
+                sum += v[k];
+                n += 1.0;
+            }
+        out.push_back(n > 0.0 ? sum / n : std::numeric_limits<double>::quiet_NaN());
+    }
+    return out;
+}
+
+/// Row of the first turning point: the angle comes back from there by a hundredth of its range. 0: it never turns.
+std::size_t firstTurn(const std::vector<double>& v) {
+    const auto [lo, hi] = std::minmax_element(v.begin(), v.end());
+    const double back = 0.01 * (*hi - *lo);
+    std::size_t top = 0, bottom = 0;
+    for (std::size_t i = 1; i < v.size(); ++i) {
+        top = v[i] > v[top] ? i : top;
+        bottom = v[i] < v[bottom] ? i : bottom;
+        if (v[top] - v[i] > back && top > 0 && v[top] - v[0] > back)
+            return top;
+        if (v[i] - v[bottom] > back && bottom > 0 && v[0] - v[bottom] > back)
+            return bottom;
+    }
+    return 0;
+}
+
+} // namespace
+
+double encoderStep(const std::vector<double>& angle) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < angle.size(); ++i)
+        if (const double d = std::abs(angle[i] - angle[i - 1]); d > 1e-9)
+            least = std::min(least, d);
+    return std::isfinite(least) ? least : 0.0;
+}
+
+Beginning beginningOf(const Track& track) {
+    const std::vector<double>& t = *track.find(Quantity::Time);
+    const std::vector<double>& v = *track.find(Quantity::Angle);
+    constexpr double kSpan = 0.06; // s: short against any swing, long enough for a slope
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < t.size() && (t[i] - t[0] <= kSpan || rows.size() < 6); ++i)
+        if (std::isfinite(v[i]))
+            rows.push_back(i);
+    Beginning out;
+    if (rows.size() < 4)
+        return out;
+    // In 60 ms a short rod swings through ten degrees: a parabola would be wrong by .2 rad/s. Powers of t over the
+    // span.
+    const Eigen::Index powers = rows.size() >= 9 ? 5 : 3;
+    Eigen::MatrixXd basis(static_cast<Eigen::Index>(rows.size()), powers);
+    Eigen::VectorXd read(basis.rows());
+    for (Eigen::Index k = 0; k < basis.rows(); ++k) {
+        const std::size_t i = rows[static_cast<std::size_t>(k)];
+        read[k] = v[i];
+        for (Eigen::Index p = 0; p < powers; ++p)
+            basis(k, p) = std::pow((t[i] - t[0]) / kSpan, static_cast<double>(p));
+    }
+    const Eigen::MatrixXd inverse = (basis.transpose() * basis).ldlt().solve(Eigen::MatrixXd::Identity(powers, powers));
+    const Eigen::VectorXd c = inverse * (basis.transpose() * read);
+    const double rest = (read - basis * c).squaredNorm();
+    const double sigma = std::max(std::sqrt(rest / static_cast<double>(basis.rows() - powers)), 0.3 * encoderStep(v));
+    out.angle = c[0];
+    out.spin = c[1] / kSpan;
+    out.angleHalfWidth = 3.0 * sigma * std::sqrt(inverse(0, 0)) + 0.5 * encoderStep(v);
+    // Within a step of the encoder a turn is not seen: the spin there is anything between the acceleration's work over
+    // it.
+    const double unseen = std::sqrt(2.0 * encoderStep(v) * 2.0 * std::abs(c[2])) / kSpan;
+    out.spinHalfWidth = unseen + 3.0 * sigma * std::sqrt(inverse(1, 1)) / kSpan + encoderStep(v) / kSpan;
+    return out;
+}
+
+void cutToTurn(Track& track, int which, std::vector<Remark>& remarks) {
+    std::vector<double>& t = *track.find(Quantity::Time);
+    const std::vector<double>& v = *track.find(Quantity::Angle);
+    if (v.size() < 10)
+        return;
+    const double dt = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+    std::vector<double> rest = smooth(v, std::max<std::size_t>(1, static_cast<std::size_t>(0.01 / dt)));
+    std::size_t turn = 0;
+    for (int k = 0; k < which; ++k) {
+        const std::size_t next = firstTurn(rest);
+        if (next == 0) {
+            remarks.push_back({Kind::Assumed, 0,
+                               "the angle turns back " + std::to_string(k) + " times, not " + std::to_string(which) +
+                                   ": nothing is cut off its start"});
+            return;
+        }
+        turn += next;
+        rest.erase(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(next));
+    }
+    const std::size_t line = track.line[turn];
+    const double at = t[turn];
+    std::vector<char> gone(track.rows(), 0);
+    std::fill(gone.begin(), gone.begin() + static_cast<std::ptrdiff_t>(turn), 1);
+    remarks.push_back({Kind::LeftOut, track.line.front(),
+                       std::to_string(turn) + " rows up to turning point " + std::to_string(which) + ", line " +
+                           std::to_string(line) + ", at " + shown(kDegrees * v[turn]) + " deg"});
+    track.erase(gone);
+    for (double& time : *track.find(Quantity::Time))
+        time -= at;
+}
+
+void average(Track& track, int size, std::vector<Remark>& remarks) {
+    const auto n = static_cast<std::size_t>(std::max(1, size));
+    if (n == 1)
+        return;
+    const std::size_t rows = track.rows() / n;
+    for (Channel& c : track.channels) {
+        std::vector<double> means;
+        for (std::size_t i = 0; i < rows; ++i) {
+            double sum = 0.0, count = 0.0;
+            for (std::size_t k = i * n; k < (i + 1) * n; ++k)
+                if (std::isfinite(c.values[k])) {
+                    sum += c.values[k];
+                    count += 1.0;
+                }
+            means.push_back(count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN());
+        }
+        c.values = std::move(means);
+    }
+    std::vector<std::size_t> lines;
+    for (std::size_t i = 0; i < rows; ++i)
+        lines.push_back(track.line[i * n]);
+    track.line = std::move(lines);
+    std::vector<double>& time = *track.find(Quantity::Time);
+    for (const double first = time.empty() ? 0.0 : time.front(); double& t : time)
+        t -= first;
+    remarks.push_back({Kind::Mended, 0, "rows are means of " + std::to_string(n)});
+}
+
+namespace {
+
+/// The parameters of a scene as they may be stated; those by which runs are let go are of the runs.
+void addParameters(const scene::Scene& s, const Imported& all, Json& json, std::vector<std::string>& remarks) {
+    bool angle = false, spin = false;
+    for (const scene::Parameter& p : s.parameters) {
+        angle = angle || p.name == "release_angle";
+        spin = spin || p.name == "release_spin";
+        if (p.name != "release_angle" && p.name != "release_spin")
+            json["scene_parameters"][p.name] = {{"value", p.value}, {"unc", 0.0}};
+    }
+    for (std::size_t k = 0; k < all.runs.size() && angle; ++k) {
+        const Beginning b = beginningOf(all.runs[k].track);
+        Json& run = json["runs"][k]["parameters"];
+        run["release_angle"] = {{"value", rounded(b.angle)}, {"unc", rounded(b.angleHalfWidth)}};
+        if (spin)
+            run["release_spin"] = {{"value", rounded(b.spin)}, {"unc", rounded(b.spinHalfWidth)}};
+        remarks.push_back(all.runs[k].file + " is let go at " + shown(kDegrees * b.angle) + " +- " +
+                          shown(kDegrees * b.angleHalfWidth) + " deg" +
+                          (spin
+                               ? ", " + shown(kDegrees * b.spin) + " +- " + shown(kDegrees * b.spinHalfWidth) + " deg/s"
+                               : std::string()));
+    }
+}
+
+} // namespace
+
+record::Result<Description> describeFree(const Imported& all, const TemplateOptions& options) {
+    using Result = record::Result<Description>;
+    Result result;
+    Description& d = result.value;
+    Json runs = Json::array();
+    double step = 0.0;
+    for (const ImportedRun& run : all.runs) {
+        const std::vector<double>& t = *run.track.find(Quantity::Time);
+        step = std::max(step, encoderStep(*run.track.find(Quantity::Angle)));
+        runs.push_back({{"file", run.file}, {"duration_s", rounded(t.back())}, {"sampling_hz", rounded(run.rate)}});
+    }
+    Json json = {{"schema", "rod-recordings/1"},
+                 {"protocol", "free_scene"},
+                 {"description", "to be said: the set-up in words"},
+                 {"gravity_m_s2", {0.0, -9.81}},
+                 {"uncertainty_meaning", "half-width of a uniform interval"},
+                 {"scene", nullptr},
+                 {"scene_parameters", Json::object()},
+                 {"observed", {{"body", nullptr}, {"quantity", "angle"}, {"zero_unc_deg", 0.5}}},
+                 {"runs", runs},
+                 {"sensors", {{"angle_noise_std_deg_approx", rounded(std::max(0.01, 0.5 * kDegrees * step))}}}};
+    d.supposed = {"/gravity_m_s2: [0.0,-9.81]", "/observed/zero_unc_deg: 0.5",
+                  "/sensors/angle_noise_std_deg_approx: half a step of the encoder"};
+    if (!options.sceneFile.empty()) {
+        std::vector<scene::Problem> problems;
+        const auto text = scene::readFile(options.sceneFile, problems);
+        const auto scene = text ? scene::loadText(*text, options.sceneFile, {}, problems) : std::nullopt;
+        if (!scene) {
+            for (const scene::Problem& p : problems)
+                if (p.severity == scene::Problem::Severity::Error)
+                    return Result::fail(p.toString());
+            return Result::fail(options.sceneFile + ": cannot be read");
+        }
+        const std::string name = std::filesystem::path(options.sceneFile).filename().string();
+        json["scene"] = name;
+        d.files.emplace_back(name, *text);
+        std::vector<std::string> moving;
+        for (const step::BodyDefinition& b : scene->rigid.bodies)
+            if (b.type == step::BodyType::Dynamic)
+                moving.push_back(b.name);
+        if (moving.size() == 1)
+            json["observed"]["body"] = moving.front();
+        addParameters(*scene, all, json, d.remarks);
+        d.supposed.emplace_back("/scene_parameters: the scene's own values, all of them exact");
+    }
+    d.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return result;
+}
+
+} // namespace supercircle::importing

@@ -1,0 +1,390 @@
+#include "plugin/recording/import/import.h"
+
+#include "plugin/recording/import/free_run.h"
+#include "plugin/recording/import/judge.h"
+
+#include "plugin/recording/table/csv.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace supercircle::importing {
+
+namespace {
+
+using Kind = Remark::Kind;
+
+constexpr double kZeroWindow = 0.5; ///< s, as the recordings' own convention has it
+
+double usualStep(const std::vector<double>& time) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < time.size(); ++i)
+        steps.push_back(time[i] - time[i - 1]);
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    return *middle;
+}
+
+/// White noise from second differences (median: jumps do not count).
+double whiteNoise(const std::vector<double>& f) {
+    std::vector<double> bends;
+    for (std::size_t i = 1; i + 1 < f.size(); ++i)
+        if (const double b = std::abs(f[i - 1] - 2.0 * f[i] + f[i + 1]); std::isfinite(b))
+            bends.push_back(b);
+    if (bends.size() < 10)
+        return 0.0;
+    const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+    std::nth_element(bends.begin(), middle, bends.end());
+    return 1.4826 * *middle / std::sqrt(6.0);
+}
+
+double meanOf(const std::vector<double>& values, std::size_t n) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < n; ++i)
+        if (std::isfinite(values[i])) {
+            sum += values[i];
+            count += 1.0;
+        }
+    return count > 0.0 ? sum / count : 0.0;
+}
+
+/// Where the force first leaves its rest for good: beyond 5 standard deviations and 1 % of its range, three rows in a
+/// row.
+std::size_t touchRow(const ImportedRun& run, const std::vector<double>& f, double rest) {
+    double least = 0.0;
+    for (const double v : f)
+        least = std::isfinite(v) ? std::max(least, std::abs(v - rest)) : least;
+    const double level = std::max(5.0 * run.forceNoise, 0.01 * least);
+    std::size_t in = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        in = std::abs(f[i] - rest) > level ? in + 1 : 0;
+        if (in == 3)
+            return i - 2;
+    }
+    return f.size();
+}
+
+/// The force before the first touch is the zero, if there is enough of it.
+void zeroForce(ImportedRun& run) {
+    std::vector<double>* force = run.track.find(Quantity::Force);
+    const std::vector<double>* time = run.track.find(Quantity::Time);
+    if (force == nullptr)
+        return;
+    std::vector<double>& f = *force;
+    run.forceNoise = whiteNoise(f);
+    const std::size_t few = std::min<std::size_t>(f.size(), 5);
+    const std::size_t touch = touchRow(run, f, meanOf(f, few));
+    if (const std::vector<double>* d = run.track.find(Quantity::Displacement))
+        run.touch = touch < d->size() ? (*d)[touch] : std::numeric_limits<double>::quiet_NaN();
+    std::size_t rows = 0;
+    while (rows < touch && (*time)[rows] < kZeroWindow - 1e-9)
+        ++rows;
+    if (rows < 5 || rows == touch) {
+        run.remarks.push_back(
+            {Kind::Assumed, run.track.line.front(),
+             "the specimen is touched within the first 0.5 s, or rows are too few there: the force's zero "
+             "is taken as the machine has it"});
+        return;
+    }
+    run.forceZeroWindow = kZeroWindow;
+    run.forceZero = meanOf(f, rows);
+    for (double& v : f)
+        v -= run.forceZero;
+    run.remarks.push_back({Kind::Mended, run.track.line.front(),
+                           "the mean force of the first 0.5 s, " + shown(run.forceZero) + " N, is taken as zero"});
+}
+
+void findMotion(ImportedRun& run, const Hints& hints) {
+    const std::vector<double>& time = *run.track.find(Quantity::Time);
+    run.rate = 1.0 / usualStep(time);
+    std::size_t gaps = 0, firstGap = 0;
+    for (std::size_t i = 1; i < time.size(); ++i)
+        if (time[i] - time[i - 1] > 3.5 / run.rate) {
+            firstGap = gaps++ == 0 ? i : firstGap;
+        }
+    if (gaps > 0)
+        run.remarks.push_back({Kind::Understood, run.track.line[firstGap],
+                               std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") +
+                                   " in the samples, the first after " + shown(time[firstGap - 1]) + " s"});
+    const std::vector<double>* d = run.track.find(Quantity::Displacement);
+    if (d == nullptr)
+        return;
+    const auto known = std::count_if(d->begin(), d->end(), [](double v) { return std::isfinite(v); });
+    if (known < 2)
+        return;
+    run.drive = findDrive(time, *d, hints.driveTolerance);
+    run.remarks.push_back({Kind::Understood, 0,
+                           "the head moves along " + std::to_string(run.drive.time.size() - 1) +
+                               (run.drive.time.size() == 2 ? " straight leg" : " straight legs") +
+                               "; samples are at most " + shown(std::max(1e6 * run.drive.deviation, 1e-3)) +
+                               " um off (tolerance " + shown(1e6 * run.drive.tolerance) + " um)"});
+    if (run.drive.time.size() > 200)
+        run.remarks.push_back(
+            {Kind::Assumed, 0, "so many legs hardly were commanded: perhaps the displacement is noisy (--tolerance)"});
+}
+
+/// Channels that a run's own file holds, and those that go to the file of markers.
+bool isMarker(const Channel& c) {
+    return c.quantity == Quantity::MarkerX || c.quantity == Quantity::MarkerY;
+}
+
+Track select(const Track& from, bool markers) {
+    Track t = from;
+    t.channels.clear();
+    for (const Channel& c : from.channels)
+        if (c.quantity == Quantity::Time || isMarker(c) == markers)
+            t.channels.push_back(c);
+    return t;
+}
+
+bool measures(const Track& t, Quantity q) {
+    return t.find(q) != nullptr;
+}
+
+/// A message about a file: "FILE:LINE:COLUMN: ..." or "FILE: ...".
+std::string about(const std::string& file, const std::string& why) {
+    const bool placed = !why.empty() && why[0] >= '0' && why[0] <= '9' && why.find(':') < 12;
+    return file + (placed ? ":" : ": ") + why;
+}
+
+std::string addMarkers(Track&& part, Imported& all) {
+    const std::string here = std::to_string(part.line.front()) + ":1: ";
+    if (all.runs.empty())
+        return here + "positions of markers without a force before them; expected the file of the run first";
+    if (!all.runs.back().markers.channels.empty())
+        return here + "these are markers again, but the run before them has its markers; expected the file of a run";
+    ImportedRun& run = all.runs.back();
+    std::vector<double>& time = *part.find(Quantity::Time);
+    const double shift = part.clockStart - run.track.clockStart, end = run.track.find(Quantity::Time)->back();
+    const double slack = 1.0 / run.rate;
+    if (time.front() + shift >= -slack && time.back() + shift <= end + slack) {
+        for (double& t : time)
+            t += shift;
+    } else {
+        run.remarks.push_back({Kind::Assumed, 0,
+                               "the clock of its markers, from " + shown(part.clockStart) +
+                                   " s on, is not that of the run" + ", from " + shown(run.track.clockStart) +
+                                   " s on: both are taken to start together"});
+        if (time.back() > end + slack)
+            run.remarks.push_back(
+                {Kind::Doubtful, 0, "the markers last " + shown(time.back()) + " s, the run " + shown(end) + " s"});
+    }
+    run.markers = std::move(part);
+    return {};
+}
+
+/// One run of a file.
+std::string addRun(Track&& part, std::size_t source, const Table& table, std::size_t runsOfFile, const Hints& hints,
+                   Imported& all) {
+    ImportedRun run;
+    run.source = source;
+    if (const std::string why = refuse(part); !why.empty())
+        return why;
+    const bool clock = measures(part, Quantity::Time);
+    if (!clock)
+        mendCounter(part, run.remarks); // a time worked out from the way needs the way as it was
+    if (const std::string why = mendTime(part, hints, table.layout.metadata, run.remarks); !why.empty())
+        return why;
+    if (clock)
+        mendCounter(part, run.remarks);
+    if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
+        if (hints.fromTurn > 0)
+            cutToTurn(part, hints.fromTurn, run.remarks);
+        average(part, hints.average, run.remarks);
+        if (part.rows() < 10)
+            return "1:1: fewer than ten rows are left of a run";
+    }
+    orient(part, hints, run.remarks);
+    run.markers = select(part, true);
+    if (run.markers.channels.size() < 2)
+        run.markers = {};
+    part.channels.erase(std::remove_if(part.channels.begin(), part.channels.end(), isMarker), part.channels.end());
+    run.track = std::move(part);
+    findMotion(run, hints);
+    zeroForce(run);
+    doubt(run, table, runsOfFile);
+    all.runs.push_back(std::move(run));
+    return {};
+}
+
+std::string missingColumn(const Track& t, const Layout& l) {
+    const std::string here = std::to_string(l.namesLine > 0 ? l.namesLine : l.firstDataLine) + ":1: ";
+    if (!measures(t, Quantity::Force) && !measures(t, Quantity::Angle))
+        return here + "there is neither a force nor an angle; name the columns with --columns " +
+               exampleOfColumns(l.columns);
+    if (measures(t, Quantity::Force) && !measures(t, Quantity::Displacement))
+        return here + "there is a force but no displacement; expected both, or say which column it is with --columns " +
+               exampleOfColumns(l.columns);
+    return {};
+}
+
+/// Runs of one file are added; a file of markers alone goes to the last run.
+std::string addFile(const std::string& file, const Hints& hints, Imported& all) {
+    if (std::any_of(all.sources.begin(), all.sources.end(), [&](const Source& s) { return s.file == file; }))
+        return about(file, "this file is given twice");
+    auto bytes = record::readText(file);
+    if (!bytes)
+        return bytes.error;
+    Source source;
+    source.file = file;
+    {
+        auto text = decode(std::move(bytes.value));
+        if (!text)
+            return about(file, text.error);
+        auto read = readTable(text.value, hints);
+        if (!read)
+            return about(file, read.error);
+        source.text = {{}, text.value.encoding, text.value.lineEnds};
+        source.table = std::move(read.value);
+    }
+    Track whole = std::move(source.table.track);
+    source.rows = whole.rows();
+    const std::size_t index = all.sources.size();
+    const bool onlyMarkers = !measures(whole, Quantity::Force) && !measures(whole, Quantity::Angle) &&
+                             std::any_of(whole.channels.begin(), whole.channels.end(), isMarker);
+    if (!onlyMarkers)
+        if (const std::string why = missingColumn(whole, source.table.layout); !why.empty())
+            return about(file, why);
+    std::vector<Track> parts = splitRuns(std::move(whole), source.table.remarks);
+    for (Track& part : parts) {
+        std::string why;
+        if (onlyMarkers) {
+            why = mendTime(part, hints, source.table.layout.metadata, source.table.remarks);
+            why = why.empty() ? addMarkers(std::move(part), all) : why;
+        } else {
+            why = addRun(std::move(part), index, source.table, parts.size(), hints, all);
+        }
+        if (!why.empty())
+            return about(file, why);
+    }
+    all.sources.push_back(std::move(source));
+    return {};
+}
+
+std::vector<double> scaled(const std::vector<double>& values, double factor) {
+    std::vector<double> out(values);
+    for (double& v : out)
+        v *= factor;
+    return out;
+}
+
+record::Series tableOf(const ImportedRun& run) {
+    record::Series s;
+    s.names = {"time_s"};
+    s.columns = {*run.track.find(Quantity::Time)};
+    const auto add = [&](const char* name, Quantity q, double factor) {
+        if (const std::vector<double>* v = run.track.find(q)) {
+            s.names.emplace_back(name);
+            s.columns.push_back(scaled(*v, factor));
+        }
+    };
+    add("displacement_mm", Quantity::Displacement, 1e3);
+    add("force_N", Quantity::Force, 1.0);
+    add("angle_deg", Quantity::Angle, 180.0 / M_PI);
+    return s;
+}
+
+record::Series markersOf(const ImportedRun& run) {
+    record::Series s;
+    s.names = {"time_s"};
+    s.columns = {*run.markers.find(Quantity::Time)};
+    for (const Channel& c : run.markers.channels)
+        if (isMarker(c)) {
+            s.names.push_back(c.marker + (c.quantity == Quantity::MarkerX ? "_x_mm" : "_y_mm"));
+            s.columns.push_back(scaled(c.values, 1e3));
+        }
+    return s;
+}
+
+/// Markers of which both coordinates are there, in the order of the file.
+void nameMarkers(Imported& all) {
+    std::set<std::string> seen;
+    for (ImportedRun& run : all.runs) {
+        std::set<std::string> xs, ys;
+        for (const Channel& c : run.markers.channels)
+            (c.quantity == Quantity::MarkerX ? xs : ys).insert(c.quantity == Quantity::Time ? "" : c.marker);
+        std::vector<Channel> whole;
+        for (Channel& c : run.markers.channels)
+            if (c.quantity == Quantity::Time || (xs.count(c.marker) > 0 && ys.count(c.marker) > 0))
+                whole.push_back(std::move(c));
+            else
+                run.remarks.push_back({Kind::LeftOut, 0, "marker " + c.marker + " has only one coordinate"});
+        run.markers.channels = std::move(whole);
+        for (const Channel& c : run.markers.channels)
+            if (c.quantity == Quantity::MarkerX && seen.insert(c.marker).second)
+                all.markerNames.push_back(c.marker);
+    }
+}
+
+std::string atLine(const Remark& r) {
+    return r.line > 0 ? "line " + std::to_string(r.line) + ": " : "";
+}
+
+void write(std::string& out, const std::vector<Remark>& remarks) {
+    for (const Kind kind : {Kind::Understood, Kind::Assumed, Kind::Doubtful, Kind::Mended, Kind::LeftOut})
+        for (const Remark& r : remarks)
+            if (r.kind == kind)
+                out += "  " + std::string(word(kind)) + std::string(11 - std::string(word(kind)).size(), ' ') +
+                       atLine(r) + r.what + "\n";
+}
+
+} // namespace
+
+record::Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints) {
+    record::Result<Imported> result;
+    for (const std::string& file : files)
+        if (const std::string why = addFile(file, hints, result.value); !why.empty())
+            return record::Result<Imported>::fail(why);
+    Imported& all = result.value;
+    nameMarkers(all);
+    for (std::size_t k = 0; k < all.runs.size(); ++k) {
+        ImportedRun& run = all.runs[k];
+        run.file = "run_" + std::to_string(k + 1) + ".csv";
+        if (run.markers.channels.size() > 2)
+            run.markersFile = "run_" + std::to_string(k + 1) + "_markers.csv";
+    }
+    return result;
+}
+
+std::string account(const Imported& all) {
+    std::string out;
+    for (std::size_t i = 0; i < all.sources.size(); ++i) {
+        const Source& s = all.sources[i];
+        out += s.file + ": " + std::to_string(s.rows) + " rows\n";
+        write(out, s.table.remarks);
+        for (const Metadata& m : s.table.layout.metadata)
+            out += "  header     line " + std::to_string(m.line) + ": " + m.key +
+                   (m.value.empty() ? "" : ": " + m.value) + "\n";
+        for (const ImportedRun& run : all.runs) {
+            if (run.source != i)
+                continue;
+            const std::vector<double>& t = *run.track.find(Quantity::Time);
+            out += " -> " + run.file + ": " + std::to_string(t.size()) + " rows, " + shown(t.back() - t.front()) +
+                   " s at " + shown(run.rate) + " Hz\n";
+            write(out, run.remarks);
+        }
+    }
+    return out;
+}
+
+record::Result<std::vector<record::NamedText>> runFiles(const Imported& all) {
+    using Files = record::Result<std::vector<record::NamedText>>;
+    Files files;
+    for (const ImportedRun& run : all.runs) {
+        auto text = record::csvText(tableOf(run));
+        if (!text)
+            return Files::fail(text.error);
+        files.value.emplace_back(run.file, std::move(text.value));
+        if (run.markersFile.empty())
+            continue;
+        auto markers = record::csvText(markersOf(run));
+        if (!markers)
+            return Files::fail(markers.error);
+        files.value.emplace_back(run.markersFile, std::move(markers.value));
+    }
+    return files;
+}
+
+} // namespace supercircle::importing

@@ -1,0 +1,127 @@
+#include "plugin/recording/import/number.h"
+
+#include "plugin/recording/import/text.h"
+#include "plugin/recording/table/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace supercircle::importing {
+
+namespace {
+
+bool isDigit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/// The text with a plain minus sign and every kind of group mark that is no '.' or ',' as an apostrophe.
+std::string plain(std::string_view text) {
+    constexpr std::array<std::pair<std::string_view, char>, 6> kMarks = {{{"\xE2\x88\x92", '-'},
+                                                                          {"\xE2\x80\x93", '-'},
+                                                                          {"\xC2\xA0", '\''},
+                                                                          {"\xE2\x80\xAF", '\''},
+                                                                          {"\xE2\x80\x99", '\''},
+                                                                          {" ", '\''}}};
+    std::string out;
+    for (std::size_t i = 0; i < text.size();) {
+        const auto found = std::find_if(kMarks.begin(), kMarks.end(),
+                                        [&](const auto& m) { return text.substr(i, m.first.size()) == m.first; });
+        out += found != kMarks.end() ? found->second : text[i];
+        i += found != kMarks.end() ? found->first.size() : 1;
+    }
+    return out;
+}
+
+/// Takes marks between groups of three digits out of the whole part; false if they stand elsewhere.
+bool ungroup(std::string& text, char decimal, bool& grouped) {
+    const std::size_t begin = !text.empty() && (text[0] == '-' || text[0] == '+') ? 1 : 0;
+    const std::size_t end = std::min({text.find(decimal), text.find_first_of("eE"), text.size()});
+    char mark = 0;
+    std::size_t digits = 0, groups = 0;
+    std::string whole = text.substr(0, begin);
+    for (std::size_t i = begin; i < end; ++i) {
+        if (isDigit(text[i])) {
+            ++digits;
+            whole += text[i];
+            continue;
+        }
+        const bool first = groups == 0;
+        if ((text[i] != '\'' && text[i] != '.' && text[i] != ',') || (mark != 0 && text[i] != mark) ||
+            (first ? digits == 0 || digits > 3 || text[begin] == '0' : digits != 3))
+            return false;
+        mark = text[i];
+        digits = 0;
+        ++groups;
+    }
+    if (groups > 0 && digits != 3)
+        return false;
+    grouped = groups > 0;
+    text = whole + text.substr(end);
+    return true;
+}
+
+bool isMissing(std::string_view cell) {
+    static const std::vector<std::string> kWords = {"",     "-",    "--",   "---",  "nan", "n/a", "na",
+                                                    "#n/a", "null", "none", "n.a.", "*",   "?",   "#nv"};
+    const std::string word = folded(cell);
+    return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+}
+
+/// Two or three parts: minutes and seconds, or hours before them.
+bool readClock(std::string_view text, char decimal, double& value) {
+    double seconds = 0.0;
+    int parts = 0;
+    while (true) {
+        const std::size_t end = std::min(text.find(':'), text.size());
+        std::string part(text.substr(0, end));
+        std::replace(part.begin(), part.end(), decimal, '.');
+        double v = 0.0;
+        if (part.empty() || !isDigit(part[0]) || !record::parseNumber(part, v))
+            return false;
+        seconds = 60.0 * seconds + v;
+        ++parts;
+        if (end == text.size())
+            break;
+        text.remove_prefix(end + 1);
+    }
+    value = seconds;
+    return parts == 2 || parts == 3;
+}
+
+} // namespace
+
+Cell readCell(std::string_view cell, const NumberStyle& style, double& value, bool* grouped) {
+    cell = trimmed(cell);
+    if (cell.empty() || (!isDigit(cell.back()) && isMissing(cell))) // no word for "missing" ends with a digit
+        return Cell::Missing;
+    const char first = cell.front();
+    const bool likely =
+        isDigit(first) || first == '-' || first == '+' || first == '.' || first == ',' || first == '\xE2';
+    if (!likely)
+        return Cell::Text;
+    if (cell.find(':') != std::string_view::npos)
+        return readClock(cell, style.decimal, value) ? Cell::Number : Cell::Text;
+    std::string text;
+    const std::string_view usual = style.decimal == '.' ? "0123456789.+-eE" : "0123456789,+-eE";
+    if (cell.find_first_not_of(usual) == std::string_view::npos) {
+        text = cell; // quickly
+        std::replace(text.begin(), text.end(), style.decimal, '.');
+    } else {
+        text = plain(cell);
+        bool groups = false;
+        if (!ungroup(text, style.decimal, groups))
+            return Cell::Text;
+        if (groups && grouped != nullptr)
+            *grouped = true;
+        std::replace(text.begin(), text.end(), style.decimal, '.');
+    }
+    if (!text.empty() && text[0] == '.')
+        text.insert(0, 1, '0');
+    if (text.size() > 1 && text[0] == '-' && text[1] == '.')
+        text.insert(1, 1, '0');
+    return record::parseNumber(text, value) && std::isfinite(value) ? Cell::Number : Cell::Text;
+}
+
+} // namespace supercircle::importing

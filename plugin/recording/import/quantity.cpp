@@ -1,0 +1,327 @@
+#include "plugin/recording/import/quantity.h"
+
+#include "plugin/recording/import/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace supercircle::importing {
+
+namespace {
+
+struct Known {
+    const char* written;
+    Quantity measures;
+    double factor;
+    bool exactCase = false; ///< mN is not MN
+};
+
+constexpr double kPound = 4.4482216152605, kKilopond = 9.80665, kInch = 0.0254;
+
+const std::vector<Known>& units() {
+    static const std::vector<Known> kUnits = {{"s", Quantity::Time, 1.0},
+                                              {"sec", Quantity::Time, 1.0},
+                                              {"sek", Quantity::Time, 1.0},
+                                              {"second", Quantity::Time, 1.0},
+                                              {"seconds", Quantity::Time, 1.0},
+                                              {"secs", Quantity::Time, 1.0},
+                                              {"ms", Quantity::Time, 1e-3},
+                                              {"msec", Quantity::Time, 1e-3},
+                                              {"us", Quantity::Time, 1e-6},
+                                              {"min", Quantity::Time, 60.0},
+                                              {"minute", Quantity::Time, 60.0},
+                                              {"minutes", Quantity::Time, 60.0},
+                                              {"h", Quantity::Time, 3600.0},
+                                              {"hr", Quantity::Time, 3600.0},
+                                              {"hours", Quantity::Time, 3600.0},
+                                              {"mm", Quantity::Displacement, 1e-3},
+                                              {"cm", Quantity::Displacement, 1e-2},
+                                              {"m", Quantity::Displacement, 1.0},
+                                              {"um", Quantity::Displacement, 1e-6},
+                                              {"micron", Quantity::Displacement, 1e-6},
+                                              {"nm", Quantity::Displacement, 1e-9},
+                                              {"in", Quantity::Displacement, kInch},
+                                              {"inch", Quantity::Displacement, kInch},
+                                              {"inches", Quantity::Displacement, kInch},
+                                              {"\"", Quantity::Displacement, kInch},
+                                              {"mil", Quantity::Displacement, 1e-3 * kInch},
+                                              {"thou", Quantity::Displacement, 1e-3 * kInch},
+                                              {"ft", Quantity::Displacement, 12.0 * kInch},
+                                              {"mN", Quantity::Force, 1e-3, true},
+                                              {"MN", Quantity::Force, 1e6, true},
+                                              {"n", Quantity::Force, 1.0},
+                                              {"newton", Quantity::Force, 1.0},
+                                              {"newtons", Quantity::Force, 1.0},
+                                              {"kn", Quantity::Force, 1e3},
+                                              {"un", Quantity::Force, 1e-6},
+                                              {"cn", Quantity::Force, 1e-2},
+                                              {"dn", Quantity::Force, 0.1},
+                                              {"dan", Quantity::Force, 10.0},
+                                              {"lbf", Quantity::Force, kPound},
+                                              {"lb", Quantity::Force, kPound},
+                                              {"lbs", Quantity::Force, kPound},
+                                              {"klbf", Quantity::Force, 1e3 * kPound},
+                                              {"kip", Quantity::Force, 1e3 * kPound},
+                                              {"ozf", Quantity::Force, kPound / 16.0},
+                                              {"kgf", Quantity::Force, kKilopond},
+                                              {"kp", Quantity::Force, kKilopond},
+                                              {"gf", Quantity::Force, 1e-3 * kKilopond},
+                                              {"deg", Quantity::Angle, M_PI / 180.0},
+                                              {"degree", Quantity::Angle, M_PI / 180.0},
+                                              {"degrees", Quantity::Angle, M_PI / 180.0},
+                                              {"grad", Quantity::Angle, M_PI / 180.0},
+                                              {"°", Quantity::Angle, M_PI / 180.0},
+                                              {"rad", Quantity::Angle, 1.0},
+                                              {"mrad", Quantity::Angle, 1e-3},
+                                              {"rev", Quantity::Angle, 2.0 * M_PI},
+                                              {"turns", Quantity::Angle, 2.0 * M_PI}};
+    return kUnits;
+}
+
+struct Word {
+    const char* stem; ///< folded; a word of the heading begins with it
+    Quantity quantity;
+    int rank;
+};
+
+/// English, German, French, Spanish, Italian. A higher rank is the better channel: of "crosshead position" and
+/// "compressive displacement" the latter.
+constexpr std::array kWords = {Word{"time", Quantity::Time, 5},
+                               Word{"zeit", Quantity::Time, 5},
+                               Word{"prufzeit", Quantity::Time, 6},
+                               Word{"temps", Quantity::Time, 5},
+                               Word{"tiempo", Quantity::Time, 5},
+                               Word{"tempo", Quantity::Time, 5},
+                               Word{"elapsed", Quantity::Time, 4},
+                               Word{"t", Quantity::Time, 1},
+                               Word{"displacement", Quantity::Displacement, 6},
+                               Word{"displ", Quantity::Displacement, 5},
+                               Word{"disp", Quantity::Displacement, 5},
+                               Word{"extension", Quantity::Displacement, 5},
+                               Word{"crosshead", Quantity::Displacement, 4},
+                               Word{"stroke", Quantity::Displacement, 5},
+                               Word{"travel", Quantity::Displacement, 5},
+                               Word{"position", Quantity::Displacement, 4},
+                               Word{"indentation", Quantity::Displacement, 5},
+                               Word{"deflection", Quantity::Displacement, 5},
+                               Word{"draw", Quantity::Displacement, 2},
+                               Word{"actuator", Quantity::Displacement, 3},
+                               Word{"weg", Quantity::Displacement, 6},
+                               Word{"standardweg", Quantity::Displacement, 6},
+                               Word{"traverse", Quantity::Displacement, 5},
+                               Word{"verschiebung", Quantity::Displacement, 5},
+                               Word{"verformung", Quantity::Displacement, 5},
+                               Word{"hub", Quantity::Displacement, 4},
+                               Word{"deplacement", Quantity::Displacement, 6},
+                               Word{"course", Quantity::Displacement, 5},
+                               Word{"desplazamiento", Quantity::Displacement, 6},
+                               Word{"spostamento", Quantity::Displacement, 6},
+                               Word{"corsa", Quantity::Displacement, 5},
+                               Word{"deformation", Quantity::Displacement, 4},
+                               Word{"force", Quantity::Force, 6},
+                               Word{"load", Quantity::Force, 6},
+                               Word{"kraft", Quantity::Force, 6},
+                               Word{"standardkraft", Quantity::Force, 7},
+                               Word{"prufkraft", Quantity::Force, 7},
+                               Word{"last", Quantity::Force, 4},
+                               Word{"charge", Quantity::Force, 5},
+                               Word{"fuerza", Quantity::Force, 6},
+                               Word{"carga", Quantity::Force, 5},
+                               Word{"forza", Quantity::Force, 6},
+                               Word{"carico", Quantity::Force, 5},
+                               Word{"f", Quantity::Force, 1},
+                               Word{"angle", Quantity::Angle, 6},
+                               Word{"winkel", Quantity::Angle, 6},
+                               Word{"rotation", Quantity::Angle, 5},
+                               Word{"theta", Quantity::Angle, 5},
+                               Word{"phi", Quantity::Angle, 4},
+                               Word{"encoder", Quantity::Angle, 3},
+                               Word{"pendulum", Quantity::Angle, 3}};
+
+/// What makes a column another thing than its words suggest: rates, moduli, set points, maxima.
+constexpr std::array kOther = {
+    "rate",     "speed",   "velocity", "geschwindigkeit", "modulus",     "modul",      "stress", "strain",
+    "spannung", "dehnung", "cycle",    "zyklus",          "temperature", "temperatur", "status", "stamp"};
+/// Less direct measurements of the same quantity.
+constexpr std::array kSecond = {"set", "target", "demand",    "soll",  "command",      "max",
+                                "min", "peak",   "corrected", "total", "extensometer", "video"};
+
+std::vector<std::string> wordsOf(const std::string& folded) {
+    std::vector<std::string> words(1);
+    for (const char c : folded)
+        if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
+            words.back() += c;
+        else if (!words.back().empty())
+            words.emplace_back();
+    if (words.back().empty())
+        words.pop_back();
+    return words;
+}
+
+template <class Words>
+bool has(const Words& list, const std::string& word) {
+    return std::any_of(list.begin(), list.end(), [&](const char* w) { return word == w; });
+}
+
+void findQuantity(const std::vector<std::string>& words, Heading& h) {
+    int penalty = 0;
+    for (const std::string& word : words) {
+        if (has(kOther, word))
+            return;
+        penalty += has(kSecond, word) ? 2 : 0;
+    }
+    for (const std::string& word : words)
+        for (const Word& known : kWords) {
+            const std::string stem = known.stem;
+            const bool fits = stem.size() < 4 ? word == stem
+                                              : word.rfind(stem, 0) == 0 ||
+                                                    (word.size() > stem.size() + 2 &&
+                                                     word.compare(word.size() - stem.size(), stem.size(), stem) == 0);
+            if (fits && 10 * known.rank > h.rank) {
+                h.quantity = known.quantity;
+                h.rank = 10 * known.rank;
+            }
+        }
+    if (h.quantity != Quantity::None)
+        h.rank = std::max(1, h.rank - 10 * penalty - static_cast<int>(words.size()));
+}
+
+/// "m0_x_mm", "Marker 1 X", "P3.y": a name and an axis.
+void findMarker(const std::vector<std::string>& words, Heading& h) {
+    if (words.size() < 2 || h.quantity == Quantity::Force || h.quantity == Quantity::Time)
+        return;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        if (words[i] != "x" && words[i] != "y")
+            continue;
+        for (std::size_t k = 0; k < i; ++k)
+            h.marker += words[k];
+        h.quantity = words[i] == "x" ? Quantity::MarkerX : Quantity::MarkerY;
+        h.rank = 50;
+        return;
+    }
+}
+
+/// The unit in "Force (kN)", "Load [N]", "Weg in mm", "force/kN", "force_N", "Force, kN"; the name is shortened to what
+/// is left.
+std::string unitInName(std::string& text) {
+    for (const auto& [open, close] :
+         {std::pair{'(', ')'}, std::pair{'[', ']'}, std::pair{'<', '>'}, std::pair{'{', '}'}}) {
+        const std::size_t to = text.rfind(close), from = text.rfind(open, to);
+        if (to == std::string::npos || from == std::string::npos)
+            continue;
+        const std::string unit = text.substr(from + 1, to - from - 1);
+        text = text.substr(0, from) + text.substr(to + 1);
+        return unit;
+    }
+    const std::size_t at = text.find_last_of("/_, ");
+    if (at == std::string::npos || at == 0)
+        return {};
+    const std::string last = text.substr(at + 1);
+    if (unitOf(last).measures == Quantity::None)
+        return {};
+    text = text.substr(0, at);
+    if (text.size() > 3 && text.compare(text.size() - 3, 3, " in") == 0)
+        text.resize(text.size() - 3);
+    return last;
+}
+
+bool fits(Quantity quantity, const Unit& unit) {
+    const bool length = quantity == Quantity::MarkerX || quantity == Quantity::MarkerY;
+    return unit.measures == (length ? Quantity::Displacement : quantity);
+}
+
+} // namespace
+
+const char* name(Quantity q) {
+    switch (q) {
+    case Quantity::Time:
+        return "time";
+    case Quantity::Displacement:
+        return "displacement";
+    case Quantity::Force:
+        return "force";
+    case Quantity::Angle:
+        return "angle";
+    case Quantity::MarkerX:
+        return "marker x";
+    case Quantity::MarkerY:
+        return "marker y";
+    case Quantity::None:
+        break;
+    }
+    return "not used";
+}
+
+Unit unitOf(std::string_view text) {
+    text = trimmed(text);
+    while (text.size() > 1 &&
+           (text.front() == '(' || text.front() == '[' || text.front() == '<' || text.front() == '{'))
+        text = trimmed(text.substr(1));
+    while (text.size() > 1 &&
+           (text.back() == ')' || text.back() == ']' || text.back() == '>' || text.back() == '}' || text.back() == '.'))
+        text = trimmed(text.substr(0, text.size() - 1));
+    const std::string low = folded(text);
+    for (const Known& k : units())
+        if (k.exactCase ? text == k.written : low == k.written)
+            return {std::string(text), k.measures, k.factor};
+    return {};
+}
+
+Unit usualUnit(Quantity quantity) {
+    switch (quantity) {
+    case Quantity::Time:
+        return unitOf("s");
+    case Quantity::Force:
+        return unitOf("N");
+    case Quantity::Angle:
+        return unitOf("deg");
+    case Quantity::Displacement:
+    case Quantity::MarkerX:
+    case Quantity::MarkerY:
+        return unitOf("mm");
+    case Quantity::None:
+        break;
+    }
+    return {};
+}
+
+Heading headingOf(std::string_view columnName, std::string_view unitCell) {
+    Heading h;
+    h.text = std::string(trimmed(columnName));
+    std::string text = h.text;
+    std::string unit = unitInName(text);
+    if (!trimmed(unitCell).empty())
+        unit = std::string(trimmed(unitCell));
+    h.unit = unitOf(unit);
+    const std::vector<std::string> words = wordsOf(folded(text));
+    findQuantity(words, h);
+    findMarker(words, h);
+    // a heading that says nothing but a unit still says what is measured
+    if (h.quantity == Quantity::None && words.empty() && h.unit.measures != Quantity::None) {
+        h.quantity = h.unit.measures;
+        h.rank = 5;
+    }
+    if (const Unit own = unitOf(text);
+        h.quantity == Quantity::None && words.size() == 1 && own.measures != Quantity::None && unit.empty()) {
+        h.quantity = own.measures;
+        h.unit = own;
+        h.rank = 5;
+    }
+    // a letter of a formula ("s in mm" is a way in German) is what its unit says
+    if (h.quantity == Quantity::None && words.size() == 1 && words[0].size() == 1 && !unit.empty() &&
+        h.unit.measures != Quantity::None) {
+        h.quantity = h.unit.measures;
+        h.rank = 3;
+    }
+    h.unitStated = h.unit.measures != Quantity::None;
+    if (h.quantity != Quantity::None && !unit.empty() && !fits(h.quantity, h.unit))
+        h.unknownUnit = unit;
+    if (h.quantity != Quantity::None && !fits(h.quantity, h.unit)) {
+        h.unit = usualUnit(h.quantity);
+        h.unitStated = false;
+    }
+    return h;
+}
+
+} // namespace supercircle::importing

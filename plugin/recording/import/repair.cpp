@@ -1,0 +1,357 @@
+// Clocks that were set back, counters that were zeroed, signs that are turned.
+//
+// All of these are decided by comparing one step of a channel with the usual ones, and all of them are reported: what a
+// machine did between two rows cannot be known, only what is most likely. A jump of the displacement back to zero
+// within one row while the clock goes on is a counter that was zeroed; the same jump with a clock that starts again is
+// another test. A jump to elsewhere is left as it is and named.
+
+#include "plugin/recording/import/stated.h"
+#include "plugin/recording/import/track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supercircle::importing {
+
+namespace {
+
+using Kind = Remark::Kind;
+
+double quantile(std::vector<double> values, double share) {
+    values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
+                 values.end());
+    if (values.empty())
+        return 0.0;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+/// The usual step forward of a clock.
+double usualStep(const std::vector<double>& time) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < time.size(); ++i)
+        if (time[i] > time[i - 1])
+            steps.push_back(time[i] - time[i - 1]);
+    return quantile(std::move(steps), 0.5);
+}
+
+double span(const std::vector<double>& values) {
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (const double v : values)
+        if (std::isfinite(v)) {
+            lo = std::min(lo, v);
+            hi = std::max(hi, v);
+        }
+    return hi >= lo ? hi - lo : 0.0;
+}
+
+/// Missing times between known ones; rows before the first and behind the last known time are left out.
+void fillTimes(Track& track, std::vector<double>& time, std::vector<Remark>& remarks) {
+    const std::size_t rows = track.rows();
+    std::vector<char> gone(rows, 0);
+    std::size_t last = rows, missing = 0;
+    for (std::size_t i = 0; i < rows; ++i) {
+        if (!std::isfinite(time[i])) {
+            ++missing;
+            gone[i] = 1;
+            continue;
+        }
+        if (last < rows && i > last + 1)
+            for (std::size_t k = last + 1; k < i; ++k) {
+                time[k] =
+                    time[last] + (time[i] - time[last]) * static_cast<double>(k - last) / static_cast<double>(i - last);
+                gone[k] = 0;
+            }
+        last = i;
+    }
+    if (missing == 0)
+        return;
+    const auto lost = static_cast<std::size_t>(std::count(gone.begin(), gone.end(), 1));
+    remarks.push_back({Kind::Mended, 0,
+                       std::to_string(missing) + " rows have no time: " + std::to_string(missing - lost) +
+                           " are interpolated, " + std::to_string(lost) + " left out"});
+    track.erase(gone);
+}
+
+/// A clock set back goes on where it was; single rows out of order are left out.
+/// @return empty, or that too much of it runs back
+std::string mendBackwards(Track& track, std::vector<Remark>& remarks) {
+    std::vector<double>& time = *track.find(Quantity::Time);
+    const double step = usualStep(time);
+    std::vector<char> gone(track.rows(), 0);
+    double offset = 0.0, last = time.empty() ? 0.0 : time[0];
+    Tally resets(Kind::Mended, "such resets of the clock"), dropped(Kind::LeftOut, "rows whose time is out of order");
+    std::size_t first = 0;
+    for (std::size_t i = 1; i < time.size(); ++i) {
+        const double now = time[i] + offset;
+        if (now >= last) {
+            time[i] = last = now;
+            continue;
+        }
+        first = first == 0 ? track.line[i] : first;
+        const bool resumes = i + 1 < time.size() && time[i + 1] + offset >= last; // one row out of order
+        if (last - now <= 10.0 * step && resumes) {
+            gone[i] = 1;
+            dropped.add(remarks, track.line[i],
+                        "a row whose time, " + shown(now) + " s, is before that of the row above, " + shown(last) +
+                            " s");
+            continue;
+        }
+        resets.add(remarks, track.line[i],
+                   "the clock goes back from " + shown(last) + " s to " + shown(now) + " s: it is taken as going on");
+        offset += last + step - now;
+        time[i] = last = time[i] + offset;
+    }
+    if (const std::size_t back = resets.count() + dropped.count(); 10 * back > time.size())
+        return std::to_string(first) + ":1: the time runs back in " + std::to_string(back) + " of " +
+               std::to_string(time.size()) +
+               " rows, here first; expected a clock that runs on (is this column the time?)";
+    resets.finish(remarks);
+    dropped.finish(remarks);
+    track.erase(gone);
+    return {};
+}
+
+/// Rows of equal time (a clock that ticks more slowly than the rows come) are spread to the next tick.
+void spreadEqual(Track& track, std::vector<Remark>& remarks) {
+    std::vector<double>& time = *track.find(Quantity::Time);
+    std::size_t equal = 0, first = 0;
+    for (std::size_t i = 0; i < time.size();) {
+        std::size_t end = i + 1;
+        while (end < time.size() && time[end] <= time[i])
+            ++end;
+        const std::size_t count = end - i;
+        if (count > 1) {
+            first = equal == 0 ? track.line[i] : first;
+            equal += count - 1;
+            const double before = i > 0 ? time[i] - time[i - 1] : 1.0;
+            const double tick = end < time.size() ? (time[end] - time[i]) / static_cast<double>(count) : before;
+            const double start = time[i];
+            for (std::size_t k = 1; k < count; ++k)
+                time[i + k] = start + tick * static_cast<double>(k);
+        }
+        i = end;
+    }
+    if (equal > 0)
+        remarks.push_back({Kind::Mended, first,
+                           std::to_string(equal) +
+                               " rows have the time of the row before them: they are spread evenly to the next time"});
+}
+
+void timeFromRate(Track& track, double rate) {
+    Channel time{Quantity::Time, {}, {}};
+    for (std::size_t i = 0; i < track.rows(); ++i)
+        time.values.push_back(static_cast<double>(i) / rate);
+    track.channels.push_back(std::move(time));
+}
+
+void timeFromSpeed(Track& track, double speed) {
+    Channel time{Quantity::Time, {}, {}};
+    const std::vector<double>& d = *track.find(Quantity::Displacement);
+    double way = 0.0, last = d.front();
+    std::vector<char> gone(track.rows(), 0);
+    for (std::size_t i = 0; i < d.size(); ++i) {
+        const double step = std::isfinite(d[i]) && std::isfinite(last) ? std::abs(d[i] - last) : 0.0;
+        gone[i] = !std::isfinite(d[i]) || (i > 0 && step == 0.0) ? 1 : 0; // rests cannot be timed
+        way += step;
+        last = std::isfinite(d[i]) ? d[i] : last;
+        time.values.push_back(way / speed);
+    }
+    track.channels.push_back(std::move(time));
+    track.erase(gone);
+}
+
+/// Where a clock starts again at the beginning of another test.
+bool startsAgain(const Track& track, std::size_t begin, std::size_t i, double step) {
+    const std::vector<double>& time = *track.find(Quantity::Time);
+    if (!(time[i] < time[i - 1] - 10.0 * step))
+        return false;
+    if (std::binary_search(track.breaks.begin(), track.breaks.end(), i))
+        return true;
+    const bool atStart = std::abs(time[i] - time[begin]) <= 3.0 * step || std::abs(time[i]) <= 3.0 * step;
+    const std::vector<double>* d = track.find(Quantity::Displacement);
+    if (!atStart || d == nullptr)
+        return atStart;
+    const double travel = span(*d);
+    return std::abs((*d)[i] - (*d)[begin]) <= 0.02 * travel;
+}
+
+std::string timeWithoutClock(Track& track, const Hints& hints, const std::vector<Metadata>& metadata,
+                             std::vector<Remark>& remarks) {
+    const auto rate = stated(metadata, Stated::Rate), speed = stated(metadata, Stated::Speed);
+    if (hints.rate > 0.0 || rate) {
+        const double hz = hints.rate > 0.0 ? hints.rate : rate->value;
+        timeFromRate(track, hz);
+        remarks.push_back({hints.rate > 0.0 || rate->unitStated ? Kind::Understood : Kind::Assumed,
+                           hints.rate > 0.0 ? 0 : rate->line,
+                           "there is no time; rows come at " + shown(hz) + " Hz" +
+                               (hints.rate > 0.0   ? " as you say"
+                                : rate->unitStated ? " as the header says"
+                                                   : ": the header says so without a unit")});
+        return {};
+    }
+    if (track.find(Quantity::Displacement) == nullptr)
+        return std::to_string(track.line.front()) +
+               ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ";
+    const bool known = hints.speed > 0.0 || speed;
+    const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
+    timeFromSpeed(track, metresPerSecond);
+    if (track.rows() < 2)
+        return "there is no time, and the displacement never changes; expected one of them to";
+    remarks.push_back(
+        {known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
+         known ? "there is no time; the head moves at " + shown(1e3 * metresPerSecond) + " mm/s as " +
+                     (hints.speed > 0.0 ? "you say" : "the header says")
+               : "there is no time; the head is taken to move at 1 mm/s: nothing about rates can be learned (say "
+                 "better with --speed or --rate)"});
+    return {};
+}
+
+} // namespace
+
+std::string mendTime(Track& track, const Hints& hints, const std::vector<Metadata>& metadata,
+                     std::vector<Remark>& remarks) {
+    if (std::vector<double>* time = track.find(Quantity::Time)) {
+        const std::string here = std::to_string(track.line.front()) + ":1: ";
+        const auto known = static_cast<std::size_t>(
+            std::count_if(time->begin(), time->end(), [](double v) { return std::isfinite(v); }));
+        if (known < 2 || 2 * known < time->size())
+            return here + std::to_string(time->size() - known) + " of " + std::to_string(time->size()) +
+                   " times are missing from here on; expected at least half of them";
+        if (span(*time) == 0.0)
+            return here + "the time never changes from here on; expected a clock that runs (without a column of times, "
+                          "--rate or --speed gives them)";
+        fillTimes(track, *time, remarks);
+        if (const std::string why = mendBackwards(track, remarks); !why.empty())
+            return why;
+        spreadEqual(track, remarks);
+        std::vector<double>& t = *track.find(Quantity::Time);
+        if (t.front() != 0.0) {
+            remarks.push_back({Kind::Understood, track.line.front(),
+                               "the clock starts at " + shown(t.front()) + " s, which becomes 0"});
+            track.clockStart = t.front();
+            for (double& v : t)
+                v -= track.clockStart;
+        }
+        return {};
+    }
+    return timeWithoutClock(track, hints, metadata, remarks);
+}
+
+std::vector<Track> splitRuns(Track&& track, std::vector<Remark>& remarks) {
+    const std::vector<double>* time = track.find(Quantity::Time);
+    std::vector<std::size_t> starts{0};
+    if (time != nullptr) {
+        const double step = usualStep(*time);
+        for (std::size_t i = 1; i < track.rows(); ++i)
+            if (startsAgain(track, starts.back(), i, step))
+                starts.push_back(i);
+    } else {
+        starts.insert(starts.end(), track.breaks.begin(), track.breaks.end());
+    }
+    std::vector<Track> runs;
+    for (std::size_t k = 1; k < starts.size(); ++k)
+        remarks.push_back({Kind::Understood, track.line[starts[k]],
+                           time != nullptr ? "another run begins: the clock starts again"
+                                           : "another run begins: the header is repeated"});
+    if (starts.size() == 1) {
+        runs.push_back(std::move(track));
+        return runs;
+    }
+    for (std::size_t k = 0; k < starts.size(); ++k)
+        runs.push_back(track.part(starts[k], k + 1 < starts.size() ? starts[k + 1] : track.rows()));
+    return runs;
+}
+
+void mendCounter(Track& track, std::vector<Remark>& remarks) {
+    std::vector<double>* displacement = track.find(Quantity::Displacement);
+    const std::vector<double>* time = track.find(Quantity::Time);
+    if (displacement == nullptr || displacement->size() < 10)
+        return;
+    std::vector<double>& d = *displacement;
+    const auto clock = [&](std::size_t i) { return time != nullptr ? (*time)[i] : static_cast<double>(i); };
+    std::vector<double> speeds;
+    speeds.reserve(d.size());
+    for (std::size_t i = 1; i < d.size(); ++i)
+        speeds.push_back(std::abs(d[i] - d[i - 1]) / (clock(i) - clock(i - 1)));
+    const double usual = quantile(speeds, 0.95), travel = span(d);
+    double offset = 0.0;
+    std::size_t last = 0;
+    double lastRaw = d[0];
+    Tally zeroed(Kind::Mended, "resets of the counter"), jumps(Kind::Doubtful, "jumps of the displacement");
+    for (std::size_t i = 1; i < d.size(); ++i) {
+        const double raw = d[i];
+        if (!std::isfinite(raw))
+            continue;
+        const double jump = raw - lastRaw, gap = clock(i) - clock(last);
+        const bool sudden = std::abs(jump) > 20.0 * usual * gap && std::abs(jump) > 0.01 * travel;
+        if (sudden && std::abs(raw) < 0.02 * travel && std::abs(lastRaw) > std::abs(raw)) {
+            const double going = last > 0 ? (d[last] - d[last - 1]) / (clock(last) - clock(last - 1)) : 0.0;
+            offset = d[last] + (std::isfinite(going) ? going * gap : 0.0) - raw;
+            zeroed.add(remarks, track.line[i],
+                       "the displacement falls from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
+                           " mm within a row: the counter was zeroed, and is taken as going on");
+        } else if (sudden) {
+            jumps.add(remarks, track.line[i],
+                      "the displacement jumps from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
+                          " mm within a row; it is left as it is");
+        }
+        lastRaw = raw;
+        d[i] = raw + offset;
+        last = i;
+    }
+    zeroed.finish(remarks);
+    jumps.finish(remarks);
+}
+
+void orient(Track& track, const Hints& hints, std::vector<Remark>& remarks) {
+    std::vector<double>* d = track.find(Quantity::Displacement);
+    std::vector<double>* f = track.find(Quantity::Force);
+    const auto turn = [](std::vector<double>& values) {
+        for (double& v : values)
+            v = v == 0.0 ? v : -v;
+    };
+    if (d != nullptr) {
+        const auto first = std::find_if(d->begin(), d->end(), [](double v) { return std::isfinite(v); });
+        const double start = first == d->end() ? 0.0 : *first;
+        for (double& v : *d)
+            v -= start;
+        if (start != 0.0)
+            remarks.push_back({Kind::Understood, track.line.front(),
+                               "the displacement starts at " + shown(1e3 * start) + " mm, which becomes 0"});
+        double lo = 0.0, hi = 0.0;
+        for (const double v : *d)
+            if (std::isfinite(v)) {
+                lo = std::min(lo, v);
+                hi = std::max(hi, v);
+            }
+        const bool down = hints.displacementSign != 0 ? hints.displacementSign < 0 : -lo > hi;
+        if (down)
+            turn(*d);
+        if (hints.displacementSign == 0)
+            remarks.push_back({Kind::Understood, 0,
+                               std::string("the displacement ") + (down ? "falls" : "rises") +
+                                   " from its start: this is taken as the way towards the specimen" +
+                                   (down ? ", signs are turned" : "")});
+    }
+    if (f == nullptr)
+        return;
+    // At the first touch a specimen resists, whatever it does later.
+    const double level = 0.2 * span(*f),
+                 rest = quantile({f->begin(), f->begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(
+                                                               1, std::min<std::size_t>(f->size() / 50, 50)))},
+                                 0.5);
+    const auto touch = std::find_if(f->begin(), f->end(), [&](double v) { return std::abs(v - rest) > level; });
+    const bool negative = hints.forceSign != 0 ? hints.forceSign < 0 : touch != f->end() && *touch < rest;
+    if (negative)
+        turn(*f);
+    if (hints.forceSign == 0)
+        remarks.push_back(
+            {Kind::Understood, touch == f->end() ? 0 : track.line[static_cast<std::size_t>(touch - f->begin())],
+             std::string("the force ") + (negative ? "falls" : "rises") +
+                 " at first: this is taken as the specimen's resistance" + (negative ? ", signs are turned" : "")});
+}
+
+} // namespace supercircle::importing

@@ -1,0 +1,409 @@
+#include "plugin/recording/import/template.h"
+
+#include "plugin/recording/import/free_run.h"
+#include "plugin/recording/import/work_out.h"
+#include "plugin/scene/loader/problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace supercircle::importing {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const Json kNull = nullptr;
+
+Json clampOf(const std::string& protocol, bool lower) {
+    if (protocol == "arch_between_plates")
+        return {{"where", "none"}, {"initial_placement", "stands on the floor, apex at x=0, apex tangent horizontal"}};
+    if (protocol == "ring_between_plates")
+        return {{"where", "none"}, {"initial_placement", "a ring on the floor"}};
+    if (protocol == "tethered_strip")
+        return {{"where", "middle"},
+                {"clamped_length_m", 0.0},
+                {"carried_by", "ground"},
+                {"initial_point_m", {0.0, 0.0}},
+                {"initial_tangent_angle_rad", 0.0}};
+    const bool strip = protocol == "strip_on_rigid_floor";
+    return {{"where", strip ? "first_end" : "middle"},
+            {"clamped_length_m", 0.0},
+            {"carried_by", lower ? "ground" : "machine_head"},
+            {"initial_point_m", {0.0, lower ? Json(0.0) : kNull}},
+            {"initial_tangent_angle_rad", strip ? -M_PI / 2.0 : M_PI}};
+}
+
+Json specimenOf(const std::string& id, const std::string& protocol, bool lower) {
+    return {{"id", id},
+            {"arc_length_m", kNull},
+            {"natural_curvature_1_m", kNull},
+            {"natural_curvature_rel_unc", 0.01},
+            {"thickness_m", kNull},
+            {"thickness_unc_m", 1e-5},
+            {"width_m", kNull},
+            {"young_modulus_Pa", kNull},
+            {"bending_modulus_N_m2", kNull},
+            {"bending_modulus_rel_unc", 0.1},
+            {"linear_mass_kg_m", kNull},
+            {"linear_mass_rel_unc", 0.05},
+            {"clamp", protocol.empty() ? kNull : clampOf(protocol, lower)}};
+}
+
+Json plane(double ny, const Json& y, const char* carrier) {
+    return {{"type", "plane"}, {"point_m", {0.0, y}}, {"normal_towards_specimen", {0.0, ny}}, {"carried_by", carrier}};
+}
+
+Json obstaclesOf(const std::string& protocol) {
+    if (protocol.empty())
+        return kNull;
+    Json all = Json::array();
+    if (protocol == "shell_on_rigid_cylinder")
+        all.push_back({{"type", "cylinder"}, {"center_m", {0.0, 0.0}}, {"radius_m", kNull}, {"carried_by", "ground"}});
+    else if (protocol != "two_shells" && protocol != "tethered_strip")
+        all.push_back(plane(1.0, 0.0, "ground"));
+    if (protocol == "arch_between_plates" || protocol == "ring_between_plates")
+        all.push_back(plane(-1.0, kNull, "machine_head"));
+    return all;
+}
+
+/// To a millionth: shorter to read, and far below what a machine resolves.
+double rounded(double value) {
+    const double r = std::round(value * 1e6) / 1e6;
+    return r == 0.0 ? 0.0 : r;
+}
+
+/// Break points as they are written: rests are exact rests, the first and the last one hold all samples.
+Json runOf(const ImportedRun& run) {
+    Json times = Json::array(), ways = Json::array();
+    std::vector<double> d = run.drive.displacement;
+    if (!d.empty() && std::abs(d[0]) < run.drive.tolerance)
+        d[0] = 0.0;
+    for (std::size_t i = 1; i < d.size(); ++i)
+        if (std::abs(d[i] - d[i - 1]) < run.drive.tolerance)
+            d[i] = d[i - 1];
+    for (std::size_t i = 0; i < d.size(); ++i) {
+        times.push_back(rounded(run.drive.time[i]));
+        ways.push_back(rounded(1e3 * d[i]));
+    }
+    Json json = {{"file", run.file},
+                 {"drive_time_s", times},
+                 {"drive_displacement_mm", ways},
+                 {"sampling_hz", rounded(run.rate)},
+                 {"specimen_state_at_start", "to be said: fresh or used, rested or not"}};
+    if (!run.markersFile.empty()) {
+        const std::vector<double>& t = *run.markers.find(Quantity::Time);
+        json["markers_file"] = run.markersFile;
+        json["markers_sampling_hz"] = rounded(static_cast<double>(t.size() - 1) / (t.back() - t.front()));
+    }
+    return json;
+}
+
+Json frameOf(const Imported& all, const std::string& protocol) {
+    Json runs = Json::array(), markers = Json::array(), specimens = Json::array();
+    double noise = 0.0, window = all.runs.empty() ? 0.0 : all.runs.front().forceZeroWindow, displacementNoise = 0.0;
+    for (const ImportedRun& run : all.runs) {
+        runs.push_back(runOf(run));
+        noise = std::max(noise, run.forceNoise);
+        displacementNoise = std::max(displacementNoise, run.drive.noise);
+        window = std::min(window, run.forceZeroWindow);
+    }
+    for (const std::string& name : all.markerNames)
+        markers.push_back({{"name", name}, {"specimen", "A"}, {"arc_fraction", kNull}});
+    const bool two = protocol == "two_shells";
+    specimens.push_back(specimenOf("A", protocol, two));
+    if (two)
+        specimens.push_back(specimenOf("B", protocol, false));
+    Json json = {
+        {"schema", "rod-recordings/1"},
+        {"protocol", protocol.empty() ? kNull : Json(protocol)},
+        {"description", "to be said: the set-up in words"},
+        {"gravity_m_s2", {0.0, -9.81}},
+        {"uncertainty_meaning", "half-width of a uniform interval"},
+        {"specimens", specimens},
+        {"obstacles", obstaclesOf(protocol)},
+        {"friction", {{"coefficient", kNull}, {"coefficient_unc", 0.1}}},
+        {"initial_gap_unc_m", 1e-4},
+        {"runs", runs},
+        {"sensors",
+         {{"force_noise_std_N_approx", noise},
+          {"force_zero", window > 0.0 ? Json("the mean reading of the first 0.5 s is subtracted") : Json("none")},
+          {"displacement_channel", "as the machine reports it"},
+          {"displacement_noise_std_mm_approx", 1e3 * displacementNoise},
+          {"marker_noise_std_mm_approx", 0.0}}},
+        {"markers", markers}};
+    for (int end = 0; end < 2 && protocol == "tethered_strip"; ++end)
+        json["strings"].push_back(
+            {{"arc_fraction", end}, {"to_point_m", {0.0, kNull}}, {"carried_by", "machine_head"}});
+    return json;
+}
+
+/// What `from` states replaces what `into` has; lists of objects of equal length are merged item by item, and a list of
+/// one specimen stands for all.
+void merge(Json& into, const Json& from) {
+    if (into.is_object() && from.is_object()) {
+        for (const auto& [key, value] : from.items())
+            if (value.is_null())
+                continue; // not stated there either
+            else if (into.contains(key))
+                merge(into[key], value);
+            else
+                into[key] = value;
+    } else if (into.is_array() && from.is_array() && into.size() == from.size() && !into.empty() &&
+               into[0].is_object()) {
+        for (std::size_t i = 0; i < into.size(); ++i)
+            merge(into[i], from[i]);
+    } else {
+        into = from;
+    }
+}
+
+/// The file of the user's own statements.
+std::string readOwn(const std::string& file, Json& own) {
+    const auto text = record::readText(file);
+    if (!text)
+        return text.error;
+    try {
+        own = Json::parse(text.value);
+    } catch (const Json::parse_error& e) {
+        const std::size_t at = std::min(text.value.size(), e.byte > 0 ? e.byte - 1 : 0);
+        const std::string before = text.value.substr(0, at);
+        const std::size_t line = before.rfind('\n') == std::string::npos ? 0 : before.rfind('\n') + 1;
+        return file + ":" + std::to_string(std::count(before.begin(), before.end(), '\n') + 1) + ":" +
+               std::to_string(at - line + 1) + ": this is no JSON";
+    }
+    return own.is_object() ? std::string() : file + ":1:1: this is no JSON object";
+}
+
+void addOwn(Json& json, const Json& own) {
+    if (!own.contains("arc_length_m")) {
+        merge(json, own);
+        return;
+    }
+    for (Json& specimen : json["specimens"]) {
+        const Json id = specimen["id"];
+        merge(specimen, own);
+        specimen["id"] = id;
+    }
+}
+
+bool states(const Json& own, const std::string& pointer) {
+    const Json::json_pointer at(pointer);
+    return own.contains(at) && !own[at].is_null();
+}
+
+/// What the template supposes where the user's own file says nothing.
+std::vector<std::string> supposed(const Json& json, const Json& own) {
+    std::vector<std::string> all;
+    const auto look = [&](const std::string& pointer, const std::string& inOwn) {
+        if (!states(own, inOwn))
+            all.push_back(pointer + ": " + json[Json::json_pointer(pointer)].dump());
+    };
+    look("/gravity_m_s2", "/gravity_m_s2");
+    const bool one = own.contains("arc_length_m");
+    for (std::size_t i = 0; json["specimens"].is_array() && i < json["specimens"].size(); ++i)
+        for (const char* key :
+             {"natural_curvature_rel_unc", "thickness_unc_m", "bending_modulus_rel_unc", "linear_mass_rel_unc"}) {
+            const std::string in = "/specimens/" + std::to_string(i) + "/" + key;
+            look(in, one ? "/" + std::string(key) : in);
+        }
+    look("/friction/coefficient_unc", "/friction/coefficient_unc");
+    look("/initial_gap_unc_m", "/initial_gap_unc_m");
+    return all;
+}
+
+std::string text(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+const char* expectedAt(const std::string& key) {
+    static const std::vector<std::pair<const char*, const char*>> kWords = {
+        {"scene", "the scene file with the bodies and joints, beside this file; --scene FILE gives it"},
+        {"body", "name of the body whose angle was recorded"},
+        {"protocol",
+         "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates, ring_between_plates, "
+         "tethered_strip or free_scene"},
+        {"arc_length_m", "length along the strip, m"},
+        {"natural_curvature_1_m", "1 / radius of the unloaded specimen, 1/m; 0: straight"},
+        {"thickness_m", "m"},
+        {"width_m", "m (take the line out if unknown)"},
+        {"young_modulus_Pa",
+         "Pa (with width and thickness it gives the bending modulus; take the line out if unknown)"},
+        {"bending_modulus_N_m2", "E w h^3 / 12, N m^2; import works it out if --specimen gives E, w and h"},
+        {"linear_mass_kg_m", "mass / length, kg/m"},
+        {"clamp", "how the specimen is held; --protocol NAME fills it in"},
+        {"obstacles", "what it is pushed against; --protocol NAME fills it in"},
+        {"radius_m", "m"},
+        {"coefficient", "friction coefficient"},
+        {"arc_fraction", "where on the specimen: 0 first end, 1 last end"},
+        {"1", "height at displacement 0, m (worked out from the first touch once the specimen is known)"}};
+    for (const auto& [name, words] : kWords)
+        if (key == name)
+            return words;
+    return "";
+}
+
+void collectTodo(const Json& json, const std::string& pointer, std::vector<std::string>& todo) {
+    if (json.is_null()) {
+        const std::string key = pointer.substr(pointer.rfind('/') + 1), words = expectedAt(key);
+        todo.push_back(pointer + (words.empty() ? "" : ": " + words));
+    } else if (json.is_object()) {
+        for (const auto& [key, value] : json.items())
+            collectTodo(value, pointer + "/" + key, todo);
+    } else if (json.is_array()) {
+        for (std::size_t i = 0; i < json.size(); ++i)
+            collectTodo(json[i], pointer + "/" + std::to_string(i), todo);
+    }
+}
+
+Json remarksJson(const std::vector<Remark>& remarks) {
+    Json all = Json::array();
+    for (const Remark& r : remarks)
+        all.push_back({{"kind", word(r.kind)}, {"line", r.line > 0 ? Json(r.line) : kNull}, {"what", r.what}});
+    return all;
+}
+
+Json sourceJson(const Source& s) {
+    const Layout& l = s.table.layout;
+    Json columns = Json::array(), metadata = Json::array();
+    for (std::size_t c = 0; c < l.columns; ++c) {
+        const Heading& h = s.table.headings[c];
+        const bool used = s.table.channelOf[c] >= 0;
+        columns.push_back({{"heading", h.text},
+                           {"quantity", used ? Json(name(h.quantity)) : kNull},
+                           {"unit", used ? Json(h.unit.name) : kNull},
+                           {"unit_stated", used && h.unitStated},
+                           {"factor_to_SI", used ? Json(h.unit.factor) : kNull}});
+    }
+    for (const Metadata& m : l.metadata)
+        metadata.push_back({{"line", m.line}, {"key", m.key}, {"value", m.value}});
+    return {{"file", s.file},
+            {"encoding", s.text.encoding},
+            {"line_ends", s.text.lineEnds},
+            {"separator", separatorName(l.separator)},
+            {"decimal_mark", std::string(1, l.numbers.decimal)},
+            {"names_line", l.namesLine > 0 ? Json(l.namesLine) : kNull},
+            {"units_line", l.unitsLine > 0 ? Json(l.unitsLine) : kNull},
+            {"first_data_line", l.firstDataLine},
+            {"rows", s.rows},
+            {"columns", columns},
+            {"header", metadata},
+            {"remarks", remarksJson(s.table.remarks)}};
+}
+
+record::Result<Description> fillIn(const Imported& all, const std::string& protocol, const Json& own) {
+    record::Result<Description> result;
+    Json json = frameOf(all, protocol);
+    Json taken = own;
+    if (own.contains("runs") && own["runs"].size() != all.runs.size()) {
+        taken.erase("runs");
+        result.value.remarks.push_back("the runs of the file with the specimen are not taken: there are " +
+                                       std::to_string(own["runs"].size()) + ", here " +
+                                       std::to_string(all.runs.size()));
+    }
+    addOwn(json, taken);
+    json = Json::parse(workedOut(text(json), all, result.value.remarks));
+    collectTodo(json, "", result.value.todo);
+    result.value.supposed = supposed(json, own);
+    result.value.json = text(json) + "\n";
+    return result;
+}
+
+record::Result<Description> fillInFree(const Imported& all, const TemplateOptions& options, const Json& own) {
+    auto result = describeFree(all, options);
+    if (!result)
+        return result;
+    Json json = Json::parse(result.value.json);
+    merge(json, own);
+    std::erase_if(result.value.supposed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
+    collectTodo(json, "", result.value.todo);
+    result.value.json = text(json) + "\n";
+    return result;
+}
+
+} // namespace
+
+const std::vector<std::string>& protocols() {
+    static const std::vector<std::string> kAll = {
+        "shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor", "arch_between_plates", "ring_between_plates",
+        "tethered_strip",          "free_scene"};
+    return kAll;
+}
+
+record::Result<Description> describe(const Imported& all, const TemplateOptions& options) {
+    using Result = record::Result<Description>;
+    const auto& known = protocols();
+    if (!options.protocol.empty() && std::find(known.begin(), known.end(), options.protocol) == known.end()) {
+        const std::string near = scene::nearestName(options.protocol, known);
+        std::string list;
+        for (const std::string& p : known)
+            list += (list.empty() ? "" : ", ") + p;
+        return Result::fail("there is no protocol \"" + options.protocol + "\"; expected one of " + list +
+                            (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+    }
+    Json own = Json::object();
+    if (!options.specimenFile.empty())
+        if (const std::string why = readOwn(options.specimenFile, own); !why.empty())
+            return Result::fail(why);
+    std::string protocol = options.protocol;
+    if (own.contains("protocol") && own["protocol"].is_string()) {
+        const std::string said = own["protocol"];
+        if (!protocol.empty() && said != protocol)
+            return Result::fail(options.specimenFile + ": /protocol: this is \"" + said + "\", but --protocol says \"" +
+                                protocol + "\"; expected one protocol");
+        if (std::find(known.begin(), known.end(), said) != known.end())
+            protocol = said;
+    }
+    const bool angles = std::all_of(all.runs.begin(), all.runs.end(),
+                                    [](const ImportedRun& r) { return r.track.find(Quantity::Force) == nullptr; });
+    if (const bool free = protocol == "free_scene"; free != angles || all.runs.empty()) {
+        if (free || !protocol.empty())
+            return Result::fail(free ? "the protocol free_scene is about angles, and there are forces"
+                                     : "there are angles only; protocol " + protocol +
+                                           " is about forces, expected free_scene");
+        for (const ImportedRun& r : all.runs)
+            if (!angles && r.track.find(Quantity::Force) == nullptr)
+                return Result::fail(r.file +
+                                    " has an angle and no force, others have forces; expected one kind of run");
+    }
+    try {
+        if (angles)
+            return fillInFree(all, options, own);
+        return fillIn(all, protocol, own);
+    } catch (const Json::exception& e) { // a list where a number belongs, and the like
+        const std::string what = e.what();
+        return Result::fail(options.specimenFile + ": this is no part of an experiment: " +
+                            what.substr(std::min(what.size(), what.find("] ") + 2)));
+    }
+}
+
+std::string accountJson(const Imported& all, const Description& description) {
+    Json sources = Json::array(), runs = Json::array();
+    for (const Source& s : all.sources)
+        sources.push_back(sourceJson(s));
+    for (const ImportedRun& run : all.runs)
+        runs.push_back({{"file", run.file},
+                        {"from", all.sources[run.source].file},
+                        {"first_line", run.track.line.front()},
+                        {"last_line", run.track.line.back()},
+                        {"rows", run.track.rows()},
+                        {"sampling_hz", run.rate},
+                        {"drive",
+                         {{"tolerance_mm", 1e3 * run.drive.tolerance},
+                          {"largest_deviation_mm", 1e3 * run.drive.deviation},
+                          {"noise_mm", 1e3 * run.drive.noise},
+                          {"legs", run.drive.time.empty() ? 0 : run.drive.time.size() - 1}}},
+                        {"force_noise_N", run.forceNoise},
+                        {"force_zero_subtracted_N", run.forceZero},
+                        {"first_touch_mm", std::isfinite(run.touch) ? Json(1e3 * run.touch) : kNull},
+                        {"remarks", remarksJson(run.remarks)}});
+    const Json json = {{"sources", sources},
+                       {"runs", runs},
+                       {"worked_out", description.remarks},
+                       {"supposed", description.supposed},
+                       {"to_be_filled_in", description.todo}};
+    return text(json) + "\n";
+}
+
+} // namespace supercircle::importing

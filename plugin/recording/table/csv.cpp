@@ -1,0 +1,277 @@
+#include "plugin/recording/table/csv.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "plugin/recording/table/files.h"
+#include "plugin/recording/table/text.h"
+
+namespace supercircle::record {
+
+namespace {
+
+struct Cell {
+    std::string text;
+    std::size_t column = 1; ///< of its first character, from 1
+};
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t");
+    return first == std::string_view::npos ? std::string_view{}
+                                           : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// Cells of one line; empty message on success. Quoted cells do not run over lines: a number never needs to.
+std::string split(std::string_view line, char delimiter, std::vector<Cell>& cells, std::size_t& errorColumn) {
+    cells.clear();
+    std::size_t i = 0;
+    while (true) {
+        Cell cell;
+        while (i < line.size() && (line[i] == ' ' || line[i] == '\t') && line[i] != delimiter)
+            ++i;
+        cell.column = i + 1;
+        if (i < line.size() && line[i] == '"') {
+            ++i;
+            while (i < line.size() && (line[i] != '"' || (i + 1 < line.size() && line[i + 1] == '"'))) {
+                cell.text += line[i];
+                i += line[i] == '"' ? 2 : 1;
+            }
+            if (i >= line.size()) {
+                errorColumn = cell.column;
+                return "quote is not closed";
+            }
+            ++i;
+            while (i < line.size() && (line[i] == ' ' || line[i] == '\t') && line[i] != delimiter)
+                ++i;
+            if (i < line.size() && line[i] != delimiter) {
+                errorColumn = i + 1;
+                return "text after the closing quote";
+            }
+        } else {
+            const std::size_t end = std::min(line.find(delimiter, i), line.size());
+            cell.text = trimmed(line.substr(i, end - i));
+            i = end;
+        }
+        cells.push_back(std::move(cell));
+        if (i >= line.size())
+            return {};
+        ++i;
+    }
+}
+
+/// Lines of a text, numbered from 1, without their ends and without those that say nothing.
+class Lines {
+public:
+    explicit Lines(std::string_view text) : rest(text) {
+        if (rest.substr(0, 3) == "\xEF\xBB\xBF")
+            rest.remove_prefix(3);
+    }
+    bool next(std::string_view& line) {
+        while (!rest.empty()) {
+            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            line = rest.substr(0, end);
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            ++number;
+            if (!line.empty() && line.back() == '\r')
+                line.remove_suffix(1);
+            if (const auto content = trimmed(line); !content.empty() && content.front() != '#')
+                return true;
+        }
+        return false;
+    }
+    std::size_t number = 0;
+
+private:
+    std::string_view rest;
+};
+
+bool contains(const std::vector<std::string>& list, const std::string& name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+std::string joined(const std::vector<std::string>& names) {
+    std::string text;
+    for (const auto& name : names)
+        text += (text.empty() ? "'" : ", '") + name + "'";
+    return text.empty() ? "none" : text;
+}
+
+class Parser {
+public:
+    Parser(std::string_view text, const std::string& file, const CsvOptions& choice)
+        : source(file), options(choice), lines(text) {}
+
+    Result<Series> run() {
+        std::string_view line;
+        if (!lines.next(line))
+            return Result<Series>::fail(source + ":1:1: no header line: expected the column names");
+        if (std::string message = header(line); !message.empty())
+            return Result<Series>::fail(std::move(message));
+        while (lines.next(line))
+            if (std::string message = row(line); !message.empty())
+                return Result<Series>::fail(std::move(message));
+        return {std::move(series), {}};
+    }
+
+private:
+    std::string at(std::size_t column, const std::string& what) const {
+        return source + ":" + std::to_string(lines.number) + ":" + std::to_string(column) + ": " + what;
+    }
+
+    std::string header(std::string_view line) {
+        std::size_t column = 1;
+        if (const std::string message = split(line, options.delimiter, cells, column); !message.empty())
+            return at(column, message);
+        for (const Cell& cell : cells) {
+            if (cell.text.empty())
+                return at(cell.column, "column without a name");
+            if (contains(all, cell.text))
+                return at(cell.column, "column '" + cell.text + "' appears twice");
+            all.push_back(cell.text);
+            target.push_back(contains(options.ignored, cell.text) ? -1 : static_cast<int>(series.names.size()));
+            if (target.back() >= 0)
+                series.names.push_back(cell.text);
+        }
+        for (const auto& name : options.required)
+            if (!contains(series.names, name))
+                return at(1, "no column '" + name + "'; there are " + joined(all));
+        series.columns.resize(series.names.size());
+        return {};
+    }
+
+    std::string row(std::string_view line) {
+        std::size_t column = 1;
+        if (const std::string message = split(line, options.delimiter, cells, column); !message.empty())
+            return at(column, message);
+        if (cells.size() != all.size())
+            return at(cells.size() < all.size() ? line.size() + 1 : cells[all.size()].column,
+                      std::to_string(cells.size()) + " cells, but " + std::to_string(all.size()) + " columns");
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            if (target[i] < 0)
+                continue;
+            double value = std::numeric_limits<double>::quiet_NaN();
+            if (!cells[i].text.empty() && !parseNumber(cells[i].text, value))
+                return at(cells[i].column, "'" + cells[i].text + "' in column '" + all[i] + "' is not a number");
+            series.columns[static_cast<std::size_t>(target[i])].push_back(value);
+        }
+        return {};
+    }
+
+    const std::string& source;
+    const CsvOptions& options;
+    Lines lines;
+    std::vector<Cell> cells;
+    std::vector<std::string> all;
+    std::vector<int> target; ///< column of the series, -1: ignored
+    Series series;
+};
+
+std::string quotedIfNeeded(const std::string& name) {
+    if (name.find_first_of(",\"\n\r# ") == std::string::npos && !name.empty())
+        return name;
+    std::string text = "\"";
+    for (const char c : name)
+        text += c == '"' ? std::string("\"\"") : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
+    return text + "\"";
+}
+
+} // namespace
+
+Result<Series> parseCsv(std::string_view text, const std::string& source, const CsvOptions& options) {
+    return Parser(text, source, options).run();
+}
+
+Result<Series> readCsv(const std::string& path, const CsvOptions& options) {
+    const Result<std::string> text = readText(path);
+    return text ? parseCsv(text.value, path, options) : Result<Series>::fail(text.error);
+}
+
+std::size_t lineOfRow(std::string_view text, std::size_t row) {
+    Lines lines(text);
+    std::string_view line;
+    for (std::size_t i = 0; i <= row + 1; ++i)
+        if (!lines.next(line))
+            return 0;
+    return lines.number;
+}
+
+Result<std::string> csvText(const Series& series) {
+    if (series.names.size() != series.columns.size())
+        return Result<std::string>::fail("series: " + std::to_string(series.names.size()) + " names for " +
+                                         std::to_string(series.columns.size()) + " columns");
+    Result<std::string> result;
+    std::string& out = result.value;
+    for (std::size_t i = 0; i < series.names.size(); ++i) {
+        if (series.columns[i].size() != series.rows())
+            return Result<std::string>::fail("series: column '" + series.names[i] + "' has " +
+                                             std::to_string(series.columns[i].size()) + " rows, the first one " +
+                                             std::to_string(series.rows()));
+        if (i > 0)
+            out += ',';
+        out += quotedIfNeeded(series.names[i]);
+    }
+    out += '\n';
+    out.reserve(series.rows() * series.names.size() * 16);
+    for (std::size_t row = 0; row < series.rows(); ++row) {
+        for (std::size_t i = 0; i < series.columns.size(); ++i) {
+            if (i > 0)
+                out += ',';
+            appendNumber(out, series.columns[i][row]);
+        }
+        out += '\n';
+    }
+    return result;
+}
+
+Result<std::vector<double>> resample(const std::vector<double>& abscissa, const std::vector<double>& column,
+                                     const std::vector<double>& at) {
+    using Values = Result<std::vector<double>>;
+    if (abscissa.size() != column.size())
+        return Values::fail("resample: " + std::to_string(abscissa.size()) + " abscissae for " +
+                            std::to_string(column.size()) + " values");
+    if (abscissa.empty())
+        return Values::fail("resample: no samples");
+    for (std::size_t i = 0; i < abscissa.size(); ++i)
+        if (std::isnan(abscissa[i]) || (i > 0 && abscissa[i] < abscissa[i - 1]))
+            return Values::fail("resample: the abscissa " +
+                                std::string(std::isnan(abscissa[i]) ? "is not a number" : "decreases") + " at row " +
+                                std::to_string(i));
+    Values result;
+    result.value.reserve(at.size());
+    for (const double x : at) {
+        if (std::isnan(x))
+            return Values::fail("resample: a wanted abscissa is not a number");
+        const auto upper = std::upper_bound(abscissa.begin(), abscissa.end(), x);
+        const auto i = static_cast<std::size_t>(upper - abscissa.begin());
+        if (i == 0 || i == abscissa.size() || abscissa[i - 1] == x) {
+            result.value.push_back(column[i == 0 ? 0 : i - 1]);
+            continue;
+        }
+        const double t = (x - abscissa[i - 1]) / (abscissa[i] - abscissa[i - 1]);
+        result.value.push_back((1.0 - t) * column[i - 1] + t * column[i]);
+    }
+    return result;
+}
+
+Result<Series> resampleSeries(const Series& series, const std::string& abscissa, const std::vector<double>& at) {
+    const std::vector<double>* x = series.find(abscissa);
+    if (x == nullptr)
+        return Result<Series>::fail("resample: no column '" + abscissa + "'; there are " + joined(series.names));
+    Result<Series> result;
+    result.value.names = series.names;
+    for (const auto& column : series.columns) {
+        auto values = resample(*x, column, at);
+        if (!values)
+            return Result<Series>::fail(values.error);
+        result.value.columns.push_back(std::move(values.value));
+    }
+    // The abscissa is what was asked for, also outside the range where it would be held.
+    for (std::size_t i = 0; i < series.names.size(); ++i)
+        if (series.names[i] == abscissa)
+            result.value.columns[i] = at;
+    return result;
+}
+
+} // namespace supercircle::record

@@ -1,0 +1,25 @@
+#pragma once
+// Files that are either the old ones or the complete new ones, whenever the machine stops.
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "plugin/recording/table/result.h"
+
+namespace supercircle::record {
+
+/// Name inside the directory and content.
+using NamedText = std::pair<std::string, std::string>;
+
+/// Writes all files into `directory` (made if missing): each to a temporary name beside its place, flushed to the disk,
+/// and only when all of them are there are they renamed into place. On failure nothing old is touched and the temporary
+/// files are gone.
+/// @return empty, or what could not be written and why. Never throws.
+[[nodiscard]] std::string writeAtomically(const std::string& directory, const std::vector<NamedText>& files) noexcept;
+
+/// Whole content of a file, or why it cannot be read.
+[[nodiscard]] Result<std::string> readText(const std::string& path);
+
+} // namespace supercircle::record

@@ -1,0 +1,357 @@
+// Formulas are muParser's. Names are found by our own scan before muParser sees the text, for three reasons: a name can
+// then be resolved on demand (formulas of formulas), an unknown one gets a suggestion at its very column, and names
+// enter as constants, which muParser refuses to assign to (`R = 3` would otherwise silently change R for the rest of
+// the file).
+
+#include "plugin/scene/loader/expression.h"
+
+#include "plugin/scene/loader/reader.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include <muParser.h>
+
+namespace supercircle::scene {
+
+namespace {
+
+constexpr std::size_t maxFormula = 2000; // characters; enough for any closed form, too little to exhaust a stack
+constexpr std::size_t maxNames = 1000;
+constexpr int maxChain = 50; // formulas of formulas not yet worked out; each level costs stack
+
+double sincFunction(double x) {
+    return rod::sinc(x);
+}
+
+bool startsName(char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+bool continuesName(char c) {
+    return startsName(c) || std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+struct NameUse {
+    std::string name;
+    std::size_t at = 0;
+};
+
+/// The names in a formula; `1e-3` is a number, not a name.
+std::vector<NameUse> namesIn(const std::string& formula) {
+    std::vector<NameUse> uses;
+    std::size_t i = 0;
+    while (i < formula.size()) {
+        const char c = formula[i];
+        if (startsName(c)) {
+            const std::size_t start = i;
+            while (i < formula.size() && continuesName(formula[i]))
+                ++i;
+            uses.push_back({formula.substr(start, i - start), start});
+        } else if (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.') {
+            while (i < formula.size() &&
+                   (std::isdigit(static_cast<unsigned char>(formula[i])) != 0 || formula[i] == '.'))
+                ++i;
+            if (i + 1 < formula.size() && (formula[i] == 'e' || formula[i] == 'E') &&
+                (std::isdigit(static_cast<unsigned char>(formula[i + 1])) != 0 || formula[i + 1] == '+' ||
+                 formula[i + 1] == '-'))
+                i += 2;
+        } else {
+            ++i;
+        }
+    }
+    return uses;
+}
+
+bool isIdentifier(const std::string& name) {
+    return !name.empty() && name.size() <= 64 && startsName(name[0]) && name[0] != '_' &&
+           std::all_of(name.begin(), name.end(), continuesName);
+}
+
+std::string rangeText(const Parameter& p) {
+    const auto text = [](double v) {
+        char buffer[32];
+        std::snprintf(buffer, sizeof buffer, "%.10g", v);
+        return std::string(buffer);
+    };
+    const std::string noun = p.integer ? "a whole number" : "a number";
+    if (std::isinf(p.min) && std::isinf(p.max))
+        return noun;
+    if (std::isinf(p.max))
+        return noun + " >= " + text(p.min);
+    if (std::isinf(p.min))
+        return noun + " <= " + text(p.max);
+    return noun + " from " + text(p.min) + " to " + text(p.max);
+}
+
+} // namespace
+
+struct Scope::Entry {
+    enum class State { Open, Busy, Done, Failed };
+    bool isParameter = false;
+    const Node* node = nullptr;      ///< whole declaration
+    const Node* valueNode = nullptr; ///< the value, null if missing
+    std::string pointer;
+    Parameter parameter; ///< name and value also for constants
+    std::optional<double> overridden;
+    State state = State::Open;
+};
+
+struct Scope::Calculator {
+    mu::Parser functions; ///< only to ask which functions there are
+};
+
+Scope::Scope() : calculator_(std::make_unique<Calculator>()) {
+    calculator_->functions.DefineFun("sinc", sincFunction);
+}
+Scope::~Scope() = default;
+
+bool Scope::isFunction(const std::string& name) const {
+    return calculator_->functions.GetFunDef().count(name) > 0;
+}
+
+std::vector<std::string> Scope::names() const {
+    std::vector<std::string> result;
+    for (const auto& entry : entries_)
+        result.push_back(entry->parameter.name);
+    result.emplace_back("pi");
+    return result;
+}
+
+bool Scope::acceptName(Context& context, const Node& node, const std::string& pointer) {
+    if (!isIdentifier(node.key)) {
+        context.keyError(node, pointer, "\"" + node.key + "\" cannot be a name",
+                         "a letter, then letters, digits and underscores, at most 64");
+        return false;
+    }
+    if (node.key == "pi" || isFunction(node.key)) {
+        context.keyError(node, pointer, "the name \"" + node.key + "\" is taken by the formulas", "another name");
+        return false;
+    }
+    if (byName_.count(node.key) > 0) {
+        context.keyError(node, pointer, "\"" + node.key + "\" is already a parameter", "another name");
+        return false;
+    }
+    if (entries_.size() >= maxNames) {
+        context.keyError(node, pointer, "too many names", "at most " + std::to_string(maxNames));
+        return false;
+    }
+    return true;
+}
+
+void Scope::declareParameter(Context& context, const Node& node, const std::string& pointer) {
+    if (!acceptName(context, node, pointer))
+        return;
+    auto entry = std::make_unique<Entry>();
+    entry->isParameter = true;
+    entry->node = &node;
+    entry->pointer = pointer;
+    Parameter& p = entry->parameter;
+    p.name = node.key;
+    ObjectReader reader(context, node, pointer);
+    if (reader.valid()) {
+        entry->valueNode = reader.find("value");
+        if (entry->valueNode == nullptr)
+            reader.require("value", "a number or {\"expr\": formula}");
+        p.unit = reader.string("unit", p.unit);
+        p.about = reader.string("about", p.about);
+        p.integer = reader.boolean("integer", false);
+        reader.find("min"); // read when the value is checked: they may be formulas
+        reader.find("max");
+        reader.finish();
+    }
+    byName_[p.name] = entry.get();
+    entries_.push_back(std::move(entry));
+}
+
+void Scope::declareConstant(Context& context, const Node& node, const std::string& pointer) {
+    if (!acceptName(context, node, pointer))
+        return;
+    auto entry = std::make_unique<Entry>();
+    entry->node = &node;
+    entry->valueNode = &node;
+    entry->pointer = pointer;
+    entry->parameter.name = node.key;
+    if (node.find("value") != nullptr) { // the long form, with room for an "about"
+        ObjectReader reader(context, node, pointer);
+        entry->valueNode = reader.find("value");
+        entry->parameter.unit = reader.string("unit", "1");
+        entry->parameter.about = reader.string("about", "");
+        reader.finish();
+    }
+    byName_[node.key] = entry.get();
+    entries_.push_back(std::move(entry));
+}
+
+void Scope::override(Context& context, const std::vector<Override>& overrides, const Node* parameters) {
+    const Node& at = parameters != nullptr ? *parameters : context.document.root;
+    std::vector<std::string> known;
+    for (const auto& entry : entries_)
+        if (entry->isParameter)
+            known.push_back(entry->parameter.name);
+    for (const Override& o : overrides) {
+        const auto found = byName_.find(o.name);
+        if (found == byName_.end() || !found->second->isParameter) {
+            std::string all;
+            for (const std::string& name : known)
+                all += (all.empty() ? "" : ", ") + name;
+            context.keyError(at, "/parameters", "the scene has no parameter \"" + o.name + "\"",
+                             known.empty() ? "none: this scene declares no parameters" : "one of " + all,
+                             nearestName(o.name, known));
+            continue;
+        }
+        found->second->overridden = o.value;
+    }
+}
+
+void Scope::declare(Context& context, const Node* parameters, const Node* constants,
+                    const std::vector<Override>& overrides) {
+    const auto block = [&](const Node* node, const char* name, auto&& each) {
+        if (node == nullptr)
+            return;
+        const std::string pointer = std::string("/") + name;
+        if (node->kind != Node::Kind::Object) {
+            context.error(*node, pointer, std::string("\"") + name + "\" is " + kindName(node->kind), "an object");
+            return;
+        }
+        for (const Node& child : node->children)
+            if (child.key != "about")
+                each(child, pointer + "/" + pointerToken(child.key));
+    };
+    block(parameters, "parameters", [&](const Node& n, const std::string& p) { declareParameter(context, n, p); });
+    block(constants, "constants", [&](const Node& n, const std::string& p) { declareConstant(context, n, p); });
+    override(context, overrides, parameters);
+    for (const auto& entry : entries_)
+        resolve(context, *entry, *entry->node, entry->pointer);
+}
+
+bool Scope::resolve(Context& context, Entry& entry, const Node& at, const std::string& pointer) {
+    if (entry.state == Entry::State::Done || entry.state == Entry::State::Failed)
+        return entry.state == Entry::State::Done; // a failure was reported when it happened
+    if (entry.state == Entry::State::Busy) {
+        context.error(at, pointer, "\"" + entry.parameter.name + "\" is defined in terms of itself",
+                      "formulas without a circle");
+        return false;
+    }
+    if (depth_ >= maxChain) {
+        context.error(at, pointer, "too long a chain of definitions still to be worked out",
+                      "at most " + std::to_string(maxChain) + ", or declarations in the order of use");
+        return false;
+    }
+    entry.state = Entry::State::Busy;
+    ++depth_;
+    std::optional<double> value;
+    if (entry.overridden)
+        value = entry.overridden;
+    else if (entry.valueNode != nullptr)
+        value = readNumber(context, *entry.valueNode, entry.pointer + (entry.valueNode != entry.node ? "/value" : ""),
+                           anyNumber);
+    --depth_;
+    entry.state = value ? Entry::State::Done : Entry::State::Failed;
+    entry.parameter.value = value.value_or(0.0);
+    // Whatever depends on a value out of range would only repeat the complaint in other words: it stays silent.
+    if (value && entry.isParameter && !checkParameter(context, entry))
+        entry.state = Entry::State::Failed;
+    return entry.state == Entry::State::Done;
+}
+
+bool Scope::checkParameter(Context& context, Entry& entry) {
+    Parameter& p = entry.parameter;
+    const auto limit = [&](const char* key, double& target) {
+        if (const Node* node = entry.node->find(key))
+            target = readNumber(context, *node, entry.pointer + "/" + key, anyNumber).value_or(target);
+    };
+    limit("min", p.min);
+    limit("max", p.max);
+    if (p.min > p.max) {
+        context.error(*entry.node->find("min"), entry.pointer + "/min", "the range of \"" + p.name + "\" is empty",
+                      "min <= max");
+        return false;
+    }
+    std::string fault;
+    if (!std::isfinite(p.value))
+        fault = " is not a finite number";
+    else if (p.value < p.min || p.value > p.max)
+        fault = " is out of range";
+    else if (p.integer && p.value != std::floor(p.value))
+        fault = " is not a whole number";
+    if (fault.empty())
+        return true;
+    char number[32];
+    std::snprintf(number, sizeof number, "%.10g", p.value);
+    const std::string said = entry.overridden ? "the value given for \"" : "the value of \"";
+    context.error(entry.valueNode != nullptr ? *entry.valueNode : *entry.node, entry.pointer + "/value",
+                  said + p.name + "\", " + number + "," + fault, rangeText(p));
+    return false;
+}
+
+std::optional<double> Scope::value(Context& context, const std::string& name, const Node& at,
+                                   const std::string& pointer) {
+    if (name == "pi")
+        return M_PI;
+    const auto found = byName_.find(name);
+    if (found == byName_.end()) {
+        context.error(at, pointer, "there is no parameter or constant \"" + name + "\"", {},
+                      nearestName(name, names()));
+        return std::nullopt;
+    }
+    if (!resolve(context, *found->second, at, pointer))
+        return std::nullopt;
+    return found->second->parameter.value;
+}
+
+std::optional<double> Scope::evaluate(Context& context, const std::string& formula, const Node& at,
+                                      const std::string& pointer) {
+    const auto fail = [&](std::size_t column, const std::string& what, const std::string& expected,
+                          const std::string& nearest) {
+        Node place = at;
+        place.offset = at.offset + 1 + std::min(column, formula.size()); // 1: the opening quote
+        place.children.clear();
+        context.error(place, pointer, what, expected, nearest);
+        return std::nullopt;
+    };
+    if (formula.size() > maxFormula)
+        return fail(0, "the formula is too long", "at most " + std::to_string(maxFormula) + " characters", {});
+    const auto owned = std::make_unique<mu::Parser>(); // kilobytes; formulas of formulas recurse
+    mu::Parser& parser = *owned;
+    parser.DefineFun("sinc", sincFunction);
+    parser.DefineConst("pi", M_PI);
+    for (const NameUse& use : namesIn(formula)) {
+        if (use.name == "pi" || isFunction(use.name))
+            continue;
+        const auto found = byName_.find(use.name);
+        if (found == byName_.end()) {
+            std::vector<std::string> known = names();
+            for (const auto& function : calculator_->functions.GetFunDef())
+                known.push_back(function.first);
+            return fail(use.at, "unknown name \"" + use.name + "\" in the formula", "a parameter, constant or function",
+                        nearestName(use.name, known));
+        }
+        if (!resolve(context, *found->second, at, pointer))
+            return std::nullopt;
+        parser.DefineConst(use.name, found->second->parameter.value);
+    }
+    try {
+        parser.SetExpr(formula);
+        const double result = parser.Eval();
+        if (parser.GetNumResults() != 1)
+            return fail(0, "the formula gives several values", "one value", {});
+        if (!std::isfinite(result))
+            return fail(0, "the formula \"" + formula + "\" gives no finite number", {}, {});
+        return result;
+    } catch (const mu::ParserError& error) {
+        const auto column = static_cast<std::size_t>(std::max(0, static_cast<int>(error.GetPos())));
+        return fail(column, "the formula cannot be read: " + error.GetMsg(), {}, {});
+    }
+}
+
+std::vector<Parameter> Scope::parameters() const {
+    std::vector<Parameter> result;
+    for (const auto& entry : entries_)
+        if (entry->isParameter)
+            result.push_back(entry->parameter);
+    return result;
+}
+
+} // namespace supercircle::scene

@@ -1,0 +1,75 @@
+#include "plugin/scene/loader/loader.h"
+
+#include "plugin/scene/loader/sections.h"
+
+#include <filesystem>
+
+namespace supercircle::scene {
+
+namespace {
+
+constexpr const char* schemaName = "supercircle-scene/1";
+
+void checkSchema(Context& context, ObjectReader& top) {
+    const Node* node = top.find("schema");
+    if (node == nullptr) // plain R.U.B.E. exports have none
+        return;
+    const std::string name = top.string("schema", schemaName);
+    if (name != schemaName)
+        context.error(*node, "/schema", "this is \"" + name + "\", not a scene of this version",
+                      std::string("\"") + schemaName + "\"");
+}
+
+void readTop(Context& context, const std::vector<Override>& overrides, Scene& scene) {
+    ObjectReader top(context, context.document.root, "");
+    if (!top.valid())
+        return;
+    checkSchema(context, top);
+    const Node* parameters = top.find("parameters");
+    context.scope.declare(context, parameters, top.find("constants"), overrides);
+    scene.name = top.string("name", std::filesystem::path(scene.file).stem().string());
+    if (context.document.root.find("about") != nullptr)
+        scene.about = top.string("about", "");
+    scene.rigid.lengthScale = top.number("lengthScale", scene.rigid.lengthScale, positive);
+    readRigid(context, top, scene.rigid);
+    readShells(context, top, scene.shells);
+    readHolds(context, top, scene.shells, scene.holds);
+    readDrop(context, top, scene.drop);
+    readProtocol(context, top, scene, scene.protocol);
+    readEffects(context, top, scene);
+    readNumerics(context, top, scene.numerics);
+    readReport(context, top, scene.report);
+    readGame(context, top, scene, scene.game);
+    scene.duration = top.number("duration", scene.duration, notNegative);
+    top.finish();
+    if (!scene.protocol && !scene.game && scene.duration == 0.0)
+        context.note(context.document.root, "", "neither \"protocol\" nor \"duration\": nothing is simulated");
+    scene.parameters = context.scope.parameters();
+}
+
+} // namespace
+
+std::optional<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
+                              std::vector<Problem>& problems) {
+    std::vector<Problem> found;
+    std::optional<Scene> scene;
+    if (const auto document = parseDocument(text, file, found)) {
+        Scope scope;
+        Context context{*document, found, scope};
+        scene.emplace();
+        scene->file = file;
+        readTop(context, overrides, *scene);
+    }
+    if (anyError(found))
+        scene.reset();
+    problems.insert(problems.end(), found.begin(), found.end());
+    return scene;
+}
+
+std::optional<Scene> load(const std::string& path, const std::vector<Override>& overrides,
+                          std::vector<Problem>& problems) {
+    const auto text = readFile(path, problems);
+    return text ? loadText(*text, path, overrides, problems) : std::nullopt;
+}
+
+} // namespace supercircle::scene

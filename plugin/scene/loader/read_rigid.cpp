@@ -1,0 +1,338 @@
+// Rigid bodies under the names R.U.B.E. and b2dJson use, so that existing Box2D exports load unchanged.
+
+#include "plugin/scene/loader/sections.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::scene {
+
+namespace {
+
+using rod::Vec2;
+using step::BodyDefinition;
+using step::BodyType;
+using step::FixtureDefinition;
+using step::JointDefinition;
+using step::JointKind;
+using step::ShapeKind;
+
+// Box2D 2.4 welds polygon vertices nearer than half its slop and refuses chains with edges shorter than the slop; both
+// end in assertions there (the process dies), so they are caught here. In host units, that is, after scaling.
+constexpr double box2dSlop = 0.005;
+constexpr double farthest = 1e4;   // where single precision resolves a fifth of the slop
+constexpr double box2dArea = 1e-5; // it asserts on less than 1.2e-7
+constexpr std::size_t box2dPolygonVertices = 8;
+
+/// b2dJson's {"x": [...], "y": [...]}.
+std::vector<Vec2> readVertices(Context& context, ObjectReader& shape) {
+    std::vector<Vec2> vertices;
+    if (!shape.require("vertices", "{\"x\": [...], \"y\": [...]}"))
+        return vertices;
+    const Node* node = shape.find("vertices");
+    if (node == nullptr)
+        return vertices;
+    ObjectReader lists(context, *node, shape.pointerTo("vertices"), true);
+    const std::vector<double> x = lists.numbers("x");
+    const std::vector<double> y = lists.numbers("y");
+    lists.finish();
+    if (x.size() != y.size()) {
+        context.error(*node, lists.pointer(),
+                      std::to_string(x.size()) + " x but " + std::to_string(y.size()) + " y coordinates",
+                      "as many x as y");
+        return vertices;
+    }
+    for (std::size_t i = 0; i < x.size(); ++i)
+        vertices.emplace_back(x[i], y[i]);
+    return vertices;
+}
+
+/// Nearest two neighbours, m.
+double shortestEdge(const std::vector<Vec2>& v, bool closed) {
+    double shortest = INFINITY;
+    for (std::size_t i = 0; i + (closed ? 0 : 1) < v.size(); ++i)
+        shortest = std::min(shortest, (v[(i + 1) % v.size()] - v[i]).norm());
+    return shortest;
+}
+
+bool checkEdges(Context& context, const Node& at, const std::string& pointer, const std::vector<Vec2>& v, bool closed,
+                double shortest) {
+    if (shortestEdge(v, closed) > shortest)
+        return true;
+    context.error(at, pointer, "two neighbouring vertices coincide or nearly so",
+                  "edges longer than " + std::to_string(shortest) +
+                      " m (Box2D's tolerance divided by \"lengthScale\"; raise \"lengthScale\" for small shapes)");
+    return false;
+}
+
+/// Reports what is too far from the origin for single precision.
+void checkReach(Context& context, const Node& at, const std::string& pointer, double reach, double scale) {
+    if (reach * scale <= farthest)
+        return;
+    context.error(at, pointer, "too far out for the single precision of Box2D",
+                  "at most " + std::to_string(farthest / scale) + " m (10000 divided by \"lengthScale\")");
+}
+
+double reachOf(const std::vector<Vec2>& vertices) {
+    double reach = 0.0;
+    for (const Vec2& v : vertices)
+        reach = std::max(reach, v.norm());
+    return reach;
+}
+
+/// Removes corners that are straight to the precision of exports (seven digits): they would come out now convex, now
+/// concave.
+void dropStraightCorners(std::vector<Vec2>& v) {
+    constexpr double straight = 1e-6; // rad
+    for (std::size_t i = 0; i < v.size() && v.size() > 3;) {
+        const Vec2 a = v[i] - v[(i + v.size() - 1) % v.size()];
+        const Vec2 b = v[(i + 1) % v.size()] - v[i];
+        if (std::abs(std::atan2(rod::cross(a, b), a.dot(b))) < straight)
+            v.erase(v.begin() + static_cast<std::ptrdiff_t>(i));
+        else
+            ++i;
+    }
+}
+
+/// Convex, once around, counter-clockwise in the end.
+void checkPolygon(Context& context, const Node& at, const std::string& pointer, std::vector<Vec2>& v, double scale) {
+    if (v.size() < 3 || v.size() > box2dPolygonVertices) {
+        context.error(at, pointer, "a polygon of " + std::to_string(v.size()) + " vertices",
+                      "3 to 8 vertices (Box2D's limit; split larger ones into several fixtures)");
+        return;
+    }
+    if (!checkEdges(context, at, pointer, v, true, box2dSlop / scale))
+        return;
+    dropStraightCorners(v);
+    double turned = 0.0;
+    double area = 0.0;
+    double least = INFINITY;
+    double most = -INFINITY;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const Vec2 a = v[(i + 1) % v.size()] - v[i];
+        const Vec2 b = v[(i + 2) % v.size()] - v[(i + 1) % v.size()];
+        const double turn = std::atan2(rod::cross(a, b), a.dot(b));
+        turned += turn;
+        area += 0.5 * rod::cross(v[i], v[(i + 1) % v.size()]);
+        least = std::min(least, turn);
+        most = std::max(most, turn);
+    }
+    if (turned < 0.0)
+        std::reverse(v.begin(), v.end());
+    const double sharpest = M_PI - 1e-6; // a corner that goes back on itself
+    const bool oneWay = turned < 0.0 ? most < 0.0 && least > -sharpest : least > 0.0 && most < sharpest;
+    if (!oneWay || std::abs(std::abs(turned) - 2.0 * M_PI) > 1e-3)
+        context.error(at, pointer, "the polygon is not convex", "vertices in order around a convex outline");
+    else if (std::abs(area) * scale * scale < box2dArea)
+        context.error(at, pointer, "the polygon has next to no area", "more area, or a larger \"lengthScale\"");
+    checkReach(context, at, pointer, reachOf(v), scale);
+}
+
+void readCircle(Context& context, const Node& node, const std::string& pointer, FixtureDefinition& f, double scale) {
+    ObjectReader circle(context, node, pointer, true);
+    f.shape = ShapeKind::Circle;
+    f.centre = circle.vector("center", Vec2::Zero());
+    circle.require("radius", "a number > 0, m");
+    f.radius = circle.number("radius", 1.0, {1e-3 / scale, farthest / scale});
+    circle.finish();
+    checkReach(context, node, pointer, f.centre.norm(), scale);
+}
+
+void readEdge(Context& context, const Node& node, const std::string& pointer, FixtureDefinition& f, double scale) {
+    ObjectReader edge(context, node, pointer, true);
+    f.shape = ShapeKind::Chain;
+    f.twoSided = true;
+    edge.require("vertex1", "{\"x\": ..., \"y\": ...}");
+    edge.require("vertex2", "{\"x\": ..., \"y\": ...}");
+    f.vertices = {edge.vector("vertex1", Vec2::Zero()), edge.vector("vertex2", Vec2::UnitX())};
+    edge.ignore(
+        {"hasVertex0", "hasVertex3", "vertex0", "vertex3"}); // ghosts for smooth sliding; our contact needs none
+    edge.finish();
+    checkEdges(context, node, pointer, f.vertices, false, box2dSlop / scale);
+    checkReach(context, node, pointer, reachOf(f.vertices), scale);
+}
+
+void readChain(Context& context, const Node& node, const std::string& pointer, FixtureDefinition& f, bool loop,
+               double scale) {
+    ObjectReader chain(context, node, pointer, true);
+    f.shape = loop ? ShapeKind::Loop : ShapeKind::Chain;
+    const std::size_t before = context.problems.size();
+    f.vertices = readVertices(context, chain);
+    chain.ignore({"hasNextVertex", "hasPrevVertex", "nextVertex", "prevVertex"});
+    chain.finish();
+    if (context.problems.size() != before)
+        return;
+    // R.U.B.E. writes a loop as a chain that comes back to its first vertex.
+    if (f.vertices.size() >= 4 && f.vertices.front() == f.vertices.back()) {
+        f.vertices.pop_back();
+        f.shape = ShapeKind::Loop;
+    }
+    const bool closed = f.shape == ShapeKind::Loop;
+    const std::size_t fewest = closed ? 3 : 2;
+    if (f.vertices.size() < fewest)
+        context.error(node, pointer, "only " + std::to_string(f.vertices.size()) + " vertices",
+                      "at least " + std::to_string(fewest));
+    else
+        checkEdges(context, node, pointer, f.vertices, closed, box2dSlop / scale);
+    checkReach(context, node, pointer, reachOf(f.vertices), scale);
+}
+
+void readShape(Context& context, ObjectReader& reader, FixtureDefinition& f, double scale) {
+    const char* keys[] = {"circle", "polygon", "chain", "loop", "edge"};
+    const Node* shape = nullptr;
+    int count = 0;
+    for (const char* key : keys) {
+        if (const Node* node = reader.find(key)) {
+            shape = node;
+            ++count;
+        }
+    }
+    if (!reader.valid())
+        return;
+    if (count != 1) {
+        context.error(reader.node(), reader.pointer(), count == 0 ? "a fixture without a shape" : "several shapes",
+                      "one of \"circle\", \"polygon\", \"chain\", \"loop\", \"edge\"");
+        return;
+    }
+    const std::string pointer = reader.pointerTo(shape->key);
+    if (shape->key == "circle") {
+        readCircle(context, *shape, pointer, f, scale);
+    } else if (shape->key == "edge") {
+        readEdge(context, *shape, pointer, f, scale);
+    } else if (shape->key == "polygon") {
+        ObjectReader polygon(context, *shape, pointer, true);
+        const std::size_t before = context.problems.size();
+        f.vertices = readVertices(context, polygon);
+        polygon.finish();
+        if (context.problems.size() == before)
+            checkPolygon(context, *shape, pointer, f.vertices, scale);
+    } else {
+        readChain(context, *shape, pointer, f, shape->key == "loop", scale);
+    }
+}
+
+FixtureDefinition readFixture(Context& context, const Place& place, double scale) {
+    ObjectReader reader(context, *place.node, place.pointer, true);
+    FixtureDefinition f;
+    f.name = reader.string("name", "");
+    f.density = reader.number("density", f.density, notNegative);
+    f.friction = reader.number("friction", f.friction, notNegative);
+    f.restitution = reader.number("restitution", f.restitution, notNegative);
+    f.sensor = reader.boolean("sensor", false);
+    f.filterCategoryBits = static_cast<std::uint16_t>(reader.integer("filter-categoryBits", 1, 0, 65535));
+    f.filterMaskBits = static_cast<std::uint16_t>(reader.integer("filter-maskBits", 65535, 0, 65535));
+    f.filterGroupIndex = static_cast<std::int16_t>(reader.integer("filter-groupIndex", 0, -32768, 32767));
+    readShape(context, reader, f, scale);
+    reader.ignore({"customProperties"});
+    reader.finish();
+    return f;
+}
+
+void readMassData(ObjectReader& reader, BodyDefinition& body) {
+    const bool given = reader.find("massData-mass") != nullptr;
+    step::MassData data;
+    data.mass = reader.number("massData-mass", 0.0, notNegative);
+    data.centre = reader.vector("massData-center", Vec2::Zero());
+    data.inertia = reader.number("massData-I", 0.0, notNegative);
+    if (given && data.mass > 0.0) // exports give 0 for bodies without mass
+        body.massData = data;
+}
+
+BodyDefinition readBody(Context& context, const Place& place, double scale) {
+    ObjectReader reader(context, *place.node, place.pointer, true);
+    BodyDefinition b;
+    b.name = reader.string("name", "");
+    b.type = static_cast<BodyType>(reader.integer("type", 0, 0, 2));
+    b.position = reader.vector("position", b.position);
+    if (const Node* position = reader.find("position"))
+        checkReach(context, *position, reader.pointerTo("position"), b.position.norm(), scale);
+    b.angle = reader.number("angle", b.angle);
+    b.linearVelocity = reader.vector("linearVelocity", b.linearVelocity);
+    b.angularVelocity = reader.number("angularVelocity", b.angularVelocity);
+    b.linearDamping = reader.number("linearDamping", b.linearDamping, notNegative);
+    b.angularDamping = reader.number("angularDamping", b.angularDamping, notNegative);
+    b.gravityScale = reader.number("gravityScale", b.gravityScale);
+    b.bullet = reader.boolean("bullet", b.bullet);
+    b.fixedRotation = reader.boolean("fixedRotation", b.fixedRotation);
+    b.allowSleep = reader.boolean("allowSleep", b.allowSleep);
+    b.awake = reader.boolean("awake", b.awake);
+    b.active = reader.boolean("active", b.active);
+    readMassData(reader, b);
+    for (const Place& fixture : reader.array("fixture"))
+        b.fixtures.push_back(readFixture(context, fixture, scale));
+    reader.ignore({"customProperties"});
+    reader.finish();
+    return b;
+}
+
+void readJointMotor(ObjectReader& reader, JointDefinition& j) {
+    j.enableLimit = reader.boolean("enableLimit", false);
+    j.lowerLimit = reader.number("lowerLimit", 0.0);
+    j.upperLimit = reader.number("upperLimit", 0.0);
+    j.enableMotor = reader.boolean("enableMotor", false);
+    j.motorSpeed = reader.number("motorSpeed", 0.0);
+    const bool turns = j.kind == JointKind::Revolute || j.kind == JointKind::Wheel;
+    reader.ignore({"maxMotorTorque", "maxMotorForce", "maxForce"});
+    if (j.kind == JointKind::Friction || j.kind == JointKind::Motor) {
+        j.maxMotorForce = reader.number("maxForce", 0.0, notNegative);
+        j.maxTorque = reader.number("maxTorque", 0.0, notNegative);
+    } else {
+        j.maxMotorForce = reader.number(turns ? "maxMotorTorque" : "maxMotorForce", 0.0, notNegative);
+    }
+}
+
+JointDefinition readJoint(Context& context, const Place& place, std::size_t bodies) {
+    static const std::vector<std::string> kinds = {"revolute", "prismatic", "distance", "weld",
+                                                   "wheel",    "friction",  "motor"};
+    ObjectReader reader(context, *place.node, place.pointer, true);
+    JointDefinition j;
+    j.name = reader.string("name", "");
+    reader.require("type", "a kind of joint");
+    j.kind = static_cast<JointKind>(reader.choice("type", kinds, 0));
+    const std::size_t before = context.problems.size();
+    const auto last = static_cast<std::int64_t>(bodies) - 1;
+    for (const char* key : {"bodyA", "bodyB"}) {
+        reader.require(key, "the index of a body");
+        const auto index = static_cast<std::int32_t>(reader.integer(key, 0, 0, std::max<std::int64_t>(last, 0)));
+        (key[4] == 'A' ? j.bodyA : j.bodyB) = index;
+    }
+    if (reader.valid() && context.problems.size() == before && (bodies < 2 || j.bodyA == j.bodyB))
+        context.error(*place.node, place.pointer, "the joint does not join two bodies", "two different body indices");
+    j.anchorA = reader.vector("anchorA", j.anchorA);
+    j.anchorB = reader.vector("anchorB", j.anchorB);
+    j.localAxisA = reader.vector("localAxisA", reader.vector("localAxis1", j.localAxisA));
+    if (j.localAxisA.norm() > 0.0)
+        j.localAxisA.normalize();
+    else
+        context.error(*place.node, place.pointer, "the axis has no direction", "a vector other than 0");
+    j.refAngle = reader.number("refAngle", 0.0);
+    j.length = reader.number("length", (j.kind == JointKind::Distance) ? 1.0 : 0.0, notNegative);
+    j.collideConnected = reader.boolean("collideConnected", false);
+    readJointMotor(reader, j);
+    j.frequency = reader.number("frequency", reader.number("springFrequency", 0.0, notNegative), notNegative);
+    j.dampingRatio = reader.number("dampingRatio", reader.number("springDampingRatio", 0.0, notNegative), notNegative);
+    reader.ignore({"jointSpeed", "correctionFactor", "customProperties", "maxTorque"});
+    reader.finish();
+    if (j.enableLimit && j.lowerLimit > j.upperLimit)
+        context.error(*place.node, place.pointer, "the joint's limits are empty", "lowerLimit <= upperLimit");
+    return j;
+}
+
+} // namespace
+
+void readRigid(Context& context, ObjectReader& top, step::RigidWorldDefinition& out) {
+    if (const Node* gravity = top.find("gravity"))
+        out.gravity = readVector(context, *gravity, "/gravity", true).value_or(out.gravity);
+    const auto bodies = top.array("body");
+    for (const Place& place : bodies)
+        out.bodies.push_back(readBody(context, place, out.lengthScale));
+    for (const Place& place : top.array("joint"))
+        out.joints.push_back(readJoint(context, place, bodies.size()));
+    for (const char* key :
+         {"velocityIterations", "positionIterations", "stepsPerSecond", "allowSleep", "autoClearForces", "warmStarting",
+          "continuousPhysics", "subStepping", "image", "customProperties", "collisionbitplanes"})
+        if (const Node* node = top.find(key))
+            context.note(*node, top.pointerTo(key), std::string("\"") + key + "\" of R.U.B.E. has no effect here");
+}
+
+} // namespace supercircle::scene

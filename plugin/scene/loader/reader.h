@@ -1,0 +1,94 @@
+#pragma once
+// Reading one JSON object key by key: every key asked for becomes known, everything else is reported with the nearest
+// known name, and a wrong value is reported and replaced by the default so that the rest of the file is still checked.
+
+#include "plugin/scene/loader/document.h"
+#include "plugin/scene/loader/expression.h"
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supercircle::scene {
+
+/// What every reading function needs: the text (for positions), the names, and where to report.
+struct Context {
+    const Document& document;
+    std::vector<Problem>& problems;
+    Scope& scope;
+
+    void error(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected = {},
+               const std::string& nearest = {});
+    /// Points at the key of `at` instead of its value.
+    void keyError(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected = {},
+                  const std::string& nearest = {});
+    void note(const Node& at, const std::string& pointer, const std::string& what);
+};
+
+/// Accepted values: min <= value <= max, strictly above min if `above`.
+struct Limits {
+    double min = -std::numeric_limits<double>::infinity();
+    double max = std::numeric_limits<double>::infinity();
+    bool above = false;
+};
+inline constexpr Limits anyNumber{};
+inline constexpr Limits positive{0.0, std::numeric_limits<double>::infinity(), true};
+inline constexpr Limits notNegative{0.0, std::numeric_limits<double>::infinity(), false};
+
+/// A child value and its JSON pointer.
+struct Place {
+    const Node* node = nullptr;
+    std::string pointer;
+};
+
+/// A number: JSON number, {"param": name}, {"expr": formula}, or, if `hex`, the eight hex digits b2dJson writes for the
+/// bits of a float. Empty after a report.
+std::optional<double> readNumber(Context& context, const Node& node, const std::string& pointer, const Limits& limits,
+                                 bool hex = false);
+
+/// "{x, y}" or 0 for the origin. Empty after a report.
+std::optional<Eigen::Vector2d> readVector(Context& context, const Node& node, const std::string& pointer,
+                                          bool hex = false);
+
+class ObjectReader {
+public:
+    /// Reports if `node` is not an object; then nothing is found in it. `hex`: numbers may be b2dJson hex floats.
+    ObjectReader(Context& context, const Node& node, std::string pointer, bool hex = false);
+
+    [[nodiscard]] bool valid() const { return node_.kind == Node::Kind::Object; }
+    [[nodiscard]] const std::string& pointer() const { return pointer_; }
+    [[nodiscard]] const Node& node() const { return node_; }
+    [[nodiscard]] std::string pointerTo(const std::string& key) const;
+
+    /// The member, nullptr if absent; the key is known from now on.
+    const Node* find(const std::string& key);
+    double number(const std::string& key, double fallback, const Limits& limits = anyNumber);
+    std::int64_t integer(const std::string& key, std::int64_t fallback, std::int64_t min, std::int64_t max);
+    bool boolean(const std::string& key, bool fallback);
+    std::string string(const std::string& key, const std::string& fallback);
+    Eigen::Vector2d vector(const std::string& key, const Eigen::Vector2d& fallback);
+    /// Index of a word in `words`, `fallback` if absent or (reported) none of them.
+    std::size_t choice(const std::string& key, const std::vector<std::string>& words, std::size_t fallback);
+    /// Items of an array; empty if absent.
+    std::vector<Place> array(const std::string& key);
+    /// Array of numbers; empty if absent.
+    std::vector<double> numbers(const std::string& key, const Limits& limits = anyNumber);
+    /// Reports the absence of a key.
+    bool require(const std::string& key, const std::string& expected);
+    /// Known, and silently without effect.
+    void ignore(std::initializer_list<const char*> keys);
+    /// Reports every key that nobody asked for.
+    void finish();
+
+private:
+    Context& context_;
+    const Node& node_;
+    std::string pointer_;
+    bool hex_;
+    std::vector<std::string> known_;
+};
+
+} // namespace supercircle::scene

@@ -1,0 +1,216 @@
+#include "supercircle/contact/detection/rod_pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::contact {
+
+namespace {
+
+constexpr double kQuarter = 1.5707963267948966;
+
+struct Range {
+    double low, high;
+    void include(double value) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+};
+
+/// Adds the angles the tangent takes on [from, to] of an open stretch.
+void includeTurn(const RodShape& rod, double from, double to, double offset, Range& range) {
+    for (std::size_t i = 0; i < rod.pieces.size(); ++i) {
+        const Piece& piece = rod.pieces[i];
+        if (piece.s0 + piece.length < from || piece.s0 > to)
+            continue;
+        const double begin = std::max(from - piece.s0, 0.0);
+        const double end = std::min(to - piece.s0, piece.length);
+        range.include(offset + rod.turn[i] + piece.curvature * begin);
+        range.include(offset + rod.turn[i] + piece.curvature * end);
+    }
+}
+
+struct Evaluation {
+    const RodSide& a;
+    const RodSide& b;
+    double distance; ///< of centre lines, up to which candidates count
+    double tolerance;
+    Collector& collector;
+};
+
+/// Is s (to rounding) a sample of the rod?
+bool atSample(const RodShape& rod, const Piece& piece, double s, double tolerance) {
+    return s <= tolerance || piece.length - s <= tolerance || std::abs(piece.s0 + s - rod.midS) <= tolerance;
+}
+
+/// Arc length that locates a point: at the weld of a closed rod both ends are the same place.
+double place(const RodShape& rod, double s, double tolerance) {
+    return rod.closed && rod.endS - s <= tolerance ? s - rod.length : s;
+}
+
+void addSample(const Evaluation& e, const RodSide& sampled, const RodSide& other, Candidate& c, const Sample& sample,
+               bool left, bool shared) {
+    c.a = {sampled.rod, sample.element, sample.s};
+    c.id = makeId(sampled.key, other.key, Feature::SampleRod, samplePayload(sample.index, left, 0));
+    double u = place(*sampled.shape, c.a.s, e.tolerance);
+    double v = place(*other.shape, c.b.s, e.tolerance);
+    if (sampled.rod == other.rod ? v < u : sampled.rod != e.a.rod)
+        std::swap(u, v);
+    e.collector.addRanked(c, u, v, 0.0, shared);
+}
+
+/// Two tips: one candidate whichever rod is sampled, with the smaller key (or the earlier tip) as side A.
+void addTipTip(const Evaluation& e, const RodSide& sampled, const RodSide& other, Candidate& c, const Sample& sample,
+               const EndHit& hit, const Vec2& end) {
+    const bool swap = sampled.rod == other.rod ? c.b.s < sample.s : sampled.rod != e.a.rod;
+    const RodPoint first{sampled.rod, sample.element, sample.s};
+    const double hSampled = sampled.shape->halfThickness;
+    const double hOther = other.shape->halfThickness;
+    if (swap) {
+        c.a = c.b;
+        c.b = first;
+        setRodFrame(c, end, hOther, sample.p, hSampled, -hit.normal, hit.distance);
+    } else {
+        c.a = first;
+        setRodFrame(c, sample.p, hSampled, end, hOther, hit.normal, hit.distance);
+    }
+    const RodSide& sideA = swap ? other : sampled;
+    const RodSide& sideB = swap ? sampled : other;
+    const std::uint32_t tipA = c.a.s > sideA.shape->pieces.front().s0 ? 1U : 0U;
+    const std::uint32_t tipB = c.b.s > sideB.shape->pieces.front().s0 ? 1U : 0U;
+    c.id = makeId(sideA.key, sideB.key, Feature::TipTip, 2U * tipA + tipB);
+    e.collector.add(c, c.a.s, c.b.s, 0.0, true);
+}
+
+/// A sample beyond the end of the other rod: its round cap.
+void sampleOnEnd(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Sample& sample,
+                 bool atStart) {
+    const RodShape& shape = *other.shape;
+    const Piece& piece = atStart ? shape.pieces.front() : shape.pieces.back();
+    const Vec2& end = atStart ? piece.p0 : piece.p1;
+    if ((sample.p - end).squaredNorm() > e.distance * e.distance)
+        return;
+    Candidate c;
+    c.b = {other.rod, piece.element, atStart ? piece.s0 : shape.endS};
+    if (sampled.rod == other.rod && !differentStretches(shape, sample.s, c.b.s))
+        return;
+    const EndHit hit = againstEnd(sample, end, atStart ? piece.t0 : piece.t1);
+    if (sample.tip && !shape.closed)
+        return addTipTip(e, sampled, other, c, sample, hit, end);
+    setRodFrame(c, sample.p, sampled.shape->halfThickness, end, shape.halfThickness, hit.normal, hit.distance);
+    addSample(e, sampled, other, c, sample, hit.left, true);
+}
+
+void sampleOnPiece(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Check& check) {
+    const Sample& sample = sampled.shape->samples[check.first];
+    const RodShape& shape = *other.shape;
+    const Piece& piece = shape.pieces[check.second];
+    const double ahead = aheadOfStart(piece, sample.p);
+    const double beyond = aheadOfEnd(piece, sample.p);
+    if (ahead < 0.0) {
+        // The weld of a closed rod counts as an end when the sample is in the wedge of its kink, if there is one.
+        if (check.second == 0 && (!shape.closed || aheadOfEnd(shape.pieces.back(), sample.p) >= 0.0))
+            sampleOnEnd(e, sampled, other, sample, true);
+        return;
+    }
+    if (beyond >= 0.0) {
+        if (check.second + 1U == shape.pieces.size() && !shape.closed)
+            sampleOnEnd(e, sampled, other, sample, false);
+        return;
+    }
+    Foot foot;
+    if (!footInPiece(piece, sample.p, e.distance, foot))
+        return;
+    if (sampled.rod == other.rod && !differentStretches(shape, sample.s, piece.s0 + foot.s))
+        return;
+    const bool left = liesLeft(sample, foot, piece.curvature, 1e-3 * e.tolerance);
+    Candidate c;
+    c.b = {other.rod, piece.element, piece.s0 + foot.s};
+    setRodFrame(c, sample.p, sampled.shape->halfThickness, foot.point, shape.halfThickness,
+                left ? foot.normal : Vec2(-foot.normal), std::abs(foot.distance));
+    addSample(e, sampled, other, c, sample, left, atSample(shape, piece, foot.s, e.tolerance));
+}
+
+void interiorMinimum(const Evaluation& e, const Check& check, double depth) {
+    const Piece& a = e.a.shape->pieces[check.first];
+    const Piece& b = e.b.shape->pieces[check.second];
+    ArcMinimum m;
+    if (!arcArcMinimum(a, b, e.distance, depth, m))
+        return;
+    Candidate c;
+    c.a = {e.a.rod, a.element, a.s0 + m.sA};
+    c.b = {e.b.rod, b.element, b.s0 + m.sB};
+    if (e.a.rod == e.b.rod && !differentStretches(*e.a.shape, c.a.s, c.b.s))
+        return;
+    setRodFrame(c, m.pointA, e.a.shape->halfThickness, m.pointB, e.b.shape->halfThickness, m.normal, m.distance);
+    c.id = makeId(e.a.key, e.b.key, Feature::Interior, elementPayload(a.element, b.element, a.part ^ b.part));
+    e.collector.add(c, place(*e.a.shape, c.a.s, e.tolerance), place(*e.b.shape, c.b.s, e.tolerance), 0.0,
+                    atSample(*e.a.shape, a, m.sA, e.tolerance) || atSample(*e.b.shape, b, m.sB, e.tolerance));
+}
+
+} // namespace
+
+bool differentStretches(const RodShape& rod, double s1, double s2) {
+    const double from = std::min(s1, s2);
+    const double to = std::max(s1, s2);
+    const double apart = 2.0 * kSelfThicknesses * rod.halfThickness;
+    if (to - from <= apart)
+        return false;
+    Range between{1e300, -1e300};
+    includeTurn(rod, from, to, 0.0, between);
+    if (between.high - between.low <= kQuarter)
+        return false;
+    if (!rod.closed)
+        return true;
+    if (rod.length - (to - from) <= apart)
+        return false;
+    Range around{1e300, -1e300};
+    const Piece& last = rod.pieces.back();
+    includeTurn(rod, to, last.s0 + last.length, 0.0, around);
+    includeTurn(rod, rod.pieces.front().s0, from, rod.turn.back(), around);
+    return around.high - around.low > kQuarter;
+}
+
+void setRodFrame(Candidate& c, const Vec2& centreA, double halfA, const Vec2& centreB, double halfB, const Vec2& normal,
+                 double distance) {
+    c.normal = normal;
+    c.pointA = centreA - halfA * normal;
+    c.pointB = centreB + halfB * normal;
+    c.gap = distance - halfA - halfB;
+}
+
+bool liesLeft(const Sample& sample, const Foot& foot, double curvature, double tolerance) {
+    if (std::abs(foot.distance) > tolerance)
+        return foot.distance > 0.0;
+    if (sample.tip)
+        return (sample.index == 0 ? sample.t : Vec2(-sample.t)).dot(foot.normal) >= 0.0;
+    return sample.curvature * rod::perp(sample.t).dot(foot.normal) >= curvature;
+}
+
+EndHit againstEnd(const Sample& sample, const Vec2& end, const Vec2& tangent) {
+    const Vec2 w = sample.p - end;
+    EndHit hit;
+    hit.distance = w.norm();
+    hit.normal = hit.distance > 1e-15 ? Vec2(w / hit.distance) : rod::perp(tangent);
+    hit.left = rod::cross(tangent, w) >= 0.0;
+    return hit;
+}
+
+void evaluateRodPair(const RodSide& a, const RodSide& b, const RodPairChecks& checks, double reach,
+                     Collector& collector, std::vector<Candidate>& out) {
+    const double halves = a.shape->halfThickness + b.shape->halfThickness;
+    const double distance = halves + reach;
+    if (distance < 0.0)
+        return;
+    collector.begin(kSameShare * halves);
+    const Evaluation e{a, b, distance, kSameShare * halves, collector};
+    for (const Check& check : checks.samplesOfA)
+        sampleOnPiece(e, a, b, check);
+    for (const Check& check : checks.samplesOfB)
+        sampleOnPiece(e, b, a, check);
+    for (const Check& check : checks.pieces)
+        interiorMinimum(e, check, kConditionedShare * halves);
+    collector.finish(out);
+}
+
+} // namespace supercircle::contact

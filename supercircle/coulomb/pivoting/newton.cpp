@@ -1,0 +1,92 @@
+// Entered on an unsettled set of pieces Newton fails badly, so it is not the main method. Behind a settled one it takes
+// a few steps. The pieces come from the exact law of each contact alone, given the present velocities.
+
+#include "supercircle/coulomb/pivoting/newton.h"
+
+#include <algorithm>
+
+namespace supercircle::coulomb {
+
+double Newton::errorOf(const Whitened& problem, std::span<const std::int32_t> island, const std::vector<double>& r) {
+    problem.assemble(r, trialW_);
+    ResidualSum sum;
+    for (const std::int32_t c : island) {
+        const Whitened::Contact& contact = problem.contact(c);
+        const Whitened::Velocity u = problem.velocity(contact, trialW_.data());
+        Whitened::judge(contact, u, r[2 * c], r[2 * c + 1], sum);
+    }
+    return sum.error();
+}
+
+/// Pieces, and the right-hand side that brings the closed rows to rest from r projected on these pieces.
+void Newton::choosePieces(const Whitened& problem, std::span<const std::int32_t> island, const Iterate& x, double eps) {
+    trial_ = x.r;
+    for (std::size_t k = 0; k < island.size(); ++k) {
+        const std::size_t c = static_cast<std::size_t>(island[k]);
+        const Whitened::Contact& contact = problem.contact(c);
+        const Whitened::Velocity u = problem.velocity(contact, x.w.data());
+        double& rn = trial_[2 * c];
+        double& rt = trial_[2 * c + 1];
+        const LocalLaw law = contact.law();
+        const LocalImpulse local =
+            law.solve(u.n - contact.Wnn * rn - contact.Wnt * rt, u.t - contact.Wnt * rn - contact.Wtt * rt);
+        piece_[k] = local.piece != Piece::Open && contact.smooth() ? Piece::SlipPlus : local.piece;
+        if (piece_[k] == Piece::Open)
+            rn = rt = 0.0;
+        else if (piece_[k] != Piece::Stick)
+            rt = -slipSign(piece_[k]) * contact.mu * rn;
+    }
+    problem.assemble(trial_, trialW_);
+    for (std::size_t k = 0; k < island.size(); ++k) {
+        const std::size_t c = static_cast<std::size_t>(island[k]);
+        const Whitened::Contact& contact = problem.contact(c);
+        const Whitened::Velocity u = problem.velocity(contact, trialW_.data());
+        rhs_[2 * k] = -u.n - eps * contact.d * (trial_[2 * c] - x.r[2 * c]);
+        rhs_[2 * k + 1] = -u.t - eps * contact.d * (trial_[2 * c + 1] - x.r[2 * c + 1]);
+    }
+}
+
+int Newton::run(const Whitened& problem, std::span<const std::int32_t> island, double eps, int most, double allowed,
+                Iterate& x) {
+    piece_.resize(island.size());
+    rhs_.resize(2 * island.size());
+    step_.resize(2 * island.size());
+    double error = errorOf(problem, island, x.r);
+    int steps = 0;
+    for (; steps < most && !(error <= allowed);) {
+        ++steps;
+        choosePieces(problem, island, x, eps);
+        if (!system_.factor(problem, island, piece_, eps))
+            return steps;
+        system_.setRightHandSide(rhs_);
+        if (!system_.solve(step_))
+            return steps;
+        for (std::size_t k = 0; k < island.size(); ++k)
+            for (std::size_t i = 0; i < 2; ++i) {
+                const std::size_t at = 2 * static_cast<std::size_t>(island[k]) + i;
+                step_[2 * k + i] += trial_[at] - x.r[at]; // from x, over its projection on the pieces
+            }
+        bool better = false;
+        for (double length = 1.0; length > 0.01 && !better; length *= 0.5) {
+            trial_ = x.r;
+            for (std::size_t k = 0; k < island.size(); ++k) {
+                const std::size_t c = static_cast<std::size_t>(island[k]);
+                trial_[2 * c] += length * step_[2 * k];
+                trial_[2 * c + 1] += length * step_[2 * k + 1];
+                problem.contact(c).project(trial_[2 * c], trial_[2 * c + 1]);
+            }
+            const double now = errorOf(problem, island, trial_);
+            better = now < 0.99 * error;
+            if (better) {
+                error = now;
+                x.r = trial_;
+                x.w = trialW_;
+            }
+        }
+        if (!better)
+            return steps;
+    }
+    return steps;
+}
+
+} // namespace supercircle::coulomb

@@ -1,0 +1,30 @@
+#include "supercircle/effects/entries/entries.h"
+
+namespace supercircle::effects {
+
+Effect wear() {
+    Effect e;
+    e.key = Key::Wear;
+    e.name = "wear";
+    e.slot = Slot::Contact;
+    e.perShell = false;
+    e.about = "the friction coefficient changes as surfaces run in";
+    e.law =
+        "mu (1 + change (1 - exp(-S / distance_m))), S: slip the place of the surface has seen; learned mu (1 + change "
+        "s(S / distance_m)), s a cubic spline on [0, 1]";
+    e.fingerprint = "friction loop changes from cycle to cycle, with the way slid and not with time";
+    e.literature = "Archard, J. Appl. Phys. 24, 981 (1953); Blau, Tribol. Int. 38, 1007 (2005)";
+    e.parameters = {amplitude("change", "1", 0.0, -0.95, 100.0, 0.3, "relative change of the coefficient in the end"),
+                    detail("distance_m", "m", 0.05, 1e-6, 1e6, "slip in which it comes about"),
+                    choice("law", {"exponential", "learned"}, "how it goes on")};
+    addCoefficients(e.parameters, -0.95, 100.0, "coefficient of S of a learned law, from no slip to distance_m");
+    e.apply = [](const Values& v, Model& m) {
+        m.contact.friction.wearChange = v[0];
+        m.contact.friction.wearDistance = v[1];
+        m.contact.friction.wearLearned = v[2] == 1.0;
+        m.contact.friction.wearCurve = coefficientsAt(v, 3);
+    };
+    return e;
+}
+
+} // namespace supercircle::effects

@@ -1,0 +1,49 @@
+#include "supercircle/effects/laws/drag.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::effects {
+
+Drag makeDrag(const rod::RodModel& rod, const DragModel& model) {
+    Drag d;
+    d.model = model;
+    if (!model.on())
+        return d;
+    for (int e = 0; e < rod.elements(); ++e)
+        for (const double g : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {
+            d.place.push_back(rod::locate(rod, e, rod.nodeS(e) + g * rod.elementLength(e)));
+            d.weight.push_back(0.5 * rod.elementLength(e));
+        }
+    d.stretch.assign(d.place.size(), Vec2::Zero());
+    return d;
+}
+
+DragPoint dragAt(const Drag& d, std::size_t i, const Vec2& way, bool secant) {
+    DragPoint out;
+    const double limit = d.model.force * d.weight[i], spring = limit / d.model.presliding;
+    const Vec2 trial = d.stretch[i] + way;
+    const double length = trial.norm();
+    if (length <= d.model.presliding) {
+        out.stretch = trial;
+        out.stiffness = spring * Eigen::Matrix2d::Identity();
+    } else {
+        const Vec2 n = trial / length;
+        out.stretch = d.model.presliding * n;
+        out.slipped = length - d.model.presliding;
+        out.stiffness = limit / length * Eigen::Matrix2d::Identity();
+        if (!secant)
+            out.stiffness -= limit / length * n * n.transpose();
+    }
+    out.force = -spring * out.stretch;
+    return out;
+}
+
+double storedEnergy(const Drag& d) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < d.stretch.size(); ++i)
+        sum += 0.5 * d.model.force * d.weight[i] / d.model.presliding * d.stretch[i].squaredNorm();
+    return sum;
+}
+
+} // namespace supercircle::effects

@@ -1,0 +1,84 @@
+#include "supercircle/effects/laws/surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::effects {
+
+namespace {
+
+constexpr int kSitesPerElement = 4;
+constexpr double kLeast = 0.01; ///< of the declared coefficient
+
+/// Exact answer of dw/dt = (1 - w) / tau - w v / Dc to a steady v, for 1 - w.
+double weakenedAfter(const FrictionModel& m, double weakened, double speed, double dt) {
+    const double heal = 1.0 / m.healing, wear = speed / m.slipWeakening;
+    const double end = wear / (heal + wear);
+    return end + (weakened - end) * std::exp(-dt * (heal + wear));
+}
+
+double rateFactor(const FrictionModel& m, double speed) {
+    const double x = speed / m.rateSpeed;
+    switch (m.rate) {
+    case FrictionModel::Rate::Stribeck:
+        return 1.0 - m.rateStrength * std::expm1(-x);
+    case FrictionModel::Rate::Logarithmic:
+        return 1.0 + m.rateStrength * std::log1p(x);
+    case FrictionModel::Rate::Viscous:
+        return 1.0 + m.rateStrength * x;
+    case FrictionModel::Rate::Learned: {
+        constexpr double kDecades = 4.0;
+        const double at = 0.5 + std::log10(std::max(x, 1e-9)) / kDecades;
+        return 1.0 + m.rateStrength * evaluateSpline(m.rateCurve, at).value;
+    }
+    }
+    return 1.0;
+}
+
+} // namespace
+
+Surface makeSurface(const rod::RodModel& rod, const ContactModel& model) {
+    Surface s;
+    s.model = model;
+    if (!model.friction.on())
+        return s;
+    const auto n = static_cast<std::size_t>(kSitesPerElement * rod.elements());
+    s.spacing = rod.definition().length / static_cast<double>(n);
+    s.sites.resize(n + 1);
+    return s;
+}
+
+void rest(Surface& s) {
+    for (Site& site : s.sites) {
+        site.weakened = 0.0;
+        site.speed = 0.0;
+    }
+}
+
+std::size_t siteAt(const Surface& surface, double s) {
+    const double last = static_cast<double>(surface.sites.size() - 1);
+    return static_cast<std::size_t>(std::clamp(std::round(s / surface.spacing), 0.0, last));
+}
+
+double frictionFactor(const FrictionModel& m, const Site& site, double speed, double dt) {
+    double factor = 1.0;
+    if (m.staticRatio != 1.0)
+        factor *= 1.0 + (m.staticRatio - 1.0) * (1.0 - weakenedAfter(m, site.weakened, speed, dt));
+    if (m.rateStrength != 0.0)
+        factor *= rateFactor(m, speed);
+    if (m.wearChange != 0.0) {
+        const double way = (site.slid + dt * speed) / m.wearDistance;
+        factor *= m.wearLearned ? 1.0 + m.wearChange * evaluateSpline(m.wearCurve, way).value
+                                : 1.0 - m.wearChange * std::expm1(-way);
+    }
+    return std::max(kLeast, factor);
+}
+
+void advance(const FrictionModel& m, Site& site, double speed, double dt) {
+    if (m.staticRatio != 1.0)
+        site.weakened = weakenedAfter(m, site.weakened, speed, dt);
+    site.slid += dt * speed;
+    site.speed = speed;
+}
+
+} // namespace supercircle::effects

@@ -1,0 +1,33 @@
+# cmake -DBUILD=... -DSOURCE=... -DWORK=... -DGENERATOR=... -DCOMPILER=... -P run.cmake
+# Installs the project into an empty folder, then configures, builds and runs a stranger's project against that.
+function(step what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "${what} failed (${code}):\n${out}")
+  endif()
+  set(out "${out}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+step("installing" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+step("configuring" ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${FLAGS}
+     -DEXAMPLES_DIR=${WORK}/prefix/share/doc/supercircle/examples)
+step("building" ${CMAKE_COMMAND} --build ${WORK}/build)
+foreach(program consumer_box2d consumer_box2d_static facade_only hello/hello)
+  step("running ${program}" ${WORK}/build/${program})
+endforeach()
+step("hello_scene" ${WORK}/build/hello_scene/hello_scene ${WORK}/prefix/share/supercircle/scenes/ramp.json time=0.1)
+# The installed program finds what it needs from any folder.
+step("the installed program" ${CMAKE_COMMAND} -E chdir ${WORK} ${WORK}/prefix/bin/supercircle check
+     ${WORK}/prefix/share/supercircle/scenes/ramp.json)
+# pkg-config: the same program by hand.
+find_program(PKG_CONFIG pkg-config)
+if(PKG_CONFIG)
+  set(ENV{PKG_CONFIG_PATH} ${LIBRARIES}/pkgconfig)
+  step("pkg-config" ${PKG_CONFIG} --cflags --libs supercircle-box2d)
+  separate_arguments(flags UNIX_COMMAND "${out}")
+  step("compiling with pkg-config" ${COMPILER} -std=c++20 ${SOURCE}/../../examples/embed/hello/main.cpp -o ${WORK}/hello_pc ${flags}
+       -Wl,-rpath,${LIBRARIES})
+  step("running it" ${WORK}/hello_pc)
+endif()

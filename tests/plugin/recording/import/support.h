@@ -1,0 +1,112 @@
+#pragma once
+// Exports made up in tests: one known run of a machine, written in many ways.
+
+#include "plugin/recording/import/import.h"
+#include "tests/support/folder.h"
+#include "tests/support/text.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace importingtest {
+
+using namespace supercircle;
+using importing::Quantity;
+using test::contentOf;
+using test::Folder;
+using test::with;
+
+/// The run: 1 s rest, 0.5 mm/s down for 8 s and up again, 1 s rest; rows at 20 Hz. The specimen is touched at 1 mm and
+/// pushes back with 2 N/mm.
+inline constexpr int rows = 361;
+inline double timeOf(int i) {
+    return 0.05 * i;
+}
+inline double wayOf(double t) { // mm
+    return t < 1.0 ? 0.0 : t < 9.0 ? 0.5 * (t - 1.0) : t < 17.0 ? 0.5 * (17.0 - t) : 0.0;
+}
+inline double forceOf(double way) { // N
+    return way > 1.0 ? 2.0 * (way - 1.0) : 0.0;
+}
+
+inline std::string printed(double value, int digits, char decimal = '.') {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    std::string s = text;
+    const std::size_t point = s.find('.');
+    if (point != std::string::npos)
+        s[point] = decimal;
+    return s;
+}
+
+/// How the run is written.
+struct Style {
+    std::string head = "time_s,displacement_mm,force_N";
+    char separator = ',', decimal = '.';
+    std::string lineEnd = "\n";
+    double perSecond = 1.0, perMillimetre = 1.0, perNewton = 1.0; ///< the unit's number for one of these
+    int digits = 6;
+};
+
+inline std::string exported(const Style& s, int from = 0, int to = rows) {
+    std::string text = s.head + s.lineEnd;
+    for (int i = from; i < to; ++i) {
+        const double t = timeOf(i), way = wayOf(t);
+        text += printed(t * s.perSecond, s.digits, s.decimal) + s.separator +
+                printed(way * s.perMillimetre, s.digits, s.decimal) + s.separator +
+                printed(forceOf(way) * s.perNewton, s.digits, s.decimal) + s.lineEnd;
+    }
+    return text;
+}
+
+inline std::string exported() {
+    return exported(Style{});
+}
+
+inline record::Result<importing::Imported> read(const std::string& text, const importing::Hints& hints = {}) {
+    const Folder folder;
+    auto result = importing::readExports({folder.write("x.csv", text)}, hints);
+    const std::size_t at = result.error.find(folder.path + "/");
+    if (at != std::string::npos)
+        result.error.erase(at, folder.path.size() + 1);
+    return result;
+}
+
+/// The account of a text that can be imported.
+inline std::string accountOf(const std::string& text, const importing::Hints& hints = {}) {
+    const auto all = read(text, hints);
+    INFO(all.error);
+    REQUIRE(all);
+    return importing::account(all.value);
+}
+
+/// Why a text cannot be imported.
+inline std::string errorOf(const std::string& text, const importing::Hints& hints = {}) {
+    const auto all = read(text, hints);
+    INFO((all ? importing::account(all.value) : std::string()));
+    CHECK_FALSE(all);
+    return all.error;
+}
+
+/// The values of a run are those that were written, to `digits` of the file (SI).
+inline void checkValues(const importing::ImportedRun& run, double slack = 1e-6, int from = 0, int to = rows) {
+    const auto *t = run.track.find(Quantity::Time), *d = run.track.find(Quantity::Displacement),
+               *f = run.track.find(Quantity::Force);
+    REQUIRE((t != nullptr && d != nullptr && f != nullptr));
+    REQUIRE(run.track.rows() == static_cast<std::size_t>(to - from));
+    for (int i = from; i < to; ++i) {
+        const auto k = static_cast<std::size_t>(i - from);
+        const double time = timeOf(i);
+        INFO("row " << i);
+        REQUIRE(std::abs((*t)[k] - (time - timeOf(from))) <= slack * 10.0);
+        REQUIRE(std::abs(1e3 * (*d)[k] - (wayOf(time) - wayOf(timeOf(from)))) <= slack);
+        REQUIRE(std::abs((*f)[k] - forceOf(wayOf(time))) <= slack);
+    }
+}
+
+} // namespace importingtest

@@ -1,0 +1,132 @@
+// experiment.json beside the runs: what is null is named, and what is filled in can be loaded.
+
+#include "tests/plugin/recording/import/support.h"
+
+#include "plugin/recording/experiment/load.h"
+#include "plugin/recording/import/template.h"
+
+#include <nlohmann/json.hpp>
+
+using namespace importingtest;
+using Catch::Contains;
+using Json = nlohmann::json;
+
+namespace {
+
+// a shell of 2/3 of a circle above a cylinder of its own radius, which its tips touch first, after 1 mm; the touch is
+// seen where the force leaves 1 % of its range (30 um at 2 N/mm), in the next row (25 um)
+constexpr double radius = 0.02, thickness = 0.5e-3;
+const char* const specimen = R"({"arc_length_m": 0.0837758, "natural_curvature_1_m": 50.0, "thickness_m": 0.0005,
+    "width_m": 0.01, "young_modulus_Pa": 2.2e9, "linear_mass_kg_m": 0.0057})";
+
+importing::Description described(const importing::TemplateOptions& options) {
+    const auto all = read(exported());
+    REQUIRE(all);
+    auto d = importing::describe(all.value, options);
+    INFO(d.error);
+    REQUIRE(d);
+    return d.value;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+    std::string all;
+    for (const std::string& l : lines)
+        all += l + "\n";
+    return all;
+}
+
+std::string refusal(const importing::TemplateOptions& options) {
+    const auto all = read(exported());
+    REQUIRE(all);
+    const auto d = importing::describe(all.value, options);
+    CHECK_FALSE(d);
+    return d.error;
+}
+
+} // namespace
+
+TEST_CASE("what nobody stated is null and named", "[importing]") {
+    const auto d = described({});
+    const std::string todo = joined(d.todo);
+    for (const char* pointer : {"/protocol: ", "/specimens/0/arc_length_m: ", "/specimens/0/thickness_m: m",
+                                "/obstacles: ", "/friction/coefficient: "})
+        CHECK_THAT(todo, Contains(pointer));
+    CHECK_THAT(joined(d.supposed), Contains("/gravity_m_s2: [0.0,-9.81]") && Contains("/initial_gap_unc_m: 0.0001"));
+    // the checker asks for the same fields, and for nothing else
+    std::vector<scene::Problem> problems;
+    CHECK_FALSE(experiment::loadText(d.json, "experiment.json", problems));
+    for (const scene::Problem& p : problems) {
+        INFO(p.toString());
+        CHECK_THAT(todo, Contains(p.pointer + ":"));
+    }
+}
+
+TEST_CASE("every null is refused until it is filled in", "[importing]") {
+    for (const std::string& protocol : importing::protocols()) {
+        if (protocol == "free_scene") // is about angles, and these exports have forces
+            continue;
+        const auto d = described({protocol, {}});
+        std::vector<scene::Problem> problems;
+        CHECK_FALSE(experiment::loadText(d.json, "experiment.json", problems));
+        for (const scene::Problem& p : problems) {
+            INFO(protocol << ": " << p.toString());
+            if (p.severity == scene::Problem::Severity::Error)
+                CHECK_THAT(joined(d.todo), Contains(p.pointer));
+        }
+    }
+}
+
+TEST_CASE("protocol and specimen make it whole", "[importing]") {
+    const Folder folder;
+    const std::string file = folder.write("specimen.json", specimen);
+    auto d = described({"shell_on_rigid_cylinder", file});
+    CHECK_THAT(joined(d.remarks), Contains("bending modulus of specimen A is E w h^3 / 12 = 0.0002292"));
+    Json own = {{"specimens", Json::array({Json::parse(specimen)})},
+                {"obstacles", Json::array({{{"radius_m", radius}}})},
+                {"friction", {{"coefficient", 0.3}}}};
+    d = described({"shell_on_rigid_cylinder", folder.write("own.json", own.dump())});
+    INFO(joined(d.todo));
+    CHECK(d.todo.empty());
+    // the centre line of a tip at (R sin 120, -1.5 R) below the apex touches at R + h/2 from the cylinder's axis
+    const double tip = radius * std::sin(2.0 * M_PI / 3.0), reach = radius + 0.5 * thickness;
+    const Json json = Json::parse(d.json);
+    CHECK(json["specimens"][0]["clamp"]["initial_point_m"][1].get<double>() ==
+          Approx(std::sqrt(reach * reach - tip * tip) + 1.5 * radius + 1e-3).margin(0.06e-3));
+    std::vector<scene::Problem> problems;
+    const auto loaded = experiment::loadText(d.json, "experiment.json", problems);
+    INFO((problems.empty() ? "" : problems[0].toString()));
+    REQUIRE(loaded);
+    CHECK(loaded->specimens[0].bendingModulus.value == Approx(2.2e9 * 0.01 * std::pow(thickness, 3) / 12.0));
+    CHECK(loaded->runs[0].driveTime.size() == 5);
+}
+
+TEST_CASE("the upper plate above an arch is worked out", "[importing]") {
+    const Folder folder;
+    const Json own = {{"specimens", Json::array({Json::parse(specimen)})}, {"friction", {{"coefficient", 0.3}}}};
+    const auto d = described({"arch_between_plates", folder.write("own.json", own.dump())});
+    // the centre line of 240 degrees is R (1 - cos 120) high
+    CHECK(Json::parse(d.json)["obstacles"][1]["point_m"][1].get<double>() ==
+          Approx(1.5 * radius + thickness + 1e-3).margin(0.06e-3));
+    CHECK(d.todo.empty());
+}
+
+TEST_CASE("a specimen file with mistakes is refused with its place", "[importing]") {
+    const Folder folder;
+    CHECK_THAT(refusal({"two_shels", {}}),
+               Contains("there is no protocol \"two_shels\"") && Contains("did you mean \"two_shells\"?"));
+    CHECK_THAT(refusal({{}, folder.path + "/none.json"}), Contains("No such file"));
+    CHECK_THAT(refusal({{}, folder.write("a.json", "{\n  \"arc_length_m\": 0,1\n}")}),
+               Contains("a.json:2:21: this is no JSON"));
+    CHECK_THAT(refusal({{}, folder.write("a.json", "[1, 2]")}), Contains("a.json:1:1: this is no JSON object"));
+    CHECK_THAT(refusal({"two_shells", folder.write("a.json", R"({"protocol": "arch_between_plates"})")}),
+               Contains("/protocol: this is \"arch_between_plates\", but --protocol says \"two_shells\""));
+    CHECK_THAT(refusal({"two_shells", folder.write("a.json", R"({"specimens": [1, 2]})")}),
+               Contains("this is no part of an experiment"));
+}
+
+TEST_CASE("statements of a file for another number of runs are not taken for these", "[importing]") {
+    const Folder folder;
+    const auto d = described({{}, folder.write("a.json", R"({"runs": [{"file": "a"}, {"file": "b"}]})")});
+    CHECK(Json::parse(d.json)["runs"].size() == 1);
+    CHECK_THAT(joined(d.remarks), Contains("there are 2, here 1"));
+}

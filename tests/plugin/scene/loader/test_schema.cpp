@@ -1,0 +1,193 @@
+// The JSON Schema (for editors and other tools) says the same as the loader.
+
+// valijson uses std::regex, where g++ 12 with sanitizers sees an uninitialised variable that is none.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+#include "tests/plugin/scene/loader/support.h"
+#include "tests/support/text.h"
+
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validation_results.hpp>
+#include <valijson/validator.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+using namespace scenetest;
+using nlohmann::json;
+
+namespace {
+
+json readJson(const std::string& path) {
+    return json::parse(test::contentOf(path));
+}
+
+/// Complaints of the schema, empty if it accepts.
+std::string complaints(const json& document) {
+    static const json text = readJson(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json");
+    static valijson::Schema schema;
+    static bool parsed = false;
+    if (!parsed) {
+        valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
+        parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
+        parsed = true;
+    }
+    valijson::Validator validator;
+    valijson::ValidationResults results;
+    const valijson::adapters::NlohmannJsonAdapter target(document);
+    if (validator.validate(schema, target, &results))
+        return {};
+    std::string all = "refused: ";
+    valijson::ValidationResults::Error error;
+    while (results.popError(error)) {
+        for (const std::string& part : error.context)
+            all += part;
+        all += ": " + error.description + "\n";
+    }
+    return all;
+}
+
+/// Every property name anywhere in a schema.
+void collectKeys(const json& schema, std::vector<std::string>& keys) {
+    if (schema.is_object() && schema.contains("properties"))
+        for (const auto& item : schema["properties"].items())
+            keys.push_back(item.key());
+    if (schema.is_structured())
+        for (const auto& child : schema)
+            collectKeys(child, keys);
+}
+
+} // namespace
+
+TEST_CASE("the schema accepts every scene and the R.U.B.E. sample") {
+    for (const std::string& name : sceneNames()) {
+        INFO(name);
+        CHECK(complaints(readJson(scenePath(name))) == "");
+    }
+    CHECK(complaints(readJson(std::string(SC_SOURCE_DIR) + "/tests/plugin/scene/loader/rube_sample.json")) == "");
+}
+
+TEST_CASE("every level is accepted by loader and schema, and so is the one in the guide") {
+    std::vector<std::string> levels;
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(SC_SOURCE_DIR) + "/scenes/games"))
+        levels.push_back(entry.path().string());
+    std::sort(levels.begin(), levels.end());
+    CHECK(levels.size() >= 9); // three games of three levels
+    for (const std::string& path : levels) {
+        INFO(path);
+        CHECK(good(path).game.has_value());
+        CHECK(complaints(readJson(path)) == "");
+    }
+    const std::string guide = test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/levels.md");
+    const std::size_t begin = guide.find("```json\n") + 8;
+    const std::string first = guide.substr(begin, guide.find("```", begin) - begin);
+    CHECK(goodText(first).game.has_value());
+    CHECK(complaints(json::parse(first)) == "");
+}
+
+TEST_CASE("schema and loader refuse the same files") {
+    const char* files[] = {
+        R"([])",
+        R"({"schema": "supercircle-scene/2"})",
+        R"({"duraton": 1})",
+        R"({"duration": -1})",
+        R"({"duration": "long"})",
+        R"({"duration": {"param": 3}})",
+        R"({"duration": {"param": "a", "expr": "1"}})",
+        R"({"lengthScale": 0})",
+        R"({"gravity": 9.81})",
+        R"({"gravity": {"x": 0}})",
+        R"({"parameters": {"a": {}}})",
+        R"({"parameters": {"2a": {"value": 1}}})",
+        R"({"parameters": {"a": {"value": 1, "integer": 1}}})",
+        R"({"constants": {"a": "b"}})",
+        R"({"shell": {}})",
+        R"({"shell": [{"thickness": 0}]})",
+        R"({"shell": [{"thickness": -1}]})",
+        R"({"shell": [{"mu": -1}]})",
+        R"({"shell": [{"elements": 0}]})",
+        R"({"shell": [{"elements": 1.5}]})",
+        R"({"shell": [{"radius": "endless", "length": 1}]})",
+        R"({"shell": [{"phi_bar": 1.5}]})",
+        R"({"shell": [{"colour": "red"}]})",
+        R"({"hold": [{}]})",
+        R"({"shell": [{"name": "a"}], "hold": [{"shell": "a", "arc_fraction": 2}]})",
+        R"({"shell": [{"name": "a"}], "hold": [{"shell": "a", "kind": "glue"}]})",
+        R"({"drop": {"shell": {}}})",
+        R"({"drop": {"shell": {"position": 0}, "x_min": 0, "x_max": 1}})",
+        R"({"protocol": {}})",
+        R"({"protocol": {"moves": [{}]}})",
+        R"({"protocol": {"moves": [{"hold": -1}]}})",
+        R"({"protocol": {"moves": [{"hold": 1, "settle": 1}]}})",
+        R"({"body": [{"name": "p", "type": 1}], "protocol": {"body": "p", "moves": [{"travel": 1}]}})",
+        R"({"body": [{"name": "p", "type": 1}], "protocol": {"body": "p", "moves": [{"travel": 1, "until": {}}]}})",
+        R"({"body": [{"name": "p", "type": 1}], "protocol": {"body": "p", "moves": [{"travel": 0, "until": {"time": 1}}]}})",
+        R"({"protocol": {"moves": [{"repeat": 1.5, "moves": []}]}})",
+        R"({"body": [{"type": 3}]})",
+        R"({"body": [{"fixture": [{}]}]})",
+        R"({"body": [{"fixture": [{"circle": {"radius": 0}}]}]})",
+        R"({"body": [{"fixture": [{"circle": {"radius": 1}, "edge": {}}]}]})",
+        R"({"body": [{"fixture": [{"polygon": {"vertices": {"x": [0, 1], "y": [0, 1]}}}]}]})",
+        R"({"body": [{"fixture": [{"polygon": {"vertices": {"x": [0,1,2,3,4,5,6,7,8], "y": [0,1,2,3,4,5,6,7,8]}}}]}]})",
+        R"({"body": [{}, {}], "joint": [{"type": "glue", "bodyA": 0, "bodyB": 1}]})",
+        R"({"body": [{}, {}], "joint": [{"type": "weld", "bodyA": 0}]})",
+        R"({"body": [{"angle": "12"}]})",
+        R"({"numerics": {"dt_max": 0}})",
+        R"({"report": {"kind": "pie"}})",
+        R"({"game": []})",
+        R"({"game": {"kind": "chess", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "lander", "actor": "a", "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": []}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [], "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [0], "part": [{"name": "p"}]}, "body": [{"name": "a", "type": 2}]})",
+        R"({"game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": [{"name": "p", "colour": "red"}]}, "body": [{"name": "a", "type": 2}]})",
+    };
+    for (const char* text : files) {
+        INFO(text);
+        std::vector<Problem> problems;
+        CHECK_FALSE(loadText(text, "bad.json", {}, problems));
+        CHECK(complaints(json::parse(text)) != "");
+    }
+}
+
+TEST_CASE("schema and loader accept the same files") {
+    const char* files[] = {
+        R"({})",
+        R"({"about": "nothing", "duration": {"expr": "2*pi", "about": "one turn"}})",
+        R"({"gravity": 0, "body": [{"position": 0, "angle": "3FC90FDB"}]})",
+        R"({"parameters": {"about": "knobs", "a": {"value": {"expr": "1+1"}, "min": 0}}, "constants": {"b": {"value": 3}}})",
+        R"({"shell": [{"radius": "infinite", "length": 0.1, "natural_curvature": 2, "curvature": 1}]})",
+        R"({"shell": [{"elements": 2, "natural_curvature": [1, {"expr": "2"}]}]})",
+        R"({"protocol": {"moves": [{"repeat": 2, "cycle": true, "moves": [{"settle": 1}, {"hold": 0}]}]}})",
+        R"({"body": [{"name": "a", "type": 2}], "game": {"kind": "egg_drop", "actor": "a", "heights": [1], "part": [{"name": "p", "colour": "#aAbb09"}]}})",
+        R"({"body": [{"fixture": [{"loop": {"vertices": {"x": [0, 1, 1], "y": [0, 0, 1]}}}]}]})",
+    };
+    for (const char* text : files) {
+        INFO(text);
+        goodText(text);
+        CHECK(complaints(json::parse(text)) == "");
+    }
+}
+
+TEST_CASE("the guide names every key of the schema, and its first scene loads") {
+    // The section "game" has a page of its own.
+    const std::string guide = test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/scenes.md") +
+                              test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/levels.md");
+    std::vector<std::string> keys;
+    collectKeys(readJson(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json"), keys);
+    CHECK(keys.size() > 100);
+    for (const std::string& key : keys) {
+        INFO(key);
+        CHECK((contains(guide, "`" + key + "`") || contains(guide, "\"" + key + "\"")));
+    }
+    const std::size_t begin = guide.find("```json\n") + 8;
+    const std::string first = guide.substr(begin, guide.find("```", begin) - begin);
+    goodText(first);
+    CHECK(complaints(json::parse(first)) == "");
+}

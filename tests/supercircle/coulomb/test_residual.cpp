@@ -1,0 +1,81 @@
+// The judge: its projection, its definition on a problem solved by hand, and the cases its formula leaves open.
+
+#include "supercircle/coulomb/residual.h"
+#include "tests/supercircle/coulomb/generator.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+using namespace supercircle::coulomb;
+
+TEST_CASE("the projection is the nearest point of the cone") {
+    generator::Random random(3);
+    for (int k = 0; k < 1000; ++k) {
+        const double mu = random.index(4) == 0 ? 0.0 : random.uniform(0.0, 2.0);
+        const double n = random.uniform(-1.0, 1.0), t = random.uniform(-1.0, 1.0);
+        double pn = n, pt = t;
+        projectOnCone(mu, pn, pt);
+        CHECK(pn >= 0.0);
+        CHECK(std::abs(pt) <= mu * pn + 1e-15);
+        // Moreau: x - P(x) is normal to P(x) and in the polar cone, to round-off of numbers of size one.
+        CHECK(std::abs((n - pn) * pn + (t - pt) * pt) < 1e-14);
+        for (const double edge : {mu, -mu})
+            CHECK((n - pn) + edge * (t - pt) < 1e-14);
+    }
+}
+
+namespace {
+
+/// A point mass m on the floor with free velocity v.
+Problem particle(double m, double vx, double vy, double mu) {
+    Problem problem;
+    problem.dt = 1e-3;
+    problem.bodies.push_back({Eigen::MatrixXd(Eigen::Vector2d(m, m).asDiagonal()), Eigen::Vector2d(vx, vy)});
+    Contact contact;
+    contact.a = 0;
+    contact.mu = mu;
+    contact.Ha.resize(2, 2);
+    contact.Ha << 0.0, 1.0, 1.0, 0.0;
+    problem.contacts.push_back(contact);
+    return problem;
+}
+
+} // namespace
+
+TEST_CASE("eta of a particle on the floor, by hand") {
+    // m = 2, v = (3, -1), mu = 0.5: it must slip; r_n = 2, r_t = -1, and d = 1/2.
+    const Problem problem = particle(2.0, 3.0, -1.0, 0.5);
+    CHECK(judge(problem, Eigen::Vector2d(2.0, -1.0)).eta < 1e-15);
+    // r = 0: u = (-1, 3); p = -(u + mu |u_t| n)/d = (-1, -6), projected on the cone: n = (-1 + 0.5 * 6) / 1.25 = 1.6,
+    // t = -0.8. F = (-1.6, 0.8), d F^2 = 1.6; q^2/d = 20.
+    const Residual zero = judge(problem, Eigen::Vector2d::Zero());
+    CHECK(zero.eta == Approx(std::sqrt(1.6 / 20.0)).epsilon(1e-14));
+    CHECK(zero.penetrationSpeed == Approx(1.0).epsilon(1e-15));
+    CHECK(zero.impulseError == Approx(std::sqrt(3.2)).epsilon(1e-14));
+}
+
+TEST_CASE("nothing closes") {
+    const Problem problem = particle(2.0, 3.0, 1.0, 0.5);
+    CHECK(judge(problem, Eigen::Vector2d::Zero()).eta == 0.0);
+    CHECK(judge(problem, Eigen::Vector2d(1.0, 0.0)).eta > 0.1); // finite, and not small
+    CHECK(std::isfinite(judge(problem, Eigen::Vector2d(1.0, 0.0)).eta));
+}
+
+TEST_CASE("numbers that are not finite never pass") {
+    const Problem problem = particle(2.0, 3.0, -1.0, 0.5);
+    CHECK(std::isinf(judge(problem, Eigen::Vector2d(std::numeric_limits<double>::quiet_NaN(), 0.0)).eta));
+}
+
+TEST_CASE("self contact: both rows of one body add up") {
+    generator::Random random(4);
+    Problem problem = generator::cloud({.bodies = 1, .contacts = 1, .freedoms = 4, .self = 1.0}, random);
+    const Contact& contact = problem.contacts[0];
+    REQUIRE(contact.a == contact.b);
+    Problem merged = problem;
+    merged.contacts[0].b = -1;
+    merged.contacts[0].Ha = contact.Ha + contact.Hb;
+    merged.contacts[0].Hb.resize(2, 0);
+    const Eigen::Vector2d r(0.3, 0.1);
+    CHECK(judge(problem, r).eta == Approx(judge(merged, r).eta).epsilon(1e-13));
+}

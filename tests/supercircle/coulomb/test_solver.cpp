@@ -1,0 +1,259 @@
+// Every method against the independent judge, on generated problems that are known to have a solution.
+
+#include "supercircle/coulomb/residual.h"
+#include "supercircle/coulomb/solver.h"
+#include "tests/supercircle/coulomb/generator.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+using namespace supercircle::coulomb;
+
+namespace {
+
+struct Answer {
+    SolveReport report;
+    Eigen::VectorXd r;
+    std::vector<Eigen::VectorXd> v;
+};
+
+Answer solve(Solver& solver, const Problem& problem, SolverOptions options = {}) {
+    Answer answer;
+    answer.report = solver.solve(problem, options, answer.r, answer.v);
+    return answer;
+}
+
+/// A report must say what the judge says: eta to 1 % or to round-off (1e-11: mass ratio 1e5 times 1e-16), whatever the
+/// method.
+void checkHonest(const Problem& problem, const Answer& answer) {
+    const Residual judged = judge(problem, answer.r);
+    CHECK(answer.r.allFinite());
+    CHECK(std::abs(judged.eta - answer.report.eta) <= 0.01 * judged.eta + 1e-11);
+    CHECK(std::abs(judged.penetrationSpeed - answer.report.penetrationSpeed) <= 0.01 * judged.penetrationSpeed + 1e-11);
+    const auto v = bodyVelocities(problem, answer.r);
+    double worst = 0.0, size = 1.0;
+    for (std::size_t b = 0; b < v.size(); ++b) {
+        worst = std::max(worst, (v[b] - answer.v[b]).cwiseAbs().maxCoeff());
+        size = std::max(size, v[b].cwiseAbs().maxCoeff());
+    }
+    CHECK(worst <= 1e-9 * size); // condition of A up to 1e6 times round-off
+}
+
+/// Feasible problems of every kind the generator knows, small to middling.
+std::vector<Problem> variety(std::uint64_t seed) {
+    generator::Random random(seed);
+    std::vector<Problem> all;
+    for (const double mu : {0.0, 0.1, 0.35, 1.0}) {
+        for (const int contacts : {1, 2, 5, 20, 60})
+            all.push_back(generator::cloud({.bodies = 1 + contacts / 3, .contacts = contacts, .mu = mu}, random));
+        all.push_back(
+            generator::cloud({.bodies = 6, .contacts = 40, .mu = mu, .duplicates = 0.4, .self = 0.2}, random));
+        all.push_back(generator::cloud({.bodies = 8, .contacts = 24, .massRatio = 1e5, .mu = mu}, random));
+        all.push_back(
+            generator::cloud({.bodies = 5, .contacts = 30, .freedoms = 18, .condition = 1e4, .mu = mu}, random));
+        all.push_back(generator::tower(2, mu, 1.0, 1e-2, random));
+        all.push_back(generator::tower(10, mu, 1.0, 1e-2, random));
+        all.push_back(generator::tower(6, mu, 1e5, 1e-2, random));
+        all.push_back(generator::nest({.shells = 2, .perPair = 25, .mu = mu}, random));
+        all.push_back(generator::nest({.shells = 6, .perPair = 12, .mu = mu, .dt = 1e-4, .side = 2}, random));
+        all.push_back(generator::nest({.shells = 5, .perPair = 25, .mu = mu, .dt = 4e-3, .force = 5.0}, random));
+    }
+    return all;
+}
+
+} // namespace
+
+TEST_CASE("the cascade solves every feasible problem from a cold start") {
+    Solver solver;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        const auto problems = variety(seed);
+        for (std::size_t i = 0; i < problems.size(); ++i) {
+            CAPTURE(seed, i, problems[i].contacts.size(), problems[i].contacts[0].mu);
+            const Answer answer = solve(solver, problems[i]);
+            CHECK(answer.report.converged);
+            CHECK(answer.report.error.empty());
+            // converged by eta, or by the absolute impulse where the problem is at round-off
+            CHECK((answer.report.eta <= 1e-8 || answer.report.impulseError <= 1e-13));
+            checkHonest(problems[i], answer);
+        }
+    }
+}
+
+TEST_CASE("every method agrees with the judge, and two that converge agree on the motion") {
+    Solver solver;
+    const auto problems = variety(11);
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+        CAPTURE(i, problems[i].contacts.size(), problems[i].contacts[0].mu);
+        SolverOptions options;
+        options.maxSweeps = 300;
+        for (const Method method :
+             {Method::None, Method::GaussSeidel, Method::Accelerated, Method::Path, Method::Newton}) {
+            options.method = method;
+            const Answer answer = solve(solver, problems[i], options);
+            checkHonest(problems[i], answer);
+        }
+        if (problems[i].contacts[0].mu > 0.0)
+            continue;
+        // Without friction the problem is a convex quadratic program in v: the motion is unique, to tolerance.
+        options.method = Method::GaussSeidel;
+        options.maxSweeps = 20000;
+        options.tolerance = 1e-10;
+        const Answer slow = solve(solver, problems[i], options);
+        options.method = Method::Cascade;
+        const Answer fast = solve(solver, problems[i], options);
+        if (!slow.report.converged)
+            continue;
+        for (std::size_t b = 0; b < fast.v.size(); ++b)
+            CHECK((fast.v[b] - slow.v[b]).cwiseAbs().maxCoeff() <= 1e-5 * (1e-2 + slow.v[b].cwiseAbs().maxCoeff()));
+    }
+}
+
+TEST_CASE("the tight tolerance is reached as well") {
+    Solver solver;
+    SolverOptions options;
+    options.tolerance = 1e-12;
+    for (const Problem& problem : variety(21)) {
+        const Answer answer = solve(solver, problem, options);
+        CAPTURE(problem.contacts.size(), problem.contacts[0].mu, answer.report.eta, answer.report.impulseError);
+        CHECK(answer.report.eta <= 1e-8);
+        if (answer.report.converged)
+            checkHonest(problem, answer);
+    }
+}
+
+TEST_CASE("a solution used as warm start needs no sweep") {
+    Solver solver;
+    for (Problem problem : variety(31)) {
+        const Answer first = solve(solver, problem);
+        problem.r0 = first.r;
+        const Answer again = solve(solver, problem);
+        CHECK(again.report.converged);
+        CHECK(again.report.sweeps <= 3);
+        CHECK(again.report.pivots == 0);
+    }
+}
+
+TEST_CASE("the best iterate is never worse than the warm start") {
+    generator::Random random(41);
+    Solver solver;
+    for (Problem problem : variety(41)) {
+        problem.r0.resize(2 * static_cast<Eigen::Index>(problem.contacts.size()));
+        for (Eigen::Index i = 0; i < problem.r0.size(); ++i)
+            problem.r0[i] = random.uniform(-1e-3, 1e-3);
+        SolverOptions options;
+        options.method = Method::None;
+        const double before = solve(solver, problem, options).report.eta;
+        for (const Method method : {Method::GaussSeidel, Method::Accelerated, Method::Path, Method::Newton}) {
+            options.method = method;
+            options.maxSweeps = 5;
+            options.firstSweeps = 2;
+            CHECK(solve(solver, problem, options).report.eta <= before);
+        }
+    }
+}
+
+TEST_CASE("the answer depends on problem and options only") {
+    const auto problems = variety(51);
+    Solver shared;
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+        const Answer first = solve(shared, problems[i]);
+        const Answer other = solve(shared, problems[(i + 7) % problems.size()]);
+        const Answer second = solve(shared, problems[i]);
+        Solver fresh;
+        const Answer third = solve(fresh, problems[i]);
+        CHECK(first.r == second.r); // bit for bit
+        CHECK(first.r == third.r);
+        for (std::size_t b = 0; b < first.v.size(); ++b)
+            CHECK((first.v[b] == second.v[b] && first.v[b] == third.v[b]));
+        CHECK((first.report.sweeps == third.report.sweeps && first.report.pivots == third.report.pivots));
+    }
+}
+
+TEST_CASE("contradictory constraints give the best iterate and no convergence") {
+    Problem problem; // one body between two walls that close in
+    problem.dt = 1e-3;
+    problem.bodies.push_back({Eigen::MatrixXd::Identity(3, 3), Eigen::VectorXd::Zero(3)});
+    for (const double side : {1.0, -1.0}) {
+        Contact contact;
+        contact.a = 0;
+        contact.mu = 0.35;
+        contact.Ha.resize(2, 3);
+        contact.Ha << side, 0.0, 0.0, 0.0, 1.0, side;
+        contact.w = {-0.1, 0.0};
+        problem.contacts.push_back(contact);
+    }
+    Solver solver;
+    const Answer answer = solve(solver, problem);
+    CHECK_FALSE(answer.report.converged);
+    CHECK(answer.report.error.empty());
+    CHECK(answer.r.allFinite());
+    CHECK(answer.report.penetrationSpeed >= 0.1 - 1e-12); // at least one wall closes at its own speed
+    checkHonest(problem, answer);
+
+    Contact stuck; // moves nothing and closes: nothing can be done, and it must be said
+    stuck.a = -1;
+    stuck.w = {-1.0, 0.0};
+    problem.contacts = {stuck};
+    const Answer hopeless = solve(solver, problem);
+    CHECK_FALSE(hopeless.report.converged);
+    CHECK(hopeless.report.penetrationSpeed == 1.0);
+}
+
+TEST_CASE("bad input is refused with a sentence") {
+    generator::Random random(61);
+    const Problem good = generator::cloud({.bodies = 3, .contacts = 4}, random);
+    Solver solver;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Problem> bad(8, good);
+    bad[0].bodies[1].A(0, 0) = -1.0;
+    bad[1].bodies[1].vFree[0] = nan;
+    bad[2].contacts[3].a = 17;
+    bad[3].contacts[3].mu = -0.1;
+    bad[4].contacts[3].Ha(0, 1) = nan;
+    bad[5].contacts[3].Ha.resize(2, 2);
+    bad[6].r0 = Eigen::VectorXd::Zero(3);
+    bad[7].contacts[3].w[0] = std::numeric_limits<double>::infinity();
+    const char* expected[] = {"body 1",    "body 1",    "contact 3",  "contact 3",
+                              "contact 3", "contact 3", "warm start", "contact 3"};
+    for (std::size_t i = 0; i < bad.size(); ++i) {
+        const Answer answer = solve(solver, bad[i]);
+        CAPTURE(i, answer.report.error);
+        CHECK(answer.report.error.find(expected[i]) != std::string::npos);
+        CHECK_FALSE(answer.report.converged);
+        CHECK(answer.r == Eigen::VectorXd::Zero(8));
+    }
+    CHECK(solve(solver, good).report.converged); // and the solver is still fit
+    const Answer nothing = solve(solver, Problem{});
+    CHECK(nothing.report.converged);
+    CHECK(nothing.r.size() == 0);
+}
+
+TEST_CASE("islands are solved apart and together alike") {
+    generator::Random random(71);
+    Problem all;
+    std::vector<Problem> parts;
+    for (int k = 0; k < 5; ++k) {
+        parts.push_back(generator::nest({.shells = 3, .perPair = 10}, random));
+        const auto shift = static_cast<std::int32_t>(all.bodies.size());
+        all.bodies.insert(all.bodies.end(), parts.back().bodies.begin(), parts.back().bodies.end());
+        for (Contact contact : parts.back().contacts) {
+            contact.a += contact.a >= 0 ? shift : 0;
+            contact.b += contact.b >= 0 ? shift : 0;
+            all.contacts.push_back(contact);
+        }
+    }
+    Solver solver;
+    const Answer answer = solve(solver, all);
+    CHECK(answer.report.converged);
+    checkHonest(all, answer);
+}
+
+TEST_CASE("three thousand contacts", "[slow]") {
+    generator::Random random(81);
+    Solver solver;
+    const Answer nest = solve(solver, generator::nest({.shells = 30, .perPair = 30, .force = 2.0, .side = 3}, random));
+    CHECK(nest.report.converged);
+    const Problem cloud = generator::cloud({.bodies = 500, .contacts = 3000, .duplicates = 0.1}, random);
+    CHECK(solve(solver, cloud).report.converged);
+}

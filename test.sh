@@ -28,5 +28,7 @@ if [ -z "${total:-}" ]; then
     total=0
     [ "$code" -ne 0 ] || code=1
 fi
+echo "The ten slowest tests, in seconds:"
+sed -nE 's/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: (.*[^.]) \.\.+ +[^.]*(Passed|Failed) +([0-9.]+) sec.*/  \3  \1/p' "$log" | sort -rn | head -n 10
 echo "$((total - failed)) passed, $failed failed"
 exit "$code"

@@ -3,7 +3,7 @@
 #include "plugin/api/limits.h"
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_fields.h"
-#include "supercircle/step/loads.h"
+#include "supercircle/step/applied_forces.h"
 #include "supercircle/step/sleep.h"
 
 namespace supercircle {

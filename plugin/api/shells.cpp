@@ -167,7 +167,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
                 thrown = stop.error();
             return !stop || *stop;
         };
-        const step::FrameOutcome out = // by reference: it is too large for a function to hold without the heap
+        const step::FrameResult out = // by reference: it is too large for a function to hold without the heap
             m.stepper.advance(m.world, dt, m.port.get(), std::cref(observe));
         report.stopped = out.stopped;
         report.late = out.late;

@@ -59,7 +59,7 @@ std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std:
 
 namespace {
 
-constexpr archive::Kind kStateKind{"SCSTATE ", 5};
+constexpr archive::Kind kStateKind{"SCSTATE ", 6};
 constexpr archive::Kind kLogKind{"SCCALLS ", 1};
 
 /// What is wrong with a state whose fields could all be read; empty if nothing.

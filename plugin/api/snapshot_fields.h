@@ -279,10 +279,10 @@ void io(Ar& ar, Is<step::Ledger> auto& l) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Counters> auto& c) {
-    auto& [steps, rejected, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax, contactsMax, loadedMax,
-           penetrationMax] = c;
-    ar(steps, rejected, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax, contactsMax, loadedMax,
-       penetrationMax);
+    auto& [steps, rejected, rejectedFor, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax,
+           contactsMax, loadedMax, penetrationMax] = c;
+    ar(steps, rejected, rejectedFor, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax, contactsMax,
+       loadedMax, penetrationMax);
 }
 
 template <class Ar>

@@ -1,6 +1,6 @@
 #pragma once
 // What the host's own solver does to its bodies - touching contacts and joints - as rows the shells' contact problem
-// can take in. Why they are needed there is told in handover.h.
+// can take in. Why they are needed there is told in host_coupling.h.
 
 #include "supercircle/rod/arc.h"
 

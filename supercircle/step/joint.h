@@ -1,6 +1,6 @@
 #pragma once
-// What holds, joins and pulls shells besides contact: plain data of the world. How each enters a step is in loads.h
-// (forces, grabs, moving targets) and link_stage.h (links).
+// What holds, joins and pulls shells besides contact: plain data of the world. How each enters a step is in
+// applied_forces.h (forces, grabs, moving targets) and link_rows.h (links).
 
 #include "supercircle/step/port.h"
 

@@ -36,10 +36,8 @@
 
 namespace supercircle::step {
 
-enum class Verdict : std::uint8_t;
-
 /// How a frame ended.
-struct FrameOutcome {
+struct FrameResult {
     double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it, it was late or failed
     bool stopped = false;  ///< the observer asked to stop
     bool late = false;     ///< Settings::frameWork was used up
@@ -51,8 +49,12 @@ struct StageTimes : std::array<double, static_cast<std::size_t>(Stage::Count)> {
     std::function<void(Stage)> onStage; ///< called when a stage begins, and with Stage::Count when it ends
 };
 
+/// Called with every contact problem after it was solved.
+using SolveObserver = std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>;
+
 class Stepper {
 public:
+    struct Work;
     explicit Stepper(Settings settings);
     ~Stepper();
 
@@ -62,14 +64,12 @@ public:
     /// Advances the world by `frame` seconds in as many steps as it takes. `observer` is called after each accepted
     /// step; returning true stops there. `port` may be null (no host); it is pulled from before the first step and
     /// pushed to after the last one.
-    FrameOutcome advance(World& world, double frame, Port* port, const std::function<bool(const World&)>& observer);
+    FrameResult advance(World& world, double frame, Port* port, const std::function<bool(const World&)>& observer);
 
-    /// Reads gravity, bodies near the shells and their outlines.
-    void pullFromHost(World& world, const Port& port, double frame) const;
-    /// Hands gathered impulses and driven poses to the host; `advanced` is the time the host is about to step.
-    static void pushToHost(World& world, Port& port, double advanced);
-    /// After the host's own step: gives the bodies the velocities they have at the end of the frame and learns what the
-    /// host's constraints did to them (handover.h).
+    /// Reads gravity, bodies near the shells and their outlines, without a step.
+    void readHost(World& world, const Port& port, double frame) const;
+    /// After the host's own step of `advanced` seconds: gives the bodies the velocities they have at the end of the
+    /// frame and learns what the host's constraints did to them (coupling/host_coupling.h).
     void learnFromHost(World& world, Port& port, double advanced) const;
 
     [[nodiscard]] const StageTimes& times() const { return times_; }
@@ -81,15 +81,13 @@ public:
     [[nodiscard]] const std::vector<contact::Candidate>& lastCandidates() const;
     [[nodiscard]] const Eigen::VectorXd& lastImpulses() const;
     [[nodiscard]] double lastDt() const;
-    /// Called with every contact problem after it was solved (dumps, benchmarks); empty: nobody listens.
-    std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve;
+    /// For dumps and benchmarks; empty: nobody listens.
+    SolveObserver onSolve;
     /// Runs the turns of a step on the host's own threads instead of Settings::threads of ours; empty: none.
     parallel::For loop;
 
 private:
-    struct Work;
-    void prepare(World& world, double frame, Port* port);
-    [[nodiscard]] bool acceptable(Verdict verdict, int cuts) const;
+    [[nodiscard]] Reason rejection(int cuts) const;
     Settings settings_;
     std::unique_ptr<Work> work_;
     StageTimes times_{};

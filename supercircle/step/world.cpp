@@ -10,9 +10,18 @@
 namespace supercircle::step {
 
 const char* name(Stage stage) {
-    static const char* const names[] = {"check",  "drive", "pull",    "collide", "evaluate", "predict",
-                                        "couple", "solve", "advance", "push",    "count"};
+    static const char* const names[] = {"check",           "read_host", "drive",      "detect", "linearise",
+                                        "evaluate",        "predict",   "assemble",   "solve",  "integrate",
+                                        "check_crossings", "accept",    "write_host", "count"};
     return names[static_cast<int>(stage)];
+}
+
+const char* name(Reason reason) {
+    static const char* const names[] = {
+        "none",    "not_finite",         "solver_failed", "unconverged", "motion_too_large", "local_error",
+        "runaway", "candidates_too_few", "penetration",   "link_gap",    "crossing",         "sleeper_pressed",
+        "count"};
+    return names[static_cast<int>(reason)];
 }
 
 void HostPush::learn(const Vec2& newLinear, double newAngular) {

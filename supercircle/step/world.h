@@ -8,8 +8,8 @@
 #include "supercircle/effects/rod_effects.h"
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/inertia.h"
+#include "supercircle/step/energy_balance.h"
 #include "supercircle/step/joint.h"
-#include "supercircle/step/ledger.h"
 #include "supercircle/step/port.h"
 
 #include <array>
@@ -62,7 +62,7 @@ struct HostPush {
     void learn(const Vec2& newLinear, double newAngular);
 };
 
-/// What passes between a dynamic body's copy here and the host's original (the scheme is in handover.h).
+/// What passes between a dynamic body's copy here and the host's original (the scheme is in host_coupling.h).
 struct Handover {
     bool coupled = false;            ///< the copy took part in a contact problem of this frame
     double coupledTime = 0.0;        ///< for how long, s
@@ -118,18 +118,38 @@ struct Settings {
     bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
     std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
     int cappedSweeps = 40;               ///< ... this many
-    bool prune = false;          ///< leave out candidates that cannot meet within the step (prune.h): for long steps
-    std::uint64_t frameWork = 0; ///< budget of a frame (budget.h), units of about 3 us; 0: as much as it takes
+    bool prune = false;          ///< leave out candidates that cannot meet within the step (cull.h): for long steps
+    std::uint64_t frameWork = 0; ///< budget of a frame (frame_budget.h), units of about 3 us; 0: as much as it takes
     bool autoSleep = false;      ///< islands at rest fall asleep at the end of a frame (sleep.h)
     double sleepDrift = 0.1;     ///< h, no farther may an island have come from where it was
     double sleepAfter = 0.5;     ///< s ago
     bool witness = false;        ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
+/// Why a trial step must not become the next state.
+enum class Reason : std::uint8_t {
+    None,             ///< it may
+    NotFinite,        ///< numbers that are not finite
+    SolverFailed,     ///< the contact solver refused the problem
+    Unconverged,      ///< contact residual above tolerance
+    MotionTooLarge,   ///< a touching rod moved too far for one step
+    LocalError,       ///< error of the time scheme
+    Runaway,          ///< faster than sound in its own material, or curled up beyond all bounds
+    CandidatesTooFew, ///< rods moved beyond the candidates' reach again and again
+    Penetration,      ///< a contact got deeper
+    LinkGap,          ///< a joint opened
+    Crossing,         ///< the crossing check found one
+    SleeperPressed,   ///< somebody pressed on a sleeping island, which is woken
+    Count
+};
+/// As in the summary of a run: "not_finite" ...
+const char* name(Reason reason);
+
 /// What the steps so far took; counts only grow.
 struct Counters {
     std::uint64_t steps = 0;
-    std::uint64_t rejected = 0;
+    std::uint64_t rejected = 0; ///< trial steps that were made again, sum of rejectedFor
+    std::array<std::uint64_t, static_cast<std::size_t>(Reason::Count)> rejectedFor{}; ///< by reason
     std::uint64_t solves = 0;
     std::uint64_t sweeps = 0;
     std::uint64_t pivots = 0;
@@ -143,8 +163,24 @@ struct Counters {
     double penetrationMax = 0.0;   ///< deepest overlap seen after an accepted step, m
 };
 
-/// The ten stages of a step, in order.
-enum class Stage : std::uint8_t { Check, Drive, Pull, Collide, Evaluate, Predict, Couple, Solve, Advance, Push, Count };
+/// The thirteen stages of a step, in order (step.cpp).
+enum class Stage : std::uint8_t {
+    Check,
+    ReadHost,
+    Drive,
+    Detect,
+    Linearise,
+    Evaluate,
+    Predict,
+    Assemble,
+    Solve,
+    Integrate,
+    CheckCrossings,
+    Accept,
+    WriteHost,
+    Count
+};
+/// As in the summary of a run: "read_host" ...
 const char* name(Stage stage);
 
 /// All that changes with time: copying it is saving, copying it back is restoring.

@@ -303,7 +303,7 @@ bool Rig::move(double displacement, double duration, const std::function<bool()>
     lastDisplacement_ = this->displacement();
     const double longest = settings.dtMax;
     patience_.begin(world_.time);
-    const step::FrameOutcome out = stepper_.advance(world_, duration, nullptr, [&](const step::World&) {
+    const step::FrameResult out = stepper_.advance(world_, duration, nullptr, [&](const step::World&) {
         if (pressesOnly_)
             settings.dtMax = patience_.longest(world_.time, longest);
         readMeanForce();

@@ -129,7 +129,7 @@ std::string Session::populate() {
     if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.carry(scene_.protocol->body))
         return "protocol: the host has no body called \"" + scene_.protocol->body + "\"";
     step::World& w = shells_.world();
-    shells_.stepper().pullFromHost(w, *host_, frame_);
+    shells_.stepper().readHost(w, *host_, frame_);
     describeOutlines();
     std::vector<contact::Curve> curves(w.rods.size());
     std::vector<contact::Outline> outlines;

@@ -209,6 +209,9 @@ void Session::summarise(record::Recording& out) {
     put("contact_residual_max", w.counters.etaMax);
     put("unconverged_steps", static_cast<std::int64_t>(w.counters.unconverged));
     put("rejected_steps", static_cast<std::int64_t>(w.counters.rejected));
+    for (std::size_t i = 1; i < w.counters.rejectedFor.size(); ++i)
+        put(std::string("rejected_") + step::name(static_cast<step::Reason>(i)),
+            static_cast<std::int64_t>(w.counters.rejectedFor[i]));
     put("contact_solves", static_cast<std::int64_t>(w.counters.solves));
     put("sweeps", static_cast<std::int64_t>(w.counters.sweeps));
     put("pivots", static_cast<std::int64_t>(w.counters.pivots));

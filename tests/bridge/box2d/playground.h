@@ -93,7 +93,7 @@ public:
     }
 
     void frame(double dt) {
-        const step::FrameOutcome out = stepper.advance(shells, dt, port.get(), {});
+        const step::FrameResult out = stepper.advance(shells, dt, port.get(), {});
         INFO(out.failure);
         REQUIRE(out.failure.empty());
         world.Step(static_cast<float>(dt), 8, 3);

@@ -57,7 +57,7 @@ inline std::size_t put(step::World& w, const rod::RodDefinition& d, const Vec2& 
 /// One frame of the shells and of the host, as a program would do it.
 inline void frame(step::Stepper& s, step::World& w, FakeHost& host, double dt,
                   const std::function<bool(const step::World&)>& observer = {}) {
-    const step::FrameOutcome out = s.advance(w, dt, &host, observer);
+    const step::FrameResult out = s.advance(w, dt, &host, observer);
     REQUIRE(out.failure.empty());
     host.step(out.advanced);
     s.learnFromHost(w, host, out.advanced);

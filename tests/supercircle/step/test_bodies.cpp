@@ -85,7 +85,7 @@ TEST_CASE("a step that is given up leaves the host's brakes as they were", "[ste
     step::Stepper s({});
     bool touched = false, gaveWay = false;
     std::uint64_t before = 0;
-    const step::FrameOutcome out = s.advance(w, 0.2, &host, [&](const step::World& now) {
+    const step::FrameResult out = s.advance(w, 0.2, &host, [&](const step::World& now) {
         touched |= !now.impulses.empty();
         if (!touched) {
             CHECK(bodyTwo(now).state.velocity.norm() < 1e-9); // a brake that had given way would move it: 1e-4 m/s
@@ -125,7 +125,7 @@ TEST_CASE("a joint stays closed while the brake of its body gives way and grips 
     int slips = 0, holds = 0;
     double apart = 0.0;
     std::uint64_t steps = 0;
-    const step::FrameOutcome out = s.advance(w, 1.0, &host, [&](const step::World& now) {
+    const step::FrameResult out = s.advance(w, 1.0, &host, [&](const step::World& now) {
         const step::BodyState& b = bodyTwo(now).state;
         apart = std::max(apart, (now.rods[0].kin.middle() - b.centre).norm());
         ++(b.velocity.norm() > 1e-4 ? slips : holds);

@@ -162,7 +162,7 @@ void spoil(bool inPosition, int victims) {
         step::Stepper s(settings), other(settings);
         bool fine = true;
         for (int i = 0; i < 100 && fine; ++i) {
-            const step::FrameOutcome out = s.advance(w, 1e-3, &host, {});
+            const step::FrameResult out = s.advance(w, 1e-3, &host, {});
             INFO(out.failure);
             CHECK((fine = out.failure.empty()));
             frame(other, alone, host, 1e-3);
@@ -195,7 +195,7 @@ TEST_CASE("a nonsensical frame is refused and changes nothing", "[step]") {
     const Eigen::VectorXd q = w.rods[0].q;
     for (const double dt :
          {0.0, -1e-3, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-        const step::FrameOutcome out = s.advance(w, dt, nullptr, {});
+        const step::FrameResult out = s.advance(w, dt, nullptr, {});
         CHECK_FALSE(out.failure.empty());
         CHECK(out.advanced == 0.0);
         CHECK(sameBits(w.rods[0].q, q));
@@ -225,7 +225,7 @@ TEST_CASE("the observer can stop a frame, and the rest of it is not lost", "[ste
     w.gravity = {0.0, -kG};
     put(w, paperShell(), {0.0, 0.0}, 0.0, 0.35);
     step::Stepper s({});
-    const step::FrameOutcome out = s.advance(w, 0.1, nullptr, [](const step::World& now) { return now.time > 0.02; });
+    const step::FrameResult out = s.advance(w, 0.1, nullptr, [](const step::World& now) { return now.time > 0.02; });
     CHECK(out.stopped);
     CHECK(out.advanced == w.time);
     CHECK(out.advanced > 0.02);

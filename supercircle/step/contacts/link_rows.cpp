@@ -1,0 +1,449 @@
+#include "supercircle/step/contacts/link_rows.h"
+
+#include "supercircle/step/applied_forces.h"
+#include "supercircle/step/coupling/host_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supercircle::step {
+
+namespace {
+
+/// The two points of a link and the angles of their sections at one moment.
+struct Places {
+    Vec2 a = Vec2::Zero(), b = Vec2::Zero(); ///< m
+    double angleA = 0.0, angleB = 0.0;       ///< rad
+};
+
+enum class When { Start, Middle, End };
+
+Vec2 turned(const Vec2& v, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+
+const rod::Kinematics& kinematics(const World& world, const std::vector<RodWork>& rods, std::size_t i, When when) {
+    if (when == When::Start || world.rods[i].frozen())
+        return world.rods[i].kin;
+    return when == When::Middle ? rods[i].kin : rods[i].kin1;
+}
+
+double lengthAfter(const Link& l, double dt) {
+    return l.length + std::clamp(l.goal - l.length, -l.reel * dt, l.reel * dt);
+}
+
+using Ends = LinkEnds;
+
+/// Index of the rod with this key by a sorted table, -1 if there is none.
+int rodOf(const std::vector<std::pair<std::uint32_t, int>>& table, std::uint32_t key) {
+    const auto it = std::lower_bound(table.begin(), table.end(), std::pair<std::uint32_t, int>{key, -1});
+    return it != table.end() && it->first == key ? it->second : -1;
+}
+
+/// The other end of a link; that of a rod needs its solution for the end of the step.
+void placeOther(const World& world, const std::vector<RodWork>& rods, const std::vector<BodyMotion>& motion,
+                const Link& l, const Ends& e, When when, double dt, Places& p) {
+    const double ahead = when == When::Start ? 0.0 : when == When::Middle ? 0.5 * dt : dt;
+    if (e.rodB >= 0) {
+        const auto ib = static_cast<std::size_t>(e.rodB);
+        const rod::Place atB = rod::locate(world.rods[ib].model, l.sB);
+        const rod::Kinematics& b = kinematics(world, rods, ib, when);
+        p.angleB = b.angle(atB);
+        p.b = b.point(atB) + turned(l.local, p.angleB);
+    } else if (e.body >= 0) {
+        const BodyState& s = world.bodies[static_cast<std::size_t>(e.body)].state;
+        const BodyMotion& m = motion[static_cast<std::size_t>(e.body)];
+        p.angleB = s.angle + ahead * m.spin;
+        p.b = s.centre + ahead * m.velocity + turned(l.local, p.angleB);
+    } else {
+        p.b = poseAfter(world, l.target, ahead).point;
+    }
+}
+
+Places placesOf(const World& world, const std::vector<RodWork>& rods, const std::vector<BodyMotion>& motion,
+                const Link& l, const Ends& e, When when, double dt) {
+    Places p;
+    const auto ia = static_cast<std::size_t>(e.rodA);
+    const rod::Place atA = rod::locate(world.rods[ia].model, l.sA);
+    const rod::Kinematics& a = kinematics(world, rods, ia, when);
+    p.a = a.point(atA);
+    p.angleA = a.angle(atA);
+    placeOther(world, rods, motion, l, e, when, dt, p);
+    return p;
+}
+
+/// Length over which the angle of a weld counts: a turn by 1 rad is as bad as so many metres.
+double lever(const World& world, const Ends& e) {
+    return world.rods[static_cast<std::size_t>(e.rodA)].model.longestElement();
+}
+
+/// Gap of a row (both components for a locked point).
+Vec2 gapOf(const LinkRow& row, const Link& l, const Places& p, double length) {
+    switch (row.kind) {
+    case LinkRowKind::Point:
+        return p.a - p.b;
+    case LinkRowKind::Angle:
+        return {row.lever * (p.angleA - p.angleB - l.angle), 0.0};
+    case LinkRowKind::Pull:
+        return {length - (p.a - p.b).norm(), 0.0};
+    }
+    return Vec2::Zero();
+}
+
+/// Full rows of one rod for a point `offset` from its centre line, or of its angle.
+void rowsOf(const World& world, const std::vector<RodWork>& rods, std::size_t i, double s, const Vec2& offset,
+            const LinkRow& row, Eigen::Matrix<double, 2, Eigen::Dynamic>& out) {
+    const rod::RodModel& model = world.rods[i].model;
+    const rod::Place at = rod::locate(model, s);
+    out.setZero(2, model.dofs());
+    const rod::Kinematics& kin = kinematics(world, rods, i, When::Middle);
+    if (row.kind == LinkRowKind::Angle) {
+        Eigen::RowVectorXd turn(model.dofs());
+        kin.angleRow(model, at, turn);
+        out.row(0) = row.lever * turn;
+        return;
+    }
+    kin.pointRows(model, at, offset, row.normal, rod::perp(row.normal), out);
+}
+
+/// Rows of a dynamic body's velocity and spin in its block (its sign included).
+void bodyRows(const ContactStage& stage, const LinkRow& row, Eigen::Matrix<double, 2, Eigen::Dynamic>& out) {
+    out.setZero(2, stage.problem.bodies[static_cast<std::size_t>(row.bodyProblem)].vFree.size());
+    if (row.kind == LinkRowKind::Angle) {
+        addToRow(stage, row.bodyB, Vec2::Zero(), -row.lever, out.row(0));
+        return;
+    }
+    const Vec2 axis[2] = {row.normal, rod::perp(row.normal)};
+    for (int k = 0; k < 2; ++k) // a tether's tangent carries nothing, but the local law wants a regular block
+        addToRow(stage, row.bodyB, -axis[k], -axis[k].dot(rod::perp(row.armB)), out.row(k));
+}
+
+Vec2 inRow(const LinkRow& row, const Vec2& velocity, double spin) {
+    if (row.kind == LinkRowKind::Angle)
+        return {row.lever * spin, 0.0};
+    return {row.normal.dot(velocity), rod::perp(row.normal).dot(velocity)};
+}
+
+/// Velocity of the other end as far as it is given, in the row's own directions: exact over the step for places that
+/// follow a path or belong to a body that is not solved for.
+Vec2 givenVelocity(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
+                   const LinkRow& row, const Ends& e, double dt) {
+    Vec2 given = Vec2::Zero();
+    if (e.body >= 0 && world.bodies[static_cast<std::size_t>(e.body)].dynamic) {
+        const Body& body = world.bodies[static_cast<std::size_t>(e.body)];
+        const Handover& h = body.handover;
+        given = inRow(row, h.drift + h.driftSpin * rod::perp(row.armB), h.driftSpin);
+        if (row.kind == LinkRowKind::Angle && !(body.state.inertia > 0.0)) // fixed rotation: its spin is no unknown
+            given.x() += row.lever * body.state.spin;
+    } else if (e.rodB < 0) {
+        Places start, end;
+        placeOther(world, rods, stage.motion, l, e, When::Start, dt, start);
+        placeOther(world, rods, stage.motion, l, e, When::End, dt, end);
+        given = inRow(row, (end.b - start.b) / dt, (end.angleB - start.angleB) / dt);
+    }
+    if (row.kind == LinkRowKind::Pull)
+        given.x() -= (lengthAfter(l, dt) - l.length) / dt;
+    return given;
+}
+
+/// Relative velocity of the last solution in the row.
+Vec2 lastVelocity(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const LinkRow& row,
+                  const Ends& e) {
+    Vec2 u = -row.surface;
+    const auto add = [&](int rod, const auto& J, double sign) {
+        if (rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen())
+            u += sign * (J * rods[static_cast<std::size_t>(rod)].v);
+    };
+    add(e.rodA, row.Ja, 1.0);
+    add(e.rodB, row.Jb, -1.0);
+    if (e.body >= 0 && world.bodies[static_cast<std::size_t>(e.body)].dynamic) {
+        const BodyMotion& m = stage.motion[static_cast<std::size_t>(e.body)];
+        const Handover& h = world.bodies[static_cast<std::size_t>(e.body)].handover;
+        const Vec2 velocity = m.velocity - h.drift;
+        const double spin = m.spin - h.driftSpin;
+        const bool turns = world.bodies[static_cast<std::size_t>(e.body)].state.inertia > 0.0;
+        u -= inRow(row, velocity + (turns ? spin : 0.0) * rod::perp(row.armB), turns ? spin : 0.0);
+    }
+    return u;
+}
+
+void addRow(const World& world, const std::vector<RodWork>& rods, double dt, bool again, int index, LinkRowKind kind,
+            const Ends& e, ContactStage& stage) {
+    const Link& l = world.links[static_cast<std::size_t>(index)];
+    const Places middle = placesOf(world, rods, stage.motion, l, e, When::Middle, dt);
+    const std::size_t used = stage.linkCount++;
+    if (stage.linkRows.size() < stage.linkCount)
+        stage.linkRows.emplace_back();
+    LinkRow& row = stage.linkRows[used];
+    row.link = index;
+    row.kind = kind;
+    row.lever = lever(world, e);
+    row.rodA = e.rodA;
+    row.rodB = e.rodB;
+    row.bodyB = e.body;
+    row.normal = Vec2::UnitX();
+    if (kind == LinkRowKind::Pull) {
+        const Vec2 way = middle.b - middle.a;
+        row.normal = way.norm() > 1e-9 * l.length ? Vec2(way.normalized()) : Vec2::UnitX();
+    }
+    rowsOf(world, rods, static_cast<std::size_t>(e.rodA), l.sA, Vec2::Zero(), row, row.Ja);
+    if (e.rodB >= 0)
+        rowsOf(world, rods, static_cast<std::size_t>(e.rodB), l.sB, turned(l.local, middle.angleB), row, row.Jb);
+    if (e.body >= 0)
+        row.armB = turned(l.local, middle.angleB);
+    row.surface = givenVelocity(world, rods, stage, l, row, e, dt);
+    if (again) {
+        const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+        row.bias = gapOf(row, l, end, lengthAfter(l, dt)) / dt - lastVelocity(world, rods, stage, row, e);
+    } else {
+        const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
+        row.bias = gapOf(row, l, start, l.length) / dt;
+    }
+}
+
+/// A tether far from being taut needs no row.
+bool mayPull(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
+             const Ends& e, double dt, bool again) {
+    const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
+    double way = world.rods[static_cast<std::size_t>(e.rodA)].speed + l.reel;
+    if (e.rodB >= 0) {
+        way += world.rods[static_cast<std::size_t>(e.rodB)].speed;
+    } else {
+        Places end;
+        placeOther(world, rods, stage.motion, l, e, When::End, dt, end);
+        way += (end.b - start.b).norm() / dt;
+    }
+    const double reach = 2.0 * dt * (way + dt * world.gravity.norm()) + 0.01 * l.length;
+    if (l.length - (start.a - start.b).norm() < reach)
+        return true;
+    if (!again)
+        return false;
+    const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+    return lengthAfter(l, dt) - (end.a - end.b).norm() < reach;
+}
+
+} // namespace
+
+void findLinkEnds(const World& world, ContactStage& stage) {
+    stage.linkEnds.assign(world.links.size(), Ends{});
+    stage.rodOfKey.clear();
+    if (world.links.empty())
+        return;
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        stage.rodOfKey.emplace_back(world.rods[i].key, static_cast<int>(i));
+    std::sort(stage.rodOfKey.begin(), stage.rodOfKey.end());
+    for (std::size_t i = 0; i < world.links.size(); ++i) {
+        const Link& l = world.links[i];
+        Ends& e = stage.linkEnds[i];
+        e.rodA = rodOf(stage.rodOfKey, l.rodA);
+        e.rodB = l.end == LinkEnd::Rod ? rodOf(stage.rodOfKey, l.rodB) : -1;
+        e.body = l.end == LinkEnd::Body ? bodyIndex(world, l.body) : -1;
+        const bool there =
+            e.rodA >= 0 && (e.rodB >= 0 || l.end != LinkEnd::Rod) && (e.body >= 0 || l.end != LinkEnd::Body);
+        const auto moves = [&](int rod) { return rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen(); };
+        e.counts = there && (moves(e.rodA) || moves(e.rodB));
+    }
+}
+
+void prepareLinks(const World& world, const std::vector<RodWork>& rods, double dt, bool again, ContactStage& stage) {
+    stage.linkCount = 0;
+    for (std::size_t i = 0; i < world.links.size(); ++i) {
+        const Link& l = world.links[i];
+        const int index = static_cast<int>(i);
+        const Ends& e = stage.linkEnds[i];
+        if (!e.counts)
+            continue;
+        if (l.kind == LinkKind::Tether) {
+            if (mayPull(world, rods, stage, l, e, dt, again))
+                addRow(world, rods, dt, again, index, LinkRowKind::Pull, e, stage);
+            continue;
+        }
+        addRow(world, rods, dt, again, index, LinkRowKind::Point, e, stage);
+        if (l.kind == LinkKind::Weld)
+            addRow(world, rods, dt, again, index, LinkRowKind::Angle, e, stage);
+    }
+}
+
+void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage) {
+    const std::size_t first = stage.candidates.size();
+    for (std::size_t i = 0; i < stage.linkCount; ++i) {
+        LinkRow& row = stage.linkRows[i];
+        const Link& l = world.links[static_cast<std::size_t>(row.link)];
+        coulomb::Contact& out = stage.problem.contacts[first + i];
+        out.kind = row.kind == LinkRowKind::Pull ? coulomb::Kind::Unilateral : coulomb::Kind::Bilateral;
+        out.mu = row.kind == LinkRowKind::Point ? std::numeric_limits<double>::infinity() : 0.0;
+        out.id = 0;
+        out.w = row.bias - row.surface;
+        out.a = out.b = -1;
+        out.Ha.resize(2, 0);
+        out.Hb.resize(2, 0);
+        const auto side = [&](int rod, const Eigen::Matrix<double, 2, Eigen::Dynamic>& J, double sign) {
+            const auto r = static_cast<std::size_t>(rod);
+            if (rod < 0 || world.rods[r].frozen())
+                return;
+            const bool isFirst = out.a < 0;
+            (isFirst ? out.a : out.b) = rods[r].body;
+            reduce(rods[r], J, sign, out.w, isFirst ? out.Ha : out.Hb);
+        };
+        side(row.rodA, row.Ja, 1.0);
+        side(row.rodB, row.Jb, -1.0);
+        row.bodyProblem = row.bodyB >= 0 ? stage.place[static_cast<std::size_t>(row.bodyB)].block : -1;
+        if (row.bodyProblem >= 0) {
+            const bool isFirst = out.a < 0;
+            (isFirst ? out.a : out.b) = row.bodyProblem;
+            bodyRows(stage, row, row.Hb);
+            (isFirst ? out.Ha : out.Hb) = row.Hb;
+        }
+        Vec2 before = l.force;
+        if (row.kind == LinkRowKind::Pull)
+            before = {l.force.norm(), 0.0};
+        else if (row.kind == LinkRowKind::Angle)
+            before = {l.torque / row.lever, 0.0};
+        stage.problem.r0.segment<2>(static_cast<Eigen::Index>(2 * (first + i))) = dt * before;
+    }
+}
+
+namespace {
+
+/// Error of a link at one moment, m.
+double errorOf(const World& world, const Link& l, const Ends& e, const Places& p, double length) {
+    const double apart = (p.a - p.b).norm();
+    if (l.kind == LinkKind::Tether)
+        return std::max(0.0, apart - length);
+    return l.kind == LinkKind::Pin ? apart : std::max(apart, lever(world, e) * std::abs(p.angleA - p.angleB - l.angle));
+}
+
+} // namespace
+
+double linkError(const World& world, const std::vector<RodWork>& rods, double dt, double tolerance,
+                 const ContactStage& stage) {
+    double worst = 0.0;
+    for (std::size_t i = 0; i < world.links.size(); ++i) {
+        const Link& l = world.links[i];
+        const Ends& e = stage.linkEnds[i];
+        if (!e.counts)
+            continue;
+        const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+        const double size = l.kind == LinkKind::Tether ? l.length : lever(world, e);
+        const double allowed = std::min(tolerance, 1e-7 * size);
+        worst = std::max(worst, errorOf(world, l, e, end, lengthAfter(l, dt)) / allowed);
+    }
+    for (std::size_t i = 0; i < stage.linkCount; ++i) { // a tether that pulls though it is slack by now
+        const LinkRow& row = stage.linkRows[i];
+        if (row.kind != LinkRowKind::Pull ||
+            !(stage.r[static_cast<Eigen::Index>(2 * (stage.candidates.size() + i))] > 0.0))
+            continue;
+        const Link& l = world.links[static_cast<std::size_t>(row.link)];
+        const Places end =
+            placesOf(world, rods, stage.motion, l, stage.linkEnds[static_cast<std::size_t>(row.link)], When::End, dt);
+        const double slack = lengthAfter(l, dt) - (end.a - end.b).norm();
+        worst = std::max(worst, slack / std::min(tolerance, 1e-7 * l.length));
+    }
+    return worst;
+}
+
+LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
+    LinkGaps gaps;
+    for (std::size_t i = 0; i < world.links.size(); ++i) {
+        const Link& l = world.links[i];
+        const Ends& e = stage.linkEnds[i];
+        if (!e.counts)
+            continue;
+        const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
+        const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+        gaps.before = std::max(gaps.before, errorOf(world, l, e, start, l.length));
+        gaps.after = std::max(gaps.after, errorOf(world, l, e, end, lengthAfter(l, dt)));
+    }
+    return gaps;
+}
+
+void bookLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt) {
+    for (Link& l : world.links) {
+        l.force.setZero();
+        l.torque = 0.0;
+    }
+    for (std::size_t i = 0; i < stage.linkCount; ++i) {
+        const LinkRow& row = stage.linkRows[i];
+        const std::size_t contact = stage.candidates.size() + i;
+        const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * contact));
+        if (r.isZero(0.0))
+            continue;
+        Link& l = world.links[static_cast<std::size_t>(row.link)];
+        Vec2 u = -row.surface;
+        const auto side = [&](int rod, const Eigen::Matrix<double, 2, Eigen::Dynamic>& J, double sign) {
+            if (rod < 0)
+                return;
+            const auto k = static_cast<std::size_t>(rod);
+            u += sign * (J * rods[k].v);
+            rods[k].push += sign * (J.transpose() * r);
+            if (row.kind == LinkRowKind::Pull) // a string that snaps taut is an impact; a joint only steers
+                rods[k].impactShare += sign * 0.5 * r.dot(J * (rods[k].v - world.rods[k].v));
+        };
+        side(row.rodA, row.Ja, 1.0);
+        side(row.rodB, row.Jb, -1.0);
+        Vec2 force = Vec2::Zero();
+        double torque = 0.0;
+        if (row.kind == LinkRowKind::Angle)
+            torque = l.torque = row.lever * r.x() / dt;
+        else
+            force = l.force = (row.normal * r.x() + rod::perp(row.normal) * r.y()) / dt;
+        if (row.bodyB >= 0) {
+            Body& body = world.bodies[static_cast<std::size_t>(row.bodyB)];
+            body.force -= force;
+            if (row.bodyProblem >= 0) {
+                const Vec2 ub = row.Hb * stage.velocity[static_cast<std::size_t>(row.bodyProblem)];
+                u += ub;
+                world.ledger.toBodies += r.dot(ub);
+                const double turn = dt * (rod::cross(row.armB, force) + torque);
+                body.impulse -= dt * force;
+                body.angularImpulse -= turn;
+                body.handover.hostImpulse += dt * force;
+                body.handover.hostTurnImpulse += turn;
+            }
+        }
+        world.ledger.work += r.dot(row.surface);
+        world.ledger.pushOut -= r.dot(u);
+    }
+}
+
+namespace {
+
+std::pair<std::uint64_t, std::uint64_t> pairOf(std::uint32_t rodA, std::uint32_t rodB) {
+    return {std::min(rodA, rodB), std::max(rodA, rodB)};
+}
+std::pair<std::uint64_t, std::uint64_t> pairOf(std::uint32_t rod, BodyId body) {
+    return {(std::uint64_t{1} << 32U) | rod, body};
+}
+
+} // namespace
+
+void collectExcluded(const World& world, ContactStage& stage) {
+    stage.excluded.clear();
+    for (const Link& l : world.links)
+        if (!l.collide && l.end == LinkEnd::Rod)
+            stage.excluded.push_back(pairOf(l.rodA, l.rodB));
+        else if (!l.collide && l.end == LinkEnd::Body)
+            stage.excluded.push_back(pairOf(l.rodA, l.body));
+    std::sort(stage.excluded.begin(), stage.excluded.end());
+}
+
+bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB, int outline) {
+    if (stage.excluded.empty())
+        return false;
+    const std::uint32_t a = world.rods[static_cast<std::size_t>(rodA)].key;
+    const auto pair = rodB >= 0 ? pairOf(a, world.rods[static_cast<std::size_t>(rodB)].key)
+                                : pairOf(a, world.outlines[static_cast<std::size_t>(outline)].body);
+    return std::binary_search(stage.excluded.begin(), stage.excluded.end(), pair);
+}
+
+void advanceLinks(World& world, double dt) {
+    for (Link& l : world.links) {
+        if (l.end == LinkEnd::World)
+            advanceTarget(world, dt, l.target);
+        l.length = lengthAfter(l, dt);
+    }
+}
+
+} // namespace supercircle::step

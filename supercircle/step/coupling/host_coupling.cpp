@@ -1,0 +1,166 @@
+#include "supercircle/step/coupling/host_coupling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supercircle::step {
+
+namespace {
+
+constexpr double kLeave = 0.02; ///< h, difference of place that is left to the drift
+
+double farthestPoint(const World& world, const Body& b) {
+    double reach = 0.0;
+    for (const BodyOutline& o : world.outlines)
+        if (o.body == b.id)
+            for (const Vec2& p : o.local.points)
+                reach = std::max(reach, p.norm() + o.local.radius);
+    return reach;
+}
+
+/// Depth of overlap with the shells per outline, m.
+void depths(const std::vector<contact::Curve>& curves, const std::vector<contact::Outline>& outlines, double margin,
+            HostCouplingWork& work, std::vector<double>& depth) {
+    work.detector.detect(curves, outlines, {margin}, work.near);
+    depth.assign(outlines.size(), 0.0);
+    for (const contact::Candidate& c : work.near)
+        if (c.outline >= 0) {
+            double& d = depth[static_cast<std::size_t>(c.outline)];
+            d = std::max(d, -c.gap);
+        }
+}
+
+/// Bodies among the suspects (indices into World::bodies) whose original stands deeper in a shell than its copy, or
+/// beyond it: HostCouplingWork::intruding.
+void findIntruders(const World& world, double h, HostCouplingWork& work) {
+    std::vector<contact::Curve>& curves = work.curves;
+    curves.resize(world.rods.size());
+    for (std::size_t i = 0; i < curves.size(); ++i)
+        toCurve(world.rods[i], world.rods[i].kin, curves[i]);
+    std::vector<contact::Outline>&copies = work.copies, &originals = work.originals;
+    std::vector<int>& owner = work.owner;
+    std::size_t count = 0;
+    owner.clear();
+    for (const int i : work.suspects) {
+        const Body& b = world.bodies[static_cast<std::size_t>(i)];
+        for (const BodyOutline& o : world.outlines) {
+            if (o.body != b.id)
+                continue;
+            if (count == copies.size()) {
+                copies.emplace_back();
+                originals.emplace_back();
+            }
+            place(o, b.state.centre, b.state.angle, copies[count]);
+            place(o, b.handover.seen.centre, b.handover.seen.angle, originals[count]);
+            copies[count].key = originals[count].key = static_cast<std::uint32_t>(count);
+            owner.push_back(i);
+            ++count;
+        }
+    }
+    copies.resize(count);
+    originals.resize(count);
+    depths(curves, copies, kLeave * h, work, work.depthOfCopy);
+    depths(curves, originals, kLeave * h, work, work.depthOfOriginal);
+    work.crossings.clear();
+    contact::findCrossingsSwept(curves, curves, copies, originals, work.crossings);
+    work.intruding.clear();
+    for (std::size_t k = 0; k < owner.size(); ++k) {
+        const bool crosses = std::any_of(work.crossings.begin(), work.crossings.end(), [&](const contact::Crossing& c) {
+            return c.rodB < 0 && c.outline == static_cast<int>(k);
+        });
+        if (crosses || work.depthOfOriginal[k] > work.depthOfCopy[k] + kLeave * h)
+            work.intruding.push_back(owner[k]);
+    }
+}
+
+/// Its constraints were in our problem all the frame long, so that our impulses can be compared with the host's.
+bool solvedThroughout(const Body& b, double advanced) {
+    return b.dynamic && b.handover.coupledTime > 0.999 * advanced;
+}
+
+} // namespace
+
+void unsolvedByHost(const World& world, const Port& port, double advanced, HostCouplingWork& work) {
+    std::vector<BodyMotion>& out = work.unsolved;
+    out.assign(world.bodies.size(), {});
+    const auto add = [&](BodyId id, const Vec2& impulse, double turn) {
+        const int i = bodyIndex(world, id);
+        if (i < 0)
+            return;
+        const Body& b = world.bodies[static_cast<std::size_t>(i)];
+        if (!solvedThroughout(b, advanced))
+            return;
+        out[static_cast<std::size_t>(i)].velocity += impulse / b.state.mass;
+        if (b.state.inertia > 0.0)
+            out[static_cast<std::size_t>(i)].spin += turn / b.state.inertia;
+    };
+    std::vector<BodyId>& lost = work.lost;
+    lost.clear();
+    for (const HostContact& c : world.constraints.contacts) {
+        if (c.lost)
+            lost.insert(lost.end(), {c.a, c.b});
+        if (!c.told)
+            continue;
+        const Vec2 f = (c.hostNormal - c.sumNormal) * c.normal + (c.hostTangent - c.sumTangent) * rod::perp(c.normal);
+        add(c.a, -f, -rod::cross(c.armA, f));
+        add(c.b, f, rod::cross(c.armB, f));
+    }
+    for (const HostRow& r : world.constraints.rows) {
+        if (!r.told)
+            continue;
+        const double f = r.host - r.sum;
+        add(r.a, f * r.axisA, f * r.turnA);
+        add(r.b, f * r.axisB, f * r.turnB);
+    }
+    const HostConstraints& c = world.constraints;
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        const Body& b = world.bodies[i];
+        BodyState now;
+        if (!solvedThroughout(b, advanced) || !port.state(b.id, now))
+            continue;
+        const bool capped =
+            advanced * now.velocity.norm() > 0.99 * c.farthest || advanced * std::abs(now.spin) > 0.99 * c.mostTurn;
+        if (capped || std::find(lost.begin(), lost.end(), b.id) != lost.end()) // all of it counts as error
+            out[i] = {now.velocity - b.handover.handed, now.spin - b.handover.handedSpin};
+    }
+}
+
+void settlePlaces(World& world, Port& port, double advanced, HostCouplingWork& work) {
+    const double h = thinnest(world);
+    const std::vector<BodyMotion>& unsolved = work.unsolved;
+    std::vector<int>& suspects = work.suspects;
+    suspects.clear();
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        Body& b = world.bodies[i];
+        if (!b.handover.known)
+            continue;
+        const Vec2 astray = advanced * unsolved[i].velocity;
+        const double turned = advanced * unsolved[i].spin;
+        if (astray.norm() + std::abs(turned) * farthestPoint(world, b) > 0.1 * kLeave * h) {
+            port.place(b.id, b.handover.seen.centre - astray, b.handover.seen.angle - turned);
+            (void)port.state(b.id, b.handover.seen); // it answered in this frame
+        }
+        const BodyState& seen = b.handover.seen;
+        const double off =
+            (seen.centre - b.state.centre).norm() + std::abs(seen.angle - b.state.angle) * farthestPoint(world, b);
+        if (off > kLeave * h)
+            suspects.push_back(static_cast<int>(i));
+    }
+    if (suspects.empty())
+        return;
+    findIntruders(world, h, work);
+    const std::vector<int>& intruding = work.intruding;
+    for (const int i : suspects) {
+        Body& b = world.bodies[static_cast<std::size_t>(i)];
+        if (std::find(intruding.begin(), intruding.end(), i) != intruding.end()) {
+            port.place(b.id, b.state.centre, b.state.angle);
+            (void)port.state(b.id, b.handover.seen); // it answered in this frame
+        } else {
+            b.state.centre = b.handover.seen.centre;
+            b.state.angle = b.handover.seen.angle;
+        }
+    }
+}
+
+} // namespace supercircle::step

@@ -1,0 +1,42 @@
+// After the host's own step: what its constraints did to the bodies.
+
+#include "supercircle/step/coupling/host_coupling.h"
+
+namespace supercircle::step {
+
+void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& work) {
+    if (!(advanced > 0.0))
+        return;
+    port.impulses(advanced, world.constraints);
+    unsolvedByHost(world, port, advanced, work);
+    const std::vector<BodyMotion>& unsolved = work.unsolved;
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        Body& b = world.bodies[i];
+        Handover& h = b.handover;
+        BodyState now;
+        h.known = b.dynamic && port.state(b.id, now);
+        if (!h.known)
+            continue;
+        const Vec2 change = now.velocity - h.handed - unsolved[i].velocity;
+        const double turn = now.spin - h.handedSpin - unsolved[i].spin;
+        const BodyState& s = b.state;
+        const Vec2 expected = h.hostImpulse / s.mass;
+        const double expectedTurn = s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
+        h.all.learn((expected + change) / advanced, (expectedTurn + turn) / advanced);
+        h.unexplained.learn(h.coupled ? Vec2(change / advanced + h.unexplained.expectedLinear) : Vec2(Vec2::Zero()),
+                            h.coupled ? turn / advanced + h.unexplained.expectedAngular : 0.0);
+        if (h.coupled) {
+            b.state.velocity += change;
+            b.state.spin += turn;
+            port.setVelocity(b.id, b.state.velocity, b.state.spin);
+        } else {
+            b.state.velocity = now.velocity;
+            b.state.spin = now.spin;
+        }
+        (void)port.state(b.id, h.seen); // it answered above
+    }
+    settlePlaces(world, port, advanced, work);
+    world.constraints.clear(); // names the host's addresses: nothing to keep between frames
+}
+
+} // namespace supercircle::step

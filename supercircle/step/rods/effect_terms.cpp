@@ -1,0 +1,155 @@
+#include "supercircle/step/rods/effect_terms.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::step {
+
+namespace {
+
+/// Error of a moment that asks for another linearisation, as a share of B / L: 3e-5 of the force of a bent shell.
+constexpr double kMomentTolerance = 1e-4;
+/// The same of the drag's resultant, as a share of f L.
+constexpr double kDragTolerance = 1e-3;
+
+/// Moment of the effects in an element at the end of the step: what differs from linear bending.
+double extraMoment(const Rod& rod, int element, double now, double moment) {
+    return moment - rod.model.definition().bendingModulus *
+                        (now - rod.model.definition().naturalCurvature[static_cast<std::size_t>(element)]);
+}
+
+void addMaterial(const Rod& rod, double dt, RodWork& w) {
+    EffectWork& work = w.effects;
+    const int n = rod.model.elements();
+    work.curvature.resize(static_cast<std::size_t>(n));
+    work.moment.resize(static_cast<std::size_t>(n));
+    work.tangent.resize(static_cast<std::size_t>(n));
+    for (int e = 0; e < n; ++e) {
+        const auto k = static_cast<std::size_t>(e);
+        const int dof = rod.model.dofOfElement(e);
+        const double now = 2.0 * w.qk[dof] - rod.q[dof], l = rod.model.elementLength(e);
+        const effects::Response r = effects::respond(rod.model, rod.effects.material, e, rod.q[dof], now, dt);
+        work.curvature[k] = now;
+        work.moment[k] = extraMoment(rod, e, now, r.moment);
+        work.tangent[k] = r.tangent - rod.model.definition().bendingModulus;
+        w.A(dof, dof) += dt * dt * l * work.tangent[k];
+        w.rhs[dof] -= dt * l * (work.moment[k] + work.tangent[k] * (rod.q[dof] - now));
+    }
+}
+
+/// A += J^T K J. A point moves with the elements between the middle of the rod and itself: a quarter of the columns in
+/// the mean, and only those are touched (a drag of 62 points took half of its time here before).
+void addOuter(const Eigen::Matrix<double, 2, Eigen::Dynamic>& J, const Eigen::Matrix2d& K,
+              std::vector<Eigen::Index>& columns, Eigen::MatrixXd& A) {
+    columns.clear();
+    for (Eigen::Index c = 0; c < J.cols(); ++c)
+        if (J(0, c) != 0.0 || J(1, c) != 0.0)
+            columns.push_back(c);
+    for (const Eigen::Index c : columns) {
+        const Eigen::Vector2d f = K * J.col(c);
+        double* const a = &A(0, c);
+        for (const Eigen::Index r : columns)
+            a[r] += J(0, r) * f.x() + J(1, r) * f.y();
+    }
+}
+
+/// Newton first; from the third linearisation on secants, which cannot miss.
+void addDrag(const Rod& rod, double dt, RodWork& w) {
+    EffectWork& work = w.effects;
+    const effects::Drag& drag = rod.effects.drag;
+    const Eigen::Index n = rod.model.dofs();
+    work.rows.resize(drag.place.size());
+    work.way.resize(drag.place.size());
+    work.drag.resize(drag.place.size());
+    const Eigen::VectorXd motion = 2.0 * (w.qk - rod.q);
+    for (std::size_t i = 0; i < drag.place.size(); ++i) {
+        auto& J = work.rows[i];
+        J.resize(2, n);
+        w.kin.pointRows(rod.model, drag.place[i], Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), J);
+        work.way[i] = J * motion;
+        work.drag[i] = effects::dragAt(drag, i, work.way[i], work.tries > 2);
+        const effects::DragPoint& p = work.drag[i];
+        addOuter(J, (dt * dt) * p.stiffness, work.columns, w.A);
+        w.rhs.noalias() += dt * (J.transpose() * (p.force + p.stiffness * work.way[i]));
+    }
+}
+
+/// Force of the linearised drag on point i.
+Vec2 linearDrag(const EffectWork& work, std::size_t i, const Vec2& way) {
+    return work.drag[i].force - work.drag[i].stiffness * (way - work.way[i]);
+}
+
+} // namespace
+
+void addEffects(const Rod& rod, double dt, bool again, RodWork& w) {
+    if (rod.effects.material.on())
+        addMaterial(rod, dt, w);
+    w.effects.tries = again ? w.effects.tries + 1 : 1;
+    if (rod.effects.drag.on())
+        addDrag(rod, dt, w);
+}
+
+double effectError(const Rod& rod, double dt, const RodWork& w) {
+    double worst = 0.0;
+    const EffectWork& work = w.effects;
+    if (rod.effects.material.on()) {
+        const double unit = kMomentTolerance * rod.model.definition().bendingModulus / rod.model.definition().length;
+        for (int e = 0; e < rod.model.elements(); ++e) {
+            const auto k = static_cast<std::size_t>(e);
+            const int dof = rod.model.dofOfElement(e);
+            const double now = w.q1[dof];
+            const effects::Response r = effects::respond(rod.model, rod.effects.material, e, rod.q[dof], now, dt);
+            const double linear = work.moment[k] + work.tangent[k] * (now - work.curvature[k]);
+            worst = std::max(worst, std::abs(extraMoment(rod, e, now, r.moment) - linear) / unit);
+        }
+    }
+    if (rod.effects.drag.on()) {
+        const double unit = kDragTolerance * rod.effects.drag.model.force * rod.model.definition().length;
+        double sum = 0.0;
+        for (std::size_t i = 0; i < work.rows.size(); ++i) {
+            const Vec2 way = dt * (work.rows[i] * w.v);
+            sum += (effects::dragAt(rod.effects.drag, i, way).force - linearDrag(work, i, way)).norm();
+        }
+        worst = std::max(worst, sum / unit);
+    }
+    return worst;
+}
+
+EffectBooks acceptEffects(Rod& rod, double dt, const RodWork& w) {
+    EffectBooks out;
+    effects::RodEffects& fx = rod.effects;
+    const EffectWork& work = w.effects;
+    double given = 0.0; // work of the rod on the linearised effects
+    const auto total = [&] {
+        double sum = 0.0;
+        for (const effects::Book& b : fx.books)
+            sum += b.stored + b.dissipated;
+        return sum;
+    };
+    const double before = total();
+    if (fx.material.on()) {
+        for (int e = 0; e < rod.model.elements(); ++e) {
+            const auto k = static_cast<std::size_t>(e);
+            const int dof = rod.model.dofOfElement(e);
+            given += rod.model.elementLength(e) * (w.q1[dof] - rod.q[dof]) *
+                     (work.moment[k] + work.tangent[k] * (w.q1[dof] - work.curvature[k]));
+        }
+        effects::advance(rod.model, rod.q, w.q1, dt, fx.material, fx.books);
+    }
+    if (fx.drag.on()) {
+        effects::Book& book = fx.books[static_cast<std::size_t>(effects::Key::PlanarDrag)];
+        for (std::size_t i = 0; i < work.rows.size(); ++i) {
+            const Vec2 way = dt * (work.rows[i] * w.v);
+            given -= way.dot(linearDrag(work, i, way));
+            const effects::DragPoint p = effects::dragAt(fx.drag, i, way);
+            book.dissipated += fx.drag.model.force * fx.drag.weight[i] * p.slipped;
+            fx.drag.stretch[i] = p.stretch;
+        }
+        book.stored = effects::storedEnergy(fx.drag);
+    }
+    out.taken = total() - before;
+    out.secondOrder = given - out.taken;
+    return out;
+}
+
+} // namespace supercircle::step

@@ -1,0 +1,271 @@
+#include "supercircle/step/rods/rod_system.h"
+
+#include "supercircle/step/applied_forces.h"
+#include "supercircle/step/rods/effect_terms.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace supercircle::step {
+
+namespace {
+
+/// Rows (in the middle of the step) and right-hand side of the holds: C v = (target at the end - place at the start) /
+/// dt.
+void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
+    const bool closed = rod.model.definition().closed;
+    Eigen::Index rows = closed ? 3 : 0;
+    for (const Hold& h : rod.holds)
+        rows += h.clamped ? 3 : 2;
+    w.C.resize(rows, rod.model.dofs());
+    w.c.resize(rows);
+    if (rows == 0)
+        return;
+    Eigen::Matrix<double, 2, Eigen::Dynamic>&pair = w.held.pair, &other = w.held.otherPair;
+    Eigen::RowVectorXd &turn = w.held.turn, &otherTurn = w.held.otherTurn;
+    pair.resize(2, rod.model.dofs());
+    other.resize(2, rod.model.dofs());
+    turn.resize(rod.model.dofs());
+    otherTurn.resize(rod.model.dofs());
+    Eigen::Index row = 0;
+    const auto put = [&](const auto& line, double missing) {
+        w.C.row(row) = line;
+        w.c[row++] = missing / dt;
+    };
+    for (const Hold& h : rod.holds) {
+        const rod::Place at = rod::locate(rod.model, h.s);
+        w.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
+        const Pose goal = poseAfter(world, h, dt);
+        const Vec2 missing = goal.point - rod.kin.point(at);
+        put(pair.row(0), missing.x());
+        put(pair.row(1), missing.y());
+        if (h.clamped) {
+            w.kin.angleRow(rod.model, at, turn);
+            put(turn, goal.angle - rod.kin.angle(at));
+        }
+    }
+    if (closed) { // both ends are one material point
+        const double L = rod.model.definition().length;
+        const rod::Place first = rod::locate(rod.model, 0, 0.0);
+        const rod::Place last = rod::locate(rod.model, rod.model.elements() - 1, L);
+        w.kin.pointRows(rod.model, last, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
+        w.kin.pointRows(rod.model, first, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), other);
+        const Vec2 missing = rod.kin.point(first) - rod.kin.point(last);
+        put(pair.row(0) - other.row(0), missing.x());
+        put(pair.row(1) - other.row(1), missing.y());
+        w.kin.angleRow(rod.model, last, turn);
+        w.kin.angleRow(rod.model, first, otherTurn);
+        const double total = rod.kin.angle(last) - rod.kin.angle(first);
+        const double target =
+            2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
+        put(turn - otherTurn, target - total);
+    }
+}
+
+/// Mean tangent angle of the rod's material.
+double meanAngle(const rod::RodModel& model, const rod::Kinematics& kin) {
+    const double mean = model.definition().length / model.elements();
+    double sum = 0.0;
+    for (const rod::Arc& a : kin.arcs())
+        sum += (a.length / mean) * (a.angle + 0.5 * a.curvature * a.length);
+    return sum / static_cast<double>(kin.arcs().size());
+}
+
+/// Turns the velocities relative to the centre of mass by `angle`.
+void carryAlong(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u) {
+    Vec2 mean = Vec2::Zero();
+    double mass = 0.0;
+    for (std::size_t g = 0; g < u.size(); ++g) {
+        mean += gauss.mass[g] * u[g];
+        mass += gauss.mass[g];
+    }
+    mean /= mass;
+    const double c = std::cos(angle), s = std::sin(angle);
+    for (Vec2& x : u) {
+        const Vec2 d = x - mean;
+        x = mean + Vec2(c * d.x() - s * d.y(), s * d.x() + c * d.y());
+    }
+}
+
+} // namespace
+
+/// Evaluates everything at the linearisation point w.qk.
+void placeAt(const Rod& rod, RodWork& w) {
+    w.kin.evaluate(rod.model, w.qk);
+    rod::evaluateGauss(rod.model, w.kin, w.gauss);
+    w.u0 = rod.u;
+    carryAlong(w.gauss, meanAngle(rod.model, w.kin) - meanAngle(rod.model, rod.kin), w.u0);
+}
+
+void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w) {
+    w.frozen = false;
+    const double share = std::min(1.0, farthest / std::max(0.5 * dt * rod.speed, 1e-300));
+    w.qk = rod.q + (0.5 * dt * share) * rod.v;
+    placeAt(rod, w);
+}
+
+void relineariseInMiddle(const Rod& rod, RodWork& w) {
+    w.qk = 0.5 * (rod.q + w.q1);
+    placeAt(rod, w);
+}
+
+void freezeRod(const Rod& rod, RodWork& w) {
+    w.body = -1;
+    w.touching = w.loaded = false;
+    w.rollingCount = 0;
+    w.C.resize(0, rod.model.dofs());
+    w.moved = w.shift = w.error = 0.0;
+    // Known from the step before, if this place in the list was this rod's then: another one may have the same
+    // coordinates and other lengths or masses, or other numbers of them.
+    if (w.frozen && w.qk.size() == rod.q.size() && w.qk == rod.q && w.gauss.arm == rod.gauss.arm &&
+        w.gauss.mass == rod.gauss.mass && w.u1 == rod.u)
+        return;
+    w.frozen = true;
+    w.qk = w.q1 = rod.q;
+    w.v.setZero(rod.model.dofs());
+    w.kin = w.kin1 = rod.kin;
+    w.gauss = rod.gauss;
+    w.u0 = w.u1 = rod.u;
+}
+
+void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodWork& w) {
+    rod::massMatrix(rod.model, w.kin, w.gauss, w.A);
+    for (int i = 0; i < rod.model.elements(); ++i)
+        w.A(i, i) += dt * dt * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i));
+    rod::momentum(rod.model, w.kin, w.gauss, w.u0, w.p);
+    rod::uniformForce(rod.model, w.kin, w.gauss, world.gravity, w.gravityForce);
+    w.rhs = w.gravityForce;
+    rod::addBendingForce(rod.model, rod.q, w.rhs);
+    w.rhs = w.p + dt * w.rhs;
+    for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
+        w.A.noalias() += (0.5 * dt * roll.c) * roll.tau * roll.tau.transpose();
+        w.rhs += roll.c * (roll.tau.dot(w.qk - rod.q) + roll.lag) * roll.tau;
+    }
+    if (w.loaded) {
+        w.A += (0.5 * dt * dt) * w.axial;
+        w.difference = w.qk - rod.q;
+        w.product.noalias() = w.axial * w.difference;
+        w.rhs += dt * w.product;
+    }
+    addLoads(rod, dt, first, w);
+    if (rod.effects.on())
+        addEffects(rod, dt, !first, w);
+    evaluateHolds(world, rod, dt, w);
+}
+
+void predictRod(const Rod& rod, RodWork& w) {
+    const Eigen::Index n = rod.model.dofs(), m = w.C.rows();
+    if (m == 0) {
+        w.llt.compute(w.A);
+        w.vFree = w.rhs;
+        w.llt.solveInPlace(w.vFree);
+        return;
+    }
+    HoldWork& h = w.held;
+    h.Ct = w.C.transpose();
+    h.qr.compute(h.Ct);
+    const Eigen::Index rank = h.qr.rank(); // redundant holds (two clamps on a straight stiff piece) are dropped
+    h.Q.resize(n, n);
+    h.qr.householderQ().evalTo(h.Q, h.scratch);
+    w.Z = h.Q.rightCols(n - rank);
+    h.permuted.noalias() = h.qr.colsPermutation().transpose() * w.c;
+    auto pc = h.permuted.head(rank);
+    h.qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().transpose().solveInPlace(pc);
+    w.vp.noalias() = h.Q.leftCols(rank) * pc;
+    // By the few reflections that Q is made of: m n^2 instead of n^3, a fifth of a clamped shell's replay.
+    h.turned = w.A;
+    h.qr.householderQ().applyThisOnTheRight(h.turned, h.scratch);
+    h.qr.householderQ().transpose().applyThisOnTheLeft(h.turned, h.scratch);
+    h.reduced = h.turned.bottomRightCorner(n - rank, n - rank); // Z^T A Z
+    w.llt.compute(h.reduced);
+    h.rhs = w.rhs;
+    h.rhs.noalias() -= w.A * w.vp;
+    w.vFree.noalias() = w.Z.transpose() * h.rhs;
+    w.llt.solveInPlace(w.vFree);
+}
+
+/// Impulses of the holds: the least-squares solution of C^T x = force by predictRod()'s factorisation.
+const Eigen::VectorXd& holdImpulses(const Eigen::VectorXd& force, HoldWork& h) {
+    const Eigen::Index rank = h.qr.rank();
+    h.permuted.setZero(h.Ct.cols());
+    auto head = h.permuted.head(rank);
+    head.noalias() = h.Q.leftCols(rank).transpose() * force;
+    h.qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solveInPlace(head);
+    h.impulse.noalias() = h.qr.colsPermutation() * h.permuted;
+    return h.impulse;
+}
+
+void advanceRod(const Rod& rod, double dt, RodWork& w) {
+    w.q1 = rod.q + dt * w.v;
+    w.kin1.evaluate(rod.model, w.q1);
+    w.moved = w.shift = 0.0;
+    for (int i = 0; i <= rod.model.elements(); ++i) {
+        w.moved = std::max(w.moved, (w.kin1.node(i) - rod.kin.node(i)).norm());
+        w.shift = std::max(w.shift, (w.kin1.node(i) - w.kin.node(i)).norm());
+    }
+    rod::velocityField(rod.model, w.kin, w.gauss, w.v, w.u1);
+    double change = 0.0;
+    for (std::size_t g = 0; g < w.u1.size(); ++g)
+        change = std::max(change, (w.u1[g] - w.u0[g]).squaredNorm());
+    w.error = 0.5 * dt * std::sqrt(change);
+}
+
+RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
+    RodBooks books;
+    for (std::size_t g = 0; g < w.u1.size(); ++g) {
+        books.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - w.u0[g].squaredNorm());
+        books.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
+    }
+    books.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
+    for (int i = 0; i < rod.model.elements(); ++i) {
+        const double step = w.q1[i] - rod.q[i];
+        books.secondOrder += 0.5 * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * step * step;
+    }
+    for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
+        const double rate = roll.tau.dot(w.v);
+        books.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lag);
+    }
+    if (w.loaded) {
+        w.difference = 0.5 * dt * w.v - (w.qk - rod.q);
+        w.product.noalias() = w.axial * w.difference;
+        books.rollingWork -= dt * w.v.dot(w.product);
+    }
+    if (w.C.rows() > 0) {
+        HoldWork& held = w.held;
+        held.rhs = -w.rhs - w.push;
+        held.rhs.noalias() += w.A * w.v; // = C^T (impulses of the holds)
+        const Eigen::VectorXd& impulse = holdImpulses(held.rhs, held);
+        held.rate.noalias() = w.C * w.v;
+        books.holdWork = impulse.dot(held.rate);
+        Eigen::Index row = 0;
+        for (Hold& h : rod.holds) {
+            h.reaction = Vec2(impulse[row], impulse[row + 1]) / dt;
+            row += 2;
+            h.reactionTorque = h.clamped ? impulse[row++] / dt : 0.0;
+            advanceTarget(world, dt, h);
+        }
+    }
+    books.loadWork = bookLoads(rod, dt, w);
+    if (rod.effects.on()) {
+        const EffectBooks taken = acceptEffects(rod, dt, w);
+        books.effects = taken.taken;
+        books.secondOrder += taken.secondOrder;
+    }
+    const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
+    const double turned = meanAngle(rod.model, w.kin1) - meanAngle(rod.model, w.kin);
+    rod.u = w.u1;
+    rod.q = w.q1;
+    rod.v = w.v;
+    rod.kin = w.kin1;
+    rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
+    carryAlong(rod.gauss, turned, rod.u);
+    books.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
+    books.secondOrder -= dt * w.v.dot(w.gravityForce) + books.gravityChange;
+    rod.speed = w.moved / dt;
+    rod.qGood = rod.q;
+    return books;
+}
+
+} // namespace supercircle::step

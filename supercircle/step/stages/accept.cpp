@@ -1,0 +1,193 @@
+// Stage Accept: the trial becomes the state of rods and bodies; energies are recorded (energy_balance.h).
+
+#include "supercircle/step/contact_memory.h"
+#include "supercircle/step/contacts/adhesion.h"
+#include "supercircle/step/contacts/friction_state.h"
+#include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/coupling/host_rows.h"
+#include "supercircle/step/parallel.h"
+#include "supercircle/step/rods/rod_system.h"
+#include "supercircle/step/stages/stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::step {
+
+namespace {
+
+using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic>;
+
+void addPush(const Rows& J, const Vec2& r, double sign, RodWork& w) {
+    w.product.noalias() = J.transpose() * r;
+    w.push += sign * w.product;
+}
+
+/// What the step changed of a contact point's velocity.
+Vec2 change(const Rows& J, const Rod& rod, RodWork& w) {
+    w.difference = w.v - rod.v;
+    return J * w.difference;
+}
+
+/// Contact terms of the energy books and the forces on bodies; uses the rods' old velocities, so before acceptRods.
+void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage, double dt) {
+    for (Body& b : world.bodies)
+        b.force.setZero();
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        rods[i].impactShare = 0.0;
+        rods[i].push.setZero(world.rods[i].model.dofs());
+    }
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
+        const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * i));
+        if (r.isZero(0.0))
+            continue;
+        const contact::Candidate& c = stage.candidates[i];
+        const ContactWork& k = stage.work[i];
+        RodWork& a = rods[static_cast<std::size_t>(k.rodA)];
+        Vec2 u = k.Ja * a.v - k.surface;
+        addPush(k.Ja, r, 1.0, a);
+        a.impactShare += 0.5 * r.dot(change(k.Ja, world.rods[static_cast<std::size_t>(k.rodA)], a));
+        const Vec2 force = (c.normal * r.x() + rod::perp(c.normal) * r.y()) / dt;
+        if (k.rodB >= 0) {
+            RodWork& b = rods[static_cast<std::size_t>(k.rodB)];
+            u -= k.Jb * b.v;
+            addPush(k.Jb, r, -1.0, b);
+            b.impactShare -= 0.5 * r.dot(change(k.Jb, world.rods[static_cast<std::size_t>(k.rodB)], b));
+        } else {
+            Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
+            body.force -= force;
+            const int index = stage.place[static_cast<std::size_t>(k.bodyB)].block;
+            if (index >= 0) {
+                const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
+                u += ub;
+                world.ledger.toBodies += r.dot(ub);
+                world.ledger.work += r.dot(k.surface); // of the drift
+                const double turn = rod::cross(k.armB, force * dt);
+                body.impulse -= force * dt;
+                body.angularImpulse -= turn;
+                body.handover.hostImpulse +=
+                    force * dt; // what is not the shells' is the host's, see advanceBodies
+                body.handover.hostTurnImpulse += turn;
+            } else {
+                world.ledger.work += r.dot(k.surface);
+            }
+        }
+        if (!k.give.isZero(0.0)) { // the springs take their part
+            const ContactImpulse* before = findImpulse(world.impulses, c.id);
+            const Vec2 sprung(k.give.x() * (r.x() / dt - (before != nullptr ? before->normal : 0.0)),
+                              k.give.y() * r.y() / dt - k.bent);
+            world.ledger.numerical += r.dot(sprung) / dt; // what stays in them is taken off in accept
+            u += sprung / dt;
+        }
+        world.ledger.friction -= r.y() * u.y();
+        world.ledger.pushOut -= r.x() * u.x();
+    }
+}
+
+/// Energy in the springs of contacts that give, J.
+struct GiveEnergy {
+    double compliance = 0.0, presliding = 0.0;
+};
+GiveEnergy giveEnergy(const World& world, const std::vector<contact::Candidate>& candidates,
+                      const std::vector<ContactImpulse>& forces) {
+    GiveEnergy sum;
+    if (std::none_of(world.rods.begin(), world.rods.end(),
+                     [](const Rod& r) { return r.effects.surface.model.gives(); }))
+        return sum;
+    for (const contact::Candidate& c : candidates)
+        if (const ContactImpulse* f = findImpulse(forces, c.id)) {
+            const Vec2 give = giveOf(world, c);
+            const double constant = give.y() * f->tangent; // m, of the deflection
+            sum.compliance += 0.5 * (give.x() * f->normal * f->normal + constant * f->tangent);
+            sum.presliding += std::max(0.0, 0.5 * (f->bent - constant) * f->tangent);
+        }
+    return sum;
+}
+
+void advanceBodies(World& world, const ContactStage& stage, double dt) {
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        Body& b = world.bodies[i];
+        const BodyMotion& m = stage.motion[i];
+        b.state.centre += dt * m.velocity;
+        b.state.angle += dt * m.spin;
+        if (!b.dynamic)
+            continue;
+        Handover& h = b.handover;
+        const BodyMotion free = freeMotion(world, b, Vec2::Zero(), 0.0, dt);
+        b.state.velocity = m.velocity - h.drift;
+        b.state.spin = m.spin - h.driftSpin;
+        h.hostImpulse += b.state.mass * (b.state.velocity - free.velocity);
+        h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
+        h.travel += dt * b.state.velocity;
+        h.turn += dt * b.state.spin;
+        if (!stage.problem.contacts.empty() && stage.place[i].block >= 0) {
+            h.coupled = true;
+            h.coupledTime += dt;
+        }
+    }
+    world.machineTravel += dt * world.machineVelocity;
+}
+
+} // namespace
+
+void accept(World& world, TrialStep& t) {
+    std::vector<RodWork>& rods = t.rods;
+    ContactStage& stage = t.stage;
+    const double dt = t.dt;
+    bookContacts(world, rods, stage, dt);
+    bookLinks(world, rods, stage, dt);
+    Ledger& l = world.ledger;
+    const AttractionBooks pulls = bookAttraction(world, rods, dt, stage);
+    l.effects += pulls.taken;
+    l.numerical += pulls.secondOrder;
+    l.work += pulls.work;
+    l.toBodies += pulls.toBodies;
+    const auto hold = [&](effects::Key key, double held) {
+        effects::Book& give = world.effectsGone[static_cast<std::size_t>(key)];
+        if (held != give.stored) {
+            l.effects += held - give.stored;
+            l.numerical -= held - give.stored;
+            give.stored = held;
+        }
+    };
+    const GiveEnergy held = giveEnergy(world, stage.after, t.impulses);
+    hold(effects::Key::ContactCompliance, held.compliance);
+    hold(effects::Key::StaticFrictionExcess, held.presliding);
+    advanceSurfaces(world, rods, dt, stage);
+    std::vector<RodBooks>& books = t.books;
+    books.assign(rods.size(), RodBooks{});
+    forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
+        if (!world.rods[i].frozen())
+            books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
+    });
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        if (world.rods[i].frozen())
+            continue;
+        const RodBooks& b = books[i];
+        const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
+        l.kinetic += b.kineticChange;
+        l.bending += b.bendingChange;
+        l.gravity += b.gravityChange;
+        l.impact += impact;
+        l.numerical += b.kineticLoss - impact + b.secondOrder;
+        l.work += b.holdWork + b.loadWork;
+        l.pushOut -= b.rollingWork;
+        l.effects += b.effects;
+    }
+    acceptHostConstraints(world, stage, dt);
+    advanceBodies(world, stage, dt);
+    advanceLinks(world, dt);
+    world.impulses = t.impulses;
+    world.candidates = stage.after;
+    world.range = t.nextRange;
+    world.dt = dt;
+    ++world.counters.steps;
+    world.counters.etaMax = std::max(world.counters.etaMax, stage.report.eta);
+    world.counters.contactsMax = std::max<std::uint64_t>(world.counters.contactsMax, stage.candidates.size());
+    world.counters.loadedMax = std::max<std::uint64_t>(world.counters.loadedMax, t.impulses.size());
+    if (!stage.report.converged)
+        ++world.counters.unconverged;
+    world.counters.penetrationMax = std::max(world.counters.penetrationMax, deepest(world.candidates));
+}
+
+} // namespace supercircle::step

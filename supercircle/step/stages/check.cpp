@@ -1,0 +1,29 @@
+// Stage Check: numbers that came in are finite.
+
+#include "supercircle/step/stages/stages.h"
+
+#include <cmath>
+
+namespace supercircle::step {
+
+void quarantine(World& world, Rod& r) {
+    r.quarantined = true;
+    r.q = r.qGood;
+    r.v.setZero();
+    const double kinetic = rod::kineticEnergy(r.gauss, r.u);
+    if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
+        world.ledger.kinetic -= kinetic;
+        world.ledger.added -= kinetic;
+    }
+    refreshRod(r);
+    world.range.clear();
+    ++world.counters.quarantined;
+}
+
+void checkNumbers(World& world) {
+    for (Rod& r : world.rods)
+        if (!r.quarantined && !(r.q.allFinite() && r.v.allFinite()))
+            quarantine(world, r);
+}
+
+} // namespace supercircle::step

@@ -1,0 +1,26 @@
+// Stage CheckCrossings: no centre line crosses another one or enters a solid on its way from start to end.
+
+#include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/stages/stages.h"
+
+namespace supercircle::step {
+
+void checkCrossings(const World& world, TrialStep& t) {
+    ContactStage& stage = t.stage;
+    std::vector<contact::Crossing>& crossings = t.result.crossings;
+    placeOutlines(world, stage.motion, 0.0, 0.0, stage.outlineKeys, t.outlinesBefore);
+    t.curvesBefore.resize(world.rods.size());
+    parallel::forEach(stage.loop, world.rods.size(), 32,
+                      [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, t.curvesBefore[i]); });
+    contact::findCrossingsSwept(t.curvesBefore, stage.curves, t.outlinesBefore, stage.outlines, crossings, stage.loop);
+    const auto out = [&](std::int32_t rod) {
+        return rod >= 0 && world.rods[static_cast<std::size_t>(rod)].quarantined;
+    };
+    std::erase_if(crossings, [&](const contact::Crossing& c) {
+        return out(c.rodA) || out(c.rodB) || excluded(world, stage, c.rodA, c.rodB, c.outline);
+    });
+    if (!crossings.empty())
+        t.result.reason = Reason::Crossing;
+}
+
+} // namespace supercircle::step

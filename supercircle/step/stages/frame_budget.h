@@ -1,0 +1,45 @@
+#pragma once
+// The budget of a frame (private to step/), for hosts that must show a picture every 1/60 s.
+//
+// Work is counted, not timed: a result must not depend on how busy the machine is. One linearisation costs one unit per
+// contact and four per rod that is awake, about 3 us each. Two things happen as it is used up:
+// - at a quarter of it (counting the two steps to come) the frame is in a rush: the controller allows four times the
+//   local error and four times the motion per step. Nothing else is relaxed: the contact law, the limit of penetration,
+//   the crossing witness;
+// - at all of it the frame ends early, after a whole accepted step (FrameResult::late). What is left of the frame is
+//   not simulated: slow motion instead of wrong motion.
+
+#include "supercircle/step/world.h"
+
+namespace supercircle::step {
+
+class FrameBudget {
+public:
+    FrameBudget(const Settings& settings, const World& world)
+        : whole_(settings.frameWork), coming_(2 * unitsOf(world, world.candidates.size())), patient_(settings),
+          hasty_(settings) {
+        hasty_.localError *= kHaste;
+        hasty_.motionLimit *= kHaste;
+    }
+    /// The settings for the next attempt.
+    [[nodiscard]] const Settings& settings() const {
+        return whole_ > 0 && used_ + coming_ > whole_ / 4 ? hasty_ : patient_;
+    }
+    void spend(const World& world, std::uint64_t contactsSolved, std::uint64_t solves) {
+        used_ += contactsSolved + solves * unitsOf(world, 0);
+    }
+    [[nodiscard]] bool usedUp() const { return whole_ > 0 && used_ >= whole_; }
+
+private:
+    static constexpr double kHaste = 4.0;
+    static std::uint64_t unitsOf(const World& world, std::uint64_t contacts) {
+        std::uint64_t awake = 0;
+        for (const Rod& r : world.rods)
+            awake += r.frozen() ? 0 : 1;
+        return 4 * awake + contacts;
+    }
+    std::uint64_t whole_, used_ = 0, coming_;
+    Settings patient_, hasty_;
+};
+
+} // namespace supercircle::step

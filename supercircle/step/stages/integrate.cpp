@@ -1,0 +1,115 @@
+// Stage Integrate: v = v_free + A^-1 H^T r, q1 = q + dt v, and how far everything moved.
+
+#include "supercircle/step/parallel.h"
+#include "supercircle/step/stages/stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::step {
+
+namespace {
+
+/// Of longitudinal waves in the shell's material, sqrt(E / rho), m/s.
+double soundSpeed(const rod::RodDefinition& d) {
+    return std::sqrt(12.0 * d.bendingModulus / d.linearMass) / d.thickness;
+}
+
+void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
+    for (RodWork& w : rods)
+        w.touching = w.C.rows() > 0;
+    for (std::size_t i = 0; i < stage.candidates.size(); ++i)
+        if (stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) {
+            rods[static_cast<std::size_t>(stage.candidates[i].a.rod)].touching = true;
+            if (stage.candidates[i].b.rod >= 0)
+                rods[static_cast<std::size_t>(stage.candidates[i].b.rod)].touching = true;
+        }
+}
+
+/// Whether an element turns far more often than a shell can: motion at the end of its numbers.
+bool curledUp(const rod::RodModel& model, const Eigen::VectorXd& q) {
+    constexpr double kMostTurn = 16.0 * M_PI;
+    for (int i = 0; i < model.elements(); ++i)
+        if (std::abs(q[model.dofOfElement(i)]) * model.elementLength(i) > kMostTurn)
+            return true;
+    return false;
+}
+
+/// Largest error and motion; runaways; whether a rod moved beyond the candidates' range, which is then widened.
+bool measure(const World& world, const Settings& settings, TrialStep& t) {
+    t.error = t.moved = 0.0;
+    t.result.runaways.clear();
+    bool outOfRange = false;
+    for (std::size_t i = 0; i < t.rods.size(); ++i) {
+        const RodWork& w = t.rods[i];
+        t.error = std::max(t.error, w.error);
+        if (w.touching)
+            t.moved = std::max(t.moved, w.moved);
+        if (!world.rods[i].quarantined && (w.moved > t.dt * soundSpeed(world.rods[i].model.definition()) ||
+                                           (!w.frozen && curledUp(world.rods[i].model, w.q1))))
+            t.result.runaways.push_back(i);
+        if (w.shift > t.result.range[i] + 0.4 * settings.margin * t.h) {
+            outOfRange = true;
+            t.result.range[i] = 1.5 * w.shift;
+        }
+    }
+    return outOfRange;
+}
+
+/// Sleeping rods that somebody pressed on.
+void findPressedSleepers(const World& world, TrialStep& t) {
+    t.result.sleepers.clear();
+    for (std::size_t i = 0; i < t.stage.candidates.size(); ++i) {
+        const contact::Candidate& c = t.stage.candidates[i];
+        if (c.b.rod < 0 || !(t.stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0))
+            continue;
+        for (const std::int32_t side : {c.a.rod, c.b.rod})
+            if (const auto rod = static_cast<std::size_t>(side); world.rods[rod].asleep())
+                t.result.sleepers.push_back(rod);
+    }
+}
+
+} // namespace
+
+void integrate(const World& world, TrialStep& t) {
+    forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
+        if (!t.rods[i].frozen)
+            advanceRod(world.rods[i], t.dt, t.rods[i]);
+    });
+    markTouching(t.rods, t.stage);
+}
+
+bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, bool& wider) {
+    constexpr int kMostWidenings = 4;
+    const bool adaptive = settings.fixedDt <= 0.0;
+    const auto reject = [&](Reason reason) {
+        t.result.reason = reason;
+        return false;
+    };
+    if (!t.stage.report.error.empty()) // the solver refused the problem: nothing here was solved
+        return reject(Reason::SolverFailed);
+    for (const RodWork& w : t.rods)
+        if (!w.v.allFinite())
+            return reject(Reason::NotFinite);
+    findPressedSleepers(world, t);
+    if (!t.result.sleepers.empty())
+        return reject(Reason::SleeperPressed);
+    const bool outOfRange = measure(world, settings, t);
+    // Relinearised: new candidates come from the end of the last attempt.
+    wider = outOfRange && t.first();
+    if (wider)
+        ++t.widenings;
+    if (adaptive && t.dt > 2.0 * settings.dtMin) {
+        if (t.moved > settings.motionLimit * t.h)
+            return reject(Reason::MotionTooLarge);
+        if (t.error > 2.0 * settings.localError * t.h)
+            return reject(Reason::LocalError);
+    }
+    if (adaptive && !t.result.runaways.empty())
+        return reject(Reason::Runaway);
+    if (wider && t.widenings > kMostWidenings)
+        return reject(Reason::CandidatesTooFew);
+    return true;
+}
+
+} // namespace supercircle::step

@@ -1,0 +1,116 @@
+// Stage Linearise: rows H = dg/dq of contacts and joints, first in the predicted middle of the step, then in the middle
+// of the motion that was found, as long as the nonlinear balance does not hold.
+
+#include "supercircle/step/applied_forces.h"
+#include "supercircle/step/contact_memory.h"
+#include "supercircle/step/contacts/adhesion.h"
+#include "supercircle/step/contacts/cull.h"
+#include "supercircle/step/contacts/friction_state.h"
+#include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/coupling/host_rows.h"
+#include "supercircle/step/parallel.h"
+#include "supercircle/step/rods/effect_terms.h"
+#include "supercircle/step/stages/stages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supercircle::step {
+
+namespace {
+
+struct GapErrors {
+    double loaded = 0.0;  ///< largest |gap| of a loaded contact after the step, m
+    double deepest = 0.0; ///< deepest overlap after the step, m
+};
+
+/// Contacts that give (contact_rows.h) are closed where their springs say.
+GapErrors gapErrors(const World& world, const ContactStage& stage, const std::vector<ContactImpulse>& loaded) {
+    GapErrors e;
+    for (const contact::Candidate& c : stage.after) {
+        const ContactImpulse* force = findImpulse(loaded, c.id);
+        const double give = force != nullptr ? giveOf(world, c).x() * force->normal : 0.0;
+        e.deepest = std::max(e.deepest, -(c.gap + give));
+        if (force != nullptr)
+            e.loaded = std::max(e.loaded, std::abs(c.gap + give));
+    }
+    return e;
+}
+
+/// What a step starts from: all candidates known, or those of them that matter.
+const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings, TrialStep& t) {
+    t.stage.addBelow = settings.prune ? settings.margin * t.h : std::numeric_limits<double>::infinity();
+    if (!settings.prune)
+        return t.candidates(world);
+    prune(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
+    return t.kept;
+}
+
+/// Whether links, grabs or effects ask for another linearisation.
+bool partsOff(const World& world, double tolerance, const TrialStep& t) {
+    const std::vector<RodWork>& rods = t.rods;
+    const ContactStage& stage = t.stage;
+    const double dt = t.dt;
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        if (!rods[i].frozen && (grabsOff(world.rods[i], dt, rods[i]) ||
+                                (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
+            return true;
+    return frictionError(world, rods, dt, stage) > 1.0 || pullError(world, rods, dt, stage) > 1.0 ||
+           linkError(world, rods, dt, tolerance, stage) > 1.0;
+}
+
+} // namespace
+
+/// Rods near others are not predicted farther than a quarter of the thickness, so that no predicted frame can lie on
+/// the wrong side of a contact.
+void linearise(const World& world, const Settings& settings, TrialStep& t) {
+    ContactStage& stage = t.stage;
+    std::vector<char>& near = stage.marked;
+    near.assign(world.rods.size(), 0);
+    for (const contact::Candidate& c : t.candidates(world)) {
+        near[static_cast<std::size_t>(c.a.rod)] = 1;
+        if (c.b.rod >= 0)
+            near[static_cast<std::size_t>(c.b.rod)] = 1;
+    }
+    forEachRod(stage.loop, world.rods.size(), [&](std::size_t i) {
+        if (world.rods[i].frozen()) {
+            freezeRod(world.rods[i], t.rods[i]);
+            return;
+        }
+        const double farthest = near[i] ? 0.25 * t.h : std::numeric_limits<double>::infinity();
+        beginAtPredictedMiddle(world.rods[i], t.dt, farthest, t.rods[i]);
+    });
+    predictMotion(world, stage);
+    findLinkEnds(world, stage);
+    beginHostRows(world, stage);
+    frameInMiddle(world, t.rods, startCandidates(world, settings, t), false, t.dt, stage);
+}
+
+bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
+    const bool adaptive = settings.fixedDt <= 0.0;
+    gather(t.stage, t.dt, t.impulses);
+    const GapErrors e = gapErrors(world, t.stage, t.impulses);
+    const double reject = settings.rejectPenetration * t.h, tolerance = settings.relinearise * t.h;
+    const bool deeper = e.deepest > reject && e.deepest > t.overlapAtStart + 0.1 * reject;
+    const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > t.overlapAtStart);
+    if ((deeper || off || partsOff(world, tolerance, t)) && ++t.linearisations < settings.maxIterations) {
+        forEachRod(t.stage.loop, t.rods.size(), [&](std::size_t i) {
+            if (!t.rods[i].frozen)
+                relineariseInMiddle(world.rods[i], t.rods[i]);
+        });
+        frameInMiddle(world, t.rods, settings.prune ? t.kept : t.candidates(world), true, t.dt, t.stage);
+        for (std::size_t i = 0; i < t.rods.size(); ++i)
+            t.result.range[i] = std::max(t.result.range[i], t.nextRange[i]);
+        return true;
+    }
+    t.result.judged = true;
+    if (deeper && (adaptive || e.deepest > 0.25 * t.h))
+        t.result.reason = Reason::Penetration;
+    else if (const LinkGaps g = linkGaps(world, t.rods, t.dt, t.stage);
+             adaptive && g.after > reject && g.after > 1.1 * g.before)
+        t.result.reason = Reason::LinkGap;
+    return false;
+}
+
+} // namespace supercircle::step

@@ -1,0 +1,15 @@
+// Stage Predict: A = M + dt^2 K = L L^T per rod, free velocity v_free = A^-1 (p + dt F).
+
+#include "supercircle/step/parallel.h"
+#include "supercircle/step/stages/stages.h"
+
+namespace supercircle::step {
+
+void predict(const World& world, TrialStep& t) {
+    forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
+        if (!t.rods[i].frozen)
+            predictRod(world.rods[i], t.rods[i]);
+    });
+}
+
+} // namespace supercircle::step

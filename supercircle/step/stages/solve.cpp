@@ -1,0 +1,38 @@
+// Stage Solve: 0 <= u_n + g/dt, r_n >= 0, r_n (u_n + g/dt) = 0, and |r_t| <= mu r_n against the slip.
+
+#include "supercircle/step/contacts/friction_state.h"
+#include "supercircle/step/coupling/host_rows.h"
+#include "supercircle/step/stages/stages.h"
+
+namespace supercircle::step {
+
+namespace {
+
+/// One call of the contact solver, counted.
+void solveOnce(const World& world, const Settings& settings, TrialStep& t) {
+    coulomb::SolverOptions options = settings.contact;
+    if (t.stage.candidates.size() > settings.sweepAbove) {
+        options.method = coulomb::Method::Accelerated;
+        options.maxSweeps = settings.cappedSweeps;
+    }
+    solveContacts(world, t.rods, options, t.stage);
+    ++t.result.solves;
+    t.result.contactsSolved += t.stage.candidates.size();
+    t.result.sweeps += static_cast<std::uint64_t>(t.stage.report.sweeps);
+    t.result.pivots += static_cast<std::uint64_t>(t.stage.report.pivots);
+}
+
+} // namespace
+
+void solve(const World& world, const Settings& settings, TrialStep& t) {
+    solveOnce(world, settings, t);
+    for (int again = 0; again < 3 && boundHostRows(world, t.dt, t.stage); ++again) {
+        renewHostBlocks(world, t.dt, t.stage);
+        solveOnce(world, settings, t);
+    }
+    constexpr int kMostFactors = 25; // false position halves at worst every second turn
+    for (int turn = 0; turn < kMostFactors && refineFriction(world, t.rods, t.dt, t.stage); ++turn)
+        solveOnce(world, settings, t);
+}
+
+} // namespace supercircle::step

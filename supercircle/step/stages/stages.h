@@ -1,0 +1,72 @@
+#pragma once
+// The thirteen stages of a step in order (private to step/), each in the file of its name. step.cpp calls them.
+
+#include "supercircle/step/stages/stepper_workspace.h"
+#include "supercircle/step/stages/trial_step.h"
+
+namespace supercircle::step {
+
+/// Stages before the first step of a frame: Check, ReadHost, Drive.
+void beginFrame(World& world, double frame, Port* port, HostReading& reading, StageTimes& times);
+/// Stages Detect to CheckCrossings of a step of t.dt seconds.
+void tryStep(const World& world, const Settings& settings, TrialStep& t, StageTimes& times,
+             const SolveObserver& onSolve);
+/// Stage Accept.
+void acceptStep(World& world, TrialStep& t, StageTimes& times);
+/// Stage WriteHost, after the last step of a frame.
+void endFrame(World& world, double advanced, Port* port, StageTimes& times);
+
+/// Check: rods with numbers that are not finite are quarantined.
+void checkNumbers(World& world);
+/// Puts a rod back where it was last good, freezes it and takes it out of collision.
+void quarantine(World& world, Rod& rod);
+
+/// ReadHost: gravity, bodies near the shells, their outlines and constraints.
+void readHost(World& world, const Port& port, double frame, HostReading& reading);
+
+/// Drive: velocities of the crosshead's bodies, paths of held points.
+void drive(World& world, double frame);
+
+/// Detect: candidates at the start of the step, if the known ones do not reach far enough for it.
+void detectAtStart(const World& world, const Settings& settings, TrialStep& t);
+/// The same with the range that the trial has found to be needed.
+void detectWider(const World& world, const Settings& settings, TrialStep& t);
+/// Candidates at the end of the trial: what judges it, and what the next step starts from.
+void detectAtEnd(const World& world, const Settings& settings, TrialStep& t);
+/// Deepest overlap of a list of candidates, m.
+double deepest(const std::vector<contact::Candidate>& list);
+
+/// Linearise: rows of contacts and joints in the predicted middle of the step.
+void linearise(const World& world, const Settings& settings, TrialStep& t);
+/// Whether the nonlinear balance holds at the end of the trial. If not, and another linearisation is allowed, takes it
+/// in the middle of the motion just found and returns true. Else sets the reason why the trial must not stand.
+bool relinearise(const World& world, const Settings& settings, TrialStep& t);
+
+/// Evaluate: forces and tangents of material, loads and effects.
+void evaluate(const World& world, TrialStep& t);
+
+/// Predict: factors of A, free velocity.
+void predict(const World& world, TrialStep& t);
+
+/// Assemble: the contact problem.
+void assemble(const World& world, TrialStep& t);
+
+/// Solve: the contact problem, with the host's bounded rows and friction that depends on the slip found.
+void solve(const World& world, const Settings& settings, TrialStep& t);
+
+/// Integrate: new velocities and configurations.
+void integrate(const World& world, TrialStep& t);
+/// Error and motion of the trial. False: it must not stand (TrialResult::reason). `wider` is set where the candidates
+/// did not reach as far as the rods moved.
+bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, bool& wider);
+
+/// CheckCrossings: the independent check of the way from start to end.
+void checkCrossings(const World& world, TrialStep& t);
+
+/// Accept: the trial becomes the world's state; energies are recorded.
+void accept(World& world, TrialStep& t);
+
+/// WriteHost: impulses and driven poses to the host, which is about to step by `advanced` seconds.
+void writeHost(World& world, Port& port, double advanced);
+
+} // namespace supercircle::step

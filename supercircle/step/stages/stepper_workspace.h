@@ -1,0 +1,23 @@
+#pragma once
+// What a stepper keeps between frames beside its settings (private to step/): work spaces, no state.
+
+#include "supercircle/step/coupling/host_coupling.h"
+#include "supercircle/step/stages/trial_step.h"
+
+namespace supercircle::step {
+
+/// What is read from the host, before it takes the place of what the world knew.
+struct HostReading {
+    std::vector<BodyOutline> outlines;
+    std::vector<BodyId> ids;
+    std::vector<Body> bodies;
+};
+
+struct Stepper::Work {
+    TrialStep trial;
+    double lastDt = 0.0;
+    HostReading reading;
+    HostCouplingWork coupling;
+};
+
+} // namespace supercircle::step

@@ -1,0 +1,58 @@
+#pragma once
+// A trial step of fixed size (private to step/): its work space, and what it returns. Stages read the world and write
+// here. A rejected trial changes nothing of the world; the controller (stepper.cpp) adopts what is in TrialResult.
+
+#include "supercircle/step/contacts/contact_rows.h"
+#include "supercircle/step/rods/rod_system.h"
+#include "supercircle/step/stepper.h"
+
+namespace supercircle::step {
+
+/// What a trial returns whether or not it is accepted.
+struct TrialResult {
+    Reason reason = Reason::None;         ///< why it must not become the next state; None: it may
+    bool judged = false;                  ///< it came as far as its end, so that at the smallest size it may be taken
+    std::uint64_t solves = 0;             ///< contact problems
+    std::uint64_t contactsSolved = 0;     ///< contacts in them, all linearisations together
+    std::uint64_t sweeps = 0, pivots = 0; ///< of the solver
+    bool renewed = false;                 ///< `candidates` replace those of the world
+    std::vector<contact::Candidate> candidates; ///< at the start of the step, found with `range`
+    std::vector<double> range;                  ///< how far each rod may move before candidates must be found anew, m
+    std::vector<std::size_t> sleepers;          ///< sleeping rods that somebody pressed on
+    std::vector<std::size_t> runaways;          ///< rods faster than sound in their own material
+    std::vector<contact::Crossing> crossings;   ///< found by the crossing check, if it is on
+};
+
+/// Work space of trial steps; what it holds belongs to the last one.
+struct TrialStep {
+    double dt = 0.0; ///< s
+    double h = 1e-3; ///< thinnest shell, m
+    TrialResult result;
+    std::vector<RodWork> rods;
+    ContactStage stage;
+    std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
+    std::vector<ContactImpulse> impulses; ///< of the last solve
+    std::vector<RodBooks> books;          ///< of the accepted trial, per rod
+    std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs (Settings::prune)
+    std::vector<const rod::Kinematics*> kin;
+    std::vector<contact::Curve> curvesBefore;
+    std::vector<contact::Outline> outlinesBefore;
+    double error = 0.0;          ///< largest local error, m
+    double moved = 0.0;          ///< farthest motion of a touching rod, m
+    double overlapAtStart = 0.0; ///< deepest, m
+    int linearisations = 0;      ///< so far in this trial
+    int widenings = 0;           ///< of the candidates' range in this trial
+    int threads = 1;             ///< of stage.loop; 0: it is the host's
+
+    /// Candidates at the start of the step.
+    [[nodiscard]] const std::vector<contact::Candidate>& candidates(const World& world) const {
+        return result.renewed ? result.candidates : world.candidates;
+    }
+    [[nodiscard]] bool first() const { return linearisations == 0; }
+    /// Forgets the trial before.
+    void begin(const World& world, const Settings& settings);
+    /// Loops of all stages: the host's if there is one, else over `count` threads.
+    void useThreads(int count, const parallel::For& hostLoop);
+};
+
+} // namespace supercircle::step

@@ -1,0 +1,139 @@
+#pragma once
+// Work space of one step attempt (private to step/).
+
+#include "supercircle/step/world.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+namespace supercircle::step {
+
+/// The contact point of two smooth surfaces rolls along them by (relative rotation) / (relative curvature). Where the
+/// surfaces are nearly conformal - an arc pressed flat, nested shells - it runs far, and a normal force N that follows
+/// it only from step to step is an explicit spring of stiffness N / curvature on the rotation: it flutters. This term
+/// makes it implicit: impulse -c tau [tau . (dt v / 2 - (q_k - q)) - lag] on the rod.
+struct Rolling {
+    Eigen::VectorXd tau; ///< rotation of the rod's section at the contact, d theta / dq
+    double c = 0.0;      ///< N dt / relative curvature, N s m
+    double lag = 0.0;    ///< rotation of the other side since the linearisation point, as far as known, rad
+};
+
+/// What one candidate adds to its rods.
+struct RollingPair {
+    bool any = false;
+    Rolling a, b;
+};
+
+/// A loaded contact point on the lower-numbered rod of its pair.
+struct LoadedPoint {
+    std::int32_t first = -1; ///< rod
+    std::int32_t other = -1; ///< rod, or -2 - outline
+    double s = 0.0;          ///< on `first`, m
+    double normal = 0.0;     ///< N
+};
+
+/// A grab inside an attempt (applied_forces.h).
+struct GrabWork {
+    Eigen::Matrix<double, 2, Eigen::Dynamic> J; ///< rows of its point
+    Vec2 stretch = Vec2::Zero();                ///< target minus point at the start of the step, m
+    double stiffness = 0.0;                     ///< as far as the largest force allows, N/m
+    double damping = 0.0;                       ///< N s/m
+};
+
+/// The effects on a rod, linearised (effect_terms.h).
+struct EffectWork {
+    std::vector<double> curvature, moment, tangent; ///< per element: where, extra moment (N m), its slope (N m^2)
+    std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows; ///< of the drag's points
+    std::vector<Vec2> way;                                      ///< in the step as predicted, m
+    std::vector<effects::DragPoint> drag;
+    std::vector<Eigen::Index> columns; ///< storage: those of a point that are not zero
+    int tries = 0;                     ///< linearisations of this step so far
+};
+
+/// Attraction between a place of a rod and what is near (adhesion.h), linearised.
+struct AttractionWork {
+    int rodA = -1, rodB = -1, bodyB = -1; ///< bodyB: index into World::bodies
+    std::size_t point = 0;                ///< of rod A's Attraction
+    double share = 1.0;                   ///< of its weight
+    Vec2 normal = Vec2::UnitX();          ///< from B to A
+    double force = 0.0;                   ///< as linearised, towards each other, N
+    double stiffness = 0.0;               ///< >= 0, of each side's own motion, N/m
+    Eigen::RowVectorXd rowA, rowB;        ///< velocity along the normal
+    double wayA = 0.0, wayB = 0.0;        ///< along the normal in the step as predicted, m
+    double surface = 0.0;                 ///< velocity of a body along the normal, m/s
+    Vec2 armB = Vec2::Zero();             ///< foot minus body centre, m
+};
+
+/// Storage of the factorisations of a held rod's rows: m x n rows C, of rank k.
+struct HoldWork {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr; ///< of C^T
+    Eigen::MatrixXd Ct, Q, turned, reduced;         ///< n x m, n x n, Q^T A Q: n x n, (n - k)^2
+    Eigen::VectorXd permuted, rhs, impulse, rate, scratch;
+    Eigen::Matrix<double, 2, Eigen::Dynamic> pair, otherPair;
+    Eigen::RowVectorXd turn, otherTurn;
+};
+
+/// One rod inside an attempt.
+struct RodWork {
+    rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
+    rod::GaussField gauss; ///< at the linearisation point
+    Eigen::VectorXd qk;    ///< linearisation point
+    std::vector<Vec2> u0;  ///< material velocities at the start, carried to the linearisation point
+    Eigen::MatrixXd A;     ///< M + dt^2 K + rolling + axial
+    Eigen::VectorXd p;     ///< int lambda J^T u0
+    Eigen::VectorXd rhs;   ///< p + dt F(q) + rolling + axial
+    Eigen::VectorXd gravityForce;
+    Eigen::MatrixXd C;            ///< hold rows, m x n (empty: free)
+    HoldWork held;                ///< storage of predictRod() and acceptRod()
+    Eigen::VectorXd c;            ///< C v = c
+    Eigen::MatrixXd Z;            ///< basis of C Z = 0, n x (n - m)
+    Eigen::VectorXd vp;           ///< particular solution of C v = c
+    Eigen::VectorXd push;         ///< sum of H^T r, n
+    Eigen::VectorXd v;            ///< mean velocity of the step, (q1 - q) / dt
+    Eigen::VectorXd q1;           ///< new configuration
+    rod::Kinematics kin1;         ///< at q1
+    std::vector<Vec2> u1;         ///< new material velocities at the linearisation point
+    std::vector<Rolling> rolling; ///< storage; the first rollingCount belong to this linearisation
+    std::size_t rollingCount = 0;
+    Eigen::VectorXd load; ///< generalised force of the applied forces, or empty
+    std::vector<GrabWork> grabs;
+    Eigen::Matrix<double, 2, Eigen::Dynamic> rowsOfLoad; ///< storage
+    bool frozen = false;                                 ///< quarantined or asleep: stays where it is
+    bool loaded = false;                                 ///< has point forces, so that `axial` counts
+    std::vector<Vec2> beyond[2];    ///< per side and segment: force that pulls at it from the tip's side, N
+    std::vector<double> tension[2]; ///< per side and segment: axial force times length where in tension, else 0, N m
+    Eigen::MatrixXd axial;          ///< geometric stiffness of those, n x n
+    double moved = 0.0;             ///< largest node displacement over the step, m
+    double shift = 0.0;             ///< largest node distance between the linearisation point and the end, m
+    double error = 0.0;             ///< local error of backward Euler, m
+    double impactShare = 0.0;       ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
+    int body = -1;                  ///< index into the contact problem, -1: no candidates
+    bool touching = false;
+    Eigen::VectorXd vFree;
+    EffectWork effects;
+    Eigen::VectorXd difference, product; ///< scratch, n
+    Eigen::LLT<Eigen::MatrixXd> llt;     ///< of A, used where the rod has no contact
+};
+
+/// One contact inside an attempt: what the problem does not carry.
+/// A factor of the friction coefficient that is too small, and one that is too large, with what the law says at the
+/// slip they lead to minus themselves.
+struct FactorBounds {
+    double low = 0.0, atLow = 0.0, high = 0.0, atHigh = 0.0;
+    int last = 0; ///< +1: the last one tried was too small, -1: too large, 0: none was
+};
+
+struct ContactWork {
+    Eigen::Matrix<double, 2, Eigen::Dynamic> Ja, Jb; ///< full (unreduced) rows of rod a and rod b
+    Vec2 surface = Vec2::Zero();                     ///< (n, t) velocity of a fixed or kinematic surface, m/s
+    int rodA = -1, rodB = -1;
+    int bodyB = -1;           ///< index into World::bodies
+    Vec2 armB = Vec2::Zero(); ///< contact point minus body centre at the linearisation point
+    double slip = 0.0;        ///< speed of slip its friction was taken at, m/s
+    double friction = 1.0;    ///< factor of the friction coefficient
+    FactorBounds bounds;      ///< of that factor, within one linearisation
+    Vec2 give = Vec2::Zero(); ///< compliance along (n, t), m/N
+    double bent = 0.0;        ///< tangential deflection at the start of the step, m
+};
+
+} // namespace supercircle::step

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# examples/gallery.sh [BUILD_DIRECTORY]: makes the pictures of docs/gallery.md anew, without a window.
+# examples/gallery.sh [BUILD_DIRECTORY]: makes the pictures of docs/results/gallery.md anew, without a window.
 set -euo pipefail
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$(cd "${1:-$top/build}" && pwd)

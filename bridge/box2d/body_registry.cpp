@@ -16,33 +16,33 @@ BodyRegistry::Traits BodyRegistry::traitsOf(const b2Body& body) {
     return t;
 }
 
-bool BodyRegistry::looksTheSame(const Traits& before, const b2Body& body) {
+bool BodyRegistry::sameTraits(const Traits& before, const b2Body& body) {
     const Traits now = traitsOf(body);
     if (before.fixtures == now.fixtures)
         return before == now;
     if (before.userData != now.userData || before.type != now.type)
         return false;
-    // Fixtures may have been added to the same body: then the old head is still in the list.
+    // If fixtures were added to the same body, the old head is still in the list.
     bool found = before.fixtures == nullptr;
     for (const b2Fixture* f = now.fixtures; f != nullptr && !found; f = f->GetNext())
         found = f == before.fixtures;
     return found;
 }
 
-std::size_t BodyRegistry::place(const b2Body* body) const {
+std::size_t BodyRegistry::indexOf(const b2Body* body) const {
     const auto found = std::lower_bound(byBody_.begin(), byBody_.end(), body, [](const auto& entry, const b2Body* b) {
         return std::less<>()(entry.first, b);
     });
     return found == byBody_.end() || found->first != body ? known_.size() : found->second;
 }
 
-std::size_t BodyRegistry::place(step::BodyId id) const {
+std::size_t BodyRegistry::indexOf(step::BodyId id) const {
     const auto found = std::lower_bound(byId_.begin(), byId_.end(), id,
                                         [](const auto& entry, step::BodyId sought) { return entry.first < sought; });
     return found == byId_.end() || found->first != id ? known_.size() : found->second;
 }
 
-void BodyRegistry::sortNames() {
+void BodyRegistry::sortIndices() {
     byBody_.clear();
     byId_.clear();
     for (std::size_t i = 0; i < known_.size(); ++i) {
@@ -60,27 +60,27 @@ void BodyRegistry::sync(b2World& world) {
         current_.push_back(b);
     std::reverse(current_.begin(), current_.end()); // Box2D's list starts with the youngest
 
-    // Survivors keep their order and stand before all newcomers: they are a stretch at the front that is in the old
-    // order. Where that stretch ends, a newcomer at a dead body's address may stand in the dead one's place; whoever
-    // stands before a true survivor is one.
+    // Surviving bodies keep their order and come before all new ones: they form a prefix in the old order. At its end a
+    // new body may have the address of a destroyed one, in the same position. All bodies before a true survivor are
+    // survivors.
     survivors_.clear(); // indices into known_
     for (const b2Body* b : current_) {
-        const std::size_t found = place(b);
+        const std::size_t found = indexOf(b);
         if (found == known_.size() || (!survivors_.empty() && found <= survivors_.back()))
             break;
         survivors_.push_back(found);
     }
-    while (!survivors_.empty() && !looksTheSame(known_[survivors_.back()].traits, *current_[survivors_.size() - 1]))
+    while (!survivors_.empty() && !sameTraits(known_[survivors_.back()].traits, *current_[survivors_.size() - 1]))
         survivors_.pop_back();
 
     const bool all = survivors_.size() == current_.size() && current_.size() == known_.size();
-    now_.clear();
+    updated_.clear();
     for (std::size_t i = 0; i < current_.size(); ++i)
-        now_.push_back(
+        updated_.push_back(
             {current_[i], i < survivors_.size() ? known_[survivors_[i]].id : next_++, traitsOf(*current_[i])});
-    std::swap(known_, now_);
+    std::swap(known_, updated_);
     if (!all)
-        sortNames();
+        sortIndices();
 }
 
 void BodyRegistry::syncIfChanged(b2World& world) {
@@ -91,22 +91,22 @@ void BodyRegistry::syncIfChanged(b2World& world) {
 }
 
 b2Body* BodyRegistry::body(step::BodyId id) const {
-    const std::size_t found = place(id);
+    const std::size_t found = indexOf(id);
     return found == known_.size() ? nullptr : known_[found].body;
 }
 
 step::BodyId BodyRegistry::id(const b2Body* body) const {
-    const std::size_t found = place(body);
+    const std::size_t found = indexOf(body);
     return found == known_.size() ? 0 : known_[found].id;
 }
 
-void BodyRegistry::forget(const b2Body* body) {
-    const std::size_t found = place(body);
+void BodyRegistry::notifyDestroyed(const b2Body* body) {
+    const std::size_t found = indexOf(body);
     if (found == known_.size())
         return;
-    // The place in the order stays (the body still lives for a moment); its name changes.
+    // Its position in the order stays, because the body still exists for a moment; its id changes.
     known_[found].id = next_++;
-    sortNames();
+    sortIndices();
 }
 
 } // namespace supercircle::bridge

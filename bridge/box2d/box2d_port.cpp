@@ -1,7 +1,7 @@
-// Float <-> double. Box2D's floats are the truth about bodies it moves itself. A driven (kinematic) body is different:
-// its owner knows where it is to the last double, while Box2D rounds to about 1e-7 of the distance from the origin,
-// which at a plate speed of 5 mm/s and steps of 0.1 ms is several per cent of the way of one step. So the port
-// remembers the exact pose it was given and reports that one for as long as Box2D's own pose is the rounding of it.
+// Box2D's floats are the reference for bodies that it moves itself. The motion of a driven (kinematic) body is known in
+// double precision by its owner, while Box2D rounds to about 1e-7 of the distance from the origin. At a plate speed of
+// 5 mm/s and steps of 0.1 ms this is several per cent of the displacement of one step. The port therefore remembers the
+// exact pose and reports it as long as Box2D's pose is its rounded value.
 
 #include "bridge/box2d/box2d_port.h"
 
@@ -31,7 +31,7 @@ namespace {
 
 constexpr double kMaxHost = 1e7; // beyond it Box2D's floats resolve less than a length unit; far below overflow
 
-/// A body that is moved by drive(): the exact motion, and Box2D's pose that stands for it.
+/// A body moved by drive(): the exact motion and Box2D's rounded pose.
 struct Driven {
     Vec2 centre = Vec2::Zero();
     double angle = 0.0;
@@ -68,7 +68,7 @@ struct Hit {
     int32 child = 0;
 };
 
-struct Collector {
+struct OutlineQuery {
     const b2BroadPhase* broadPhase = nullptr;
     b2AABB box{};
     std::vector<Hit> hits;
@@ -95,19 +95,19 @@ struct Box2dPort::Impl {
     std::map<std::string, BodyId> names;
     std::map<BodyId, Driven> driven;
     std::vector<Deferred> deferred;
-    double lastDt = 0.0; ///< of the host's last step as far as told, s
-    std::uint64_t refused = 0;
-    std::string lastRefusal;
-    Collector collector; ///< storage of query()
-    ConstraintWork walk; ///< storage of constraints() and impulses()
+    double lastDt = 0.0; ///< of the host's last step if known, s; else 0
+    std::uint64_t errorCount = 0;
+    std::string lastError;
+    OutlineQuery outlineQuery;               ///< storage of query()
+    ConstraintWorkspace constraintWorkspace; ///< storage of constraints() and impulses()
 
-    void refuse(const std::string& why) {
-        ++refused;
-        lastRefusal = why;
+    void recordError(const std::string& why) {
+        ++errorCount;
+        lastError = why;
     }
 
-    /// Work that waits for the unlocked world, then a look at who is there.
-    void refresh(bool thorough) {
+    /// Updates the body registry, then does the deferred work if the world is unlocked.
+    void sync(bool thorough) {
         if (thorough)
             registry.sync(*world);
         else
@@ -126,11 +126,11 @@ struct Box2dPort::Impl {
     void applyImpulse(BodyId id, const Vec2& impulse, double angular) {
         b2Body* b = registry.body(id);
         if (b == nullptr) {
-            refuse("applyImpulse: the body no longer exists");
+            recordError("applyImpulse: the body no longer exists; the call is ignored");
             return;
         }
         if (!b->IsEnabled() || (impulse.isZero(0.0) && angular == 0.0))
-            return; // an impulse of nothing wakes nobody
+            return; // a zero impulse does not wake a body
         b->ApplyLinearImpulseToCenter(toHost(impulse, scale), true);
         b->ApplyAngularImpulse(static_cast<float>(angular * scale * scale), true);
     }
@@ -138,7 +138,8 @@ struct Box2dPort::Impl {
     void drive(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
         b2Body* b = registry.body(id);
         if (b == nullptr || b->GetType() != b2_kinematicBody) {
-            refuse(b == nullptr ? "drive: the body no longer exists" : "drive: the body is not kinematic");
+            recordError(b == nullptr ? "drive: the body no longer exists; the call is ignored"
+                                     : "drive: the body is not kinematic; only kinematic bodies can be driven");
             return;
         }
         const b2Vec2 host = toHost(centre, scale);
@@ -149,7 +150,7 @@ struct Box2dPort::Impl {
         driven[id] = {centre, angle, velocity, spin, b->GetWorldCenter(), b->GetAngle()};
     }
 
-    void exactWhereDriven(BodyId id, const b2Body& body, BodyState& out) const {
+    void reportExactMotion(BodyId id, const b2Body& body, BodyState& out) const {
         const auto found = driven.find(id);
         if (found == driven.end())
             return;
@@ -209,21 +210,21 @@ double Box2dPort::unitsPerMetre() const {
 }
 
 void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
-    impl_->refresh(true);
+    impl_->sync(true);
     if (!fits(box.lower, impl_->scale) || !fits(box.upper, impl_->scale)) {
-        impl_->refuse("query: the box is not finite or too far away");
+        impl_->recordError("query: the box is not finite or too far away");
         return;
     }
-    Collector& collector = impl_->collector;
-    collector.hits.clear();
-    collector.broadPhase = &impl_->world->GetContactManager().m_broadPhase;
-    collector.box = {toHost(box.lower, impl_->scale), toHost(box.upper, impl_->scale)};
-    collector.broadPhase->Query(&collector, collector.box);
-    impl_->append(collector.hits, out);
+    OutlineQuery& outlineQuery = impl_->outlineQuery;
+    outlineQuery.hits.clear();
+    outlineQuery.broadPhase = &impl_->world->GetContactManager().m_broadPhase;
+    outlineQuery.box = {toHost(box.lower, impl_->scale), toHost(box.upper, impl_->scale)};
+    outlineQuery.broadPhase->Query(&outlineQuery, outlineQuery.box);
+    impl_->append(outlineQuery.hits, out);
 }
 
 void Box2dPort::everything(std::vector<BodyOutline>& out) const {
-    impl_->refresh(true);
+    impl_->sync(true);
     std::vector<Hit> hits;
     for (b2Body* b = impl_->world->GetBodyList(); b != nullptr; b = b->GetNext()) {
         for (const b2Fixture* f = b->GetFixtureList(); f != nullptr && b->IsEnabled(); f = f->GetNext()) {
@@ -235,7 +236,7 @@ void Box2dPort::everything(std::vector<BodyOutline>& out) const {
 }
 
 bool Box2dPort::state(BodyId body, BodyState& out) const {
-    impl_->refresh(false);
+    impl_->sync(false);
     const b2Body* b = impl_->registry.body(body);
     if (b == nullptr)
         return false;
@@ -260,28 +261,28 @@ bool Box2dPort::state(BodyId body, BodyState& out) const {
     out.awake = b->IsAwake();
     out.enabled = b->IsEnabled();
     out.moving = b->GetType() != b2_staticBody;
-    impl_->exactWhereDriven(body, *b, out);
+    impl_->reportExactMotion(body, *b, out);
     return true;
 }
 
 void Box2dPort::constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const {
-    impl_->refresh(false);
-    appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt, impl_->walk,
-                      out);
+    impl_->sync(false);
+    appendConstraints(impl_->registry, seeds, impl_->scale, dt, impl_->lastDt > 0.0 ? impl_->lastDt : dt,
+                      impl_->constraintWorkspace, out);
 }
 
 void Box2dPort::impulses(double dt, step::HostConstraints& io) const {
-    impl_->refresh(true);
+    impl_->sync(true);
     impl_->lastDt = dt;
-    readImpulses(impl_->registry, impl_->scale, dt, impl_->walk, io);
+    readImpulses(impl_->registry, impl_->scale, dt, impl_->constraintWorkspace, io);
 }
 
 void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImpulse) {
-    impl_->refresh(false);
+    impl_->sync(false);
     const double scale = impl_->scale;
     if (!fitsFloat(impulse.x() * scale) || !fitsFloat(impulse.y() * scale) ||
         !fitsFloat(angularImpulse * scale * scale)) {
-        impl_->refuse("applyImpulse: the impulse is not finite or too large");
+        impl_->recordError("applyImpulse: the impulse is not finite or too large");
         return;
     }
     if (impl_->world->IsLocked()) {
@@ -296,14 +297,14 @@ void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImp
 }
 
 void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
-    impl_->refresh(false);
+    impl_->sync(false);
     if (!fits(velocity, impl_->scale) || !(std::abs(spin) < kMaxHost)) {
-        impl_->refuse("setVelocity: the velocity is not finite or too large");
+        impl_->recordError("setVelocity: the velocity is not finite or too large");
         return;
     }
     b2Body* b = impl_->registry.body(body);
     if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
-        impl_->refuse("setVelocity: no dynamic body of an unlocked world");
+        impl_->recordError("setVelocity: the body is not dynamic, no longer exists, or the world is locked");
         return;
     }
     if (!b->IsAwake())
@@ -313,17 +314,17 @@ void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
 }
 
 void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
-    impl_->refresh(false);
+    impl_->sync(false);
     if (!fits(centre, impl_->scale) || !(std::abs(angle) < kMaxHost)) {
-        impl_->refuse("place: the pose is not finite or too far away");
+        impl_->recordError("place: the pose is not finite or too far away");
         return;
     }
     b2Body* b = impl_->registry.body(body);
     if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
-        impl_->refuse("place: no dynamic body of an unlocked world");
+        impl_->recordError("place: the body is not dynamic, no longer exists, or the world is locked");
         return;
     }
-    b2Vec2 way = toHost(centre, impl_->scale) - b->GetWorldCenter();
+    b2Vec2 displacement = toHost(centre, impl_->scale) - b->GetWorldCenter();
     bool blocked = false;
     for (const b2ContactEdge* e = b->GetContactList(); e != nullptr; e = e->next) {
         if (e->other->GetType() == b2_dynamicBody || !e->contact->IsTouching() || !pushes(*e->contact))
@@ -331,21 +332,21 @@ void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
         b2WorldManifold manifold;
         e->contact->GetWorldManifold(&manifold);
         const b2Vec2 out = e->contact->GetFixtureB()->GetBody() == b ? manifold.normal : -manifold.normal;
-        if (const float in = b2Dot(way, out); in < 0.0F) {
-            way -= in * out;
+        if (const float in = b2Dot(displacement, out); in < 0.0F) {
+            displacement -= in * out;
             blocked = true;
         }
     }
     const float turned = blocked ? b->GetAngle() : static_cast<float>(angle);
-    const b2Vec2 target = b->GetWorldCenter() + way;
+    const b2Vec2 target = b->GetWorldCenter() + displacement;
     b->SetTransform(target - b2Mul(b2Rot(turned), b->GetLocalCenter()), turned);
 }
 
 void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
-    impl_->refresh(false);
+    impl_->sync(false);
     if (!fits(centre, impl_->scale) || !fits(velocity, impl_->scale) || !(std::abs(angle) < kMaxHost) ||
         !(std::abs(spin) < kMaxHost)) {
-        impl_->refuse("drive: the motion is not finite or too large");
+        impl_->recordError("drive: the motion is not finite or too large");
         return;
     }
     if (impl_->world->IsLocked()) {
@@ -356,7 +357,7 @@ void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2&
 }
 
 BodyId Box2dPort::find(const std::string& name) const {
-    impl_->refresh(false);
+    impl_->sync(false);
     const auto found = impl_->names.find(name);
     return found != impl_->names.end() && impl_->registry.body(found->second) != nullptr ? found->second : 0;
 }
@@ -378,12 +379,12 @@ std::string Box2dPort::build(const step::RigidWorldDefinition& definition) {
 }
 
 BodyId Box2dPort::idOf(const b2Body& body) const {
-    impl_->refresh(false);
+    impl_->sync(false);
     return impl_->registry.id(&body);
 }
 
 b2Body* Box2dPort::bodyOf(BodyId body) const {
-    impl_->refresh(false);
+    impl_->sync(false);
     return impl_->registry.body(body);
 }
 
@@ -391,16 +392,16 @@ void Box2dPort::setName(const b2Body& body, const std::string& name) {
     if (const BodyId id = idOf(body); id != 0)
         impl_->names[name] = id;
     else
-        impl_->refuse("setName: '" + name + "' is not a body of this world");
+        impl_->recordError("setName: '" + name + "' is not a body of this world");
 }
 
-void Box2dPort::forget(const b2Body& body) {
-    impl_->registry.forget(&body);
+void Box2dPort::notifyDestroyed(const b2Body& body) {
+    impl_->registry.notifyDestroyed(&body);
 }
 
 void Box2dPort::stepped(double dt) {
     impl_->lastDt = dt;
-    impl_->refresh(false);
+    impl_->sync(false);
     for (auto it = impl_->driven.begin(); it != impl_->driven.end();) {
         const b2Body* b = impl_->registry.body(it->first);
         if (b == nullptr) {
@@ -410,7 +411,7 @@ void Box2dPort::stepped(double dt) {
         Driven& d = it->second;
         const Vec2 centre = d.centre + dt * d.velocity;
         const double angle = d.angle + dt * d.spin;
-        // Box2D caps the way of one step and its user may have moved the body: then its pose is the truth.
+        // Box2D limits the displacement of one step, and the user may have moved the body: then its pose is correct.
         const double rounding = 1e-6 * (1.0 + impl_->scale * (centre.cwiseAbs().maxCoeff() + d.centre.norm()));
         const Vec2 off = toSi(b->GetWorldCenter(), 1.0) - impl_->scale * centre;
         const bool arrived = off.cwiseAbs().maxCoeff() < rounding &&
@@ -427,12 +428,12 @@ void Box2dPort::stepped(double dt) {
     }
 }
 
-std::uint64_t Box2dPort::refused() const {
-    return impl_->refused;
+std::uint64_t Box2dPort::errorCount() const {
+    return impl_->errorCount;
 }
 
-const std::string& Box2dPort::lastRefusal() const {
-    return impl_->lastRefusal;
+const std::string& Box2dPort::lastError() const {
+    return impl_->lastError;
 }
 
 Attachment attach(b2World& world, const Options& options) {
@@ -447,14 +448,14 @@ void Attachment::set_name(const b2Body& body, const std::string& name) const {
 std::uint64_t Attachment::body_id(const b2Body& body) const {
     return port_->idOf(body);
 }
-void Attachment::forget(const b2Body& body) const {
-    port_->forget(body);
+void Attachment::notify_destroyed(const b2Body& body) const {
+    port_->notifyDestroyed(body);
 }
-std::uint64_t Attachment::refused() const {
-    return port_->refused();
+std::uint64_t Attachment::error_count() const {
+    return port_->errorCount();
 }
-std::string Attachment::last_refusal() const {
-    return port_->lastRefusal();
+std::string Attachment::last_error() const {
+    return port_->lastError();
 }
 
 } // namespace supercircle::bridge

@@ -1,5 +1,5 @@
 #pragma once
-// The core's port on a Box2D 2.4.1 world that belongs to the user. The only float <-> double border of the project.
+// The core's port on a Box2D 2.4.1 world that belongs to the user. Here float and double meet, and nowhere else.
 
 #include "bridge/box2d/include/supercircle/box2d.hpp"
 #include "supercircle/step/port.h"
@@ -12,25 +12,24 @@
 
 namespace supercircle::bridge {
 
-/// A step::Port on a b2World. It keeps a pointer to the world, which must outlive it, and no other pointer is followed
-/// before the world's own body list has confirmed it.
+/// A step::Port on a b2World. It keeps a pointer to the world, which must outlive it. No other pointer is dereferenced
+/// before the world's body list has confirmed it.
 ///
 /// Scales, with L = units_per_metre: lengths, velocities, gravity, forces and impulses times L; inertia, torque and
 /// angular impulse times L^2; mass, time and angles as they are.
 ///
-/// Body ids. Box2D tells nobody when a body is destroyed, and hands its address to the next one. Ids rely on the world
-/// keeping its bodies in order of creation: a body whose place in that order changed is a new one. One case cannot be
-/// seen that way: the youngest body is destroyed and one is made at its address before the port looks again. It is told
-/// apart by type, user data, mass, inertia and fixtures; when all of these agree too, the successor inherits the id
-/// (its pose and velocity are read afresh, so nothing physical is stale). Call forget() where that matters. Bodies
-/// destroyed between two calls of query() are noticed by query(), and by the others as soon as the world's body count
-/// or youngest body differ.
+/// Body ids. Box2D does not report the destruction of a body and reuses its address. Ids rely on the order of creation
+/// in which the world keeps its bodies: a body whose position in that order changed is a new one. One case needs more:
+/// the youngest body is destroyed and another one is created at its address. It is distinguished by type, user data,
+/// mass, inertia and fixtures. If all of these agree, the new body inherits the id; its pose and velocity are read
+/// anew. Call notifyDestroyed() where that matters. query() notices destroyed bodies; the other calls notice them when
+/// the world's body count or youngest body differ.
 ///
-/// Locked world (inside its callbacks): reading works; applyImpulse and drive wait, in order, for the first call on the
-/// port after the world is unlocked.
+/// Locked world (inside its callbacks): reading works; applyImpulse and drive are deferred, in order, to the first call
+/// of the port after the world is unlocked.
 ///
-/// Bad numbers and misuse (non-finite values, drive on a body that is not kinematic) never reach Box2D, which would
-/// abort: the call changes nothing, refused() counts it and lastRefusal() says why.
+/// Invalid calls (non-finite values, drive on a body that is not kinematic) do not reach Box2D, which would abort. Such
+/// a call changes nothing; errorCount() counts it and lastError() gives the reason.
 class Box2dPort : public step::Port {
 public:
     Box2dPort(b2World& world, const Options& options);
@@ -45,7 +44,7 @@ public:
     /// single edges are joined to theirs.
     void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override;
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
-    /// Contacts by the manifolds of the present poses (those the coming step will find) with the impulses of the last
+    /// Contacts by the manifolds of the present poses (those the next step will find) with the impulses of the last
     /// step; gear joints are left out (bridge/box2d/constraints.h).
     void constraints(const std::vector<step::BodyId>& seeds, double dt, step::HostConstraints& out) const override;
     void impulses(double dt, step::HostConstraints& io) const override;
@@ -55,26 +54,26 @@ public:
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
     [[nodiscard]] step::BodyId find(const std::string& name) const override;
-    /// Makes the bodies and joints in the world (scale of this port, not of the definition), names them for find(), and
-    /// gives the world the definition's gravity.
+    /// Creates the bodies and joints in the world (scale of this port, not of the definition), names them for find(),
+    /// and sets the world's gravity.
     std::string build(const step::RigidWorldDefinition& definition) override;
 
     /// All outlines of all enabled bodies, sorted by (body, key).
     void everything(std::vector<step::BodyOutline>& out) const;
     /// The id of a body of this world; 0 if it is not one.
     [[nodiscard]] step::BodyId idOf(const b2Body& body) const;
-    /// The body, or null when it no longer exists. Valid until the user destroys it.
+    /// The body, or null if it has been destroyed. Valid until the user destroys it.
     [[nodiscard]] b2Body* bodyOf(step::BodyId body) const;
     /// Names a body of this world for find(); a later body of the same name replaces the earlier one.
     void setName(const b2Body& body, const std::string& name);
-    /// Tells that this body is about to be destroyed: its id dies here, whatever comes to its address.
-    void forget(const b2Body& body);
-    /// After world.Step(dt): tells how long it was (Box2D's impulses are of that step) and lets driven bodies be
-    /// reported at the exact end of their motion (to the last double) instead of Box2D's rounded one. Optional.
+    /// Call this before destroying a body: its id ends here, whatever is created at its address.
+    void notifyDestroyed(const b2Body& body);
+    /// After world.Step(dt), dt in s: Box2D's impulses are those of this step. Driven bodies are then reported at the
+    /// exact end of their motion in double precision instead of Box2D's rounded one. Optional.
     void stepped(double dt);
 
-    [[nodiscard]] std::uint64_t refused() const;
-    [[nodiscard]] const std::string& lastRefusal() const;
+    [[nodiscard]] std::uint64_t errorCount() const;
+    [[nodiscard]] const std::string& lastError() const;
 
 private:
     struct Impl;

@@ -21,7 +21,7 @@ float toFloat(double v) {
     return static_cast<float>(v);
 }
 
-/// A chain that is solid from both sides is a row of Box2D's two-sided edges.
+/// A two-sided chain is a row of Box2D's two-sided edges.
 void addTwoSided(b2Body& body, b2FixtureDef& def, const std::vector<b2Vec2>& points, bool loop) {
     for (std::size_t i = 0; i + (loop ? 0 : 1) < points.size(); ++i) {
         const b2Vec2& next = points[(i + 1) % points.size()];
@@ -98,7 +98,7 @@ b2Body* addBody(b2World& world, const BodyDefinition& d, double scale) {
     b2Body* body = world.CreateBody(&def);
     for (const FixtureDefinition& f : d.fixtures)
         addFixture(*body, f, scale);
-    if (d.massData && d.massData->mass > 0.0) { // exporters write 0 for what has no mass of its own
+    if (d.massData && d.massData->mass > 0.0) { // exporters write 0 for bodies without mass data
         b2MassData mass;
         mass.mass = toFloat(d.massData->mass);
         mass.center = toHost(d.massData->centre, scale);
@@ -108,7 +108,7 @@ b2Body* addBody(b2World& world, const BodyDefinition& d, double scale) {
     return body;
 }
 
-/// Fills what all joints share and hands the definition to the world.
+/// Sets the common fields of all joints and creates the joint.
 template <class Def>
 void create(b2World& world, Def& def, const JointDefinition& j, b2Body* a, b2Body* b) {
     def.bodyA = a;

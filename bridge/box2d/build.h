@@ -1,5 +1,5 @@
 #pragma once
-// Rigid bodies and joints from plain definitions, in a Box2D world that exists.
+// Creates rigid bodies and joints from plain definitions in an existing Box2D world.
 
 #include "supercircle/step/rigid_definition.h"
 
@@ -10,8 +10,8 @@ class b2World;
 
 namespace supercircle::bridge {
 
-/// Makes the bodies, fixtures and joints of a definition that checkDefinition (rigid_check.h) has passed, with
-/// definition.lengthScale host units per metre. In the order of the definition.
+/// Creates the bodies, fixtures and joints of a definition that has passed checkDefinition (rigid_check.h), with
+/// definition.lengthScale host units per metre. Returns the bodies in the order of the definition.
 std::vector<b2Body*> buildBodies(const step::RigidWorldDefinition& definition, b2World& world);
 
 } // namespace supercircle::bridge

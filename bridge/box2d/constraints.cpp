@@ -1,6 +1,6 @@
-// The rows are those of Box2D 2.4.1's own velocity solver (b2_*_joint.cpp), soft ones with its implicit softness
-// gamma = 1 / (dt (damping + dt stiffness)), bias = C dt stiffness gamma, written as force - (damping + dt stiffness)
-// v.
+// The rows are those of Box2D 2.4.1's own velocity solver (b2_*_joint.cpp). Soft rows use its implicit softness
+// gamma = 1 / (dt (damping + dt stiffness)), bias = C dt stiffness gamma, written as
+// force - (damping + dt stiffness) v.
 
 #include "bridge/box2d/constraints.h"
 
@@ -19,30 +19,30 @@ using step::Vec2;
 
 namespace {
 
-Vec2 wide(const b2Vec2& v) {
+Vec2 toDouble(const b2Vec2& v) {
     return {static_cast<double>(v.x), static_cast<double>(v.y)};
 }
 
-/// A joint's bodies, and rows between them. Lengths become SI here.
+/// The bodies of a joint and the rows between them, in SI units.
 class JointRows {
 public:
     JointRows(const BodyRegistry& registry, b2Joint& joint, double scale, double dt, double lastDt,
               std::vector<HostRow>& out)
         : a_(joint.GetBodyA()), b_(joint.GetBodyB()), idA_(registry.id(a_)), idB_(registry.id(b_)), scale_(scale),
           dt_(dt), inverseLast_(lastDt > 0.0 ? static_cast<float>(1.0 / lastDt) : 0.0F),
-          force_(wide(joint.GetReactionForce(inverseLast_)) / scale),
+          force_(toDouble(joint.GetReactionForce(inverseLast_)) / scale),
           torque_(static_cast<double>(joint.GetReactionTorque(inverseLast_)) / (scale * scale)), out_(out) {}
 
     void add(b2Joint& joint);
 
 private:
     [[nodiscard]] Vec2 armA(const b2Vec2& anchor) const {
-        return wide(b2Mul(a_->GetTransform().q, anchor - a_->GetLocalCenter())) / scale_;
+        return toDouble(b2Mul(a_->GetTransform().q, anchor - a_->GetLocalCenter())) / scale_;
     }
     [[nodiscard]] Vec2 armB(const b2Vec2& anchor) const {
-        return wide(b2Mul(b_->GetTransform().q, anchor - b_->GetLocalCenter())) / scale_;
+        return toDouble(b2Mul(b_->GetTransform().q, anchor - b_->GetLocalCenter())) / scale_;
     }
-    [[nodiscard]] Vec2 apart() const { return wide(b_->GetWorldCenter() - a_->GetWorldCenter()) / scale_; }
+    [[nodiscard]] Vec2 apart() const { return toDouble(b_->GetWorldCenter() - a_->GetWorldCenter()) / scale_; }
     HostRow& row(const Vec2& axisA, double turnA, const Vec2& axisB, double turnB, double last) {
         HostRow r;
         r.a = idA_;
@@ -131,7 +131,7 @@ void JointRows::revolute(b2RevoluteJoint& j) {
 void JointRows::prismatic(b2PrismaticJoint& j) {
     const Vec2 rA = armA(j.GetLocalAnchorA()), rB = armB(j.GetLocalAnchorB());
     const Vec2 d = apart() + rB - rA;
-    const Vec2 axis = wide(b2Mul(a_->GetTransform().q, j.GetLocalAxisA()));
+    const Vec2 axis = toDouble(b2Mul(a_->GetTransform().q, j.GetLocalAxisA()));
     along(perp(axis), d + rA, rB);
     angular(torque_);
     const double motorForce = j.IsMotorEnabled() ? static_cast<double>(j.GetMotorForce(inverseLast_)) / scale_ : 0.0;
@@ -152,7 +152,7 @@ void JointRows::distance(b2DistanceJoint& j) {
     const Vec2 d = apart() + rB - rA;
     const double length = d.norm();
     if (length * scale_ <= static_cast<double>(b2_linearSlop))
-        return; // Box2D has no direction either
+        return; // no direction, as in Box2D
     const Vec2 axis = d / length;
     const double lower = static_cast<double>(j.GetMinLength()) / scale_;
     const double upper = static_cast<double>(j.GetMaxLength()) / scale_;
@@ -166,7 +166,7 @@ void JointRows::distance(b2DistanceJoint& j) {
     HostRow r = along(axis, rA, rB);
     out_.pop_back();
     if (j.GetStiffness() > 0.0F)
-        r.last = 0.0; // the spring's row has the whole
+        r.last = 0.0; // the force belongs to the spring's row
     limits(r, length, lower, upper);
 }
 
@@ -182,7 +182,7 @@ void JointRows::weld(b2WeldJoint& j) {
 void JointRows::wheel(b2WheelJoint& j) {
     const Vec2 rA = armA(j.GetLocalAnchorA()), rB = armB(j.GetLocalAnchorB());
     const Vec2 d = apart() + rB - rA;
-    const Vec2 axis = wide(b2Mul(a_->GetTransform().q, j.GetLocalAxisA()));
+    const Vec2 axis = toDouble(b2Mul(a_->GetTransform().q, j.GetLocalAxisA()));
     along(perp(axis), d + rA, rB);
     if (j.GetStiffness() > 0.0F)
         soften(along(axis, d + rA, rB), d.dot(axis), static_cast<double>(j.GetStiffness()),
@@ -196,7 +196,7 @@ void JointRows::wheel(b2WheelJoint& j) {
     if (j.IsLimitEnabled()) {
         HostRow r = along(axis, d + rA, rB);
         out_.pop_back();
-        r.last = 0.0; // mixed with the spring's
+        r.last = 0.0; // cannot be separated from the spring's force
         limits(r, d.dot(axis), static_cast<double>(j.GetLowerLimit()) / scale_,
                static_cast<double>(j.GetUpperLimit()) / scale_);
     }
@@ -205,7 +205,7 @@ void JointRows::wheel(b2WheelJoint& j) {
 void JointRows::friction(b2FrictionJoint& j) {
     const Vec2 rA = armA(j.GetLocalAnchorA()), rB = armB(j.GetLocalAnchorB());
     const double force = static_cast<double>(j.GetMaxForce()) / scale_;
-    // Box2D bounds the length of the force: along its last direction, and across.
+    // Box2D limits the magnitude of the force: rows along its last direction and across.
     const bool known = force_.norm() > 1e-6 * force;
     const Vec2 axis = known ? Vec2(force_.normalized()) : Vec2::UnitX();
     HostRow& first = along(axis, rA, rB);
@@ -229,15 +229,15 @@ void JointRows::motorJoint(b2MotorJoint& j) {
 }
 
 void JointRows::mouse(b2MouseJoint& j) {
-    const Vec2 rB = wide(j.GetAnchorB() - b_->GetWorldCenter()) / scale_;
-    const Vec2 error = wide(j.GetAnchorB() - j.GetTarget()) / scale_;
+    const Vec2 rB = toDouble(j.GetAnchorB() - b_->GetWorldCenter()) / scale_;
+    const Vec2 error = toDouble(j.GetAnchorB() - j.GetTarget()) / scale_;
     const double stiffness = static_cast<double>(j.GetStiffness()), damping = static_cast<double>(j.GetDamping());
     const double strength = static_cast<double>(j.GetMaxForce()) / scale_;
     for (const Vec2& axis : {Vec2(Vec2::UnitX()), Vec2(Vec2::UnitY())}) {
         HostRow& r = row(Vec2::Zero(), 0.0, axis, cross(rB, axis), force_.dot(axis));
         r.a = 0;
         soften(r, error.dot(axis), stiffness, damping);
-        if (stiffness * error.norm() > strength || force_.norm() >= 0.99 * strength) { // at its strength: a force
+        if (stiffness * error.norm() > strength || force_.norm() >= 0.99 * strength) { // at its largest force: constant
             r.damping = 0.0;
             r.force = -strength * error.dot(axis) / std::max(error.norm(), 1e-12);
         }
@@ -245,14 +245,15 @@ void JointRows::mouse(b2MouseJoint& j) {
 }
 
 void JointRows::pulley(b2PulleyJoint& j) {
-    const Vec2 toA = wide(j.GetAnchorA() - j.GetGroundAnchorA()), toB = wide(j.GetAnchorB() - j.GetGroundAnchorB());
+    const Vec2 toA = toDouble(j.GetAnchorA() - j.GetGroundAnchorA()),
+               toB = toDouble(j.GetAnchorB() - j.GetGroundAnchorB());
     const double least = 10.0 * static_cast<double>(b2_linearSlop);
     if (toA.norm() < least || toB.norm() < least)
         return;
     const Vec2 uA = toA.normalized(), uB = static_cast<double>(j.GetRatio()) * toB.normalized();
-    const Vec2 rA = wide(j.GetAnchorA() - a_->GetWorldCenter()) / scale_;
-    const Vec2 rB = wide(j.GetAnchorB() - b_->GetWorldCenter()) / scale_;
-    // The joint's "reaction" is its impulse along uB without the ratio, and against what acts on b.
+    const Vec2 rA = toDouble(j.GetAnchorA() - a_->GetWorldCenter()) / scale_;
+    const Vec2 rB = toDouble(j.GetAnchorB() - b_->GetWorldCenter()) / scale_;
+    // The joint's reaction is its impulse along uB without the ratio, with opposite sign.
     row(-uA, -cross(rA, uA), -uB, -cross(rB, uB), force_.dot(uB) / uB.norm());
 }
 
@@ -291,10 +292,10 @@ void appendJoint(const BodyRegistry& registry, b2Joint& joint, double scale, dou
 
 /// Relative velocity of b at a point.
 Vec2 relativeVelocity(const b2Body& a, const b2Body& b, const b2Vec2& at) {
-    return wide(b.GetLinearVelocityFromWorldPoint(at) - a.GetLinearVelocityFromWorldPoint(at));
+    return toDouble(b.GetLinearVelocityFromWorldPoint(at) - a.GetLinearVelocityFromWorldPoint(at));
 }
 
-/// Tells the points of one body pair apart: addresses of fixtures serve as names only and order nothing.
+/// Distinguishes the points of one body pair. Addresses of fixtures serve as names only, not as an order.
 std::uint64_t keyOf(b2Contact& contact, const b2ManifoldPoint& point) {
     const auto name = [](const void* p) { return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(p)); };
     std::uint64_t key = name(contact.GetFixtureA()) * 0x9E3779B97F4A7C15ULL + name(contact.GetFixtureB());
@@ -305,8 +306,8 @@ std::uint64_t keyOf(b2Contact& contact, const b2ManifoldPoint& point) {
     return key;
 }
 
-/// The manifold the coming step will find (what the contact shows is that of the last step's start), with the impulses
-/// of the points that stay.
+/// The manifold of the next step, with the impulses of the points that persist. The contact itself still has the
+/// manifold of the last step's start.
 b2Manifold presentManifold(b2Contact& contact) {
     b2Manifold m{};
     contact.Evaluate(&m, contact.GetFixtureA()->GetBody()->GetTransform(),
@@ -323,7 +324,7 @@ b2Manifold presentManifold(b2Contact& contact) {
     return m;
 }
 
-/// False when the shapes do not touch.
+/// Returns false if the shapes do not touch.
 bool appendContact(const BodyRegistry& registry, b2Contact& contact, double scale, double lastDt,
                    std::vector<HostContact>& out) {
     const b2Manifold manifold = presentManifold(contact);
@@ -339,12 +340,12 @@ bool appendContact(const BodyRegistry& registry, b2Contact& contact, double scal
         c.point = manifold.points[i].id.key;
         c.a = registry.id(&a);
         c.b = registry.id(&b);
-        c.armA = wide(world.points[i] - a.GetWorldCenter()) / scale;
-        c.armB = wide(world.points[i] - b.GetWorldCenter()) / scale;
-        c.normal = wide(world.normal).normalized();
+        c.armA = toDouble(world.points[i] - a.GetWorldCenter()) / scale;
+        c.armB = toDouble(world.points[i] - b.GetWorldCenter()) / scale;
+        c.normal = toDouble(world.normal).normalized();
         c.friction = static_cast<double>(contact.GetFriction());
         c.conveyor = -static_cast<double>(contact.GetTangentSpeed()) / scale; // its tangent is -perp(normal)
-        const double approach = -relativeVelocity(a, b, world.points[i]).dot(wide(world.normal));
+        const double approach = -relativeVelocity(a, b, world.points[i]).dot(toDouble(world.normal));
         if (approach > static_cast<double>(contact.GetRestitutionThreshold()))
             c.bounce = static_cast<double>(contact.GetRestitution()) * approach / scale;
         c.normalForce = std::max(0.0, static_cast<double>(manifold.points[i].normalImpulse)) * perTime;
@@ -367,10 +368,10 @@ void readImpulse(b2Contact& contact, double scale, HostContact& c) {
         c.hostTangent = -static_cast<double>(m.points[i].tangentImpulse) / scale;
         c.told = contact.IsTouching();
     }
-    c.lost = !c.told; // a second look within the step, at its impacts with static bodies, replaced the manifold
+    c.lost = !c.told; // continuous collision within the step has replaced the manifold
 }
 
-/// False when it is in already.
+/// Returns false if the id is in the list already.
 bool insertSorted(std::vector<BodyId>& ids, BodyId id) {
     const auto at = std::lower_bound(ids.begin(), ids.end(), id);
     if (at != ids.end() && *at == id)
@@ -386,10 +387,10 @@ bool pushes(const b2Contact& contact) {
 }
 
 void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& seeds, double unitsPerMetre, double dt,
-                       double lastDt, ConstraintWork& work, step::HostConstraints& out) {
+                       double lastDt, ConstraintWorkspace& work, step::HostConstraints& out) {
     out.farthest = static_cast<double>(b2_maxTranslation) / unitsPerMetre;
     out.mostTurn = static_cast<double>(b2_maxRotation);
-    std::vector<BodyId>& found = work.found; // in the order of the walk; `in` has them sorted
+    std::vector<BodyId>& found = work.found; // in the order of the search; `in` has them sorted
     std::vector<BodyId>&in = work.in, &done = work.done;
     found.clear();
     in.clear();
@@ -398,14 +399,14 @@ void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& 
         found.push_back(id);
         insertSorted(in, id);
     }
-    const auto take = [&](const b2Body* body) {
+    const auto visit = [&](const b2Body* body) {
         if (const BodyId id = registry.id(body); id != 0 && insertSorted(in, id))
             found.push_back(id);
     };
     const auto isDone = [&](const b2Body* body) {
         return std::binary_search(done.begin(), done.end(), registry.id(body));
     };
-    // A constraint is taken by the first of its bodies.
+    // A constraint is appended at the first of its bodies.
     for (std::size_t i = 0; i < found.size(); ++i) {
         b2Body* body = registry.body(found[i]);
         if (body == nullptr || body->GetType() != b2_dynamicBody || !body->IsEnabled())
@@ -414,19 +415,19 @@ void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& 
             if (!pushes(*e->contact) || isDone(e->other))
                 continue;
             if (appendContact(registry, *e->contact, unitsPerMetre, lastDt, out.contacts))
-                take(e->other);
+                visit(e->other);
         }
         for (b2JointEdge* e = body->GetJointList(); e != nullptr; e = e->next) {
             if (!e->joint->IsEnabled() || isDone(e->other))
                 continue;
             appendJoint(registry, *e->joint, unitsPerMetre, dt, lastDt, out.rows);
-            take(e->other);
+            visit(e->other);
         }
         insertSorted(done, found[i]);
     }
 }
 
-void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt, ConstraintWork& work,
+void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt, ConstraintWorkspace& work,
                   step::HostConstraints& io) {
     for (HostContact& c : io.contacts) {
         b2Body *a = registry.body(c.a), *b = registry.body(c.b);

@@ -1,4 +1,4 @@
 #pragma once
-// Shells in a picture that b2Draw makes: the public header has it all.
+// Draws shells with a b2Draw; see the public header.
 
 #include "bridge/box2d/include/supercircle/box2d_draw.hpp"

@@ -51,7 +51,7 @@ public:
 
     void step(double dt) override {
         if (!std::isfinite(dt) || dt <= 0.0)
-            throw std::invalid_argument("the host world steps by finite positive times only");
+            throw std::invalid_argument("the time step of the host world must be finite and positive");
         world_.Step(static_cast<float>(dt), kVelocityIterations, kPositionIterations);
         port_.stepped(dt);
     }
@@ -64,7 +64,7 @@ private:
 } // namespace
 
 std::unique_ptr<step::HostWorld> makeWorld(const RigidWorldDefinition& definition, std::string& error) {
-    error = checkDefinition(definition); // before there is a world: a bad length scale must not reach it
+    error = checkDefinition(definition); // before the world exists: an invalid length scale must not reach it
     if (!error.empty())
         return nullptr;
     auto lab = std::make_unique<LabWorld>(definition);

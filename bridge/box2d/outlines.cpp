@@ -1,6 +1,6 @@
-// Which side is solid. Box2D's one-sided edges v1 -> v2 hold what is on their right; the core's outlines have their
-// solid on the right and hold what is on their left. So one-sided edges change direction here, and a shell is held on
-// the side where Box2D holds its own bodies.
+// Which side is solid: bodies stay on the right of Box2D's one-sided edges v1 -> v2. The core's outlines have their
+// solid on the right, and rods stay on the left. One-sided edges therefore change direction here, so that a shell stays
+// on the side on which Box2D keeps its own bodies.
 
 #include "bridge/box2d/outlines.h"
 
@@ -29,7 +29,7 @@ void edge(const b2EdgeShape& shape, const ToLocal& local, Outline& out) {
         return;
     }
     out.kind = OutlineKind::OneSided;
-    out.points = {local(shape.m_vertex2), local(shape.m_vertex1)}; // turned round, see the top
+    out.points = {local(shape.m_vertex2), local(shape.m_vertex1)}; // reversed, see the top of this file
     out.joinedStart = out.joinedEnd = true;
     out.neighbourStart = local(shape.m_vertex3);
     out.neighbourEnd = local(shape.m_vertex0);
@@ -39,9 +39,9 @@ void chainEdge(const b2ChainShape& shape, int32 child, const ToLocal& local, Out
     out.kind = OutlineKind::OneSided;
     const b2Vec2* v = shape.m_vertices;
     const int32 last = shape.m_count - 1;
-    out.points = {local(v[child + 1]), local(v[child])}; // turned round, see the top
-    // Box2D asks for ghost vertices at the ends of an open chain, but no edge stands there, and people put them
-    // anywhere: an end is a corner of its own. A loop repeats its first vertex as the last.
+    out.points = {local(v[child + 1]), local(v[child])}; // reversed, see the top of this file
+    // Box2D needs ghost vertices at the ends of an open chain, but there is no edge, and their positions are arbitrary:
+    // an end is a free corner. A loop repeats its first vertex as the last.
     const bool loop = v[0].x == v[last].x && v[0].y == v[last].y;
     out.joinedStart = loop || child + 1 < last;
     out.joinedEnd = loop || child > 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Box2D shapes as the outlines the core knows.
+// Converts Box2D shapes to outlines of the core.
 
 #include "supercircle/step/port.h"
 
@@ -9,10 +9,10 @@
 namespace supercircle::bridge {
 
 /// Child `child` of a fixture as an outline in SI units, in the frame of its body (origin at the centre of mass,
-/// unrotated). `key` is taken as given.
+/// unrotated). `key` is copied.
 contact::Outline outlineOf(const b2Fixture& fixture, int32 child, double unitsPerMetre, std::uint32_t key);
 
-/// False for what no shell ever touches: sensors, and fixtures that collide with no category.
+/// False for fixtures that no shell touches: sensors, and fixtures that collide with no category.
 bool isSolid(const b2Fixture& fixture);
 
 } // namespace supercircle::bridge

@@ -1,5 +1,6 @@
-// Edges are edited in place and synchronised by SetTransform: making fixtures anew costs many times more and would end
-// and begin every contact in each frame. An outline's number of edges only grows; spare ones have no length.
+// Edges are edited in place and synchronised by SetTransform. Creating fixtures anew costs many times more and would
+// end and begin every contact in each frame. The number of edges of an outline only grows; spare edges have zero
+// length.
 
 #include "bridge/box2d/include/supercircle/box2d_proxies.hpp"
 
@@ -13,7 +14,7 @@ namespace supercircle::bridge {
 
 namespace {
 
-constexpr double kFarthest = 1e7; ///< Box2D units, as in the port: beyond it floats mean little
+constexpr double kFarthest = 1e7; ///< Box2D units, as in the port: floats are too coarse beyond it
 
 bool fits(const std::vector<Point>& points, double scale) {
     return std::all_of(points.begin(), points.end(), [&](const Point& p) {
@@ -33,7 +34,7 @@ void addEdges(b2Body& body, std::size_t count, std::uint16_t category, std::uint
         body.CreateFixture(&def);
 }
 
-/// Lays the body's edges along the closed line.
+/// Places the body's edges along the closed line.
 void layEdges(b2Body& body, const std::vector<Point>& points, double scale) {
     std::size_t i = 0;
     for (b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext(), ++i) {
@@ -41,7 +42,7 @@ void layEdges(b2Body& body, const std::vector<Point>& points, double scale) {
         const std::size_t b = std::min(i + 1, points.size()) % points.size();
         static_cast<b2EdgeShape*>(f->GetShape())->SetTwoSided(toHost(points[a], scale), toHost(points[b], scale));
     }
-    body.SetTransform({0.0F, 0.0F}, 0.0F); // tells the broad phase
+    body.SetTransform({0.0F, 0.0F}, 0.0F); // updates the broad phase
 }
 
 std::size_t fixtures(const b2Body& body) {
@@ -82,11 +83,11 @@ bool ShellProxies::end() {
         if (k == bodies_.size()) {
             b2BodyDef def;
             def.type = b2_kinematicBody;
-            def.allowSleep = false; // a sleeping pair would not look whether it still touches
+            def.allowSleep = false; // a sleeping pair would not update its contact
             bodies_.push_back(world_->CreateBody(&def));
         }
         if (outlines_[k].size() < 2 || !fits(outlines_[k], scale_))
-            continue; // stays where it was
+            continue; // keeps its last position
         if (const std::size_t have = fixtures(*bodies_[k]); have < outlines_[k].size())
             addEdges(*bodies_[k], outlines_[k].size() - have, category, mask);
         layEdges(*bodies_[k], outlines_[k], scale_);

@@ -1,5 +1,5 @@
 #pragma once
-// What Box2D 2.4.1 can carry: it answers most bad definitions by aborting the process, so they are refused before.
+// Limits of Box2D 2.4.1. It answers most invalid definitions by aborting the process, so they are refused before.
 
 #include "supercircle/step/rigid_definition.h"
 
@@ -7,7 +7,7 @@
 
 namespace supercircle::bridge {
 
-/// Empty when the definition can be built, else one sentence: what, where, which limit.
+/// Empty if the definition is valid, else one sentence: what is wrong, where, and the limit.
 std::string checkDefinition(const step::RigidWorldDefinition& definition);
 
 } // namespace supercircle::bridge

@@ -1,5 +1,5 @@
 #pragma once
-// The float border: places and vectors in metres as Box2D sees them (private to bridge/).
+// Conversion of positions and vectors in metres to Box2D units (private to bridge/).
 
 #include <supercircle/definitions.hpp>
 

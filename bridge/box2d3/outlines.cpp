@@ -1,15 +1,15 @@
-// Which side is solid. Box2D's chain segments p1 -> p2 hold what is on their right; the core's outlines have their
-// solid on the right and hold what is on their left. So chain segments change direction here.
+// Which side is solid: bodies stay on the right of Box2D's chain segments p1 -> p2. The core's outlines have their
+// solid on the right, and rods stay on the left. Chain segments therefore change direction here.
 //
-// Ends of open chains. Box2D 3 makes no segment of the first and last edge of an open chain: they are ghosts for the
-// others. The ends of the segments there are corners of their own for shells, whether another chain goes on or not: a
-// corner in the middle of a smooth wall is harmless, a missing one is a hole.
+// Ends of open chains: Box2D 3 makes no segment of the first and last edge of an open chain; they are ghosts. The ends
+// of the other segments are free corners for shells, even if another chain continues there. A corner in a smooth wall
+// is harmless, a missing one is a hole.
 
 #include "bridge/box2d3/outlines.h"
 
 #include <vector>
 
-namespace supercircle::box3 {
+namespace supercircle::box2d3 {
 
 namespace {
 
@@ -36,7 +36,7 @@ bool same(const b2Vec2& a, const b2Vec2& b) {
 void chainSegment(b2ShapeId shape, const ToLocal& local, Outline& out) {
     const b2ChainSegment c = b2Shape_GetChainSegment(shape);
     out.kind = OutlineKind::OneSided;
-    out.points = {local(c.segment.point2), local(c.segment.point1)}; // turned round, see the top
+    out.points = {local(c.segment.point2), local(c.segment.point1)}; // reversed, see the top of this file
     const b2ChainId chain = b2Shape_GetParentChain(shape);
     std::vector<b2ShapeId> all(static_cast<std::size_t>(b2Chain_GetSegmentCount(chain)));
     all.resize(static_cast<std::size_t>(b2Chain_GetSegments(chain, all.data(), static_cast<int>(all.size()))));
@@ -107,4 +107,4 @@ Outline outlineOf(b2ShapeId shape, double unitsPerMetre) {
     return out;
 }
 
-} // namespace supercircle::box3
+} // namespace supercircle::box2d3

@@ -13,22 +13,22 @@
 namespace supercircle::testbed {
 
 using frame::View;
-using report::Colour;
+using graphics::Colour;
 namespace look = frame::look;
 
 namespace {
 
 constexpr int kPieces = 60; ///< of a coloured shell
 
-void drawColoured(const Bed& bed, const View& view, const Layers& layers) {
-    const Shells& shells = bed.stage().shells();
+void drawColoured(const TestbedScene& scene, const View& view, const Layers& layers) {
+    const Shells& shells = scene.world().shells();
     double most = 1e-30; // one scale for all shells
     struct Piece {
         std::vector<Point> line;
         double value;
     };
     std::vector<Piece> pieces;
-    for (const ShellHandle shell : shells.list()) {
+    for (const ShellHandle shell : shells.shells()) {
         auto before = shells.section(shell, 0.0);
         for (int i = 1; before && i <= kPieces; ++i) {
             const auto now = shells.section(shell, static_cast<double>(i) / kPieces);
@@ -42,16 +42,16 @@ void drawColoured(const Bed& bed, const View& view, const Layers& layers) {
             before = now;
         }
     }
-    view.shells(bed.stage(), 1.0, [](ShellHandle) { return look::strip; }); // the edge, in one piece
+    view.shells(scene.world(), 1.0, [](ShellHandle) { return look::strip; }); // the edge, in one line
     for (const Piece& p : pieces)
         view.canvas().line(
             view.pixel(p.line.front()), view.pixel(p.line.back()),
-            {layers.energy ? report::energyColour(p.value / most) : report::signedColour(p.value / most), 4.0});
+            {layers.energy ? graphics::energyColour(p.value / most) : graphics::signedColour(p.value / most), 4.0});
 }
 
-/// Contact forces of the last inner step: lines as long as the square root of the force, so that weak ones are seen.
-void drawContacts(const Bed& bed, const View& view, const Layers& layers) {
-    Shells& shells = const_cast<Bed&>(bed).stage().shells(); // the core is only read
+/// Contact forces of the last inner step: lines as long as the square root of the force, so that weak ones are visible.
+void drawContacts(const TestbedScene& scene, const View& view, const Layers& layers) {
+    Shells& shells = const_cast<TestbedScene&>(scene).world().shells(); // the core is only read
     const step::Stepper& stepper = shells.stepper();
     const auto& candidates = stepper.lastCandidates();
     const auto& contacts = stepper.lastProblem().contacts;
@@ -68,7 +68,7 @@ void drawContacts(const Bed& bed, const View& view, const Layers& layers) {
         const contact::Candidate& c = candidates[i];
         const bool slips = std::abs(rt) >= (1.0 - 1e-6) * contacts[i].mu * rn;
         const Colour colour = layers.slip ? (slips ? look::bad : look::good) : look::ink;
-        const report::Point at = view.pixel({c.pointA.x(), c.pointA.y()});
+        const graphics::Point at = view.pixel({c.pointA.x(), c.pointA.y()});
         if (layers.contacts) {
             const double size = 60.0 * std::sqrt(rn / dt / most) / std::hypot(rn, rt);
             const double x = rn * c.normal.x() - rt * c.normal.y(), y = rn * c.normal.y() + rt * c.normal.x();
@@ -79,16 +79,16 @@ void drawContacts(const Bed& bed, const View& view, const Layers& layers) {
 }
 
 void drawBox(const View& view, Point lower, Point upper, const Colour& colour) {
-    const report::Point a = view.pixel({lower.x, upper.y}), b = view.pixel({upper.x, lower.y});
-    view.canvas().rectangle({a.x, a.y, b.x - a.x, b.y - a.y}, {.stroke = report::Stroke{colour, 1.0}});
+    const graphics::Point a = view.pixel({lower.x, upper.y}), b = view.pixel({upper.x, lower.y});
+    view.canvas().rectangle({a.x, a.y, b.x - a.x, b.y - a.y}, {.stroke = graphics::Stroke{colour, 1.0}});
 }
 
-void drawBoxes(const Bed& bed, const View& view) {
-    for (const ShellHandle shell : bed.stage().shells().list())
-        if (const auto m = bed.stage().shells().measure(shell))
+void drawBoxes(const TestbedScene& scene, const View& view) {
+    for (const ShellHandle shell : scene.world().shells().shells())
+        if (const auto m = scene.world().shells().state(shell))
             drawBox(view, m->box.lower, m->box.upper, look::accent.alpha(0.7));
-    const double u = bed.stage().units();
-    for (const frame::BodyPose& pose : bed.stage().bodies(1.0))
+    const double u = scene.world().units();
+    for (const frame::BodyPose& pose : scene.world().bodies(1.0))
         for (const b2Fixture* f = pose.body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
             const b2AABB box = f->GetAABB(0);
             drawBox(view, {static_cast<double>(box.lowerBound.x) / u, static_cast<double>(box.lowerBound.y) / u},
@@ -98,12 +98,12 @@ void drawBoxes(const Bed& bed, const View& view) {
 }
 
 /// The edges that ShellProxies makes, in a world of their own: the scene's own world stays as it is.
-void drawProxies(const Bed& bed, const View& view) {
+void drawProxies(const TestbedScene& scene, const View& view) {
     b2World world({0.0F, 0.0F});
-    const double u = bed.stage().units();
+    const double u = scene.world().units();
     bridge::ShellProxies proxies(world, u);
     proxies.begin();
-    if (!bed.stage().shells().draw(proxies, bridge::ShellProxies::options()) || !proxies.end())
+    if (!scene.world().shells().draw(proxies, bridge::ShellProxies::options()) || !proxies.end())
         return;
     for (const b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext())
         for (const b2Fixture* f = b->GetFixtureList(); f != nullptr; f = f->GetNext())
@@ -123,12 +123,12 @@ struct Line {
     Colour colour;
 };
 
-void drawPlot(frame::Canvas& canvas, const report::Rect& area, const std::string& title, const std::string& xLabel,
+void drawPlot(frame::Canvas& canvas, const graphics::Rect& area, const std::string& title, const std::string& xLabel,
               const std::vector<double>& xs, double xScale, const std::string& yUnit, const std::vector<Line>& lines) {
-    using namespace report;
+    using namespace graphics;
     canvas.rectangle(area, {.fill = look::strip, .stroke = Stroke{look::rule, 1.0}});
     canvas.text({area.x + 14.0, area.y + 22.0}, title, {.size = 14.0, .bold = true});
-    Range x{0.0, 0.0}, y{0.0, 0.0};
+    AxisRange x{0.0, 0.0}, y{0.0, 0.0};
     for (const double v : xs)
         x = {std::min(x.lo, v), std::max(x.hi, v)};
     for (const Line& line : lines)
@@ -138,7 +138,7 @@ void drawPlot(frame::Canvas& canvas, const report::Rect& area, const std::string
         x.hi = x.lo + 1e-3;
     if (!(y.span() > 0.0))
         y.hi = y.lo + 1e-3;
-    const Unit unit = readableUnit(std::max(std::abs(y.lo), std::abs(y.hi)), yUnit);
+    const DisplayUnit unit = readableUnit(std::max(std::abs(y.lo), std::abs(y.hi)), yUnit);
     const Rect inner{area.x + 62.0, area.y + 36.0, area.width - 80.0, area.height - 84.0};
     const Plot plot(inner, x, padded(y, 0.05));
     PlotStyle style;
@@ -186,31 +186,31 @@ std::string Layers::set(const std::string& names) {
     return {};
 }
 
-void drawScene(const Bed& bed, const View& view, const Layers& layers, double alpha) {
-    view.bodies(bed.stage(), alpha);
+void drawScene(const TestbedScene& scene, const View& view, const Layers& layers, double alpha) {
+    view.bodies(scene.world(), alpha);
     if (layers.curvature || layers.energy)
-        drawColoured(bed, view, layers);
+        drawColoured(scene, view, layers);
     else
-        view.shells(bed.stage(), alpha);
+        view.shells(scene.world(), alpha);
     if (layers.proxies)
-        drawProxies(bed, view);
+        drawProxies(scene, view);
     if (layers.boxes)
-        drawBoxes(bed, view);
+        drawBoxes(scene, view);
     if (layers.contacts || layers.slip)
-        drawContacts(bed, view, layers);
-    view.hand(bed.stage());
+        drawContacts(scene, view, layers);
+    view.drag(scene.world());
 }
 
-void drawCurves(const Bed& bed, frame::Canvas& canvas, const report::Rect& area) {
-    const Curves& c = bed.curves();
+void drawCurves(const TestbedScene& scene, frame::Canvas& canvas, const graphics::Rect& area) {
+    const Curves& c = scene.curves();
     const double half = 0.5 * (area.height - 12.0);
-    const bool machine = bed.stage().scene().protocol.has_value();
-    const report::Rect top{area.x, area.y, area.width, half};
-    if (machine)
+    const bool hasProtocol = scene.world().scene().protocol.has_value();
+    const graphics::Rect top{area.x, area.y, area.width, half};
+    if (hasProtocol)
         drawPlot(canvas, top, "Force and displacement", "mm", c.travel, 1e3, "N", {{"force", &c.force, look::bad}});
     else
         drawPlot(canvas, top, "Kinetic energy", "s", c.time, 1.0, "J", {{"kinetic", &c.kinetic, look::bad}});
-    drawPlot(canvas, {area.x, area.y + half + 12.0, area.width, half}, "Energy books", "s", c.time, 1.0, "J",
+    drawPlot(canvas, {area.x, area.y + half + 12.0, area.width, half}, "Energy balance", "s", c.time, 1.0, "J",
              {{"bending", &c.bending, look::accent},
               {"friction", &c.friction, look::bad},
               {"lost", &c.losses, look::muted}});

@@ -2,7 +2,7 @@
 // What the testbed can draw into a scene.
 
 #include "examples/games/frame/view.h"
-#include "examples/testbed/bed.h"
+#include "examples/testbed/testbed_scene.h"
 
 namespace supercircle::testbed {
 
@@ -19,9 +19,9 @@ struct Layers {
     [[nodiscard]] std::vector<std::pair<const char*, bool*>> all();
 };
 
-void drawScene(const Bed& bed, const frame::View& view, const Layers& layers, double alpha);
+void drawScene(const TestbedScene& scene, const frame::View& view, const Layers& layers, double alpha);
 
 /// Live curves at the right of the picture.
-void drawCurves(const Bed& bed, frame::Canvas& canvas, const report::Rect& area);
+void drawCurves(const TestbedScene& scene, frame::Canvas& canvas, const graphics::Rect& area);
 
 } // namespace supercircle::testbed

@@ -13,7 +13,7 @@ namespace {
 const char* const kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"; ///< as Cairo's here; else ImGui's own
 
 struct Target {
-    report::CairoCanvas::Pixels pixels;
+    graphics::CairoCanvas::Pixels pixels;
     const unsigned char* glyphs;
     int glyphsWidth, glyphsHeight;
 };
@@ -137,7 +137,7 @@ PanelContext::~PanelContext() {
     ImGui::DestroyContext();
 }
 
-void PanelContext::begin(double width, double height, report::Point mouse, bool button, double wheel) {
+void PanelContext::begin(double width, double height, graphics::Point mouse, bool button, double wheel) {
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
     io.DeltaTime = 1.0F / 60.0F; // scripts must not depend on the clock
@@ -155,7 +155,7 @@ void PanelContext::skip() {
     ImGui::EndFrame();
 }
 
-void PanelContext::draw(const report::CairoCanvas& picture) {
+void PanelContext::draw(const graphics::CairoCanvas& picture) {
     ImGui::Render();
     const ImDrawData* data = ImGui::GetDrawData();
     const Target target{picture.pixels(), glyphs_, glyphsWidth_, glyphsHeight_};
@@ -172,7 +172,7 @@ void PanelContext::draw(const report::CairoCanvas& picture) {
                 triangle(target, v, cmd.ClipRect);
             }
     }
-    picture.touched();
+    picture.markDirty();
 }
 
 } // namespace supercircle::testbed

@@ -1,6 +1,6 @@
 #pragma once
-// Dear ImGui without a window system or a graphics card: fed with Input, drawn by a small rasteriser into the picture
-// that Cairo made. One path for windows and PNG files, so that panels can be tested and shown without a display.
+// Dear ImGui without window system and graphics card: a small rasteriser draws it into the picture that Cairo made. It
+// is the same for windows and PNG files, so that panels can be tested without a display.
 
 #include "plugin/graphics/cairo_canvas.h"
 
@@ -15,9 +15,9 @@ public:
     PanelContext(const PanelContext&) = delete;
     PanelContext& operator=(const PanelContext&) = delete;
     /// Mouse in pixels; then call ImGui, then draw().
-    void begin(double width, double height, report::Point mouse, bool button, double wheel);
-    void draw(const report::CairoCanvas& picture);
-    void skip(); ///< instead of draw() when nobody looks
+    void begin(double width, double height, graphics::Point mouse, bool button, double wheel);
+    void draw(const graphics::CairoCanvas& picture);
+    void skip(); ///< instead of draw() when the picture is not shown
     /// The mouse belongs to a panel.
     [[nodiscard]] bool wantsMouse() const;
 

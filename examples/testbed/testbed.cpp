@@ -32,9 +32,9 @@ std::pair<double, double> usefulRange(const scene::Parameter& p) {
 
 class Testbed {
 public:
-    explicit Testbed(const Arguments& a) : arguments_(a), bed_(a) {}
+    explicit Testbed(const Arguments& a) : arguments_(a), scene_(a) {}
     std::string open() {
-        if (std::string why = bed_.open(); !why.empty())
+        if (std::string why = scene_.open(); !why.empty())
             return why;
         fit(false);
         if (!arguments_.show.empty())
@@ -45,18 +45,18 @@ public:
         return {};
     }
     /// One picture (drawn only if visible): panels and, unless paused, as many steps as the speed asks for.
-    void turn(Input& input, report::Point mouse, double wheel, report::CairoCanvas& canvas, bool visible, double width,
-              double height) {
+    void turn(Input& input, graphics::Point mouse, double wheel, graphics::CairoCanvas& canvas, bool visible,
+              double width, double height) {
         camera_.resize(width - kRight, height, kLeft);
         panels_.begin(width, height, mouse, input.buttonHeld(), wheel);
         keys(input);
         panel(height);
-        if (!panels_.wantsMouse() || bed_.stage().holding())
-            hand(input);
+        if (!panels_.wantsMouse() || scene_.world().dragging())
+            drag(input);
         due_ += paused_ ? (single_ ? 1.0 : 0.0) : static_cast<double>(speed_);
         for (single_ = false; due_ >= 1.0; due_ -= 1.0) {
-            bed_.step();
-            recorder_.motion(bed_.stage());
+            scene_.step();
+            recorder_.motion(scene_.world());
         }
         if (visible || recorder_.running()) {
             draw(canvas, width, height);
@@ -67,12 +67,12 @@ public:
         }
         if (restart_) {
             restart_ = false;
-            message_ = bed_.open();
+            message_ = scene_.open();
         }
         input.forget();
     }
     [[nodiscard]] frame::Camera& camera() { return camera_; }
-    [[nodiscard]] Bed& bed() { return bed_; }
+    [[nodiscard]] TestbedScene& scene() { return scene_; }
     [[nodiscard]] bool wantsMouse() const { return panels_.wantsMouse(); }
     [[nodiscard]] bool quit() const { return quit_; }
     [[nodiscard]] bool paused() const { return paused_; }
@@ -81,11 +81,11 @@ public:
 private:
     void fit(bool shellsOnly) {
         Point lower, upper;
-        bed_.extent(lower, upper, shellsOnly);
+        scene_.extent(lower, upper, shellsOnly);
         camera_.fit(lower, upper);
     }
     void keys(const Input& input);
-    void hand(const Input& input);
+    void drag(const Input& input);
     void panel(double height);
     void sliders();
     void buttons();
@@ -93,7 +93,7 @@ private:
     void record(const std::string& film) { message_ = recorder_.start(film, arguments_.width, arguments_.height); }
 
     Arguments arguments_;
-    Bed bed_;
+    TestbedScene scene_;
     PanelContext panels_;
     frame::Camera camera_;
     Layers layers_;
@@ -115,26 +115,26 @@ void Testbed::keys(const Input& input) {
     if (input.pressed("home") || input.pressed("f"))
         fit(input.pressed("f"));
     if (input.pressed("b"))
-        bed_.bomb(input.mouse());
+        scene_.pushAway(input.mouse());
     if (input.pressed("s"))
-        bed_.save();
+        scene_.save();
     if (input.pressed("l"))
-        bed_.restore();
+        scene_.restore();
 }
 
-void Testbed::hand(const Input& input) {
-    frame::Stage& stage = bed_.stage();
+void Testbed::drag(const Input& input) {
+    frame::GameWorld& world = scene_.world();
     if (input.clicked())
-        stage.take(input.mouse(), 14.0 / camera_.scale());
-    if (stage.holding())
-        stage.moveHand(input.mouse());
-    if (!input.buttonHeld() && stage.holding())
-        stage.letGo();
+        world.startDrag(input.mouse(), 14.0 / camera_.scale());
+    if (world.dragging())
+        world.moveMouse(input.mouse());
+    if (!input.buttonHeld() && world.dragging())
+        world.releaseMouse();
 }
 
 /// One slider for every parameter of the scene; letting go of it starts the scene again with the new value.
 void Testbed::sliders() {
-    for (const scene::Parameter& p : bed_.stage().scene().parameters) {
+    for (const scene::Parameter& p : scene_.world().scene().parameters) {
         auto& [low, high] = ranges_.try_emplace(p.name, usefulRange(p)).first->second;
         low = std::min(low, p.value);
         high = std::max(high, p.value);
@@ -145,7 +145,7 @@ void Testbed::sliders() {
         ImGui::SetNextItemWidth(135.0F);
         if (ImGui::SliderScalar(("##" + p.name).c_str(), ImGuiDataType_Double, &value, &low, &high,
                                 p.integer ? "%.0f" : "%.4g"))
-            bed_.set(p.name, p.integer ? std::round(value) : value);
+            scene_.set(p.name, p.integer ? std::round(value) : value);
         if (ImGui::IsItemDeactivatedAfterEdit())
             restart_ = true;
         if (ImGui::IsItemHovered() && !p.about.empty())
@@ -164,10 +164,10 @@ void Testbed::buttons() {
     if (ImGui::Button("Again (R)", size))
         restart_ = true;
     if (ImGui::Button("Save (S)", size))
-        bed_.save();
+        scene_.save();
     ImGui::SameLine();
     if (ImGui::Button("Load (L)", size))
-        bed_.restore();
+        scene_.restore();
     ImGui::SameLine();
     if (ImGui::Button(recorder_.running() ? "Stop rec." : "Record", size)) {
         if (recorder_.running())
@@ -195,11 +195,11 @@ void Testbed::panel(double height) {
     }
     ImGui::Separator();
     double sum = 0.0;
-    for (const auto& entry : bed_.profile())
+    for (const auto& entry : scene_.profile())
         sum += entry.second;
     ImGui::Text("one frame: %.2f ms in the shells' step", sum);
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {4.0F, 0.0F}); // bars as high as their words
-    for (const auto& [name, ms] : bed_.profile()) {
+    for (const auto& [name, ms] : scene_.profile()) {
         char text[32];
         std::snprintf(text, sizeof text, "%.3f ms", ms);
         ImGui::ProgressBar(sum > 0.0 ? static_cast<float>(ms / sum) : 0.0F, {150.0F, ImGui::GetTextLineHeight()}, "");
@@ -214,30 +214,31 @@ void Testbed::draw(frame::Canvas& canvas, double width, double height) {
     const frame::View view(canvas, camera_, width, height);
     view.background();
     canvas.pushClip({kLeft, look::top, width - kLeft - kRight, height - look::top - look::bottom});
-    drawScene(bed_, view, layers_, 1.0);
+    drawScene(scene_, view, layers_, 1.0);
     canvas.popClip();
-    drawCurves(bed_, canvas,
+    drawCurves(scene_, canvas,
                {width - kRight + 6.0, look::top + 10.0, kRight - 16.0, height - look::top - look::bottom - 20.0});
-    frame::Stage& stage = bed_.stage();
-    std::vector<frame::Status> status{{"phase", stage.player().phase()},
-                                      {"shells", std::to_string(stage.shells().size())},
-                                      {"time", frame::number(stage.shells().time(), 2) + " s"}};
-    if (stage.scene().protocol) {
-        status.push_back({"travel", frame::number(1e3 * stage.player().travel(), 2) + " mm"});
-        status.push_back({"force", frame::number(stage.player().force(), 3) + " N"});
+    frame::GameWorld& world = scene_.world();
+    std::vector<frame::StatusEntry> status{{"phase", world.player().phase()},
+                                           {"shells", std::to_string(world.shells().size())},
+                                           {"time", frame::number(world.shells().time(), 2) + " s"}};
+    if (world.scene().protocol) {
+        status.push_back({"travel", frame::number(1e3 * world.player().travel(), 2) + " mm"});
+        status.push_back({"force", frame::number(world.player().force(), 3) + " N"});
     }
-    const std::string trouble = !bed_.failure().empty() ? bed_.failure() : message_;
-    drawStrips(view, stage.scene().name, status,
-               !trouble.empty() ? trouble
-                                : "Drag shells and bodies; B: bomb at the mouse; wheel, right drag, F (shells), Home "
-                                  "(all): camera; Esc: quit");
+    const std::string trouble = !scene_.failure().empty() ? scene_.failure() : message_;
+    drawStrips(view, world.scene().name, status,
+               !trouble.empty()
+                   ? trouble
+                   : "Drag shells and bodies; B: push away from the mouse; wheel, right drag, F (shells), Home "
+                     "(all): camera; Esc: quit");
 }
 
 int headless(Testbed& testbed, const Arguments& a, frame::Script& script) {
     Input input;
-    for (int i = 0; i < std::max(a.frames, 1) && !testbed.quit() && testbed.bed().failure().empty(); ++i) {
+    for (int i = 0; i < std::max(a.frames, 1) && !testbed.quit() && testbed.scene().failure().empty(); ++i) {
         script.play(static_cast<std::uint64_t>(i), input);
-        report::CairoCanvas canvas(a.width, a.height, 1.0);
+        graphics::CairoCanvas canvas(a.width, a.height, 1.0);
         testbed.turn(input, testbed.camera().pixel(input.mouse()), 0.0, canvas, i + 1 >= a.frames, a.width, a.height);
         if (i + 1 < a.frames || a.png.empty())
             continue;
@@ -247,24 +248,24 @@ int headless(Testbed& testbed, const Arguments& a, frame::Script& script) {
         }
     }
     testbed.stopRecording();
-    const frame::Stage& stage = testbed.bed().stage();
-    std::printf("%s: %.4f s, %zu shells, state %016llx\n", stage.scene().name.c_str(), stage.shells().time(),
-                stage.shells().size(), static_cast<unsigned long long>(stage.shells().hash()));
-    if (!testbed.bed().failure().empty())
-        std::fprintf(stderr, "%s\n", testbed.bed().failure().c_str());
-    return testbed.bed().failure().empty() ? 0 : 3;
+    const frame::GameWorld& world = testbed.scene().world();
+    std::printf("%s: %.4f s, %zu shells, state %016llx\n", world.scene().name.c_str(), world.shells().time(),
+                world.shells().size(), static_cast<unsigned long long>(world.shells().hash()));
+    if (!testbed.scene().failure().empty())
+        std::fprintf(stderr, "%s\n", testbed.scene().failure().c_str());
+    return testbed.scene().failure().empty() ? 0 : 3;
 }
 
 int windowed(Testbed& testbed, const Arguments& a, frame::Script& script) {
     frame::Window window;
-    if (const std::string why = window.open(a.width, a.height, "Supercircle: " + testbed.bed().stage().scene().name);
+    if (const std::string why = window.open(a.width, a.height, "Supercircle: " + testbed.scene().world().scene().name);
         !why.empty()) {
         std::fprintf(stderr, "%s\n", why.c_str());
         return 2;
     }
     Input input;
     for (std::uint64_t i = 0; !testbed.quit(); ++i) {
-        if (!window.poll(input, [&](report::Point p) { return testbed.camera().world(p); }))
+        if (!window.poll(input, [&](graphics::Point p) { return testbed.camera().world(p); }))
             break;
         if (!a.script.empty())
             script.play(i, input);
@@ -272,11 +273,11 @@ int windowed(Testbed& testbed, const Arguments& a, frame::Script& script) {
         if (pointer.wheel != 0.0 && !testbed.wantsMouse())
             testbed.camera().zoom(pointer.wheel > 0.0 ? 1.15 : 1.0 / 1.15, pointer.at);
         testbed.camera().pan(pointer.dragX, pointer.dragY);
-        report::CairoCanvas canvas(window.width(), window.height(), 1.0);
+        graphics::CairoCanvas canvas(window.width(), window.height(), 1.0);
         testbed.turn(input, pointer.at, pointer.wheel, canvas, true, window.width(), window.height());
         window.show(canvas);
     }
-    std::printf("%s: %.4f s%s\n", testbed.bed().stage().scene().name.c_str(), testbed.bed().stage().shells().time(),
+    std::printf("%s: %.4f s%s\n", testbed.scene().world().scene().name.c_str(), testbed.scene().world().shells().time(),
                 testbed.paused() ? ", paused" : "");
     return 0;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The testbed behind `supercircle view`: any scene in a window, with its parameters as sliders, what happens inside it
-// drawn into it, and its forces and energies as live curves.
+// The testbed behind `supercircle view`: a scene in a window, with sliders for its parameters, drawings of contacts and
+// stresses, and live curves of forces and energies.
 
 #include <string>
 #include <utility>
@@ -15,7 +15,7 @@ struct Arguments {
     bool headless = false; ///< no window: play, write the picture, end
     int frames = 300;      ///< steps of 1/60 s, headless
     std::string png;       ///< file for the last picture, headless
-    std::string script;    ///< timed inputs (docs/levels.md)
+    std::string script;    ///< timed inputs (docs/how-to/levels.md)
     std::string show;      ///< what is drawn at the start: names of the check boxes, with commas
     std::string record;    ///< begins with a recording into this file (.mp4) and the trajectory beside it (.csv)
     int width = 1280, height = 720;
@@ -24,7 +24,7 @@ struct Arguments {
 /// Names for Arguments::show.
 const std::vector<std::string>& layers();
 
-/// Exit codes as of the verbs: 0, 2 bad input, 3 the simulation could not go on, 4 output could not be written.
+/// Exit codes as of the subcommands: 0, 2 bad input, 3 the simulation could not go on, 4 output could not be written.
 int view(const Arguments& arguments);
 
 } // namespace supercircle::testbed

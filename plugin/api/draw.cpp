@@ -1,4 +1,4 @@
-// Arcs as polylines: a chord over the angle 2 a strays by r (1 - cos a) from its arc of radius r.
+// Arcs as polylines: a chord over the angle 2 a deviates from its arc of radius r by r (1 - cos a).
 
 #include "plugin/api/shells_impl.h"
 #include "supercircle/step/contact_memory.h"
@@ -78,7 +78,7 @@ void drawCentreLine(const step::Rod& rod, const DrawOptions& options, std::vecto
         addArc(arcs[i], 0.0, options.tolerance, points);
         if (!options.strain || rod.quarantined)
             continue;
-        canvas.polyline(points, strainColour(surfaceStrain(rod, static_cast<int>(i)), options.full_strain));
+        canvas.polyline(points, strain_colour(surfaceStrain(rod, static_cast<int>(i)), options.full_strain));
         points.assign({points.back()});
     }
     if (points.size() > 1)
@@ -102,7 +102,7 @@ void drawContacts(const step::World& world, const DrawOptions& options, DebugDra
 
 } // namespace
 
-Colour strainColour(double strain, double full) {
+Colour strain_colour(double strain, double full) {
     const double x = std::clamp(strain / full, 0.0, 1.0); // NaN stays NaN and ends in the last branch
     if (x < 0.5)
         return {0.1F, static_cast<float>(0.3 + 1.2 * x), static_cast<float>(0.9 - 1.6 * x)};
@@ -111,10 +111,10 @@ Colour strainColour(double strain, double full) {
     return {1.0F, 0.0F, 1.0F};
 }
 
-Outcome Shells::draw(DebugDraw& canvas, const DrawOptions& options) const {
+Status Shells::draw(DebugDraw& canvas, const DrawOptions& options) const {
     if (!(options.tolerance > 0.0) || !(options.full_strain > 0.0) || !std::isfinite(options.metres_per_newton))
-        return Outcome::failure("tolerance and full_strain must be positive, metres_per_newton finite");
-    return Impl::caught([&] { // the canvas is the user's
+        return Status::failure("tolerance and full_strain must be positive, metres_per_newton finite");
+    return Impl::withoutExceptions([&] { // the canvas is the user's and may throw
         std::vector<Point> points;
         for (const step::Rod& rod : impl_->world.rods) {
             if (options.outlines)

@@ -49,7 +49,7 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     r.length = shellLength(d);
     r.thickness = d.thickness;
     r.linearMass = d.density * d.width * d.thickness;
-    r.bendingModulus = bendingModulus(d);
+    r.bendingModulus = bending_modulus(d);
     r.closed = d.closed;
     if (d.tip_refinement != 1.0)
         r.elementLength = rod::gradedLengths(r.length, d.elements, d.tip_refinement);
@@ -67,8 +67,8 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     for (const double k : curvature)
         bend = std::max(bend, std::abs(k));
     if (!limits::motion(r, d.velocity, d.spin) || !(r.bendingModulus * r.length * bend * bend < limits::kMostEnergy) ||
-        !limits::place(d.position) || !limits::angle(d.angle))
-        return "the shell is too far away, too fast or too strongly bent for its energy to be a number";
+        !limits::position(d.position) || !limits::angle(d.angle))
+        return "the shell is too far away, too fast or too strongly curved: its energy would not be finite";
     const rod::RodModel model(r);
     for (const auto* list : {&r.naturalCurvature, &curvature})
         if (std::string why = limits::turns(model, *list); !why.empty())

@@ -1,5 +1,5 @@
 #pragma once
-// From a user's ShellDef to the core's rod.
+// Makes the core's rod from a ShellDef.
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 #include "supercircle/rod/model.h"
@@ -9,7 +9,7 @@
 
 namespace supercircle {
 
-/// What the core needs to make the rod.
+/// The input of the core for a rod.
 struct RodFromDefinition {
     rod::RodDefinition definition;
     Eigen::VectorXd q; ///< layout of rod::RodModel

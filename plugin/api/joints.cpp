@@ -9,7 +9,7 @@ namespace supercircle {
 
 namespace {
 
-step::Vec2 turnedBack(const step::Vec2& v, double angle) {
+step::Vec2 toLocal(const step::Vec2& v, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return {c * v.x() + s * v.y(), -s * v.x() + c * v.y()};
 }
@@ -19,21 +19,21 @@ std::string checkDefinition(const JointDef& d) {
         return "a joint is a pin, a weld or a tether";
     if (!isFraction(d.arc_fraction) || !isFraction(d.other_fraction))
         return "arc_fraction and other_fraction must lie between 0 and 1";
-    if (!limits::place(d.point))
+    if (!limits::position(d.point))
         return limits::kTooFar;
     if (!(d.length >= 0.0) || !(d.length < limits::kFarthest))
         return "length must not be negative (0: the present distance), and below 1e12 m";
     if (!d.other.null() && d.body != 0)
         return "a joint has one other end: a shell or a body, not both";
     if (d.other.null() && d.body == 0 && d.kind != JointKind::Tether)
-        return "a pin or weld needs a shell or a body at its other end (hold() ties to the world)";
+        return "a pin or weld needs a shell or a body at its other end (create_hold attaches it to the world)";
     return {};
 }
 
 } // namespace
 
 step::Link* Shells::Impl::findLink(JointHandle h) {
-    if (h.null() || h.world != tag)
+    if (h.null() || h.world != worldId)
         return nullptr;
     for (step::Link& l : world.links)
         if (l.key == h.generation)
@@ -48,7 +48,7 @@ void Shells::Impl::wake(const step::Link& link) {
         step::wake(world, static_cast<std::size_t>(b));
 }
 
-Result<JointHandle> Shells::join(const JointDef& d) {
+Result<JointHandle> Shells::create_joint(const JointDef& d) {
     using R = Result<JointHandle>;
     return impl_->change([&] {
         if (std::string why = checkDefinition(d); !why.empty())
@@ -69,7 +69,7 @@ Result<JointHandle> Shells::join(const JointDef& d) {
         l.collide = tether || d.collide_connected;
         l.rodA = rodA.key;
         l.sA = d.arc_fraction * rodA.model.definition().length;
-        const rod::Place atA = rod::locate(rodA.model, l.sA);
+        const rod::MaterialPoint atA = rod::locate(rodA.model, l.sA);
         const step::Vec2 pointA = rodA.kin.point(atA);
         step::Vec2 far = tether ? vec(d.point) : pointA;
         double angleB = 0.0;
@@ -79,15 +79,15 @@ Result<JointHandle> Shells::join(const JointDef& d) {
             l.sB = d.other_fraction * rodB.model.definition().length;
             if (a == b && l.sA == l.sB)
                 return R::failure("a point of a shell cannot be joined to itself");
-            const rod::Place atB = rod::locate(rodB.model, l.sB);
+            const rod::MaterialPoint atB = rod::locate(rodB.model, l.sB);
             angleB = rodB.kin.angle(atB);
             if (tether)
                 far = rodB.kin.point(atB);
-            l.local = turnedBack(far - rodB.kin.point(atB), angleB);
+            l.local = toLocal(far - rodB.kin.point(atB), angleB);
         } else if (d.body != 0) {
             l.body = d.body;
             angleB = body.angle;
-            l.local = turnedBack(far - body.centre, angleB);
+            l.local = toLocal(far - body.centre, angleB);
         }
         l.angle = rodA.kin.angle(atA) - angleB;
         l.target.point = far;
@@ -95,50 +95,50 @@ Result<JointHandle> Shells::join(const JointDef& d) {
         l.length = l.goal = d.length > 0.0 ? d.length : apart;
         if (tether && !(l.length >= apart * (1.0 - 1e-9)))
             return R::failure("the tether is shorter than the present distance of " + std::to_string(apart) +
-                              " m: make it that long and reel it in");
+                              " m: make it that long, then shorten it with set_max_length");
         if (tether && !(l.length > 0.0))
             return R::failure("a tether between two points in the same place needs a length");
         l.key = impl_->world.nextPart++;
         impl_->world.links.push_back(l);
         impl_->wake(l);
         impl_->world.range.clear(); // the pair may not collide any more
-        const JointHandle made{0, l.key, impl_->tag};
-        impl_->recorder.record(Call::Join, d, made);
+        const JointHandle made{0, l.key, impl_->worldId};
+        impl_->recorder.record(Call::CreateJoint, d, made);
         return R(made);
     });
 }
 
-Outcome Shells::drive(JointHandle joint, const DriveDef& to) {
+Status Shells::set_target(JointHandle joint, const TargetDef& to) {
     return impl_->change([&] {
         step::Link* l = impl_->findLink(joint);
         if (!l)
-            return refused(kNoSuchPart);
+            return refused(kNoSuchConstraint);
         if (l->end != step::LinkEnd::World)
-            return refused("only tethers to a place in the world can be driven");
-        if (!limits::place(to.position) || !limits::velocity(to.velocity))
+            return refused("only tethers to the world have a target");
+        if (!limits::position(to.position) || !limits::velocity(to.velocity))
             return refused("position must be finite and within 1e12 m, velocity within 1e9 m/s");
-        setGoal({to.position, 0.0, to.velocity, 0.0}, l->target);
+        setPendingTarget({to.position, 0.0, to.velocity, 0.0}, l->target);
         impl_->wake(*l);
-        impl_->recorder.record(Call::DriveJoint, joint, to);
+        impl_->recorder.record(Call::SetJointTarget, joint, to);
         return done();
     });
 }
 
-Result<DriveDef> Shells::target(JointHandle joint) const {
+Result<TargetDef> Shells::target(JointHandle joint) const {
     const step::Link* l = impl_->findLink(joint);
     if (!l)
-        return Result<DriveDef>::failure(kNoSuchPart);
+        return Result<TargetDef>::failure(kNoSuchConstraint);
     if (l->end != step::LinkEnd::World)
-        return Result<DriveDef>::failure("only tethers to a place in the world have a target");
+        return Result<TargetDef>::failure("only tethers to the world have a target");
     const step::Pose p = step::poseAfter(impl_->world, l->target, 0.0);
-    return DriveDef{point(p.point), 0.0, point(p.velocity), 0.0};
+    return TargetDef{point(p.point), 0.0, point(p.velocity), 0.0};
 }
 
-Outcome Shells::reel(JointHandle joint, double length, double rate) {
+Status Shells::set_max_length(JointHandle joint, double length, double rate) {
     return impl_->change([&] {
         step::Link* l = impl_->findLink(joint);
         if (!l)
-            return refused(kNoSuchPart);
+            return refused(kNoSuchConstraint);
         if (l->kind != step::LinkKind::Tether)
             return refused("only tethers have a length");
         if (!(length > 0.0) || !(length < limits::kFarthest) || !(rate > 0.0) || !(rate < limits::kFastest))
@@ -146,7 +146,7 @@ Outcome Shells::reel(JointHandle joint, double length, double rate) {
         l->goal = length;
         l->reel = rate;
         impl_->wake(*l);
-        impl_->recorder.record(Call::Reel, joint, length, rate);
+        impl_->recorder.record(Call::SetMaxLength, joint, length, rate);
         return done();
     });
 }
@@ -154,7 +154,7 @@ Outcome Shells::reel(JointHandle joint, double length, double rate) {
 Result<double> Shells::length(JointHandle joint) const {
     const step::Link* l = impl_->findLink(joint);
     if (!l)
-        return Result<double>::failure(kNoSuchPart);
+        return Result<double>::failure(kNoSuchConstraint);
     if (l->kind != step::LinkKind::Tether)
         return Result<double>::failure("only tethers have a length");
     return l->length;
@@ -163,19 +163,19 @@ Result<double> Shells::length(JointHandle joint) const {
 Result<Reaction> Shells::reaction(JointHandle joint) const {
     const step::Link* l = impl_->findLink(joint);
     if (!l)
-        return Result<Reaction>::failure(kNoSuchPart);
+        return Result<Reaction>::failure(kNoSuchConstraint);
     return Reaction{point(l->force), l->torque};
 }
 
-Outcome Shells::release(JointHandle joint) {
+Status Shells::destroy(JointHandle joint) {
     return impl_->change([&] {
         step::Link* l = impl_->findLink(joint);
         if (!l)
-            return refused(kNoSuchPart);
+            return refused(kNoSuchConstraint);
         impl_->wake(*l);
         impl_->world.links.erase(impl_->world.links.begin() + (l - impl_->world.links.data()));
         impl_->world.range.clear(); // the pair may collide again
-        impl_->recorder.record(Call::ReleaseJoint, joint);
+        impl_->recorder.record(Call::DestroyJoint, joint);
         return done();
     });
 }

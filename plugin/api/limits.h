@@ -1,9 +1,8 @@
 #pragma once
-// How large and how small the numbers of a call may be (private to shells/).
+// Ranges of the numbers in calls (private to plugin/api).
 //
-// Finite is not enough: squares of finite numbers overflow, masses of denormal densities divide to infinity, and the
-// NaN that comes of it ends in the books of everybody (found by the fuzzer). These bounds are far beyond any world and
-// leave the numerics room for squares and products.
+// Finite numbers are not enough: squares of them overflow, and masses of denormal densities divide to infinity. The NaN
+// that follows spreads to all shells. These bounds are far beyond any real world and keep squares and products finite.
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 #include "supercircle/rod/model.h"
@@ -23,11 +22,11 @@ constexpr double kMostFriction = 1e9;
 constexpr double kScale =
     1e30; ///< masses (kg) and B / length (N m): not larger than this, nor smaller than its inverse
 
-inline const char* const kTooFar = "places must be finite and within 1e12 m";
-inline const char* const kTooStrong = "forces and impulses must be finite, and not move the shell beyond all numbers";
+inline const char* const kTooFar = "positions must be finite and within 1e12 m";
+inline const char* const kTooStrong = "forces and impulses must be finite, and so must the velocity they cause";
 inline const char* const kBadFriction = "mu must lie between 0 and 1e9";
 
-inline bool place(const Point& p) {
+inline bool position(const Point& p) {
     return std::hypot(p.x, p.y) < kFarthest;
 }
 inline bool angle(double a) {
@@ -39,7 +38,7 @@ inline bool velocity(const Point& v, double spin = 0.0) {
 inline bool friction(double mu) {
     return mu >= 0.0 && mu <= kMostFriction;
 }
-/// Whether an impulse (or a force that acts for a second) leaves the shell with an energy.
+/// Whether an impulse (or a force that acts for one second) gives the shell a finite energy.
 inline bool impulse(const rod::RodModel& model, const Point& p, double angular) {
     const double linear = std::hypot(p.x, p.y) + std::abs(angular) / model.definition().length;
     return linear * linear < kMostEnergy * model.mass();
@@ -49,23 +48,22 @@ inline bool motion(const rod::RodDefinition& d, const Point& v, double spin) {
     const double speed = std::hypot(v.x, v.y) + std::abs(spin) * d.length;
     return d.linearMass * d.length * speed * speed < kMostEnergy;
 }
-/// What is wrong with the sizes of a shell that rod::validate finds in order; empty if nothing.
+/// What is wrong with the sizes of a shell that passes rod::validate; empty if nothing.
 inline std::string shell(const rod::RodDefinition& d) {
     const auto within = [](double x, double low, double high) { return x > low && x < high; };
     const double mass = d.linearMass * d.length;
     if (!within(d.length, 1.0 / kFarthest, kFarthest) || !within(d.thickness, 1.0 / kFarthest, kFarthest) ||
         !within(mass, 1.0 / kScale, kScale) || !within(d.bendingModulus / d.length, 1.0 / kScale, kScale))
-        return "the shell is too large or too small, too heavy or too light, too stiff or too soft for its motion to "
-               "be "
-               "a number";
+        return "the shell is too large or too small, too heavy or too light, too stiff or too soft: its motion would "
+               "not be finite";
     double bend = 0.0;
     for (const double k : d.naturalCurvature)
         bend = std::max(bend, std::abs(k));
     if (!(d.bendingModulus * d.length * bend * bend < kMostEnergy))
-        return "the shell is too strongly bent for its energy to be a number";
+        return "the shell is too strongly curved: its energy would not be finite";
     return {};
 }
-/// An element that turns more than once lies upon itself; a million turns would take memory without end to draw.
+/// An element that turns more than once overlaps itself, and drawing a million turns would take unbounded memory.
 inline std::string turns(const rod::RodModel& model, const std::vector<double>& curvature) {
     for (int i = 0; i < model.elements(); ++i)
         if (const double turn = curvature[static_cast<std::size_t>(i)] * model.elementLength(i);

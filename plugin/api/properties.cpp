@@ -1,4 +1,4 @@
-// What is changed on living shells: place, motion, material, filter, friction of pairs, sleep.
+// Changes of existing shells: position, velocity, material, filter, friction of pairs, sleep.
 
 #include "plugin/api/limits.h"
 #include "plugin/api/snapshot_fields.h"
@@ -10,7 +10,7 @@ namespace supercircle {
 
 namespace {
 
-bool tied(const step::World& world, const step::Rod& rod) {
+bool isConstrained(const step::World& world, const step::Rod& rod) {
     return !rod.holds.empty() || std::any_of(world.links.begin(), world.links.end(), [&](const step::Link& l) {
         return l.rodA == rod.key || (l.end == step::LinkEnd::Rod && l.rodB == rod.key);
     });
@@ -33,40 +33,40 @@ std::string checkMaterial(const MaterialDef& m, int elements) {
     return {};
 }
 
-step::PairFriction pairOf(MaterialId a, MaterialId b, double mu) {
+step::PairFriction pairOf(FrictionMaterial a, FrictionMaterial b, double mu) {
     return {std::min(a, b), std::max(a, b), mu};
 }
 
-auto placeOf(std::vector<step::PairFriction>& list, const step::PairFriction& pair) {
+auto lowerBound(std::vector<step::PairFriction>& list, const step::PairFriction& pair) {
     return std::lower_bound(list.begin(), list.end(), pair,
                             [](const auto& x, const auto& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
 }
 
 } // namespace
 
-Outcome Shells::teleport(ShellHandle shell, Point position, double angle) {
+Status Shells::teleport(ShellHandle shell, Point position, double angle) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
             return refused(kNoSuchShell);
-        if (!limits::place(position) || !limits::angle(angle))
+        if (!limits::position(position) || !limits::angle(angle))
             return refused("position and angle must be finite and within 1e12 (m, rad)");
-        if (tied(impl_->world, impl_->rod(i)))
-            return refused("the shell is held or joined: release it first");
+        if (isConstrained(impl_->world, impl_->rod(i)))
+            return refused("the shell has a hold or a joint: destroy it first");
         step::moveRod(impl_->world, static_cast<std::size_t>(i), vec(position), angle);
         impl_->recorder.record(Call::Teleport, shell, position, angle);
         return done();
     });
 }
 
-Outcome Shells::set_velocity(ShellHandle shell, Point velocity, double spin) {
+Status Shells::set_velocity(ShellHandle shell, Point velocity, double spin) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
             return refused(kNoSuchShell);
         const rod::RodModel& m = impl_->rod(i).model;
         if (!limits::velocity(velocity, spin) || !limits::motion(m.definition(), velocity, spin))
-            return refused("velocity and spin must be finite, and the energy of the motion be a number");
+            return refused("velocity, spin and the kinetic energy must be finite");
         Eigen::VectorXd v = Eigen::VectorXd::Zero(m.dofs());
         v[m.dofX()] = velocity.x;
         v[m.dofY()] = velocity.y;
@@ -77,7 +77,7 @@ Outcome Shells::set_velocity(ShellHandle shell, Point velocity, double spin) {
     });
 }
 
-Outcome Shells::set_material(ShellHandle shell, const MaterialDef& change) {
+Status Shells::set_material(ShellHandle shell, const MaterialDef& change) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
@@ -106,7 +106,7 @@ Outcome Shells::set_material(ShellHandle shell, const MaterialDef& change) {
     });
 }
 
-Outcome Shells::set_filter(ShellHandle shell, const FilterDef& filter) {
+Status Shells::set_filter(ShellHandle shell, const FilterDef& filter) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
@@ -130,15 +130,15 @@ Result<FilterDef> Shells::filter(ShellHandle shell) const {
     return FilterDef{rod.category, rod.mask, rod.group};
 }
 
-Outcome Shells::set_friction(MaterialId a, MaterialId b, double mu) {
+Status Shells::set_friction(FrictionMaterial a, FrictionMaterial b, double mu) {
     return impl_->change([&] {
         if (a == 0 || b == 0)
-            return refused("material 0 is no particular one: give shells and bodies a material first");
+            return refused("material 0 means none: give shells and bodies a friction material first");
         if (!limits::friction(mu))
             return refused(limits::kBadFriction);
         auto& list = impl_->world.pairFriction;
         const step::PairFriction pair = pairOf(a, b, mu);
-        const auto it = placeOf(list, pair);
+        const auto it = lowerBound(list, pair);
         if (it != list.end() && it->a == pair.a && it->b == pair.b)
             it->mu = mu;
         else
@@ -149,13 +149,13 @@ Outcome Shells::set_friction(MaterialId a, MaterialId b, double mu) {
     });
 }
 
-Outcome Shells::reset_friction(MaterialId a, MaterialId b) {
+Status Shells::reset_friction(FrictionMaterial a, FrictionMaterial b) {
     return impl_->change([&] {
         auto& list = impl_->world.pairFriction;
         const step::PairFriction pair = pairOf(a, b, 0.0);
-        const auto it = placeOf(list, pair);
+        const auto it = lowerBound(list, pair);
         if (it == list.end() || it->a != pair.a || it->b != pair.b)
-            return refused("these two materials have no friction of their own");
+            return refused("no friction is set for these two materials");
         list.erase(it);
         step::wakeAll(impl_->world);
         impl_->recorder.record(Call::ResetFriction, a, b);
@@ -163,19 +163,19 @@ Outcome Shells::reset_friction(MaterialId a, MaterialId b) {
     });
 }
 
-Outcome Shells::set_surface(ShellHandle shell, MaterialId material) {
+Status Shells::set_friction_material(ShellHandle shell, FrictionMaterial material) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
             return refused(kNoSuchShell);
         step::wake(impl_->world, static_cast<std::size_t>(i));
         impl_->rod(i).material = material;
-        impl_->recorder.record(Call::SetShellSurface, shell, material);
+        impl_->recorder.record(Call::SetShellFrictionMaterial, shell, material);
         return done();
     });
 }
 
-Outcome Shells::set_surface(BodyId body, MaterialId material) {
+Status Shells::set_friction_material(BodyId body, FrictionMaterial material) {
     return impl_->change([&] {
         step::BodyState state;
         if (body == 0 || !impl_->port || !impl_->port->state(body, state))
@@ -188,19 +188,19 @@ Outcome Shells::set_surface(BodyId body, MaterialId material) {
         else
             list.insert(it, {body, material});
         step::wakeAll(impl_->world);
-        impl_->recorder.record(Call::SetBodySurface, body, material);
+        impl_->recorder.record(Call::SetBodyFrictionMaterial, body, material);
         return done();
     });
 }
 
 Result<BodyId> Shells::body(const std::string& name) const {
-    return Impl::caught([&] {
+    return Impl::withoutExceptions([&] {
         const step::BodyId id = impl_->port ? impl_->port->find(name) : 0;
         return id != 0 ? Result<BodyId>(id) : Result<BodyId>::failure("the host has no body called '" + name + "'");
     });
 }
 
-Outcome Shells::set_sleep(const SleepSettings& settings) {
+Status Shells::set_sleep(const SleepSettings& settings) {
     return impl_->change([&] {
         if (!(settings.drift > 0.0) || !std::isfinite(settings.drift) || !(settings.delay >= 0.0) ||
             !std::isfinite(settings.delay))
@@ -219,7 +219,7 @@ SleepSettings Shells::sleep_settings() const {
     return {s.autoSleep, s.sleepDrift, s.sleepAfter};
 }
 
-Outcome Shells::sleep(ShellHandle shell) {
+Status Shells::sleep(ShellHandle shell) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
@@ -232,7 +232,7 @@ Outcome Shells::sleep(ShellHandle shell) {
     });
 }
 
-Outcome Shells::wake(ShellHandle shell) {
+Status Shells::wake(ShellHandle shell) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)

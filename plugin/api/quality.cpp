@@ -22,20 +22,20 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
     s.sweepAbove = 500;
     s.cappedSweeps = 40;
     s.acceptUnconverged = true;
-    s.prune = true;
+    s.cull = true;
     s.frameWork = 20000;
-    s.witness = true;
+    s.crossingCheck = true;
     return s;
 }
 
 Quality qualityOf(const step::Settings& settings) {
-    return settings.prune ? Quality::Game : Quality::Laboratory;
+    return settings.cull ? Quality::Game : Quality::Laboratory;
 }
 
-Outcome Shells::set_quality(Quality quality) {
+Status Shells::set_quality(Quality quality) {
     return impl_->change([&] {
         if (quality != Quality::Laboratory && quality != Quality::Game)
-            return refused("a quality is Laboratory or Game");
+            return refused("the quality must be Laboratory or Game");
         impl_->stepper.settings() = settingsFor(quality, impl_->stepper.settings());
         impl_->recorder.record(Call::SetQuality, quality);
         return done();
@@ -46,17 +46,17 @@ Quality Shells::quality() const {
     return qualityOf(impl_->stepper.settings());
 }
 
-Outcome Shells::set_frame_budget(std::uint64_t work) {
+Status Shells::set_frame_budget(std::uint64_t work) {
     return impl_->change([&] {
         if (quality() != Quality::Game)
-            return refused("only Quality::Game has a budget");
+            return refused("only Quality::Game has a frame budget");
         impl_->stepper.settings().frameWork = work;
         impl_->recorder.record(Call::SetFrameBudget, work);
         return done();
     });
 }
 
-Outcome Shells::set_threads(int threads) {
+Status Shells::set_threads(int threads) {
     return impl_->change([&] {
         if (threads < 1 || threads > 256)
             return refused("the number of threads must lie between 1 and 256");

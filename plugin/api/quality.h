@@ -6,9 +6,9 @@
 
 namespace supercircle {
 
-/// Threads and sleep are kept as they were `before`.
+/// Threads and sleep stay as in `before`.
 step::Settings settingsFor(Quality quality, const step::Settings& before);
-/// Which of them these are, told by Settings::prune, which only Game has; restored snapshots bring settings along.
+/// The quality that these settings belong to: only Game has Settings::cull.
 Quality qualityOf(const step::Settings& settings);
 
 } // namespace supercircle

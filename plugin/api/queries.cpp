@@ -10,7 +10,7 @@ using rod::Vec2;
 
 namespace {
 
-/// Coordinates beyond it are refused: squares of distances must not overflow.
+/// Largest coordinate that is accepted: squares of distances must not overflow.
 constexpr double kFarthest = 1e100;
 
 bool usable(const Point& p) {
@@ -28,9 +28,9 @@ Vec2 outward(const CentrePoint& c, const Vec2& p) {
     return size > 0.0 ? Vec2(d / size) : c.left;
 }
 
-NearestPoint nearestOf(const ThickCurve& curve, ShellHandle shell, const Vec2& p) {
-    const CentrePoint c = nearestOnCentreLine(curve, p);
-    NearestPoint out;
+ClosestPoint closestPointOf(const ThickCurve& curve, ShellHandle shell, const Vec2& p) {
+    const CentrePoint c = closestOnCentreLine(curve, p);
+    ClosestPoint out;
     const Vec2 normal = outward(c, p);
     out.shell = shell;
     out.normal = point(normal);
@@ -42,7 +42,7 @@ NearestPoint nearestOf(const ThickCurve& curve, ShellHandle shell, const Vec2& p
 
 RayHit hitAt(const ThickCurve& curve, ShellHandle shell, const Vec2& from, const Vec2& to, double fraction) {
     const Vec2 p = from + fraction * (to - from);
-    const CentrePoint c = nearestOnCentreLine(curve, p);
+    const CentrePoint c = closestOnCentreLine(curve, p);
     RayHit hit;
     hit.shell = shell;
     hit.point = point(p);
@@ -52,23 +52,23 @@ RayHit hitAt(const ThickCurve& curve, ShellHandle shell, const Vec2& from, const
     return hit;
 }
 
-bool apart(const Vec2& lowerA, const Vec2& upperA, const Vec2& lowerB, const Vec2& upperB) {
+bool separated(const Vec2& lowerA, const Vec2& upperA, const Vec2& lowerB, const Vec2& upperB) {
     return (lowerA.array() > upperB.array()).any() || (lowerB.array() > upperA.array()).any();
 }
 
-/// Fractions at which the ray enters the body, in order.
+/// Fractions at which the ray enters the shell, in order.
 void entries(const ThickCurve& curve, const Vec2& from, const Vec2& to, bool firstOnly, std::vector<double>& cuts,
              std::vector<double>& out) {
     out.clear();
-    if (apart(curve.lower, curve.upper, from.cwiseMin(to), from.cwiseMax(to)))
+    if (separated(curve.lower, curve.upper, from.cwiseMin(to), from.cwiseMax(to)))
         return;
-    bool inside = nearestOnCentreLine(curve, from).distance <= curve.half;
+    bool inside = closestOnCentreLine(curve, from).distance <= curve.half;
     if (inside)
         out.push_back(0.0);
     if (inside && firstOnly)
         return;
-    crossings(curve, from, to, cuts);
-    if (firstOnly) { // every crossing lies on the body, so the first one is the way in
+    intersections(curve, from, to, cuts);
+    if (firstOnly) { // every intersection lies in the shell, so the first one is the entry
         if (!cuts.empty())
             out.push_back(cuts.front());
         return;
@@ -78,7 +78,7 @@ void entries(const ThickCurve& curve, const Vec2& from, const Vec2& to, bool fir
         if (next <= cuts[i])
             continue;
         const Vec2 middle = from + 0.5 * (cuts[i] + next) * (to - from);
-        const bool now = nearestOnCentreLine(curve, middle).distance <= curve.half;
+        const bool now = closestOnCentreLine(curve, middle).distance <= curve.half;
         if (now && !inside)
             out.push_back(cuts[i]);
         inside = now;
@@ -89,12 +89,12 @@ std::string badRay(const Point& from, const Point& to) {
     if (!usable(from) || !usable(to))
         return "the ends of the ray must be finite";
     if (from.x == to.x && from.y == to.y)
-        return "the ray must have a length";
+        return "the ends of the ray must differ";
     return {};
 }
 
-/// Calls visit(index, curve) for the rods the mask lets through and that may reach into a box. Curves are as long as
-/// their rods: no point lies farther from the middle than half the length.
+/// Calls visit(index, curve) for the rods selected by the mask that may overlap a box: no point of a rod is farther
+/// from its middle than half its length.
 template <class Visit>
 void visitShells(const step::World& world, QueryMask mask, const Vec2& lower, const Vec2& upper, Visit&& visit) {
     ThickCurve curve;
@@ -106,7 +106,7 @@ void visitShells(const step::World& world, QueryMask mask, const Vec2& lower, co
         const Vec2 middle = rod.kin.middle();
         const double rounding = 1e-9 * d.length + 1e-12 * middle.lpNorm<1>(); // of sums of positions
         const Vec2 reach = Vec2::Constant(0.5 * (d.length + d.thickness) + rounding);
-        if (apart(middle - reach, middle + reach, lower, upper))
+        if (separated(middle - reach, middle + reach, lower, upper))
             continue;
         thicken(rod, curve);
         visit(i, curve);
@@ -129,7 +129,7 @@ std::vector<ShellHandle> handlesOf(const Shells& shells, const std::vector<std::
     std::vector<ShellHandle> out;
     if (rods.empty())
         return out;
-    const std::vector<ShellHandle> all = shells.list();
+    const std::vector<ShellHandle> all = shells.shells();
     for (const std::size_t i : rods)
         out.push_back(all[i]);
     return out;
@@ -137,7 +137,7 @@ std::vector<ShellHandle> handlesOf(const Shells& shells, const std::vector<std::
 
 } // namespace
 
-std::vector<ShellHandle> Shells::list() const {
+std::vector<ShellHandle> Shells::shells() const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> slotOfKey;
     for (std::uint32_t i = 0; i < impl_->slots.size(); ++i)
         if (impl_->slots[i].key != 0)
@@ -149,14 +149,14 @@ std::vector<ShellHandle> Shells::list() const {
         const auto it =
             std::lower_bound(slotOfKey.begin(), slotOfKey.end(), std::pair<std::uint32_t, std::uint32_t>{r.key, 0});
         const bool known = it != slotOfKey.end() && it->first == r.key;
-        out.push_back(known ? ShellHandle{it->second, impl_->slots[it->second].generation, impl_->tag}
-                            : ShellHandle{}); // put in behind the facade
+        out.push_back(known ? ShellHandle{it->second, impl_->slots[it->second].generation, impl_->worldId}
+                            : ShellHandle{}); // added through world()
     }
     return out;
 }
 
 ShellHandle Shells::find(const std::string& name) const {
-    for (const ShellHandle& h : list())
+    for (const ShellHandle& h : shells())
         if (!h.null() && impl_->slots[h.index].name == name)
             return h;
     return {};
@@ -171,7 +171,7 @@ Result<std::uint64_t> Shells::user_data(ShellHandle shell) const {
                                   : Result<std::uint64_t>(impl_->slots[shell.index].userData);
 }
 
-Outcome Shells::set_name(ShellHandle shell, const std::string& name) {
+Status Shells::set_name(ShellHandle shell, const std::string& name) {
     return impl_->change([&] {
         if (impl_->find(shell) < 0)
             return refused(kNoSuchShell);
@@ -181,7 +181,7 @@ Outcome Shells::set_name(ShellHandle shell, const std::string& name) {
     });
 }
 
-Outcome Shells::set_user_data(ShellHandle shell, std::uint64_t data) {
+Status Shells::set_user_data(ShellHandle shell, std::uint64_t data) {
     return impl_->change([&] {
         if (impl_->find(shell) < 0)
             return refused(kNoSuchShell);
@@ -206,7 +206,7 @@ Result<RayHit> Shells::ray_cast(Point from, Point to, QueryMask mask) const {
         who = i;
     });
     if (!best)
-        return Result<RayHit>::failure("the ray meets no shell");
+        return Result<RayHit>::failure("the ray hits no shell");
     best->shell = impl_->handleOf(impl_->world.rods[who].key);
     return Result<RayHit>(*best);
 }
@@ -229,17 +229,18 @@ Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask
     return hits;
 }
 
-Result<std::vector<ShellHandle>> Shells::overlap_point(Point place, QueryMask mask) const {
-    return overlap_circle(place, 0.0, mask);
+Result<std::vector<ShellHandle>> Shells::overlap_point(Point position, QueryMask mask) const {
+    return overlap_circle(position, 0.0, mask);
 }
 
 Result<std::vector<ShellHandle>> Shells::overlap_box(const Box& box, QueryMask mask) const {
     using Handles = std::vector<ShellHandle>;
     if (!usable(box.lower) || !usable(box.upper) || box.lower.x > box.upper.x || box.lower.y > box.upper.y)
-        return Result<Handles>::failure("the box must be finite, its lower corner below and left of its upper one");
+        return Result<Handles>::failure(
+            "the box must be finite, with its lower corner below and left of its upper one");
     const Vec2 lower = vec(box.lower), upper = vec(box.upper);
     return handlesOf(*this, rodsWhere(impl_->world, mask, lower, upper,
-                                      [&](const ThickCurve& curve) { return meetsBox(curve, lower, upper); }));
+                                      [&](const ThickCurve& curve) { return overlapsBox(curve, lower, upper); }));
 }
 
 Result<std::vector<ShellHandle>> Shells::overlap_circle(Point centre, double radius, QueryMask mask) const {
@@ -248,44 +249,44 @@ Result<std::vector<ShellHandle>> Shells::overlap_circle(Point centre, double rad
         return Result<Handles>::failure("centre and radius must be finite, the radius not negative");
     const Vec2 p = vec(centre), lower = p - Vec2::Constant(radius), upper = p + Vec2::Constant(radius);
     return handlesOf(*this, rodsWhere(impl_->world, mask, lower, upper, [&](const ThickCurve& curve) {
-        return !apart(curve.lower, curve.upper, lower, upper) &&
-               nearestOnCentreLine(curve, p).distance <= curve.half + radius;
+        return !separated(curve.lower, curve.upper, lower, upper) &&
+               closestOnCentreLine(curve, p).distance <= curve.half + radius;
     }));
 }
 
-Result<NearestPoint> Shells::nearest(ShellHandle shell, Point to) const {
+Result<ClosestPoint> Shells::closest_point(ShellHandle shell, Point to) const {
     const int i = impl_->find(shell);
     if (i < 0)
-        return noShell<NearestPoint>();
+        return noShell<ClosestPoint>();
     if (!usable(to))
-        return Result<NearestPoint>::failure("the point must be finite");
+        return Result<ClosestPoint>::failure("the point must be finite");
     ThickCurve curve;
     thicken(impl_->rod(i), curve);
-    return nearestOf(curve, shell, vec(to));
+    return closestPointOf(curve, shell, vec(to));
 }
 
-Result<NearestPoint> Shells::nearest(Point to, double farthest, QueryMask mask) const {
-    if (!usable(to) || !(farthest >= 0.0))
-        return Result<NearestPoint>::failure("the point must be finite and the distance not negative");
+Result<ClosestPoint> Shells::closest_point(Point to, double max_distance, QueryMask mask) const {
+    if (!usable(to) || !(max_distance >= 0.0))
+        return Result<ClosestPoint>::failure("the point must be finite and the distance not negative");
     const Vec2 p = vec(to);
-    std::optional<NearestPoint> best;
+    std::optional<ClosestPoint> best;
     std::size_t who = 0;
-    const Vec2 far = Vec2::Constant(farthest);
+    const Vec2 far = Vec2::Constant(max_distance);
     visitShells(impl_->world, mask, p - far, p + far, [&](std::size_t i, const ThickCurve& curve) {
         const Vec2 outside = (curve.lower - p).cwiseMax(p - curve.upper).cwiseMax(Vec2::Zero());
-        const double limit = best ? std::max(best->distance, 0.0) : farthest;
+        const double limit = best ? std::max(best->distance, 0.0) : max_distance;
         if (outside.norm() > limit)
             return;
-        const NearestPoint n = nearestOf(curve, {}, p);
-        if (n.distance > farthest || (best && n.distance >= best->distance))
+        const ClosestPoint n = closestPointOf(curve, {}, p);
+        if (n.distance > max_distance || (best && n.distance >= best->distance))
             return;
         best = n;
         who = i;
     });
     if (!best)
-        return Result<NearestPoint>::failure("no shell is that near");
+        return Result<ClosestPoint>::failure("no shell is within max_distance");
     best->shell = impl_->handleOf(impl_->world.rods[who].key);
-    return Result<NearestPoint>(*best);
+    return Result<ClosestPoint>(*best);
 }
 
 Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) const {
@@ -298,7 +299,7 @@ Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) con
     const rod::RodDefinition& d = rod.model.definition();
     const double s = arc_fraction * d.length;
     const int element = rod.model.elementAt(s);
-    const rod::Place at = rod::locate(rod.model, element, s);
+    const rod::MaterialPoint at = rod::locate(rod.model, element, s);
     ShellSection out;
     out.position = point(rod.kin.point(at));
     out.angle = rod.kin.angle(at);
@@ -313,20 +314,20 @@ Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) con
     out.spin = turn.dot(rod.v);
     out.curvature = rod.q[rod.model.dofOfElement(element)];
     out.natural_curvature = d.naturalCurvature[static_cast<std::size_t>(element)];
-    const double bent = out.curvature - out.natural_curvature;
-    out.bending_moment = d.bendingModulus * bent;
+    const double curvatureChange = out.curvature - out.natural_curvature;
+    out.bending_moment = d.bendingModulus * curvatureChange;
     out.surface_strain = surfaceStrain(rod, element);
-    out.energy_density = 0.5 * d.bendingModulus * bent * bent;
+    out.energy_density = 0.5 * d.bendingModulus * curvatureChange * curvatureChange;
     return out;
 }
 
-Result<ShellMeasures> Shells::measure(ShellHandle shell) const {
+Result<ShellState> Shells::state(ShellHandle shell) const {
     const int i = impl_->find(shell);
     if (i < 0)
-        return noShell<ShellMeasures>();
+        return noShell<ShellState>();
     const step::Rod& rod = impl_->rod(i);
     const rod::RodDefinition& d = rod.model.definition();
-    ShellMeasures out;
+    ShellState out;
     out.length = d.length;
     out.mass = rod.model.mass();
     const Vec2 centre = rod::massCentre(rod.kin, rod.gauss);
@@ -345,7 +346,7 @@ Result<ShellMeasures> Shells::measure(ShellHandle shell) const {
     ThickCurve curve;
     thicken(rod, curve);
     Vec2 lower, upper;
-    exactBox(curve, lower, upper);
+    boundingBox(curve, lower, upper);
     out.box = {point(lower), point(upper)};
     out.quarantined = rod.quarantined;
     return out;

@@ -13,20 +13,19 @@ namespace supercircle {
 
 namespace {
 
-/// Steps of the longest size in one frame; a frame that needs more is a slip of the pen, not a frame.
-constexpr double kMostSteps = 4096.0;
-constexpr double kShortest = 1e-12; ///< s: velocities are differences of places over it
+constexpr double kMostSteps = 4096.0; ///< of the longest size in one frame
+constexpr double kShortest = 1e-12;   ///< s: velocities are differences of positions over it
 
 } // namespace
 
-/// It only tells handles apart and touches no result.
-std::uint32_t Shells::Impl::nextTag() {
+/// It only distinguishes handles; no result depends on it.
+std::uint32_t Shells::Impl::nextWorldId() {
     static std::atomic<std::uint32_t> last{0};
     return ++last;
 }
 
 int Shells::Impl::find(ShellHandle h) const {
-    if (h.null() || h.world != tag || h.index >= slots.size() || slots[h.index].generation != h.generation ||
+    if (h.null() || h.world != worldId || h.index >= slots.size() || slots[h.index].generation != h.generation ||
         slots[h.index].key == 0)
         return -1;
     return step::rodIndex(world, slots[h.index].key);
@@ -35,11 +34,11 @@ int Shells::Impl::find(ShellHandle h) const {
 ShellHandle Shells::Impl::handleOf(std::uint32_t key) const {
     for (std::uint32_t i = 0; i < slots.size(); ++i)
         if (slots[i].key == key)
-            return {i, slots[i].generation, tag};
+            return {i, slots[i].generation, worldId};
     return {};
 }
 
-ShellHandle Shells::Impl::adopt(std::uint32_t key, std::string name, std::uint64_t userData) {
+ShellHandle Shells::Impl::assignSlot(std::uint32_t key, std::string name, std::uint64_t userData) {
     std::uint32_t i = 0;
     while (i < slots.size() && slots[i].key != 0)
         ++i;
@@ -49,7 +48,7 @@ ShellHandle Shells::Impl::adopt(std::uint32_t key, std::string name, std::uint64
     slots[i].key = key;
     slots[i].name = std::move(name);
     slots[i].userData = userData;
-    return {i, slots[i].generation, tag};
+    return {i, slots[i].generation, worldId};
 }
 
 Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>()) {
@@ -71,15 +70,15 @@ Result<ShellHandle> Shells::create(const ShellDef& definition) {
         added.category = definition.category;
         added.mask = definition.mask;
         added.group = definition.group;
-        added.material = definition.material;
+        added.material = definition.friction_material;
         added.width = definition.width;
-        const ShellHandle made = impl_->adopt(added.key, definition.name, definition.user_data);
+        const ShellHandle made = impl_->assignSlot(added.key, definition.name, definition.user_data);
         impl_->recorder.record(Call::Create, definition, made);
         return Result<ShellHandle>(made);
     });
 }
 
-Outcome Shells::destroy(ShellHandle shell) {
+Status Shells::destroy(ShellHandle shell) {
     return impl_->change([&] {
         const int i = impl_->find(shell);
         if (i < 0)
@@ -98,40 +97,40 @@ bool Shells::valid(ShellHandle shell) const {
     return impl_->find(shell) >= 0;
 }
 
-Outcome Shells::carry(const std::string& body_name) {
+Status Shells::attach_to_crosshead(const std::string& body_name) {
     return impl_->change([&] {
         const step::BodyId id = impl_->port ? impl_->port->find(body_name) : 0;
         if (id == 0)
             return refused("the host has no body called '" + body_name + "'");
         step::wakeAll(impl_->world);
-        impl_->world.machineBodies.push_back(id);
-        impl_->recorder.record(Call::Carry, body_name);
+        impl_->world.crossheadBodies.push_back(id);
+        impl_->recorder.record(Call::AttachToCrosshead, body_name);
         return done();
     });
 }
 
-Outcome Shells::set_machine_velocity(Point velocity) {
+Status Shells::set_crosshead_velocity(Point velocity) {
     return impl_->change([&] {
         if (!(std::hypot(velocity.x, velocity.y) < 1e5))
-            return refused("the machine's velocity must be finite and below 1e5 m/s");
-        if (impl_->world.machineVelocity != vec(velocity))
+            return refused("the crosshead's velocity must be finite and below 1e5 m/s");
+        if (impl_->world.crossheadVelocity != vec(velocity))
             step::wakeAll(impl_->world);
-        impl_->world.machineVelocity = vec(velocity);
-        impl_->recorder.record(Call::MachineVelocity, velocity);
+        impl_->world.crossheadVelocity = vec(velocity);
+        impl_->recorder.record(Call::SetCrossheadVelocity, velocity);
         return done();
     });
 }
 
-Point Shells::machine_force() const {
-    const rod::Vec2 f = impl_->world.machineForce();
+Point Shells::crosshead_force() const {
+    const rod::Vec2 f = impl_->world.crossheadForce();
     return {f.x(), f.y()};
 }
 
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
-    Impl& m = *impl_; // stays where it is, even if the observer moves this object
-    if (m.inside) {
-        report.failure = kStepping;
+    Impl& m = *impl_; // the observer may move this object
+    if (m.stepping) {
+        report.failure = kWorldLocked;
         return report;
     }
     if (!(dt >= kShortest) || !std::isfinite(dt)) {
@@ -144,40 +143,40 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         m.advanced = 0.0;
         return report;
     }
-    struct Inside { // until the call is over, however it ends
+    struct Lock { // reset however the call ends
         bool& flag;
-        explicit Inside(bool& f) : flag(f) { flag = true; }
-        ~Inside() { flag = false; }
+        explicit Lock(bool& f) : flag(f) { flag = true; }
+        ~Lock() { flag = false; }
     };
     const step::Counters before = m.world.counters;
     const double start = m.world.time;
     std::uint64_t inner = 0; // steps
     std::string thrown;
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
-    const Outcome ended = Impl::caught([&] {
-        const Inside inside(m.inside);
-        m.watch.begin(m.world);
+    const Status ended = Impl::withoutExceptions([&] {
+        const Lock lock(m.stepping);
+        m.detector.begin(m.world);
         const auto observe = [&](const step::World& world) {
             ++inner;
-            m.watch.afterStep(world, m.stepper, handleOf);
-            // An observer that throws stops the frame in order: else the host would never get this frame's impulses.
-            const auto stop = Impl::caught([&] { return Result<bool>(observer && observer()); });
-            m.watch.remember(world);
+            m.detector.afterStep(world, m.stepper, handleOf);
+            // An observer that throws ends the frame regularly: the host still gets the impulses of this frame.
+            const auto stop = Impl::withoutExceptions([&] { return Result<bool>(observer && observer()); });
+            m.detector.recordStart(world);
             if (!stop)
                 thrown = stop.error();
             return !stop || *stop;
         };
-        const step::FrameResult out = // by reference: it is too large for a function to hold without the heap
+        const step::FrameResult out = // by reference: std::function would allocate for a copy
             m.stepper.advance(m.world, dt, m.port.get(), std::cref(observe));
         report.stopped = out.stopped;
-        report.late = out.late;
+        report.budget_exhausted = out.budgetExhausted;
         report.failure = out.failure.empty() ? thrown : out.failure;
-        m.watch.end(m.world, handleOf);
+        m.detector.end(m.world, handleOf);
         return done();
     });
     if (!ended)
         report.failure = ended.error();
-    m.recorder.record(Call::PreStep, dt); // both here: a log taken by the observer has no frame without an end
+    m.recorder.record(Call::PreStep, dt); // both here: a log taken by the observer has no unfinished frame
     m.recorder.record(Call::FrameEnd, inner, report.stopped);
     report.advanced = m.world.time - start;
     m.advanced = report.advanced;
@@ -187,15 +186,15 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
 }
 
 std::uint32_t Shells::id() const {
-    return impl_->tag;
+    return impl_->worldId;
 }
 
-Outcome Shells::post_step() {
+Status Shells::post_step() {
     return impl_->change([&] {
         impl_->recorder.record(Call::PostStep);
         if (impl_->port)
             impl_->stepper.learnFromHost(impl_->world, *impl_->port, impl_->advanced);
-        impl_->advanced = 0.0; // learnt once
+        impl_->advanced = 0.0; // the host step counts once
         return done();
     });
 }
@@ -214,10 +213,22 @@ Result<ShellPose> Shells::pose(ShellHandle shell) const {
     return p;
 }
 
-EnergyBooks Shells::books() const {
-    const step::Ledger& l = impl_->world.ledger;
-    return {l.kinetic, l.bending,   l.gravity, l.added,   l.work,     l.friction,
-            l.impact,  l.numerical, l.pushOut, l.effects, l.toBodies, l.residual()};
+EnergyBalance Shells::energy_balance() const {
+    const step::EnergyBalance& l = impl_->world.energyBalance;
+    EnergyBalance e;
+    e.kinetic = l.kinetic;
+    e.bending = l.bending;
+    e.gravity = l.gravity;
+    e.added = l.added;
+    e.work = l.work;
+    e.friction = l.friction;
+    e.impact = l.impact;
+    e.numerical = l.numerical;
+    e.position_correction = l.positionCorrection;
+    e.effects = l.effects;
+    e.to_bodies = l.toBodies;
+    e.residual = l.residual();
+    return e;
 }
 
 double Shells::time() const {

@@ -1,7 +1,7 @@
 #pragma once
-// What stands behind the facade (private to shells/).
+// The implementation behind class Shells (private to plugin/api).
 
-#include "plugin/api/events_watch.h"
+#include "plugin/api/event_detector.h"
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "plugin/api/snapshot_log.h"
 #include "supercircle/step/stepper.h"
@@ -12,11 +12,11 @@
 
 namespace supercircle {
 
-/// Where a handle leads.
+/// What a handle refers to.
 struct Slot {
-    std::uint32_t generation = 0; ///< of the shell that lives here, or of the last one that did
+    std::uint32_t generation = 0; ///< of the shell in this slot, or of the last one
     std::uint32_t key = 0;        ///< of the rod, 0: free
-    std::uint32_t highest = 0;    ///< highest generation ever given out: a restored past gives none out twice
+    std::uint32_t highest = 0;    ///< highest generation ever given out; none is given out twice, also after restore()
     std::string name;
     std::uint64_t userData = 0;
 };
@@ -26,40 +26,40 @@ struct Shells::Impl {
     step::World world;
     step::Stepper stepper{step::Settings{}};
     std::vector<Slot> slots;
-    double advanced = 0.0;         ///< s, by the last pre_step
-    std::uint32_t tag = nextTag(); ///< goes into the handles, so that those of another world are refused
-    bool inside = false;           ///< in a pre_step: nothing may be changed
-    Watch watch;
+    double advanced = 0.0;                 ///< s, by the last pre_step
+    std::uint32_t worldId = nextWorldId(); ///< stored in the handles: those of another world fail
+    bool stepping = false;                 ///< during pre_step: nothing may be changed
+    EventDetector detector;
     CallRecorder recorder;
 
     /// A number no other Shells of this process has or had.
-    static std::uint32_t nextTag();
+    static std::uint32_t nextWorldId();
     /// Index of the rod in the world, or -1.
     [[nodiscard]] int find(ShellHandle h) const;
-    /// The handle of a rod; null if it was not made by the facade.
+    /// The handle of a rod; null if Shells did not create it.
     [[nodiscard]] ShellHandle handleOf(std::uint32_t key) const;
-    /// Gives a new rod a slot.
-    ShellHandle adopt(std::uint32_t key, std::string name, std::uint64_t userData);
+    /// Assigns a slot to a new rod.
+    ShellHandle assignSlot(std::uint32_t key, std::string name, std::uint64_t userData);
     [[nodiscard]] step::Rod& rod(int index) { return world.rods[static_cast<std::size_t>(index)]; }
     [[nodiscard]] const step::Rod& rod(int index) const { return world.rods[static_cast<std::size_t>(index)]; }
 
-    /// A part of a rod (Hold, Grab, PointForce) by its key.
-    template <class Part>
+    /// A constraint of a rod (Hold, Grab, PointForce) by its key.
+    template <class Constraint>
     struct Found {
         step::Rod* rod = nullptr;
-        Part* part = nullptr;
+        Constraint* constraint = nullptr;
         std::size_t index = 0; ///< of the rod
     };
-    template <class Part, class Kind>
-    [[nodiscard]] Found<Part> find(const PartHandle<Kind>& h, std::vector<Part> step::Rod::*list) {
-        if (h.null() || h.world != tag)
+    template <class Constraint, class Kind>
+    [[nodiscard]] Found<Constraint> find(const ConstraintHandle<Kind>& h, std::vector<Constraint> step::Rod::*list) {
+        if (h.null() || h.world != worldId)
             return {};
         const int i = step::rodIndex(world, h.index);
         if (i < 0)
             return {};
-        for (Part& p : rod(i).*list)
-            if (p.key == h.generation)
-                return {&rod(i), &p, static_cast<std::size_t>(i)};
+        for (Constraint& c : rod(i).*list)
+            if (c.key == h.generation)
+                return {&rod(i), &c, static_cast<std::size_t>(i)};
         return {};
     }
     [[nodiscard]] step::Link* findLink(JointHandle h);
@@ -68,17 +68,17 @@ struct Shells::Impl {
     /// Wakes the rods of a link.
     void wake(const step::Link& link);
 
-    /// Runs a changing call: refused while the shells are being stepped; what is thrown becomes the failure.
+    /// Runs a changing call: it fails while the shells are being stepped, and when something is thrown.
     template <class Call>
     auto change(Call call) -> decltype(call()) {
         using R = decltype(call());
-        if (inside)
-            return R::failure(kStepping);
-        return caught(call);
+        if (stepping)
+            return R::failure(kWorldLocked);
+        return withoutExceptions(call);
     }
-    /// What the host, the canvas or a standard container throws becomes the failure.
+    /// An exception of the host, the canvas or a standard container becomes the failure.
     template <class Call>
-    static auto caught(Call call) -> decltype(call()) {
+    static auto withoutExceptions(Call call) -> decltype(call()) {
         using R = decltype(call());
         try {
             return call();
@@ -87,19 +87,19 @@ struct Shells::Impl {
         } catch (const std::exception& e) {
             return R::failure(e.what());
         } catch (...) {
-            return R::failure("something was thrown that is no std::exception");
+            return R::failure("an exception of unknown type was thrown");
         }
     }
 };
 
 inline const char* const kNoSuchShell = "no such shell (stale or foreign handle)";
-inline const char* const kNoSuchPart = "no such part (stale or foreign handle)";
+inline const char* const kNoSuchConstraint = "no such hold, joint, mouse joint or force (stale or foreign handle)";
 
-inline Outcome done() {
-    return Outcome(std::monostate{});
+inline Status done() {
+    return Status(std::monostate{});
 }
-inline Outcome refused(std::string why) {
-    return Outcome::failure(std::move(why));
+inline Status refused(std::string why) {
+    return Status::failure(std::move(why));
 }
 inline bool finite(const Point& p) {
     return std::isfinite(p.x) && std::isfinite(p.y);
@@ -113,15 +113,15 @@ inline step::Vec2 vec(const Point& p) {
 inline Point point(const step::Vec2& v) {
     return {v.x(), v.y()};
 }
-/// Strain of an element's surfaces by bending, 1.
+/// Bending strain at an element's surfaces, 1.
 inline double surfaceStrain(const step::Rod& rod, int element) {
     const rod::RodDefinition& d = rod.model.definition();
     return 0.5 * d.thickness *
            std::abs(rod.q[rod.model.dofOfElement(element)] - d.naturalCurvature[static_cast<std::size_t>(element)]);
 }
-/// A goal for the coming frame, to a hold or to the far end of a tether; its times are given by the step. What was
-/// under way before ends here.
-inline void setGoal(const DriveDef& to, step::Target& target) {
+/// Sets the target of a hold or of the far end of a tether for the coming frame; the step gives it its times. It
+/// replaces a target that was not reached yet.
+inline void setPendingTarget(const TargetDef& to, step::Target& target) {
     target.path.active = false;
     target.path.to = vec(to.position);
     target.path.toVelocity = vec(to.velocity);

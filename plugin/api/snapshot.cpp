@@ -1,7 +1,7 @@
-// What is hidden history and what is not (checked by tests/plugin/api/test_snapshot.cpp): candidates and their range
-// are part of the world, because a list made for a longer motion holds more speculative contacts; the detector's cached
-// pairs, the solver's work space and the attempt's are not, their results do not depend on what was there before. Poses
-// of driven bodies live in the world (step::Body), not in the port. The feed-forward of dynamic bodies does, too.
+// What belongs to the state (checked by tests/plugin/api/test_snapshot.cpp): candidates and their ranges do, because a
+// list made for a longer motion holds more speculative contacts. Caches of contact detection and workspaces of step and
+// solver do not: the results do not depend on their content. Poses of driven bodies and the feed-forward of dynamic
+// bodies are in step::Body, not in the port.
 
 #include "plugin/api/snapshot_fields.h"
 
@@ -23,7 +23,7 @@ std::uint64_t hashOf(const std::uint8_t* bytes, std::size_t count) {
     return hash;
 }
 
-std::vector<std::uint8_t> wrap(const Kind& kind, const std::vector<std::uint8_t>& content) {
+std::vector<std::uint8_t> wrap(const FileKind& kind, const std::vector<std::uint8_t>& content) {
     Saver out;
     for (int i = 0; i < 8; ++i)
         out.word(static_cast<std::uint8_t>(kind.name[i]), 1);
@@ -34,14 +34,15 @@ std::vector<std::uint8_t> wrap(const Kind& kind, const std::vector<std::uint8_t>
     return std::move(out.bytes);
 }
 
-std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std::string& fault) {
+std::size_t unwrap(const FileKind& kind, const std::vector<std::uint8_t>& file, std::string& fault) {
     Loader in(file.data(), file.size());
     bool same = file.size() >= 8;
     for (int i = 0; i < 8 && same; ++i)
         same = in.word(1) == static_cast<std::uint8_t>(kind.name[i]);
-    const std::string name(kind.name);
+    std::string name(kind.name);
+    name.resize(name.find_last_not_of(' ') + 1);
     if (!same) {
-        fault = "these bytes are no " + name + " file";
+        fault = "these bytes are not an " + name + " file";
         return 0;
     }
     const std::uint64_t version = in.word(4), size = in.word(8), sum = in.word(8);
@@ -49,9 +50,9 @@ std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std:
         fault = name + ": written as version " + std::to_string(version) + ", this program reads version " +
                 std::to_string(kind.version);
     else if (!in.fault().empty() || size != in.left())
-        fault = name + ": it is cut off or has something behind its end";
+        fault = name + ": it is cut off or continues after its end";
     else if (hashOf(in.at(), in.left()) != sum)
-        fault = name + ": its checksum is wrong, the bytes are damaged";
+        fault = name + ": the checksum is wrong, the bytes are damaged";
     return file.size() - in.left();
 }
 
@@ -59,10 +60,10 @@ std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std:
 
 namespace {
 
-constexpr archive::Kind kStateKind{"SCSTATE ", 6};
-constexpr archive::Kind kLogKind{"SCCALLS ", 1};
+constexpr archive::FileKind kStateKind{"SCSTATE ", 6};
+constexpr archive::FileKind kLogKind{"SCCALLS ", 1};
 
-/// What is wrong with a state whose fields could all be read; empty if nothing.
+/// What is inconsistent in a state whose fields could all be read; empty if nothing.
 std::string faultOf(const archive::State& s) {
     const step::World& w = s.world;
     const auto rods = static_cast<std::int64_t>(w.rods.size());
@@ -73,7 +74,7 @@ std::string faultOf(const archive::State& s) {
     for (const Slot& slot : s.slots)
         if (slot.key != 0 &&
             std::none_of(w.rods.begin(), w.rods.end(), [&](const step::Rod& r) { return r.key == slot.key; }))
-            return "a handle leads to no shell";
+            return "a handle refers to no shell";
     for (std::size_t i = 1; i < w.bodies.size(); ++i)
         if (w.bodies[i - 1].id >= w.bodies[i].id)
             return "bodies are out of order";
@@ -94,19 +95,19 @@ std::string faultOf(const archive::State& s) {
         const bool rigid = c.b.rod < 0;
         if (outside(c.a) || (!rigid && outside(c.b)) ||
             (rigid && (c.outline < 0 || c.outline >= static_cast<std::int64_t>(w.outlines.size()))))
-            return "a contact is between nobody";
+            return "a contact refers to a missing shell or body";
     }
     if (!w.range.empty() && w.range.size() != w.rods.size())
         return "contact ranges do not fit the shells";
     if (!std::is_sorted(w.impulses.begin(), w.impulses.end(), [](const auto& a, const auto& b) { return a.id < b.id; }))
         return "contact forces are out of order";
-    for (const TouchState& t : s.watched.touching)
+    for (const ContactPairState& t : s.detector.pairs)
         if (t.pair.a == 0)
-            return "a touching pair has no shell";
-    for (const SnapState& snap : s.watched.snaps)
+            return "a contact pair has no shell";
+    for (const SnapState& snap : s.detector.snaps)
         if (snap.bucket < 0 || snap.filled < 0 || snap.filled > SnapState::kBuckets)
             return "an energy history is malformed";
-    if (!std::isfinite(w.time) || !(s.watched.settings.snap_time > 0.0) || !(s.watched.settings.snap_energy > 0.0))
+    if (!std::isfinite(w.time) || !(s.detector.settings.snap_time > 0.0) || !(s.detector.settings.snap_energy > 0.0))
         return "a number is not finite or not positive";
     return {};
 }
@@ -117,9 +118,9 @@ std::string parse(const std::vector<std::uint8_t>& file, archive::State& state) 
     if (!fault.empty())
         return fault;
     Loader in(file.data() + start, file.size() - start);
-    archive::ioState(in, state.slots, state.advanced, state.world, state.settings, state.watched);
+    archive::ioState(in, state.slots, state.advanced, state.world, state.settings, state.detector);
     if (in.fault().empty() && in.left() != 0)
-        in.fail("it has something behind its end");
+        in.fail("it continues after its end");
     if (in.fault().empty())
         in.fail(faultOf(state));
     return in.fault().empty() ? std::string() : "SCSTATE: " + in.fault();
@@ -143,49 +144,49 @@ Result<Snapshot> Snapshot::from_bytes(std::vector<std::uint8_t> bytes) {
 Snapshot Shells::save() const {
     Saver out;
     const Impl& m = *impl_;
-    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.watch.state);
+    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.detector.state);
     Snapshot s;
     s.bytes_ = archive::wrap(kStateKind, out.bytes);
-    s.origin_ = m.tag;
+    s.origin_ = m.worldId;
     return s;
 }
 
 std::uint64_t Shells::hash() const {
     Hasher out;
     const Impl& m = *impl_;
-    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.watch.state);
+    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.detector.state);
     return out.hash;
 }
 
-Outcome Shells::restore(const Snapshot& snapshot) {
+Status Shells::restore(const Snapshot& snapshot) {
     return impl_->change([&] {
         archive::State state;
         if (std::string why = parse(snapshot.bytes_, state); !why.empty())
             return refused(std::move(why));
         Impl& m = *impl_;
         const int threads = m.stepper.settings().threads;
-        const bool ours = snapshot.origin_ == m.tag;
+        const bool ours = snapshot.origin_ == m.worldId;
         std::vector<Slot> slots = std::move(state.slots);
-        if (!ours) { // a new name for the world makes every handle given out so far stale
-            m.tag = Impl::nextTag();
+        if (!ours) { // a new world id makes all handles given out so far stale
+            m.worldId = Impl::nextWorldId();
             m.slots.clear();
         }
         slots.resize(std::max(slots.size(), m.slots.size()));
-        for (std::size_t i = 0; i < slots.size(); ++i) // none given out since the snapshot is given out again
+        for (std::size_t i = 0; i < slots.size(); ++i) // no generation is given out twice
             slots[i].highest = std::max(slots[i].generation, i < m.slots.size() ? m.slots[i].highest : 0);
         if (ours)
             state.world.nextPart = std::max(state.world.nextPart, m.world.nextPart);
-        for (TouchState& t : state.watched.touching)
+        for (ContactPairState& t : state.detector.pairs)
             for (ShellHandle* h : {&t.last.a, &t.last.b})
-                h->world = h->null() ? 0 : m.tag;
+                h->world = h->null() ? 0 : m.worldId;
         m.slots = std::move(slots);
         m.advanced = state.advanced;
         m.world = std::move(state.world);
         m.stepper.settings() = state.settings;
         m.stepper.settings().threads = threads;
-        m.watch.state = std::move(state.watched);
-        m.watch.events = {};
-        m.recorder.record(Call::Restore, snapshot.bytes_, m.tag);
+        m.detector.state = std::move(state.detector);
+        m.detector.events = {};
+        m.recorder.record(Call::Restore, snapshot.bytes_, m.worldId);
         return done();
     });
 }
@@ -202,7 +203,7 @@ Result<CallLog> CallLog::from_bytes(std::vector<std::uint8_t> bytes) {
             in(call);
             in.skip(in.count());
             if (call < Call::Restore || call >= Call::Count)
-                in.fail("it holds a call that does not exist");
+                in.fail("it contains an unknown call");
             log.calls_ += call == Call::FrameEnd ? 0 : 1;
             log.frames_ += call == Call::PreStep ? 1 : 0;
         }
@@ -220,10 +221,10 @@ void CallRecorder::start(std::uint64_t seed) {
     on_ = true;
 }
 
-Outcome Shells::start_log(std::uint64_t seed) {
+Status Shells::start_log(std::uint64_t seed) {
     return impl_->change([&] {
         impl_->recorder.start(seed);
-        impl_->recorder.record(Call::Restore, save().bytes(), impl_->tag); // what everything starts from
+        impl_->recorder.record(Call::Restore, save().bytes(), impl_->worldId); // the initial state
         return done();
     });
 }

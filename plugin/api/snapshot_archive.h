@@ -1,6 +1,6 @@
 #pragma once
-// Bytes of a state (private to shells/): one list of fields per struct (snapshot_fields.h) serves saving, loading and
-// hashing. Numbers are written in little-endian order and with all their bits, so files travel between machines.
+// Serialisation of a state (private to plugin/api): one list of fields per struct (snapshot_fields.h) serves saving,
+// loading and hashing. Numbers are stored in little-endian order with all their bits, so files are portable.
 
 #include "supercircle/contact/outline_points.h"
 
@@ -35,9 +35,9 @@ public:
 
     template <class... T>
     void operator()(const T&... x);
-    /// What belongs to a saved state but does not decide its future.
+    /// Fields of a saved state that do not influence its future.
     template <class... T>
-    void aside(const T&... x) {
+    void unhashed(const T&... x) {
         (*this)(x...);
     }
     void word(std::uint64_t value, int count) {
@@ -54,14 +54,14 @@ public:
     template <class... T>
     void operator()(const T&... x);
     template <class... T>
-    void aside(const T&...) {}
+    void unhashed(const T&...) {}
     void word(std::uint64_t value, int count) {
         for (int i = 0; i < count; ++i)
             hashByte(hash, static_cast<std::uint8_t>(value >> (8 * i)));
     }
 };
 
-/// Never reads beyond its bytes: after the first fault everything it gives is zero and empty.
+/// Never reads beyond its bytes: after the first fault all values are zero and all lists empty.
 class Loader {
 public:
     static constexpr bool kLoads = true;
@@ -71,7 +71,7 @@ public:
     template <class... T>
     void operator()(T&... x);
     template <class... T>
-    void aside(T&... x) {
+    void unhashed(T&... x) {
         (*this)(x...);
     }
     std::uint64_t word(int count) {
@@ -86,7 +86,7 @@ public:
         left_ -= static_cast<std::size_t>(count);
         return value;
     }
-    /// The length of a list; no longer than the bytes that are left could fill.
+    /// The length of a list; at most the number of bytes left.
     std::size_t count() {
         const std::uint64_t n = word(8);
         if (n <= left_)
@@ -123,7 +123,7 @@ requires(std::is_integral_v<std::remove_const_t<T>> || std::is_enum_v<std::remov
     if constexpr (Ar::kLoads) {
         const std::uint64_t value = ar.word(size);
         if (std::is_same_v<T, bool> && value > 1)
-            ar.fail("a yes or no in it is neither");
+            ar.fail("a truth value in it is neither 0 nor 1");
         x = static_cast<T>(value);
     } else {
         ar.word(static_cast<std::uint64_t>(x), size);
@@ -231,15 +231,15 @@ void Loader::operator()(T&... x) {
 
 // ---- files ----
 
-/// What a file is, in front of its content.
-struct Kind {
+/// Name and version at the start of a file.
+struct FileKind {
     char name[9]; ///< eight characters
     std::uint32_t version;
 };
 constexpr std::size_t kHeader = 8 + 4 + 8 + 8; ///< bytes of name, version, size and checksum
-/// Content with a header.
-std::vector<std::uint8_t> wrap(const Kind& kind, const std::vector<std::uint8_t>& content);
-/// Where the content begins; empty `fault` when header, size and checksum are in order.
-std::size_t unwrap(const Kind& kind, const std::vector<std::uint8_t>& file, std::string& fault);
+/// Adds the header.
+std::vector<std::uint8_t> wrap(const FileKind& kind, const std::vector<std::uint8_t>& content);
+/// Offset of the content; `fault` stays empty if header, size and checksum are correct.
+std::size_t unwrap(const FileKind& kind, const std::vector<std::uint8_t>& file, std::string& fault);
 
 } // namespace supercircle::archive

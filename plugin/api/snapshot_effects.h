@@ -1,6 +1,6 @@
 #pragma once
-// The fields of effects that are saved (private to shells/), see snapshot_fields.h. Constants that follow from the
-// model of an effect and its rod are made again; state is checked against them.
+// The saved fields of effects (private to plugin/api), see snapshot_fields.h. Constants that follow from the model of
+// an effect and its rod are computed again when loading; the state is checked against them.
 
 #include "plugin/api/snapshot_archive.h"
 #include "supercircle/effects/rod_effects.h"
@@ -9,24 +9,24 @@
 
 namespace supercircle::archive {
 
-/// Numbers beyond what the catalogue allows were never set by anybody: they are refused, not simulated.
+/// Numbers outside the ranges of the catalogue make loading fail.
 template <class Ar>
 void demand(Ar& ar, bool possible) {
     if constexpr (Ar::kLoads)
         if (!possible)
-            ar.fail("an effect in it is impossible");
+            ar.fail("an effect in it has values out of range");
 }
 inline bool within(double value, double least, double most) {
-    return value >= least && value <= most; // not a number is within nothing
+    return value >= least && value <= most; // false for NaN
 }
 inline bool possible(const effects::SplineCoefficients& c, double least, double most) {
     return std::all_of(c.begin(), c.end(), [&](double v) { return within(v, least, most); });
 }
-inline constexpr double kAny = std::numeric_limits<double>::max();
-inline constexpr double kEndlessToo = std::numeric_limits<double>::infinity();
+inline constexpr double kFinite = std::numeric_limits<double>::max();
+inline constexpr double kOrInfinite = std::numeric_limits<double>::infinity();
 
 template <class Ar>
-void io(Ar& ar, Is<effects::Book> auto& b) {
+void io(Ar& ar, Is<effects::EffectEnergy> auto& b) {
     auto& [stored, dissipated] = b;
     ar(stored, dissipated);
 }
@@ -36,20 +36,20 @@ void io(Ar& ar, Is<effects::Profile> auto& p) {
     auto& [cause, shape, centre, width, stiffness, curvature] = p;
     ar(cause, shape, centre, width, stiffness, curvature);
     demand(ar, cause < effects::Key::Count && shape <= effects::Profile::Shape::Thickness &&
-                   within(width, 1e-9, kAny) && within(centre, 0.0, 1.0) && within(stiffness, -0.99, 1e3) &&
+                   within(width, 1e-9, kFinite) && within(centre, 0.0, 1.0) && within(stiffness, -0.99, 1e3) &&
                    within(curvature, -1e4, 1e4));
 }
 
 template <class Ar>
-void io(Ar& ar, Is<effects::Backbone> auto& b) {
+void io(Ar& ar, Is<effects::ElasticModel> auto& b) {
     auto& [law, knee, exponent, learned] = b;
     ar(law, knee, exponent, learned);
-    demand(ar, possible(learned, -0.95, 100.0) && law <= effects::Backbone::Law::Learned &&
-                   within(knee, 1e-3, kEndlessToo) && within(exponent, 1.0, 50.0));
+    demand(ar, possible(learned, -0.95, 100.0) && law <= effects::ElasticModel::Law::Learned &&
+                   within(knee, 1e-3, kOrInfinite) && within(exponent, 1.0, 50.0));
 }
 
 template <class Ar>
-void io(Ar& ar, Is<effects::Branch> auto& b) {
+void io(Ar& ar, Is<effects::MaxwellBranch> auto& b) {
     auto& [stiffness, time] = b;
     ar(stiffness, time);
     demand(ar, within(stiffness, 0.0, 1e3) && within(time, 1e-6, 1e9));
@@ -61,7 +61,7 @@ void io(Ar& ar, Is<effects::MaterialModel> auto& m) {
            softeningByDecades] = m;
     ar(profiles, backbone, viscosity, branches, yield, hardening, kinematic, softening, softeningTime,
        softeningByDecades);
-    demand(ar, within(viscosity, 0.0, 1e4) && within(yield, 1e-6, kEndlessToo) && within(hardening, 0.0, 1e3) &&
+    demand(ar, within(viscosity, 0.0, 1e4) && within(yield, 1e-6, kOrInfinite) && within(hardening, 0.0, 1e3) &&
                    within(softening, 0.0, 0.95) && within(softeningTime, 1e-6, 1e9));
 }
 
@@ -110,10 +110,10 @@ template <class Ar>
 void io(Ar& ar, Is<effects::Site> auto& s) {
     auto& [weakened, slid, speed] = s;
     ar(weakened, slid, speed);
-    demand(ar, within(weakened, 0.0, 1.0 + 1e-9) && within(slid, 0.0, kAny) && within(speed, -kAny, kAny));
+    demand(ar, within(weakened, 0.0, 1.0 + 1e-9) && within(slid, 0.0, kFinite) && within(speed, -kFinite, kFinite));
 }
 
-/// `made`: the effect as it is right after being given to the rod; its lists say how long those that were saved are.
+/// `made`: the newly created effect of the rod; saved lists must be as long as its lists.
 template <class Ar, class List>
 void ioState(Ar& ar, List& list, const std::remove_const_t<List>& made) {
     ar(list);

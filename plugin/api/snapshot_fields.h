@@ -1,7 +1,7 @@
 #pragma once
-// The fields of everything that is saved (private to shells/). Structured bindings name every member of a struct: who
-// adds a member and forgets it here gets a compiler error ("decomposes into n elements"), not a state that is lost. A
-// new field changes the format: raise the version in kStateKind (snapshot.cpp).
+// The fields of all saved structs (private to plugin/api). Structured bindings name every member, so that a member that
+// is missing here is a compiler error ("decomposes into n elements"). A new field changes the format: raise the version
+// in kStateKind (snapshot.cpp).
 
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_archive.h"
@@ -24,17 +24,17 @@ void io(Ar& ar, Is<ShellHandle> auto& h) {
     ar(index, generation, world);
 }
 
-template <class Ar, class Part>
-void io(Ar& ar, PartHandle<Part>& h) {
+template <class Ar, class Tag>
+void io(Ar& ar, ConstraintHandle<Tag>& h) {
     ar(h.index, h.generation, h.world);
 }
-template <class Ar, class Part>
-void io(Ar& ar, const PartHandle<Part>& h) {
+template <class Ar, class Tag>
+void io(Ar& ar, const ConstraintHandle<Tag>& h) {
     ar(h.index, h.generation, h.world);
 }
 
 template <class Ar>
-void io(Ar& ar, Is<DriveDef> auto& d) {
+void io(Ar& ar, Is<TargetDef> auto& d) {
     auto& [position, angle, velocity, spin] = d;
     ar(position, angle, velocity, spin);
 }
@@ -46,7 +46,7 @@ void io(Ar& ar, Is<JointDef> auto& d) {
 }
 
 template <class Ar>
-void io(Ar& ar, Is<GrabDef> auto& d) {
+void io(Ar& ar, Is<MouseJointDef> auto& d) {
     auto& [arcFraction, target, frequency, dampingRatio, maxForce] = d;
     ar(arcFraction, target, frequency, dampingRatio, maxForce);
 }
@@ -72,10 +72,10 @@ void io(Ar& ar, Is<MaterialDef> auto& d) {
 template <class Ar>
 void io(Ar& ar, Is<ShellDef> auto& d) {
     auto& [position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density,
-           youngModulus, mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, material, userData,
-           name] = d;
+           youngModulus, mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, frictionMaterial,
+           userData, name] = d;
     ar(position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density, youngModulus,
-       mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, material, userData, name);
+       mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, frictionMaterial, userData, name);
 }
 
 // ---- the core ----
@@ -117,8 +117,8 @@ void io(Ar& ar, Is<step::Target> auto& t) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
-    auto& [s, clamped, onMachine, target, reaction, reactionTorque, key] = h;
-    ar(s, clamped, onMachine, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
+    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, key] = h;
+    ar(s, clamped, onCrosshead, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
        target.path, target.pending, key);
 }
 
@@ -155,23 +155,23 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
-    auto& [model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs, width,
-           material, group, island, rested, restPlace, effects] = r;
-    ar(model, q, v, qGood, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material, group,
-       island, rested, restPlace);
+    auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs,
+           width, material, group, island, stillTime, stillReference, effects] = r;
+    ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material,
+       group, island, stillTime, stillReference);
     ioEffects(ar, model, effects);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
-        if (q.size() != n || v.size() != n || qGood.size() != n || static_cast<int>(u.size()) != model.gaussPoints() ||
-            !q.allFinite() || !qGood.allFinite()) {
-            ar.fail("a shell in it has the wrong number of coordinates, or bad ones");
+        if (q.size() != n || v.size() != n || lastAccepted.size() != n ||
+            static_cast<int>(u.size()) != model.gaussPoints() || !q.allFinite() || !lastAccepted.allFinite()) {
+            ar.fail("a shell in it has the wrong number of coordinates, or some that are not finite");
             q.setZero(n);
         }
         const double length = model.definition().length;
-        const auto beyond = [length](const auto& part) { return !(part.s >= 0.0 && part.s <= length); };
-        if (std::any_of(holds.begin(), holds.end(), beyond) || std::any_of(forces.begin(), forces.end(), beyond) ||
-            std::any_of(grabs.begin(), grabs.end(), beyond))
-            ar.fail("a hold, force or grab in it is beyond its shell");
+        const auto outside = [length](const auto& c) { return !(c.s >= 0.0 && c.s <= length); };
+        if (std::any_of(holds.begin(), holds.end(), outside) || std::any_of(forces.begin(), forces.end(), outside) ||
+            std::any_of(grabs.begin(), grabs.end(), outside))
+            ar.fail("a hold, force or mouse joint in it lies outside its shell");
         kin.evaluate(model, q);
         rod::evaluateGauss(model, kin, gauss);
     }
@@ -203,7 +203,7 @@ void io(Ar& ar, Is<step::HostPush> auto& p) {
 }
 
 template <class Ar>
-void io(Ar& ar, Is<step::Handover> auto& h) {
+void io(Ar& ar, Is<step::HostCoupling> auto& h) {
     auto& [coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
            unexplained, all, known, seen] = h;
     ar(coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
@@ -216,7 +216,7 @@ void io(Ar& ar, Is<step::HostContact> auto& c) {
            sumTangent, hostNormal, hostTangent, told, lost, room] = c;
     ar(a, b, armA, armB, normal, friction, conveyor, bounce, normalForce, tangentForce, point, sumNormal, sumTangent,
        hostNormal, hostTangent, told, lost, room);
-    ar.aside(key); // an address of the host's
+    ar.unhashed(key); // an address in the host
 }
 
 template <class Ar>
@@ -224,7 +224,7 @@ void io(Ar& ar, Is<step::HostRow> auto& r) {
     auto& [a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, key, sum, host, told,
            saturated] = r;
     ar(a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, sum, host, told, saturated);
-    ar.aside(key);
+    ar.unhashed(key);
 }
 
 template <class Ar>
@@ -235,8 +235,8 @@ void io(Ar& ar, Is<step::HostConstraints> auto& c) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Body> auto& b) {
-    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, handover] = b;
-    ar(id, state, driven, dynamic, impulse, angularImpulse, force, handover);
+    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, hostCoupling] = b;
+    ar(id, state, driven, dynamic, impulse, angularImpulse, force, hostCoupling);
 }
 
 template <class Ar>
@@ -255,8 +255,8 @@ void io(Ar& ar, Is<step::BodyOutline> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::ContactImpulse> auto& c) {
-    auto& [id, normal, tangent, bent] = c;
-    ar(id, normal, tangent, bent);
+    auto& [id, normal, tangent, tangentialDeflection] = c;
+    ar(id, normal, tangent, tangentialDeflection);
 }
 
 template <class Ar>
@@ -272,17 +272,18 @@ void io(Ar& ar, Is<contact::Candidate> auto& c) {
 }
 
 template <class Ar>
-void io(Ar& ar, Is<step::Ledger> auto& l) {
-    auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, pushOut, effects, toBodies] = l;
-    ar(kinetic, bending, gravity, added, work, friction, impact, numerical, pushOut, effects, toBodies);
+void io(Ar& ar, Is<step::EnergyBalance> auto& l) {
+    auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, effects, toBodies] =
+        l;
+    ar(kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, effects, toBodies);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::Counters> auto& c) {
-    auto& [steps, rejected, rejectedFor, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax,
-           contactsMax, loadedMax, penetrationMax] = c;
-    ar(steps, rejected, rejectedFor, solves, sweeps, pivots, unconverged, crossings, quarantined, etaMax, contactsMax,
-       loadedMax, penetrationMax);
+    auto& [steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
+           contactResidualMax, contactsMax, activeContactsMax, penetrationMax] = c;
+    ar(steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
+       contactResidualMax, contactsMax, activeContactsMax, penetrationMax);
 }
 
 template <class Ar>
@@ -294,14 +295,14 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
-           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep,
-           sleepDrift, sleepAfter, witness] = s;
-    (void)threads; // belongs to the machine
-    (void)length;  // is the thickness in every quality
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, autoSleep,
+           sleepDrift, sleepAfter, crossingCheck] = s;
+    (void)threads; // of this computer
+    (void)length;  // the thickness, in every quality
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
-       contact, acceptUnconverged, sweepAbove, cappedSweeps, prune, frameWork, autoSleep, sleepDrift, sleepAfter,
-       witness);
-    if constexpr (Ar::kLoads) { // steps of no length would never end
+       contact, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, autoSleep, sleepDrift, sleepAfter,
+       crossingCheck);
+    if constexpr (Ar::kLoads) { // steps without length would never end
         constexpr double shortest = 1e-9;
         if (!(dtMin >= shortest && dtMax >= dtMin && (fixedDt <= 0.0 || fixedDt >= shortest) && localError > 1e-3 &&
               motionLimit > 1e-3))
@@ -311,18 +312,18 @@ void io(Ar& ar, Is<step::Settings> auto& s) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
-    auto& [time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
-           ledger, counters, candidates, range, dt, dtNext, nextKey, links, nextPart, pairFriction, bodyMaterials,
-           sleepingImpulses, nextIsland, effectsGone] = w;
-    ar(time, gravity, rods, bodies, outlines, constraints, impulses, machineVelocity, machineTravel, machineBodies,
-       ledger);
-    ar.aside(counters);
-    ar.aside(nextPart); // handles only
+    auto& [time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
+           crossheadBodies, energyBalance, counters, candidates, range, dt, dtNext, nextKey, links, nextPart,
+           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone] = w;
+    ar(time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
+       crossheadBodies, energyBalance);
+    ar.unhashed(counters);
+    ar.unhashed(nextPart); // handles only
     ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland,
        effectsGone);
 }
 
-// ---- the facade ----
+// ---- class Shells ----
 
 template <class Ar>
 void io(Ar& ar, Is<EventSettings> auto& s) {
@@ -331,40 +332,41 @@ void io(Ar& ar, Is<EventSettings> auto& s) {
 }
 
 template <class Ar>
-void io(Ar& ar, Is<TouchPair> auto& p) {
+void io(Ar& ar, Is<ContactPair> auto& p) {
     auto& [a, b, body] = p;
     ar(a, b, body);
 }
 
 template <class Ar>
-void io(Ar& ar, Is<Touch> auto& t) {
+void io(Ar& ar, Is<ContactPoint> auto& t) {
     auto& [a, b, body, fractionA, fractionB, point, normal] = t;
-    ar.aside(a.index, a.generation, b.index, b.generation); // of the world that is saved
+    ar.unhashed(a.index, a.generation, b.index, b.generation); // of the saved world
     ar(body, fractionA, fractionB, point, normal);
 }
 
 template <class Ar>
-void io(Ar& ar, Is<TouchState> auto& t) {
+void io(Ar& ar, Is<ContactPairState> auto& t) {
     auto& [pair, last] = t;
     ar(pair, last);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<SnapState> auto& s) {
-    auto& [key, lowest, bucket, filled, time, energy, snapping, begun, before, low, lowTime, kineticPeak] = s;
-    ar(key, lowest, bucket, filled, time, energy, snapping, begun, before, low, lowTime, kineticPeak);
+    auto& [key, lowest, bucket, filled, time, energy, snapping, begun, energyBefore, minimum, minimumTime,
+           kineticPeak] = s;
+    ar(key, lowest, bucket, filled, time, energy, snapping, begun, energyBefore, minimum, minimumTime, kineticPeak);
 }
 
 template <class Ar>
-void io(Ar& ar, Is<WatchState> auto& w) {
-    auto& [settings, touching, snaps, quarantined] = w;
-    ar(settings, touching, snaps, quarantined);
+void io(Ar& ar, Is<EventDetectorState> auto& w) {
+    auto& [settings, pairs, snaps, quarantined] = w;
+    ar(settings, pairs, snaps, quarantined);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<Slot> auto& s) {
     auto& [generation, key, highest, name, userData] = s;
-    (void)highest; // belongs to the Shells that gives handles out
+    (void)highest; // belongs to the Shells that give handles out
     ar(generation, key, name, userData);
 }
 
@@ -374,13 +376,13 @@ struct State {
     double advanced = 0.0;
     step::World world;
     step::Settings settings;
-    WatchState watched;
+    EventDetectorState detector;
 };
 /// The same where it lives.
 template <class Ar>
-void ioState(Ar& ar, auto& slots, auto& advanced, auto& world, auto& settings, auto& watched) {
-    ar.aside(slots, advanced);
-    ar(world, settings, watched);
+void ioState(Ar& ar, auto& slots, auto& advanced, auto& world, auto& settings, auto& detector) {
+    ar.unhashed(slots, advanced);
+    ar(world, settings, detector);
 }
 
 } // namespace supercircle::archive

@@ -17,10 +17,10 @@ struct Record {
 
 template <class T>
 constexpr bool kIsHandle = std::is_same_v<T, ShellHandle>;
-template <class Part>
-constexpr bool kIsHandle<PartHandle<Part>> = true;
+template <class Tag>
+constexpr bool kIsHandle<ConstraintHandle<Tag>> = true;
 
-/// Makes the calls of a log on other Shells.
+/// Repeats the calls of a log on other Shells.
 class Replay {
 public:
     Replay(Shells& shells, const std::function<bool(double)>& hostStep) : shells_(shells), hostStep_(hostStep) {}
@@ -32,7 +32,7 @@ public:
             else if (records[i].call == Call::PostStep)
                 postStep();
             else if (!makeBasic(records[i]) && !makeMechanics(records[i]) && !makeProperty(records[i]))
-                fault_ = "it stands where it cannot be made";
+                fault_ = "this call is not possible here";
             if (!fault_.empty())
                 return "record " + std::to_string(i) + " of the log: " + fault_;
         }
@@ -43,7 +43,7 @@ private:
     template <class H>
     using Pairs = std::vector<std::pair<H, H>>; ///< recorded, here
 
-    /// A recorded handle as it is called here; everything else is what it is.
+    /// Replaces a recorded handle by the one of these Shells; other arguments stay.
     template <class T>
     void translate(T& x) const {
         if constexpr (kIsHandle<T>) {
@@ -64,17 +64,17 @@ private:
         Loader in(r.arguments.data(), r.arguments.size());
         in(x...);
         if (in.fault().empty() && in.left() != 0)
-            in.fail("it has arguments too many");
+            in.fail("it has too many arguments");
         fault_ = in.fault();
         return fault_.empty();
     }
 
-    /// Makes a call with the recorded arguments; what it returns is remembered if it is a handle.
+    /// Makes a call with the recorded arguments and pairs the recorded handle with the returned one.
     template <class... A, class Make>
     bool with(const Record& r, Make make) {
         std::tuple<A...> arguments;
         using R = std::invoke_result_t<Make, A&...>;
-        if constexpr (std::is_same_v<R, Outcome>) {
+        if constexpr (std::is_same_v<R, Status>) {
             if (std::apply([&](A&... a) { return read(r, a...); }, arguments))
                 std::apply([&](A&... a) { expect(((translate(a), ...), make(a...))); }, arguments);
         } else {
@@ -93,7 +93,7 @@ private:
     template <class R>
     void expect(const R& result) {
         if (!result)
-            fault_ = "the call is refused here (is the host the same?): " + result.error();
+            fault_ = "the call fails here (is the host the same?): " + result.error();
     }
 
     bool makeBasic(const Record& r) {
@@ -106,10 +106,10 @@ private:
             return with<ShellDef>(r, [&](const auto& d) { return s.create(d); });
         case Call::Destroy:
             return with<ShellHandle>(r, [&](auto h) { return s.destroy(h); });
-        case Call::Carry:
-            return with<std::string>(r, [&](const auto& name) { return s.carry(name); });
-        case Call::MachineVelocity:
-            return with<Point>(r, [&](auto v) { return s.set_machine_velocity(v); });
+        case Call::AttachToCrosshead:
+            return with<std::string>(r, [&](const auto& name) { return s.attach_to_crosshead(name); });
+        case Call::SetCrossheadVelocity:
+            return with<Point>(r, [&](auto v) { return s.set_crosshead_velocity(v); });
         case Call::SetName:
             return with<ShellHandle, std::string>(r, [&](auto h, const auto& n) { return s.set_name(h, n); });
         case Call::SetUserData:
@@ -130,40 +130,42 @@ private:
     bool makeMechanics(const Record& r) {
         Shells& s = shells_;
         switch (r.call) {
-        case Call::Hold:
-            return with<ShellHandle, double, HoldKind, bool>(
-                r, [&](auto h, auto f, auto kind, auto machine) { return s.hold(h, f, kind, machine); });
-        case Call::DriveHold:
-            return with<HoldHandle, DriveDef>(r, [&](auto h, const auto& d) { return s.drive(h, d); });
-        case Call::ReleaseHold:
-            return with<HoldHandle>(r, [&](auto h) { return s.release(h); });
-        case Call::Join:
-            return with<JointDef>(r, [&](const auto& d) { return s.join(d); });
-        case Call::DriveJoint:
-            return with<JointHandle, DriveDef>(r, [&](auto h, const auto& d) { return s.drive(h, d); });
-        case Call::Reel:
-            return with<JointHandle, double, double>(r, [&](auto h, auto l, auto v) { return s.reel(h, l, v); });
-        case Call::ReleaseJoint:
-            return with<JointHandle>(r, [&](auto h) { return s.release(h); });
-        case Call::Grab:
-            return with<ShellHandle, GrabDef>(r, [&](auto h, const auto& d) { return s.grab(h, d); });
-        case Call::MoveGrab:
-            return with<GrabHandle, Point>(r, [&](auto h, auto p) { return s.move(h, p); });
-        case Call::ReleaseGrab:
-            return with<GrabHandle>(r, [&](auto h) { return s.release(h); });
-        case Call::ApplyForce: // what it returned is gone after the frame
+        case Call::CreateHold:
+            return with<ShellHandle, double, HoldKind, HoldBase>(
+                r, [&](auto h, auto f, auto kind, auto base) { return s.create_hold(h, f, kind, base); });
+        case Call::SetHoldTarget:
+            return with<HoldHandle, TargetDef>(r, [&](auto h, const auto& d) { return s.set_target(h, d); });
+        case Call::DestroyHold:
+            return with<HoldHandle>(r, [&](auto h) { return s.destroy(h); });
+        case Call::CreateJoint:
+            return with<JointDef>(r, [&](const auto& d) { return s.create_joint(d); });
+        case Call::SetJointTarget:
+            return with<JointHandle, TargetDef>(r, [&](auto h, const auto& d) { return s.set_target(h, d); });
+        case Call::SetMaxLength:
+            return with<JointHandle, double, double>(r,
+                                                     [&](auto h, auto l, auto v) { return s.set_max_length(h, l, v); });
+        case Call::DestroyJoint:
+            return with<JointHandle>(r, [&](auto h) { return s.destroy(h); });
+        case Call::CreateMouseJoint:
+            return with<ShellHandle, MouseJointDef>(r,
+                                                    [&](auto h, const auto& d) { return s.create_mouse_joint(h, d); });
+        case Call::SetMouseJointTarget:
+            return with<MouseJointHandle, Point>(r, [&](auto h, auto p) { return s.set_target(h, p); });
+        case Call::DestroyMouseJoint:
+            return with<MouseJointHandle>(r, [&](auto h) { return s.destroy(h); });
+        case Call::ApplyForce: // its handle ends with the frame
             return with<ShellHandle, double, Point, double, ForceHandle>(
                 r, [&](auto h, auto f, auto force, auto t, auto) { return s.apply_force(h, f, force, t); });
         case Call::ApplyImpulse:
             return with<ShellHandle, double, Point, double>(
                 r, [&](auto h, auto f, auto p, auto t) { return s.apply_impulse(h, f, p, t); });
-        case Call::AddForce:
+        case Call::CreateForce:
             return with<ShellHandle, double, Point, double>(
-                r, [&](auto h, auto f, auto force, auto t) { return s.add_force(h, f, force, t); });
+                r, [&](auto h, auto f, auto force, auto t) { return s.create_force(h, f, force, t); });
         case Call::SetForce:
             return with<ForceHandle, Point, double>(r, [&](auto h, auto f, auto t) { return s.set_force(h, f, t); });
-        case Call::ReleaseForce:
-            return with<ForceHandle>(r, [&](auto h) { return s.release(h); });
+        case Call::DestroyForce:
+            return with<ForceHandle>(r, [&](auto h) { return s.destroy(h); });
         default:
             return false;
         }
@@ -181,14 +183,15 @@ private:
         case Call::SetFilter:
             return with<ShellHandle, FilterDef>(r, [&](auto h, const auto& d) { return s.set_filter(h, d); });
         case Call::SetFriction:
-            return with<MaterialId, MaterialId, double>(
+            return with<FrictionMaterial, FrictionMaterial, double>(
                 r, [&](auto a, auto b, auto mu) { return s.set_friction(a, b, mu); });
         case Call::ResetFriction:
-            return with<MaterialId, MaterialId>(r, [&](auto a, auto b) { return s.reset_friction(a, b); });
-        case Call::SetShellSurface:
-            return with<ShellHandle, MaterialId>(r, [&](auto h, auto m) { return s.set_surface(h, m); });
-        case Call::SetBodySurface:
-            return with<BodyId, MaterialId>(r, [&](auto b, auto m) { return s.set_surface(b, m); });
+            return with<FrictionMaterial, FrictionMaterial>(r, [&](auto a, auto b) { return s.reset_friction(a, b); });
+        case Call::SetShellFrictionMaterial:
+            return with<ShellHandle, FrictionMaterial>(r,
+                                                       [&](auto h, auto m) { return s.set_friction_material(h, m); });
+        case Call::SetBodyFrictionMaterial:
+            return with<BodyId, FrictionMaterial>(r, [&](auto b, auto m) { return s.set_friction_material(b, m); });
         case Call::Sleep:
             return with<ShellHandle>(r, [&](auto h) { return s.sleep(h); });
         case Call::Wake:
@@ -231,7 +234,7 @@ private:
 
     Shells& shells_;
     const std::function<bool(double)>& hostStep_;
-    std::tuple<Pairs<ShellHandle>, Pairs<HoldHandle>, Pairs<JointHandle>, Pairs<GrabHandle>, Pairs<ForceHandle>>
+    std::tuple<Pairs<ShellHandle>, Pairs<HoldHandle>, Pairs<JointHandle>, Pairs<MouseJointHandle>, Pairs<ForceHandle>>
         handles_;
     std::uint32_t recordedWorld_ = 0;
     double advanced_ = 0.0;
@@ -241,7 +244,7 @@ private:
 
 } // namespace
 
-Outcome Shells::replay(const CallLog& log, const std::function<bool(double)>& host_step) {
+Status Shells::replay(const CallLog& log, const std::function<bool(double)>& host_step) {
     return impl_->change([&] {
         const Result<CallLog> checked = CallLog::from_bytes(log.bytes()); // also of one that was never filled
         if (!checked)

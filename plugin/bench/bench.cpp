@@ -1,7 +1,7 @@
 #include "plugin/bench/bench.h"
 
 #include "plugin/cli/output.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/text.h"
 
@@ -53,7 +53,7 @@ std::string jsonText(const std::vector<Measurement>& rows, const std::string& fi
     return out + "\n  ]\n}\n";
 }
 
-/// Empty, or why the figures are not in the file.
+/// Empty, or why the file could not be written.
 std::string writeJson(const std::string& file, const std::vector<Measurement>& rows, const std::string& filter) {
     const std::filesystem::path path(file);
     return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), jsonText(rows, filter)}});
@@ -108,7 +108,7 @@ double timed(const std::function<void()>& work) {
 }
 
 Measurement repeat(std::string name, const std::function<void()>& work) {
-    work(); // caches warm, work spaces allocated
+    work(); // warms the caches and allocates work spaces
     const double once = std::max(timed(work), 1e-6);
     const int calls = std::max(1, static_cast<int>(0.05 / once)); // the clock itself costs some 30 ns
     std::vector<double> samples;
@@ -131,7 +131,7 @@ int bench(const std::string& filter, const std::string& json) {
     addSolverBenchmarks(all);
     addScalingBenchmarks(all);
     addGameBenchmarks(all);
-    addPeerBenchmarks(all);
+    addWeldedBoxBenchmarks(all);
     addGuidePictures(all);
     addEffectsPicture(all);
     addSceneBenchmarks(all);
@@ -162,7 +162,7 @@ int bench(const std::string& filter, const std::string& json) {
         std::fprintf(stderr, "no benchmark is called \"%s\"; there are:\n", filter.c_str());
         for (const Benchmark& b : all) {
             if (!b.prefix.empty()) {
-                std::fprintf(stderr, "  %s (%zu, only with a --filter that begins so)\n", b.prefix.c_str(),
+                std::fprintf(stderr, "  %s (%zu, only with a --filter that begins with it)\n", b.prefix.c_str(),
                              b.names.size());
                 continue;
             }

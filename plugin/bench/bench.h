@@ -1,5 +1,5 @@
 #pragma once
-// Benchmarks: what is measured, and how. Times are wall times of one thread; nothing is asserted about them.
+// Benchmarks: their definition and measurement. Times are wall times of one thread; no test depends on them.
 
 #include "plugin/recording/table/files.h"
 
@@ -18,7 +18,7 @@ struct Measurement {
     double p95 = 0.0;    ///< ms
     double best = 0.0;   ///< ms
     std::size_t samples = 0;
-    std::vector<std::pair<std::string, double>> more; ///< further figures, units in the names
+    std::vector<std::pair<std::string, double>> more; ///< further results, units in the names
     double peakMemory = 0.0;                          ///< MB, largest resident size of the process so far
 };
 
@@ -26,8 +26,8 @@ struct Measurement {
 struct Benchmark {
     std::vector<std::string> names; ///< of its measurements
     bool onRequest = false;         ///< runs only when the filter names it in full
-    /// Measures those of `names` for which `wanted` holds and hands each to `done`.
-    /// @return empty, or why it could not be done
+    /// Measures those of `names` for which `wanted` holds and passes each to `done`.
+    /// @return empty, or an error
     std::function<std::string(const std::function<bool(const std::string&)>& wanted,
                               const std::function<void(Measurement)>& done)>
         measure;
@@ -42,35 +42,35 @@ Measurement summarise(std::string name, std::vector<double> milliseconds);
 
 /// Largest resident size of the process so far, MB.
 double peakMemory();
-/// CPU time of this thread, s: for machines that are shared.
+/// CPU time of this thread, s: for computers with other load.
 double threadCpuSeconds();
 
-/// For Benchmark::finish: writes what is in `files` by then beside the JSON file, else into `out`, and prints `names`.
+/// For Benchmark::finish: writes `files` beside the JSON file, else into `out`, and prints `names`.
 std::function<std::string(const std::vector<Measurement>&, const std::string&)>
 writesPictures(std::shared_ptr<const std::vector<record::NamedText>> files, std::string names);
 
 /// Wall time of one call, ms.
 double timed(const std::function<void()>& work);
 
-/// Calls `work` until half a second and ten samples are through (each sample is as many calls as fill 50
-/// microseconds), at most 2000 samples.
+/// Calls `work` for half a second and at least ten samples (each of as many calls as fill 50 microseconds), at most
+/// 2000 samples.
 Measurement repeat(std::string name, const std::function<void()>& work);
 
-/// Parts of a step: one rod, detection, the crossing witness.
+/// Parts of a step: one rod, detection, the crossing check.
 void addPartBenchmarks(std::vector<Benchmark>& all);
-/// Contact problems recorded from a small stack on the fly, every method, two tolerances.
+/// Contact problems recorded from a small stack, every method, two tolerances.
 void addContactBenchmarks(std::vector<Benchmark>& all);
 /// Every method on stacks of 3 to 1350 shells: only when asked for.
 void addSolverBenchmarks(std::vector<Benchmark>& all);
-/// Stacks of 10 to 1000 shells, and what threads would make of them: only when asked for.
+/// Stacks of 10 to 1000 shells, and their computed speed-up by threads: only when asked for.
 void addScalingBenchmarks(std::vector<Benchmark>& all);
-/// Game quality: cost of frames, distance from the laboratory; only when asked for.
+/// Game quality: cost of frames, deviation from laboratory quality; only when asked for.
 void addGameBenchmarks(std::vector<Benchmark>& all);
-/// Shells of welded boxes beside ours, in the same scenes: only when asked for.
-void addPeerBenchmarks(std::vector<Benchmark>& all);
-/// The pictures of docs/guide.md: only when asked for.
+/// Shells made of welded boxes in the same scenes: only when asked for.
+void addWeldedBoxBenchmarks(std::vector<Benchmark>& all);
+/// The pictures of the tutorials: only when asked for.
 void addGuidePictures(std::vector<Benchmark>& all);
-/// The picture of docs/effects.md: only when asked for.
+/// The picture of the effects page: only when asked for.
 void addEffectsPicture(std::vector<Benchmark>& all);
 /// Whole runs of the project's scenes.
 void addSceneBenchmarks(std::vector<Benchmark>& all);

@@ -1,7 +1,7 @@
-// Game quality, measured: what a frame costs, and how far the results are from the laboratory's.
+// Game quality: cost of a frame, and deviation from laboratory quality.
 
-#include "plugin/bench/bench_game_scale.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/bench/bench_game_scenes.h"
+#include "plugin/cli/subcommands.h"
 
 #include <cmath>
 #include <cstdio>
@@ -13,7 +13,7 @@ namespace {
 
 struct Job {
     std::string name;
-    std::function<std::vector<GameRun>()> run; ///< the same scene, other seeds
+    std::function<std::vector<GameRun>()> run; ///< the same scene with several seeds
 };
 
 std::vector<GameRun> piles(PileCase pile, Quality quality, int seeds) {
@@ -25,11 +25,11 @@ std::vector<GameRun> piles(PileCase pile, Quality quality, int seeds) {
     return runs;
 }
 
-/// 200 shells rain into a box in batches of seventeen and come to rest.
+/// Shells fall into a box in batches of seventeen and come to rest.
 PileCase manyShells(int shells, int threads) {
     PileCase pile;
     pile.shells = shells;
-    pile.together = 17;
+    pile.batchSize = 17;
     pile.width = 40.0;
     pile.seconds = 0.7 * std::ceil(shells / 17.0) + 5.0;
     pile.threads = threads;
@@ -69,11 +69,11 @@ Mean meanOf(const std::vector<GameRun>& runs, double GameRun::*field) {
 
 Measurement measurementOf(const std::string& name, const std::vector<GameRun>& runs) {
     std::vector<double> frames;
-    double crossings = 0.0, late = 0.0, slow = 0.0, stretch = 0.0;
+    double crossings = 0.0, budgetExhausted = 0.0, slow = 0.0, stretch = 0.0;
     for (const GameRun& r : runs) {
         frames.insert(frames.end(), r.frames.begin(), r.frames.end());
         crossings += r.crossings;
-        late += r.late;
+        budgetExhausted += r.budgetExhausted;
         stretch = std::max(stretch, r.stretch);
     }
     for (const double ms : frames)
@@ -85,7 +85,7 @@ Measurement measurementOf(const std::string& name, const std::vector<GameRun>& r
     m.more = {{"cpu_s_per_s", meanOf(runs, &GameRun::cpu).value},
               {"frames_per_s", 1e3 * static_cast<double>(frames.size()) / std::max(wall, 1e-9)},
               {"slow_frames", slow},
-              {"late_frames", late},
+              {"budget_exhausted_frames", budgetExhausted},
               {"crossed_pairs", crossings},
               {"stretch", stretch}};
     if (runs.front().peak > 0.0)
@@ -100,8 +100,8 @@ Measurement measurementOf(const std::string& name, const std::vector<GameRun>& r
     return m;
 }
 
-/// Root mean square of the difference of two force curves over the peak of the second, up to its peak: after a snap two
-/// runs are two dynamics.
+/// Root mean square difference of two force curves over the peak of the second, up to its peak. The dynamics after a
+/// snap are not comparable.
 double curveError(const std::vector<double>& game, const std::vector<double>& laboratory) {
     std::size_t top = 0;
     for (std::size_t i = 0; i < laboratory.size(); ++i)
@@ -127,7 +127,7 @@ void addGameBenchmarks(std::vector<Benchmark>& all) {
             if (!wanted(job.name))
                 continue;
             const std::vector<GameRun> runs = job.run();
-            if (interrupted) // half a run is no measurement
+            if (interrupted) // an incomplete run is not measured
                 break;
             for (const GameRun& r : runs)
                 if (!r.failure.empty())
@@ -144,8 +144,9 @@ void addGameBenchmarks(std::vector<Benchmark>& all) {
             for (const auto& [other, reference] : *curves) {
                 const std::string scene = name.substr(0, name.rfind('/'));
                 if (!force.empty() && name == scene + "/game" && other == scene + "/laboratory")
-                    std::printf("%s: force curve up to the peak %.2f %% rms of the peak off the laboratory's\n",
-                                scene.c_str(), 1e2 * curveError(force, reference));
+                    std::printf(
+                        "%s: force curve up to the peak deviates from laboratory quality by %.2f %% rms of the peak\n",
+                        scene.c_str(), 1e2 * curveError(force, reference));
             }
         return std::string();
     };

@@ -1,7 +1,7 @@
-// The pictures of docs/guide.md, drawn by the calls that the guide explains; `supercircle bench --filter guide`.
+// The pictures of the tutorials, drawn by the calls that they explain; `supercircle bench --filter guide`.
 
 #include "bridge/box2d/lab_world.h"
-#include "plugin/bench/bench_game_scale.h"
+#include "plugin/bench/bench_game_scenes.h"
 #include "plugin/graphics/cairo_canvas.h"
 #include "plugin/graphics/theme.h"
 #include "plugin/recording/table/files.h"
@@ -16,22 +16,22 @@ namespace supercircle::cli {
 
 namespace {
 
-namespace theme = report::theme;
+namespace theme = graphics::theme;
 
-/// Where a part of the plane is on the sheet.
-struct Window {
-    report::Rect area;            ///< px
+/// Mapping of a part of the plane to the sheet.
+struct SheetWindow {
+    graphics::Rect area;          ///< px
     double left = 0.0, low = 0.0; ///< m, of the area's lower left corner
     double scale = 1.0;           ///< px/m
-    [[nodiscard]] report::Point at(double x, double y) const {
+    [[nodiscard]] graphics::Point at(double x, double y) const {
         return {area.x + scale * (x - left), area.bottom() - scale * (y - low)};
     }
 };
 
-/// Shells::draw on one of our sheets: about what a b2Draw of a game does.
+/// Shells::draw on a canvas, as a b2Draw of a game would do it.
 class SheetDraw : public DebugDraw {
 public:
-    SheetDraw(report::Canvas& canvas, const Window& window, double width)
+    SheetDraw(graphics::Canvas& canvas, const SheetWindow& window, double width)
         : canvas_(canvas), window_(window), width_(width) {}
     void polyline(std::span<const Point> points, const Colour& colour) override { path(points, false, colour, width_); }
     void outline(std::span<const Point> points, const Colour& colour) override { path(points, true, colour, 0.7); }
@@ -40,26 +40,26 @@ public:
     }
 
 private:
-    static report::Colour of(const Colour& c) { return {c.red, c.green, c.blue, c.alpha}; }
+    static graphics::Colour of(const Colour& c) { return {c.red, c.green, c.blue, c.alpha}; }
     void path(std::span<const Point> points, bool closed, const Colour& colour, double width) {
-        std::vector<report::Point> line;
+        std::vector<graphics::Point> line;
         for (const Point& p : points)
             line.push_back(window_.at(p.x, p.y));
-        canvas_.path(line, closed, {.stroke = report::Stroke{of(colour), width}});
+        canvas_.path(line, closed, {.stroke = graphics::Stroke{of(colour), width}});
     }
-    report::Canvas& canvas_;
-    Window window_;
+    graphics::Canvas& canvas_;
+    SheetWindow window_;
     double width_;
 };
 
-/// A world of Box2D, shells in it, and frames.
-struct Stage {
+/// A Box2D world with shells, stepped in frames.
+struct GameWorld {
     std::shared_ptr<step::HostWorld> host;
     std::unique_ptr<Shells> shells;
     std::string failure;
     std::vector<double> frames; ///< ms
 
-    explicit Stage(const step::RigidWorldDefinition& world) {
+    explicit GameWorld(const step::RigidWorldDefinition& world) {
         host = bridge::makeWorld(world, failure);
         if (!host)
             return;
@@ -72,12 +72,12 @@ struct Stage {
             failure = made.error();
         return made ? *made : ShellHandle{};
     }
-    void join(const JointDef& d) {
-        const auto made = shells->join(d);
+    void addJoint(const JointDef& d) {
+        const auto made = shells->create_joint(d);
         if (!made && failure.empty())
             failure = made.error();
     }
-    void play(double seconds) {
+    void run(double seconds) {
         for (double t = 0.0; t < seconds - 1e-9 && failure.empty();) {
             const double begin = wallSeconds();
             const FrameReport report = shells->pre_step(kGameFrame);
@@ -90,16 +90,17 @@ struct Stage {
             t += report.advanced;
         }
     }
-    void draw(report::Canvas& canvas, const Window& window, const DrawOptions& options, double width = 2.4) const {
+    void draw(graphics::Canvas& canvas, const SheetWindow& window, const DrawOptions& options,
+              double width = 2.4) const {
         canvas.pushClip(window.area);
         std::vector<step::BodyOutline> all;
         host->everything(all);
-        const report::Paint solid{.fill = theme::body, .stroke = report::Stroke{theme::bodyEdge, 1.0}};
+        const graphics::Paint solid{.fill = theme::body, .stroke = graphics::Stroke{theme::bodyEdge, 1.0}};
         for (const step::BodyOutline& o : all) {
             step::BodyState s;
             host->state(o.body, s);
             const contact::Outline placed = step::placed(o, s.centre, s.angle);
-            std::vector<report::Point> points;
+            std::vector<graphics::Point> points;
             for (const Vec2& p : placed.points)
                 points.push_back(window.at(p.x(), p.y()));
             if (placed.kind == contact::OutlineKind::Circle)
@@ -127,7 +128,7 @@ step::BodyDefinition boxBody(const Vec2& centre, double halfWidth, double halfHe
 }
 
 ShellDef shellAt(double x, double y, double angle) {
-    ShellDef d = scaledShell(1.0, 2.0);
+    ShellDef d = scaled_shell(1.0, 2.0);
     d.position = {x, y};
     d.angle = angle;
     return d;
@@ -141,16 +142,16 @@ DrawOptions lines() {
     return o;
 }
 
-struct Drawn {
+struct DrawnPicture {
     std::vector<double> frames; ///< ms
     std::string failure;
 };
 
-/// scenes/hello.json: three moments.
-Drawn drawHello(report::Canvas& canvas) {
+/// scenes/hello.json at three times.
+DrawnPicture drawHello(graphics::Canvas& canvas) {
     step::RigidWorldDefinition world;
     world.bodies = {boxBody({0.0, -0.2}, 6.0, 0.2, 0.0), boxBody({0.0, 0.51}, 0.5, 0.5, 20.0)};
-    Stage stage(world);
+    GameWorld stage(world);
     if (!stage.shells)
         return {{}, stage.failure};
     stage.add(shellAt(-3.2, 2.0, 0.6));
@@ -160,47 +161,47 @@ Drawn drawHello(report::Canvas& canvas) {
     stage.add(rolling);
     double x = 20.0;
     for (const auto& [until, title] : {std::pair{0.0, "0 s"}, std::pair{0.75, "0.75 s"}, std::pair{1.8, "1.8 s"}}) {
-        stage.play(until - stage.shells->time());
-        const Window window{{x, 36.0, 320.0, 145.0}, -5.6, -0.45, 320.0 / 11.2};
-        canvas.text({x, 26.0}, title, {theme::labelSize, theme::ink, report::Anchor::Start, true});
+        stage.run(until - stage.shells->time());
+        const SheetWindow window{{x, 36.0, 320.0, 145.0}, -5.6, -0.45, 320.0 / 11.2};
+        canvas.text({x, 26.0}, title, {theme::labelSize, theme::ink, graphics::Anchor::Start, true});
         stage.draw(canvas, window, lines(), 2.0);
         x += 340.0;
     }
     return {stage.frames, stage.failure};
 }
 
-/// A swing, two shells on a pin, a springboard, a hand.
-Drawn drawJoints(report::Canvas& canvas) {
+/// A swing, two shells on a tether, a springboard, a mouse joint.
+DrawnPicture drawJoints(graphics::Canvas& canvas) {
     step::RigidWorldDefinition world;
     world.bodies = {boxBody({0.0, -0.2}, 9.0, 0.2, 0.0), boxBody({0.0, 5.3}, 9.0, 0.1, 0.0),
                     boxBody({1.2, 1.0}, 0.2, 1.0, 0.0), boxBody({3.25, 2.31}, 0.25, 0.25, 6.0)};
-    Stage stage(world);
+    GameWorld stage(world);
     if (!stage.shells)
         return {{}, stage.failure};
     Shells& shells = *stage.shells;
     const ShellHandle swing = stage.add(shellAt(-7.0, 1.4, 0.0));
     for (const double end : {0.0, 1.0})
-        stage.join(
+        stage.addJoint(
             {.kind = JointKind::Tether, .shell = swing, .arc_fraction = end, .point = {-7.0 + (end - 0.5), 5.2}});
     const ShellHandle upper = stage.add(shellAt(-3.0, 4.0, M_PI)), lower = stage.add(shellAt(-3.0, 1.95, M_PI));
-    stage.join({.kind = JointKind::Tether, .shell = upper, .point = {-3.0, 5.2}});
-    stage.join({.kind = JointKind::Tether, .shell = lower, .other = upper, .other_fraction = 0.0});
-    stage.join({.kind = JointKind::Tether, .shell = lower, .other = upper, .other_fraction = 1.0});
-    ShellDef board = scaledShell(1.0, 6.0, 0.75, 0.3);
+    stage.addJoint({.kind = JointKind::Tether, .shell = upper, .point = {-3.0, 5.2}});
+    stage.addJoint({.kind = JointKind::Tether, .shell = lower, .other = upper, .other_fraction = 0.0});
+    stage.addJoint({.kind = JointKind::Tether, .shell = lower, .other = upper, .other_fraction = 1.0});
+    ShellDef board = scaled_shell(1.0, 6.0, 0.75, 0.3);
     board.radius = std::numeric_limits<double>::infinity();
     board.length = 2.6;
     board.position = {2.4, 2.0 + board.thickness};
     board.elements = 24;
     const ShellHandle plank = stage.add(board);
-    const auto clamp = shells.clamp(plank, 0.0);
+    const auto clamp = shells.create_clamp(plank, 0.0);
     if (!clamp)
         stage.failure = clamp.error();
     const ShellHandle held = stage.add(shellAt(6.8, 0.05, 0.0));
-    const auto hand = shells.grab(held, {.arc_fraction = 0.0, .target = {6.4, 4.3}, .frequency = 2.0});
+    const auto hand = shells.create_mouse_joint(held, {.arc_fraction = 0.0, .target = {6.4, 4.3}, .frequency = 2.0});
     if (!hand)
         stage.failure = hand.error();
-    stage.play(4.0);
-    const Window window{{20.0, 40.0, 1000.0, 330.0}, -9.0, -0.5, 1000.0 / 18.0};
+    stage.run(4.0);
+    const SheetWindow window{{20.0, 40.0, 1000.0, 330.0}, -9.0, -0.5, 1000.0 / 18.0};
     stage.draw(canvas, window, lines());
     const auto string = [&](ShellHandle a, double fa, Point to) {
         const auto from = shells.section(a, fa);
@@ -218,40 +219,40 @@ Drawn drawJoints(report::Canvas& canvas) {
     canvas.circle(window.at(6.4, 4.3), 4.0, {.fill = theme::loading});
     for (const auto& [x, text] :
          {std::pair{-7.0, "two tethers to the world"}, std::pair{-3.0, "tethers between shells"},
-          std::pair{2.4, "a clamp, and a crate of Box2D"}, std::pair{6.8, "a hand (grab)"}})
-        canvas.text({window.at(x, 0.0).x, 30.0}, text, {theme::labelSize, theme::ink, report::Anchor::Middle, true});
+          std::pair{2.4, "a clamp, and a crate of Box2D"}, std::pair{6.8, "a mouse joint"}})
+        canvas.text({window.at(x, 0.0).x, 30.0}, text, {theme::labelSize, theme::ink, graphics::Anchor::Middle, true});
     return {stage.frames, stage.failure};
 }
 
-/// Shells::draw with everything on.
-Drawn drawDebug(report::Canvas& canvas) {
+/// Shells::draw with all options.
+DrawnPicture drawDebug(graphics::Canvas& canvas) {
     PileCase pile;
-    pile.shells = pile.together = 12;
+    pile.shells = pile.batchSize = 12;
     pile.width = 9.0;
-    Stage stage(boxWorld(pile));
+    GameWorld stage(boxWorld(pile));
     if (!stage.shells)
         return {{}, stage.failure};
     scene::Drop drop = dropOf(pile);
     player::Random random(5);
     std::vector<ShellHandle> made;
     stage.failure = player::dropBatch(*stage.shells, drop, pile.shells, random, made);
-    stage.play(5.0);
+    stage.run(5.0);
     DrawOptions options;
     options.outlines = false;
     options.tolerance = 1e-3;
     options.metres_per_newton = 0.012;
     options.full_strain = 0.0011;
-    const Window window{{20.0, 40.0, 620.0, 400.0}, -4.65, -0.15, 620.0 / 9.3};
+    const SheetWindow window{{20.0, 40.0, 620.0, 400.0}, -4.65, -0.15, 620.0 / 9.3};
     stage.draw(canvas, window, options);
     canvas.text({20.0, 28.0}, "Shells::draw: surface strain (blue to red), contacts and their forces",
-                {theme::labelSize, theme::ink, report::Anchor::Start, true});
+                {theme::labelSize, theme::ink, graphics::Anchor::Start, true});
     return {stage.frames, stage.failure};
 }
 
 struct Picture {
     const char* name;
     double width, height; ///< px
-    Drawn (*draw)(report::Canvas&);
+    DrawnPicture (*draw)(graphics::Canvas&);
 };
 constexpr Picture kPictures[] = {
     {"hello", 1040.0, 196.0, drawHello}, {"joints", 1040.0, 385.0, drawJoints}, {"draw", 660.0, 455.0, drawDebug}};
@@ -269,8 +270,8 @@ void addGuidePictures(std::vector<Benchmark>& all) {
             const std::string name = std::string("guide/") + p.name;
             if (!wanted(name))
                 continue;
-            report::CairoCanvas canvas(p.width, p.height, 1.5);
-            const Drawn drawn = p.draw(canvas);
+            graphics::CairoCanvas canvas(p.width, p.height, 1.5);
+            const DrawnPicture drawn = p.draw(canvas);
             const auto png = canvas.png();
             if (!drawn.failure.empty() || !png)
                 return name + ": " + (drawn.failure.empty() ? png.error : drawn.failure);

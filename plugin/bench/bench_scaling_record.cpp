@@ -1,4 +1,4 @@
-// The figures of one size as a file.
+// The results of one size as a file.
 
 #include "plugin/bench/bench_scaling.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Calls visit(key, number) for every number of a row: one list for writing and reading.
+/// Calls visit(key, number) for every number of a row, for writing and reading.
 template <class Row, class Visit>
 void numbers(Row& row, Visit&& visit) {
     visit("contacts", row.contacts);
@@ -26,11 +26,11 @@ void numbers(Row& row, Visit&& visit) {
     visit("memory_MB", row.memory);
     visit("full_load_solves", row.full.solves);
     visit("full_load_contacts", row.full.contacts);
-    visit("full_load_loaded", row.full.loaded);
+    visit("full_load_active_contacts", row.full.activeContacts);
     visit("full_load_pivots", row.full.pivots);
     visit("full_load_pivots_most", row.full.mostPivots);
     visit("full_load_factorisations", row.full.factorisations);
-    visit("full_load_sweeps", row.full.sweeps);
+    visit("full_load_gauss_seidel_iterations", row.full.iterations);
     visit("full_load_ms", row.full.ms);
     visit("full_load_solver_ms", row.full.solverMs);
     visit("full_load_path_only", row.full.pathOnly);
@@ -48,7 +48,7 @@ std::string scalingFile(int shells) {
     return "out/scaling/" + std::to_string(shells) + ".json";
 }
 
-std::string keepScaling(const ScalingRow& row) {
+std::string saveScaling(const ScalingRow& row) {
     json out = {{"shells", row.shells}, {"complete", row.complete}, {"reached", row.reached}};
     numbers(row, [&](const char* key, double value) { out[key] = value; });
     out["threads"] = VirtualThreads::kThreads;
@@ -63,7 +63,7 @@ std::string keepScaling(const ScalingRow& row) {
     return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), out.dump(2) + "\n"}});
 }
 
-bool recallScaling(int shells, ScalingRow& row) {
+bool loadScaling(int shells, ScalingRow& row) {
     std::ifstream file(scalingFile(shells));
     const json in = json::parse(file, nullptr, false);
     if (!in.is_object())
@@ -85,7 +85,7 @@ bool recallScaling(int shells, ScalingRow& row) {
             stage.at("span_s").get_to(cost.span);
         }
     } catch (const json::exception&) {
-        return false; // written by another version: measured anew
+        return false; // written by another version: measured again
     }
     return row.shells == shells;
 }

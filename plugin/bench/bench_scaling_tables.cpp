@@ -32,8 +32,8 @@ std::string shellsOf(const ScalingRow& row) {
 }
 
 std::string costTable(const std::vector<ScalingRow>& rows) {
-    std::string out = head(
-        "shells", {"contacts, most", "making, CPU s", "cycle, CPU s", "steps", "solves", "ms a step", "memory, MB"});
+    std::string out =
+        head("shells", {"contacts, most", "drop, CPU s", "cycle, CPU s", "steps", "solves", "ms a step", "memory, MB"});
     for (const ScalingRow& row : rows) {
         const bool cycle = row.cycleCpu > 0.0;
         const double cpu = cycle ? row.cycleCpu : row.dropCpu;
@@ -46,25 +46,25 @@ std::string costTable(const std::vector<ScalingRow>& rows) {
 }
 
 std::string fullLoadTable(const std::vector<ScalingRow>& rows) {
-    std::string out =
-        head("shells", {"solves", "contacts", "loaded", "ms a solve", "of that the solver", "us a loaded contact",
-                        "pivots", "most", "pivots a loaded contact", "factorisations", "no sweeps, %", "unsolved"});
+    std::string out = head("shells", {"solves", "contacts", "active", "ms a solve", "of that the solver",
+                                      "us an active contact", "pivots", "most", "pivots an active contact",
+                                      "factorisations", "no Gauss-Seidel, %", "unsolved"});
     for (const ScalingRow& row : rows) {
         const FullLoad& f = row.full;
-        const double loaded = std::max(1.0, f.loaded);
+        const double active = std::max(1.0, f.activeContacts);
         out +=
-            line(shellsOf(row),
-                 {number("%.0f", f.solves), number("%.0f", f.contacts), number("%.0f", f.loaded), number("%.3g", f.ms),
-                  number("%.3g", f.solverMs), number("%.3g", 1e3 * f.ms / loaded), number("%.3g", f.pivots),
-                  number("%.0f", f.mostPivots), number("%.2g", f.pivots / loaded), number("%.2g", f.factorisations),
-                  number("%.1f", 100.0 * f.pathOnly), number("%.0f", f.unsolved * f.solves)});
+            line(shellsOf(row), {number("%.0f", f.solves), number("%.0f", f.contacts), number("%.0f", f.activeContacts),
+                                 number("%.3g", f.ms), number("%.3g", f.solverMs), number("%.3g", 1e3 * f.ms / active),
+                                 number("%.3g", f.pivots), number("%.0f", f.mostPivots),
+                                 number("%.2g", f.pivots / active), number("%.2g", f.factorisations),
+                                 number("%.1f", 100.0 * f.pathOnly), number("%.0f", f.unsolved * f.solves)});
     }
     for (std::size_t k = 1; k < rows.size(); ++k) {
         const FullLoad &a = rows[k - 1].full, &b = rows[k].full;
-        if (a.loaded > 0.0 && b.loaded > a.loaded)
+        if (a.activeContacts > 0.0 && b.activeContacts > a.activeContacts)
             out += "\n" + std::to_string(rows[k - 1].shells) + " to " + std::to_string(rows[k].shells) +
-                   " shells: ms a solve grows with the loaded contacts to the power " +
-                   number("%.2f", std::log(b.ms / a.ms) / std::log(b.loaded / a.loaded)) + "\n";
+                   " shells: ms a solve grows with the active contacts to the power " +
+                   number("%.2f", std::log(b.ms / a.ms) / std::log(b.activeContacts / a.activeContacts)) + "\n";
     }
     return out;
 }

@@ -1,8 +1,8 @@
 #include "plugin/bench/bench.h"
-#include "plugin/bench/bench_run.h"
-#include "plugin/cli/data.h"
+#include "plugin/bench/bench_scene_run.h"
+#include "plugin/cli/data_folders.h"
 #include "plugin/cli/input.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #include <filesystem>
 
@@ -10,7 +10,7 @@ namespace supercircle::cli {
 
 namespace {
 
-/// scenes/NAME.json below the current directory, else where the program was built.
+/// scenes/NAME.json below the current directory, else in the folder of the project's scenes.
 std::string sceneFile(const std::string& name) {
     const std::string here = "scenes/" + name + ".json";
     std::error_code error;
@@ -33,13 +33,13 @@ std::string measureScene(const std::string& name, const std::string& scene, cons
     std::vector<double> samples;
     std::vector<std::pair<std::string, double>> more;
     for (int i = 0; i < times && !interrupted; ++i) {
-        lab::Outcome out;
+        lab::RunResult out;
         std::string error;
-        const double ms = timed([&] { error = runScene(scene, parameters, {}, out); });
+        const double ms = timed([&] { error = runBenchmarkScene(scene, parameters, {}, out); });
         if (!error.empty())
             return error;
-        if (out.end != lab::End::Done)
-            break; // interrupted: half a run is no measurement
+        if (out.status != lab::RunStatus::Done)
+            break; // interrupted: an incomplete run is not measured
         samples.push_back(ms);
         more = {{"steps", figure(out.recording, "steps")},
                 {"unconverged", figure(out.recording, "unconverged_steps")},
@@ -55,17 +55,17 @@ std::string measureScene(const std::string& name, const std::string& scene, cons
 
 } // namespace
 
-std::string runScene(const std::string& name, const std::vector<std::string>& parameters, lab::Options options,
-                     lab::Outcome& out) {
+std::string runBenchmarkScene(const std::string& name, const std::vector<std::string>& parameters,
+                              lab::RunOptions options, lab::RunResult& out) {
     const std::string file = sceneFile(name);
     const auto input = loadScene(file, parameters, true);
     if (!input)
         return "the benchmark scene " + file + " cannot be read";
     if (options.interrupt == nullptr)
         options.interrupt = &interrupted;
-    options.frames = false;
-    out = lab::run(input->scene, input->host, options);
-    if (out.end == lab::End::BadScene || out.end == lab::End::Failed)
+    options.keepFrames = false;
+    out = lab::runScene(input->scene, input->host, options);
+    if (out.status == lab::RunStatus::BadScene || out.status == lab::RunStatus::Failed)
         return file + ": " + out.message;
     return {};
 }

@@ -1,12 +1,11 @@
-// Where the problems come from. Small stacks are simulated on the spot; a stack of thousands of shells would take
-// hours to drop, so large sets are rows of recorded stacks whose shells touch their neighbours': each keeps the
-// loads, gaps and warm starts the simulation had, and the links make one island of them. What is timed is the CPU
-// time of a whole solve, build included, of a solver that has worked before; each problem is another one than the last.
+// Problems of small stacks are recorded from a simulation. Large sets are rows of recorded stacks whose shells touch
+// their neighbours, because a stack of thousands of shells takes hours to drop. Each stack keeps its loads, gaps and
+// warm starts; the links make one island. Measured is the CPU time of a whole solve by a solver that is warmed up.
 
 #include "plugin/bench/bench_solver.h"
 
-#include "plugin/bench/bench_run.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/bench/bench_scene_run.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/recording/table/files.h"
 #include "supercircle/coulomb/residual.h"
 
@@ -27,27 +26,27 @@ constexpr std::array kStacks{3, 10, 30};     ///< shells, simulated
 constexpr std::array kCopies{3, 10, 23, 45}; ///< of the largest
 constexpr std::size_t kProblems = 16;        ///< of a simulated set
 constexpr int kLinks = 20;                   ///< contacts between two neighbouring stacks of a row
-constexpr double kLoaded = 3.0;              ///< N, a nest is loaded beyond this
-constexpr std::size_t kTwice = 3000;         ///< contacts up to which a set is solved once before it is timed
+constexpr double kNestForce = 3.0;           ///< N, a nest carries more than this
+constexpr std::size_t kWarmUpLimit = 3000;   ///< contacts up to which a set is solved once before it is timed
 constexpr std::array kTolerances{1e-6, 1e-12};
 
 /// A column of the table.
-struct Column {
+struct SolverColumn {
     const char* name;
     coulomb::Method method;
-    int sweeps;           ///< at most
+    int iterations;       ///< at most
     std::size_t contacts; ///< on sets of at most so many
 };
-// Plain sweeps have the stop of Daviet, Bertails-Descoubes & Boissieux (2011), 1000; and, to see how long they would
-// take, a much later one.
-constexpr std::array kColumns{Column{"cascade", coulomb::Method::Cascade, 1000, SIZE_MAX},
-                              Column{"path", coulomb::Method::Path, 1000, SIZE_MAX},
-                              Column{"accelerated", coulomb::Method::Accelerated, 1000, SIZE_MAX},
-                              Column{"newton", coulomb::Method::Newton, 1000, SIZE_MAX},
-                              Column{"plain", coulomb::Method::GaussSeidel, 1000, SIZE_MAX},
-                              Column{"plain_50000", coulomb::Method::GaussSeidel, 50000, 1500}};
+// Plain Gauss-Seidel stops after 1000 iterations (Daviet, Bertails-Descoubes & Boissieux 2011), and after many more for
+// comparison.
+constexpr std::array kColumns{SolverColumn{"strategy", coulomb::Method::Strategy, 1000, SIZE_MAX},
+                              SolverColumn{"path", coulomb::Method::Path, 1000, SIZE_MAX},
+                              SolverColumn{"accelerated", coulomb::Method::Accelerated, 1000, SIZE_MAX},
+                              SolverColumn{"newton", coulomb::Method::Newton, 1000, SIZE_MAX},
+                              SolverColumn{"plain", coulomb::Method::GaussSeidel, 1000, SIZE_MAX},
+                              SolverColumn{"plain_50000", coulomb::Method::GaussSeidel, 50000, 1500}};
 
-/// Keeps a few of many, evenly spread; which ones depends on their number only.
+/// Keeps a few of many problems, evenly spaced; the choice depends on their number only.
 class Sample {
 public:
     explicit Sample(std::vector<Problem>& kept) : kept_(kept) {}
@@ -68,28 +67,28 @@ private:
     std::size_t seen_ = 0, stride_ = 1;
 };
 
-/// Simulates a stack until it has been squeezed; the pile is what stands before that.
+/// Simulates a stack until it has been squeezed; problems of the pile are those before.
 std::string recordStack(int shells, SolverSet& pile, SolverSet& nest) {
     pile = {"pile", shells, {}};
     nest = {"nest", shells, {}};
     Sample piles(pile.problems), nests(nest.problems);
-    lab::Progress now;
+    lab::RunProgress now;
     std::atomic<bool> enough = false;
-    lab::Options options;
+    lab::RunOptions options;
     options.interrupt = &enough;
-    options.progress = [&](const lab::Progress& p) { now = p; };
+    options.progress = [&](const lab::RunProgress& p) { now = p; };
     options.onSolve = [&](const Problem& problem, const coulomb::SolveReport&) {
         enough = interrupted || now.phase.rfind("unload", 0) == 0;
         if (now.phase == "drop " + std::to_string(shells))
             piles.offer(problem);
-        else if (now.phase.rfind("load", 0) == 0 && now.force > kLoaded)
+        else if (now.phase.rfind("load", 0) == 0 && now.force > kNestForce)
             nests.offer(problem);
     };
-    lab::Outcome out;
-    return runScene("stack30", {"shells=" + std::to_string(shells)}, options, out);
+    lab::RunResult out;
+    return runBenchmarkScene("stack30", {"shells=" + std::to_string(shells)}, options, out);
 }
 
-/// Those problems that have the time step most of them have (the smallest of several).
+/// The problems with the most frequent time step (the smallest of several).
 std::vector<Problem> sameStep(const std::vector<Problem>& problems) {
     std::map<double, std::size_t> count;
     for (const Problem& p : problems)
@@ -105,7 +104,7 @@ std::vector<Problem> sameStep(const std::vector<Problem>& problems) {
     return same;
 }
 
-/// The sets of which something is wanted. A row needs its stacks simulated.
+/// The sets that are wanted. A row needs its stacks simulated.
 std::string collectSets(const std::function<bool(int shells)>& wanted, std::vector<SolverSet>& sets) {
     std::vector<SolverSet> piles, nests;
     const bool rows = std::any_of(kCopies.begin(), kCopies.end(), [&](int n) { return wanted(n * kStacks.back()); });
@@ -119,7 +118,7 @@ std::string collectSets(const std::function<bool(int shells)>& wanted, std::vect
         if (interrupted)
             return {};
         if (pile.problems.empty() || nest.problems.empty())
-            return "the stack of " + std::to_string(shells) + " shells gave no contact problems";
+            return "the stack of " + std::to_string(shells) + " shells has no contact problems";
         piles.push_back(std::move(pile));
         nests.push_back(std::move(nest));
     }
@@ -145,22 +144,22 @@ std::string toleranceText(double tolerance) {
     return text;
 }
 
-std::string rowName(const std::string& kind, int shells, const Column& column, double tolerance) {
+std::string rowName(const std::string& kind, int shells, const SolverColumn& column, double tolerance) {
     return "solver/" + kind + "/" + std::to_string(shells) + "/" + column.name + "/" + toleranceText(tolerance);
 }
 
-Measurement measureSet(const SolverSet& set, const Column& column, double tolerance) {
+Measurement measureSet(const SolverSet& set, const SolverColumn& column, double tolerance) {
     coulomb::SolverOptions options;
     options.method = column.method;
     options.tolerance = tolerance;
-    options.absoluteImpulse = 0.0; // eta alone decides
-    options.maxSweeps = column.sweeps;
+    options.absoluteImpulse = 0.0; // the contact residual alone decides
+    options.maxGaussSeidelIterations = column.iterations;
     coulomb::Solver solver;
     Eigen::VectorXd r;
     std::vector<Eigen::VectorXd> v;
     std::vector<double> samples;
-    double reached = 0.0, contacts = 0.0, loaded = 0.0;
-    const int passes = set.problems.front().contacts.size() > kTwice || column.sweeps > 1000 ? 1 : 2;
+    double reached = 0.0, contacts = 0.0, active = 0.0;
+    const int passes = set.problems.front().contacts.size() > kWarmUpLimit || column.iterations > 1000 ? 1 : 2;
     for (int pass = 0; pass < passes; ++pass)
         for (const Problem& problem : set.problems) {
             if (interrupted)
@@ -171,13 +170,13 @@ Measurement measureSet(const SolverSet& set, const Column& column, double tolera
             if (pass + 1 < passes)
                 continue;
             samples.push_back(spent);
-            reached += report.eta <= tolerance ? 1.0 : 0.0;
+            reached += report.contactResidual <= tolerance ? 1.0 : 0.0;
             contacts += static_cast<double>(problem.contacts.size());
-            loaded += report.loaded;
+            active += report.activeContacts;
         }
     const double n = std::max(1.0, static_cast<double>(samples.size()));
     Measurement m = summarise(rowName(set.kind, set.shells, column, tolerance), std::move(samples));
-    m.more = {{"reached", reached / n}, {"contacts_mean", contacts / n}, {"loaded_mean", loaded / n}};
+    m.more = {{"reached", reached / n}, {"contacts_mean", contacts / n}, {"active_mean", active / n}};
     return m;
 }
 
@@ -187,7 +186,7 @@ std::string measureSolvers(const std::function<bool(const std::string&)>& wanted
     const auto wantedSize = [&](int shells) {
         for (const char* kind : {"nest", "pile"})
             for (const double tolerance : kTolerances)
-                for (const Column& column : kColumns)
+                for (const SolverColumn& column : kColumns)
                     if (wanted(rowName(kind, shells, column, tolerance)))
                         return true;
         return false;
@@ -196,7 +195,7 @@ std::string measureSolvers(const std::function<bool(const std::string&)>& wanted
         return error;
     for (const SolverSet& set : sets)
         for (const double tolerance : kTolerances)
-            for (const Column& column : kColumns)
+            for (const SolverColumn& column : kColumns)
                 if (set.problems.front().contacts.size() <= column.contacts &&
                     wanted(rowName(set.kind, set.shells, column, tolerance)))
                     done(measureSet(set, column, tolerance));
@@ -290,7 +289,7 @@ void addSolverBenchmarks(std::vector<Benchmark>& all) {
             shells.push_back(copies * kStacks.back());
         for (const int n : shells)
             for (const double tolerance : kTolerances)
-                for (const Column& column : kColumns)
+                for (const SolverColumn& column : kColumns)
                     b.names.push_back(rowName(kind, n, column, tolerance));
     }
     b.prefix = "solver";

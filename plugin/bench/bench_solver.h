@@ -1,5 +1,5 @@
 #pragma once
-// The solver benchmark: contact problems from our own stacks, every method, two tolerances; table and picture.
+// The solver benchmark: contact problems of simulated stacks, every method, two tolerances; table and picture.
 
 #include "plugin/bench/bench.h"
 #include "supercircle/coulomb/solver.h"
@@ -22,13 +22,13 @@ struct SolverSet {
 /// which is that of the first. Depends on its arguments only.
 coulomb::Problem rowOfStacks(const std::vector<coulomb::Problem>& stacks, int copies, int links, std::uint64_t seed);
 
-/// What the name of a measurement says: "solver/nest/30/cascade/1e-06".
+/// Parts of the name of a measurement, such as "solver/nest/30/strategy/1e-06".
 struct SolverRow {
     std::string kind, solver, tolerance;
     int shells = 0;
-    double contacts = 0.0, loaded = 0.0;
+    double contacts = 0.0, active = 0.0;
     double median = 0.0;  ///< ms of CPU
-    double reached = 0.0; ///< share of the problems that met the tolerance
+    double reached = 0.0; ///< fraction of the problems that met the tolerance
 };
 std::optional<SolverRow> solverRow(const Measurement& m);
 

@@ -13,20 +13,20 @@ namespace supercircle::cli {
 
 namespace {
 
-using report::Colour;
+using graphics::Colour;
 
-struct Line {
+struct SolverLine {
     const char* solver;
     const char* label;
     Colour colour;
 };
-/// The last is on top.
-constexpr Line kLines[] = {{"plain_50000", "plain sweeps, at most 50000", Colour::hex(0x9cc3e6)},
-                           {"plain", "at most 1000", Colour::hex(0x2a6fb8)},
-                           {"accelerated", "accelerated", Colour::hex(0x3a8f5c)},
-                           {"newton", "Newton", Colour::hex(0x8055a0)},
-                           {"path", "path alone", Colour::hex(0xe0a030)},
-                           {"cascade", "cascade (default)", Colour::hex(0xc8452d)}};
+/// In drawing order.
+constexpr SolverLine kLines[] = {{"plain_50000", "plain Gauss-Seidel, at most 50000", Colour::hex(0x9cc3e6)},
+                                 {"plain", "at most 1000", Colour::hex(0x2a6fb8)},
+                                 {"accelerated", "accelerated", Colour::hex(0x3a8f5c)},
+                                 {"newton", "Newton", Colour::hex(0x8055a0)},
+                                 {"path", "path alone", Colour::hex(0xe0a030)},
+                                 {"strategy", "strategy (default)", Colour::hex(0xc8452d)}};
 
 std::vector<std::string> split(const std::string& text, char by) {
     std::vector<std::string> parts(1);
@@ -74,50 +74,51 @@ std::string power(double exponent) {
 }
 
 /// Decades of both axes as grid lines with their numbers.
-void drawDecades(report::Canvas& canvas, const report::Plot& plot) {
-    namespace theme = report::theme;
+void drawDecades(graphics::Canvas& canvas, const graphics::Plot& plot) {
+    namespace theme = graphics::theme;
     for (double e = std::ceil(plot.x.lo); e <= plot.x.hi; e += 1.0) {
-        const report::Point p = plot.at(e, plot.y.lo);
+        const graphics::Point p = plot.at(e, plot.y.lo);
         canvas.line(p, {p.x, plot.area.y}, {theme::grid, 1.0});
-        canvas.text({p.x, p.y + 18.0}, power(e), {theme::tickSize, theme::muted, report::Anchor::Middle});
+        canvas.text({p.x, p.y + 18.0}, power(e), {theme::tickSize, theme::muted, graphics::Anchor::Middle});
     }
     for (double e = std::ceil(plot.y.lo); e <= plot.y.hi; e += 1.0) {
-        const report::Point p = plot.at(plot.x.lo, e);
+        const graphics::Point p = plot.at(plot.x.lo, e);
         canvas.line(p, {plot.area.right(), p.y}, {theme::grid, 1.0});
-        canvas.text({p.x - 8.0, p.y + 4.0}, power(e), {theme::tickSize, theme::muted, report::Anchor::End});
+        canvas.text({p.x - 8.0, p.y + 4.0}, power(e), {theme::tickSize, theme::muted, graphics::Anchor::End});
     }
-    canvas.rectangle(plot.area, {.stroke = report::Stroke{theme::axis, 1.0}});
+    canvas.rectangle(plot.area, {.stroke = graphics::Stroke{theme::axis, 1.0}});
 }
 
-void drawLine(report::Canvas& canvas, const report::Plot& plot, const std::vector<SolverRow>& rows, const Line& line) {
-    std::vector<report::Point> points;
+void drawLine(graphics::Canvas& canvas, const graphics::Plot& plot, const std::vector<SolverRow>& rows,
+              const SolverLine& line) {
+    std::vector<graphics::Point> points;
     for (const SolverRow& row : rows)
         points.push_back(plot.at(std::log10(std::max(1.0, row.contacts)), std::log10(std::max(1e-6, row.median))));
-    canvas.path(points, false, {.stroke = report::Stroke{line.colour.alpha(0.75), 1.8}});
+    canvas.path(points, false, {.stroke = graphics::Stroke{line.colour.alpha(0.75), 1.8}});
     for (std::size_t i = 0; i < rows.size(); ++i)
         canvas.circle(points[i], 4.0,
-                      {.fill = rows[i].reached >= 1.0 ? line.colour : report::theme::paper,
-                       .stroke = report::Stroke{line.colour, 1.5}});
+                      {.fill = rows[i].reached >= 1.0 ? line.colour : graphics::theme::paper,
+                       .stroke = graphics::Stroke{line.colour, 1.5}});
 }
 
-void drawLegend(report::Canvas& canvas, double x, double y) {
-    namespace theme = report::theme;
-    for (const Line& line : kLines) {
+void drawLegend(graphics::Canvas& canvas, double x, double y) {
+    namespace theme = graphics::theme;
+    for (const SolverLine& line : kLines) {
         canvas.line({x, y - 4.0}, {x + 22.0, y - 4.0}, {line.colour, 2.0});
         canvas.circle({x + 11.0, y - 4.0}, 4.0, {.fill = line.colour});
         canvas.text({x + 30.0, y}, line.label, {theme::tickSize, theme::ink});
-        x += 48.0 + report::textWidth(line.label, theme::tickSize);
+        x += 48.0 + graphics::textWidth(line.label, theme::tickSize);
     }
 }
 
-report::Range decades(const std::vector<SolverRow>& rows, double SolverRow::*field) {
-    report::Range range{1e300, -1e300};
+graphics::AxisRange decades(const std::vector<SolverRow>& rows, double SolverRow::*field) {
+    graphics::AxisRange range{1e300, -1e300};
     for (const SolverRow& row : rows) {
         const double value = std::log10(std::max(1e-6, row.*field));
         range.lo = std::min(range.lo, value);
         range.hi = std::max(range.hi, value);
     }
-    return report::padded(range, 0.05);
+    return graphics::padded(range, 0.05);
 }
 
 } // namespace
@@ -132,7 +133,7 @@ std::optional<SolverRow> solverRow(const Measurement& m) {
     row.solver = parts[3];
     row.tolerance = parts[4];
     row.contacts = figure(m, "contacts_mean");
-    row.loaded = figure(m, "loaded_mean");
+    row.active = figure(m, "active_mean");
     row.median = m.median;
     row.reached = figure(m, "reached");
     return row;
@@ -140,7 +141,7 @@ std::optional<SolverRow> solverRow(const Measurement& m) {
 
 std::string solverTable(const std::vector<SolverRow>& rows) {
     const std::vector<std::string> solvers = distinct(rows, &SolverRow::solver);
-    std::string out = "| set | shells | contacts | loaded | eta |";
+    std::string out = "| set | shells | contacts | active | tolerance |";
     std::string rule = "\n|---|---:|---:|---:|---|";
     for (const std::string& solver : solvers) {
         out += " " + solver + " |";
@@ -153,7 +154,7 @@ std::string solverTable(const std::vector<SolverRow>& rows) {
             last->tolerance != row.tolerance) {
             char head[128];
             std::snprintf(head, sizeof head, "\n| %s | %d | %.0f | %.0f | %s |", row.kind.c_str(), row.shells,
-                          row.contacts, row.loaded, row.tolerance.c_str());
+                          row.contacts, row.active, row.tolerance.c_str());
             out += head;
             for (const std::string& solver : solvers) {
                 const auto found = std::find_if(rows.begin(), rows.end(), [&](const SolverRow& r) {
@@ -169,32 +170,32 @@ std::string solverTable(const std::vector<SolverRow>& rows) {
 }
 
 std::string solverPicture(const std::vector<SolverRow>& rows, std::string& error) {
-    namespace theme = report::theme;
+    namespace theme = graphics::theme;
     const std::vector<std::string> kinds = distinct(rows, &SolverRow::kind);
     const std::vector<std::string> tolerances = distinct(rows, &SolverRow::tolerance);
     constexpr double width = 420.0, height = 300.0, left = 70.0, top = 110.0, gapX = 50.0, gapY = 80.0;
-    report::CairoCanvas canvas(left + static_cast<double>(kinds.size()) * (width + gapX),
-                               top + static_cast<double>(tolerances.size()) * (height + gapY), 2.0);
+    graphics::CairoCanvas canvas(left + static_cast<double>(kinds.size()) * (width + gapX),
+                                 top + static_cast<double>(tolerances.size()) * (height + gapY), 2.0);
     canvas.text({left, 30.0}, "Contact solvers: CPU time of one warm solve",
-                {theme::titleSize, theme::ink, report::Anchor::Start, true});
-    canvas.text({left, 50.0}, "hollow: the tolerance was not reached by all problems of the set",
+                {theme::titleSize, theme::ink, graphics::Anchor::Start, true});
+    canvas.text({left, 50.0}, "hollow: some problems of the set did not reach the tolerance",
                 {theme::tickSize, theme::muted});
     drawLegend(canvas, left, 74.0);
-    const report::Range x = decades(rows, &SolverRow::contacts), y = decades(rows, &SolverRow::median);
+    const graphics::AxisRange x = decades(rows, &SolverRow::contacts), y = decades(rows, &SolverRow::median);
     for (std::size_t i = 0; i < kinds.size(); ++i)
         for (std::size_t j = 0; j < tolerances.size(); ++j) {
-            const report::Plot plot({left + static_cast<double>(i) * (width + gapX),
-                                     top + static_cast<double>(j) * (height + gapY), width, height},
-                                    x, y);
+            const graphics::Plot plot({left + static_cast<double>(i) * (width + gapX),
+                                       top + static_cast<double>(j) * (height + gapY), width, height},
+                                      x, y);
             drawDecades(canvas, plot);
-            const std::string title = kinds[i] + "s, eta <= " + tolerances[j];
+            const std::string title = kinds[i] + ", contact residual <= " + tolerances[j];
             canvas.text({plot.area.x + 10.0, plot.area.y + 20.0}, title, {theme::labelSize, theme::ink});
             canvas.text({plot.area.x + 0.5 * width, plot.area.bottom() + 38.0}, "contacts",
-                        {theme::labelSize, theme::ink, report::Anchor::Middle});
+                        {theme::labelSize, theme::ink, graphics::Anchor::Middle});
             if (i == 0)
                 canvas.text({plot.area.x - 48.0, plot.area.y + 0.5 * height}, "CPU time / ms",
-                            {theme::labelSize, theme::ink, report::Anchor::Middle, false, -90.0});
-            for (const Line& line : kLines) {
+                            {theme::labelSize, theme::ink, graphics::Anchor::Middle, false, -90.0});
+            for (const SolverLine& line : kLines) {
                 std::vector<SolverRow> own;
                 for (const SolverRow& row : rows)
                     if (row.kind == kinds[i] && row.tolerance == tolerances[j] && row.solver == line.solver)

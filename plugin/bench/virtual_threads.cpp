@@ -25,26 +25,26 @@ VirtualThreads::VirtualThreads() : since_(threadCpuSeconds()) {}
 
 parallel::For VirtualThreads::loop() {
     return [this](std::size_t count, const std::function<void(std::size_t)>& body) {
-        turns_.clear();
+        iterations_.clear();
         const double start = threadCpuSeconds();
         double before = start;
         for (std::size_t i = 0; i < count; ++i) {
             body(i);
             const double now = threadCpuSeconds();
-            turns_.push_back(now - before);
+            iterations_.push_back(now - before);
             before = now;
         }
-        deal(start, before);
+        schedule(start, before);
     };
 }
 
-void VirtualThreads::deal(double start, double end) {
+void VirtualThreads::schedule(double start, double end) {
     Cost& cost = costs_[static_cast<std::size_t>(stage_)];
     cost.total += end - since_;
     cost.inside += end - start;
     cost.loops += 1.0;
     for (std::size_t i = 0; i < kThreads.size(); ++i)
-        cost.span[i] += makespan(turns_, kThreads[i]);
+        cost.span[i] += makespan(iterations_, kThreads[i]);
     since_ = threadCpuSeconds();
 }
 

@@ -1,6 +1,6 @@
 #include "plugin/cli/command_line.h"
 
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/scene/loader/problem.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ void listenToSignals() {
     std::signal(SIGINT, onInterrupt);
     std::signal(SIGTERM, onInterrupt);
     std::signal(SIGHUP, onInterrupt);
-    // A full disk, a file-size limit or a closed pipe is answered by the failing write, which can say what is wrong.
+    // A full disk, a file-size limit or a closed pipe makes the write fail, which reports the error.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
 }
@@ -42,7 +42,7 @@ void unknownSubcommand(const CLI::App& app, const std::string& word) {
     for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
         names.push_back(subcommand->get_name());
     const std::string nearest = scene::nearestName(word, names);
-    std::fprintf(stderr, "there is no verb \"%s\"%s\nRun with --help for more information.\n", word.c_str(),
+    std::fprintf(stderr, "there is no subcommand \"%s\"%s\nRun with --help for more information.\n", word.c_str(),
                  nearest.empty() ? "" : ("; did you mean \"" + nearest + "\"?").c_str());
 }
 
@@ -57,7 +57,7 @@ int startSibling(const Sibling& sibling, int argc, char** argv) {
         std::string remedy = "install the whole package";
         if (fs::exists(build / "CMakeCache.txt", error))
             remedy = "build it with: cmake --build " + build.string() + " --target " + sibling.program;
-        std::fprintf(stderr, "supercircle %s: the program %s is not there; %s\n", sibling.subcommand.c_str(),
+        std::fprintf(stderr, "supercircle %s: the program %s is missing; %s\n", sibling.subcommand.c_str(),
                      sibling.program.c_str(), remedy.c_str());
         return kBadInput;
     }
@@ -80,12 +80,12 @@ int guarded(const std::function<int()>& work) {
     } catch (const std::bad_alloc&) {
         std::fprintf(stderr, "supercircle: out of memory\n");
     } catch (const std::exception& e) {
-        std::fprintf(stderr, "supercircle: stopped by an error of its own, please report it: %s\n", e.what());
+        std::fprintf(stderr, "supercircle: internal error, please report it: %s\n", e.what());
     }
     return kCannotGoOn;
 }
 
-/// The exit code where parsing ended the program (bad words, help, version), else -1.
+/// The exit code where parsing ended the program (bad arguments, help, version), else -1.
 int parse(CLI::App& app, int argc, char** argv) {
     try {
         app.parse(argc, argv);
@@ -152,6 +152,18 @@ void addParameters(CLI::App& app, std::vector<std::string>& parameters, const ch
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+void addFormerName(CLI::App& app, const std::string& old, const std::string& now, std::vector<std::string>& values) {
+    const auto append = [old, now, &values](const std::vector<std::string>& given) {
+        std::fprintf(stderr, "warning: %s is called %s since 0.2; the old name will be removed in 0.3\n", old.c_str(),
+                     now.c_str());
+        values.insert(values.end(), given.begin(), given.end());
+    };
+    app.add_option_function<std::vector<std::string>>(old, append, "former name of " + now)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->group(""); // not in the help
+}
+
 void addJobs(CLI::App& app, int& jobs, int most, const char* help) {
     app.add_option("--jobs", jobs, help)
         ->check(CLI::Range(1, most).description(""))
@@ -165,14 +177,14 @@ int cores(int most) {
 
 std::string wholeFromZero(const std::string& text) {
     std::int64_t value = 0;
-    const bool good = CLI::detail::lexical_cast(text, value) && value >= 0;
-    return good ? "" : text + " is not a whole number from 0 to 9223372036854775807";
+    const bool valid = CLI::detail::lexical_cast(text, value) && value >= 0;
+    return valid ? "" : text + " is not a whole number from 0 to 9223372036854775807";
 }
 
 std::string positive(const std::string& text) {
     double value = 0.0;
-    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
-    return good ? "" : text + " is not a positive number";
+    const bool valid = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+    return valid ? "" : text + " is not a positive number";
 }
 
 } // namespace supercircle::cli

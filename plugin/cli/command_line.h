@@ -1,5 +1,5 @@
 #pragma once
-// What the command lines of all programs share.
+// Command-line parsing shared by all programs.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -22,11 +22,11 @@ struct Sibling {
     std::string subcommand;
     std::string program;
     std::string about;
-    bool passName = true; ///< whether that program wants the subcommand's name as its first argument
+    bool passName = true; ///< whether that program takes the subcommand's name as its first argument
 };
 
-/// Parses the command line, runs what was asked for and returns the exit code; no exception leaves it. Programs with
-/// `siblings` list them in their help and start them.
+/// Parses the command line, runs the subcommand and returns the exit code; throws nothing. Programs with `siblings`
+/// list them in their help and start them.
 int runProgram(int argc, char** argv, const std::string& name, const std::string& about, const Describe& describe,
                const std::vector<Sibling>& siblings = {});
 
@@ -34,7 +34,7 @@ int runProgram(int argc, char** argv, const std::string& name, const std::string
 int runPlainProgram(int argc, char** argv, const std::string& name, const std::string& about,
                     const std::function<std::function<int()>(CLI::App& app)>& describe);
 
-/// --param NAME=VALUE, one after each: a greedy option would swallow the scene that follows it.
+/// --param NAME=VALUE, one value each: an option that takes several would consume the scene that follows it.
 void addParameters(CLI::App& app, std::vector<std::string>& parameters,
                    const char* help = "NAME=VALUE: set a parameter of the scene (repeatable)");
 extern const char* const kExperimentParameterHelp;
@@ -42,6 +42,8 @@ extern const char* const kExperimentParameterHelp;
 void addJobs(CLI::App& app, int& jobs, int most, const char* help);
 /// Cores of this machine, 1 to `most`.
 int cores(int most);
+/// Accepts the former name `old` of the list option `now`: appends its values and prints a warning with the new name.
+void addFormerName(CLI::App& app, const std::string& old, const std::string& now, std::vector<std::string>& values);
 /// CLI11 checks: empty, or what is wrong.
 std::string wholeFromZero(const std::string& text);
 std::string positive(const std::string& text);

@@ -13,8 +13,8 @@ namespace supercircle::cli {
 
 namespace {
 
-/// What else of ours a file may be; empty if it looks like a scene (or like nothing, which the loader then explains).
-/// Told by its schema, or without one by keys that scenes do not have.
+/// Kind of a file that is no scene, by its schema or by keys that scenes do not have. Empty if it may be a scene; the
+/// loader then reports its problems.
 std::string otherKind(const scene::Node& root) {
     const scene::Node* schema = root.find("schema");
     const std::string name = schema != nullptr ? schema->text : "";
@@ -37,7 +37,8 @@ std::string otherKind(const scene::Node& root) {
 
 } // namespace
 
-bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene::Override>& overrides) {
+bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene::Override>& overrides,
+                   const char* option) {
     for (const std::string& p : parameters) {
         const std::size_t eq = p.find('=');
         double value = 0.0;
@@ -47,7 +48,7 @@ bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene
             ++first;
         const auto [end, error] = std::from_chars(first, last, value);
         if (eq == std::string::npos || eq == 0 || error != std::errc{} || end != last || !std::isfinite(value)) {
-            std::fprintf(stderr, "--param %s: expected NAME=VALUE with a finite number, for example mu=0.35\n",
+            std::fprintf(stderr, "%s %s: expected NAME=VALUE with a finite number, for example mu=0.35\n", option,
                          p.c_str());
             return false;
         }
@@ -63,13 +64,13 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
     std::vector<scene::Problem> problems;
     std::optional<scene::Scene> loaded;
     if (const auto text = scene::readFile(file, problems)) {
-        std::vector<scene::Problem> ignored; // the loader finds them again
+        std::vector<scene::Problem> ignored; // the loader reports them again
         const auto document = scene::parseDocument(*text, file, ignored);
         if (const std::string kind = document ? otherKind(document->root) : ""; !kind.empty()) {
             const bool experiment = kind.find("experiment") != std::string::npos;
             std::fprintf(stderr, "%s:1:1: /schema: this is %s, not a scene; %s\n", file.c_str(), kind.c_str(),
                          experiment ? "`supercircle replay` simulates one whose \"schema\" says rod-recordings/1"
-                                    : "`supercircle sweep` plays one whose \"schema\" says supercircle-sweep/1");
+                                    : "`supercircle sweep` runs one whose \"schema\" says supercircle-sweep/1");
             return std::nullopt;
         }
         loaded = scene::loadText(*text, file, overrides, problems);
@@ -91,7 +92,7 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
 }
 
 std::string schemaOf(const std::string& file) {
-    std::vector<scene::Problem> ignored; // whoever loads it finds them again
+    std::vector<scene::Problem> ignored; // the loader of the file reports them
     const auto text = scene::readFile(file, ignored);
     const auto document = text ? scene::parseDocument(*text, file, ignored) : std::nullopt;
     const scene::Node* schema = document ? document->root.find("schema") : nullptr;
@@ -107,7 +108,7 @@ std::optional<experiment::Experiment> loadExperiment(const std::string& file, bo
     return loaded;
 }
 
-std::optional<sweep::Definition> loadSweep(const std::string& file) {
+std::optional<sweep::SweepDefinition> loadSweep(const std::string& file) {
     std::vector<scene::Problem> problems;
     auto loaded = sweep::load(file, problems);
     for (const scene::Problem& p : problems)
@@ -115,18 +116,19 @@ std::optional<sweep::Definition> loadSweep(const std::string& file) {
     return loaded;
 }
 
-std::optional<scene::Scene> loadWith(const std::string& text, const std::string& file,
-                                     const std::vector<sweep::Setting>& settings,
-                                     std::vector<scene::Problem>& problems) {
+std::optional<scene::Scene> loadWithParameters(const std::string& text, const std::string& file,
+                                               const std::vector<sweep::ParameterValue>& values,
+                                               std::vector<scene::Problem>& problems) {
     std::vector<scene::Override> overrides;
-    for (const auto& [name, value] : settings)
+    for (const auto& [name, value] : values)
         overrides.push_back({name, value});
     return scene::loadText(text, file, overrides, problems);
 }
 
-bool canStart(const std::string& sceneText, const std::string& sceneFile, const std::vector<sweep::Setting>& settings) {
+bool canStart(const std::string& sceneText, const std::string& sceneFile,
+              const std::vector<sweep::ParameterValue>& values) {
     std::vector<scene::Problem> problems;
-    const auto scene = loadWith(sceneText, sceneFile, settings, problems);
+    const auto scene = loadWithParameters(sceneText, sceneFile, values, problems);
     for (const scene::Problem& p : problems)
         if (p.severity == scene::Problem::Severity::Error)
             std::fprintf(stderr, "%s\n", p.toString().c_str());
@@ -135,15 +137,15 @@ bool canStart(const std::string& sceneText, const std::string& sceneFile, const 
         return true;
     if (scene)
         std::fprintf(stderr, "%s: %s\n", sceneFile.c_str(), why.c_str());
-    std::fprintf(stderr, "%s: not with %s\n", sceneFile.c_str(), sweep::keyOf(settings).c_str());
+    std::fprintf(stderr, "%s: cannot start with the parameters %s\n", sceneFile.c_str(), sweep::keyOf(values).c_str());
     return false;
 }
 
-std::string resultsFolder(const std::string& file, const std::string& out, const std::string& verb) {
+std::string resultsFolder(const std::string& file, const std::string& out, const std::string& suffix) {
     if (!out.empty())
         return out;
     const std::string name = std::filesystem::absolute(file).parent_path().filename().string();
-    return "out/" + (name.empty() ? "experiment" : name) + "_" + verb;
+    return "out/" + (name.empty() ? "experiment" : name) + "_" + suffix;
 }
 
 } // namespace supercircle::cli

@@ -10,7 +10,7 @@ namespace supercircle::cli {
 
 namespace fs = std::filesystem;
 
-std::string Folder::prepare() {
+std::string OutputFolder::prepare() {
     const std::string advice = "; choose another with --out";
     std::error_code error;
     fs::path missing = fs::absolute(path_, error).lexically_normal();
@@ -21,10 +21,10 @@ std::string Folder::prepare() {
         outermost = missing.string();
     fs::create_directories(path_, error);
     if (error)
-        return "cannot make the folder " + path_ + ": " + error.message() + advice;
+        return "cannot create the folder " + path_ + ": " + error.message() + advice;
     if (!fs::is_directory(path_, error))
         return path_ + " is not a folder" + advice;
-    made_ = outermost;
+    created_ = outermost;
     std::string probe = (fs::path(path_) / ".supercircle.XXXXXX").string();
     const int file = ::mkstemp(probe.data());
     if (file < 0)
@@ -34,14 +34,14 @@ std::string Folder::prepare() {
     return {};
 }
 
-Folder::~Folder() {
-    if (made_.empty())
+OutputFolder::~OutputFolder() {
+    if (created_.empty())
         return;
-    std::error_code error; // rmdir refuses what is not empty: that is the test
+    std::error_code error; // rmdir fails on a folder that is not empty, which ends the loop
     fs::path last = fs::absolute(path_, error).lexically_normal();
     if (!last.has_filename())
         last = last.parent_path();
-    for (; last.string().size() >= made_.size() && ::rmdir(last.c_str()) == 0; last = last.parent_path())
+    for (; last.string().size() >= created_.size() && ::rmdir(last.c_str()) == 0; last = last.parent_path())
         continue;
 }
 

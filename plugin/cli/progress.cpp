@@ -1,7 +1,5 @@
 #include "plugin/cli/progress.h"
 
-#include "plugin/recording/table/rounded.h"
-
 #include <cmath>
 #include <cstdio>
 #include <sys/ioctl.h>
@@ -47,7 +45,8 @@ bool ProgressLine::due() {
 
 std::string ProgressLine::left(double fraction) const {
     const double spent = std::chrono::duration<double>(last_ - start_).count();
-    return fraction > 0.02 ? ", about " + record::duration(spent * (1.0 - fraction) / fraction) + " left" : "";
+    return fraction > 0.02 ? ", about " + graphics::readableDuration(spent * (1.0 - fraction) / fraction) + " left"
+                           : "";
 }
 
 void ProgressLine::print(const std::string& text) {
@@ -57,7 +56,7 @@ void ProgressLine::print(const std::string& text) {
     dirty_ = terminal_;
 }
 
-void ProgressLine::show(const lab::Progress& p) {
+void ProgressLine::show(const lab::RunProgress& p) {
     if (!due())
         return;
     char text[160];
@@ -66,11 +65,11 @@ void ProgressLine::show(const lab::Progress& p) {
     print(text);
 }
 
-void ProgressLine::show(double fraction, const std::string& words) {
+void ProgressLine::show(double fraction, const std::string& description) {
     if (!due())
         return;
     char text[160];
-    std::snprintf(text, sizeof text, "%3.0f %%  %s%s", 100.0 * fraction, words.c_str(), left(fraction).c_str());
+    std::snprintf(text, sizeof text, "%3.0f %%  %s%s", 100.0 * fraction, description.c_str(), left(fraction).c_str());
     print(text);
 }
 

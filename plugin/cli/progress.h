@@ -1,7 +1,8 @@
 #pragma once
-// Progress of long work: one living line with the time left on a terminal, plain lines elsewhere.
+// Progress of long work: one line with the time left that is updated on a terminal, plain lines elsewhere.
 
-#include "plugin/lab/session/runner.h"
+#include "plugin/graphics/axis.h"
+#include "plugin/lab/session/run_scene.h"
 
 #include <chrono>
 #include <string>
@@ -14,10 +15,10 @@ public:
     ~ProgressLine();
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
-    void show(const lab::Progress& p);
-    /// The same for work that is no simulation of its own: share done and what is going on.
-    void show(double fraction, const std::string& words);
-    /// Takes the living line away before something else is printed.
+    void show(const lab::RunProgress& p);
+    /// The same for other work: fraction done and a description.
+    void show(double fraction, const std::string& description);
+    /// Removes the line before something else is printed.
     void clear();
 
 private:

@@ -1,11 +1,11 @@
-# What others get: two libraries (shared and static) made of the folders' objects, the public headers, the program,
+# The installed files: two libraries (shared and static) made of the folders' objects, the public headers, the program,
 # scenes, documents, a CMake package, pkg-config files, and a Debian package (cpack -G DEB).
 # The program itself links the folders' libraries: it runs from the build tree without any installation.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(SC_PUBLIC_INCLUDES "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin/api/include>"
+set(SC_PUBLIC_INCLUDES "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>" "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin/api/include>"
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/bridge/box2d/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 
 # sc_ship(NAME LINKS ... FOLDERS ...): NAME (shared) and NAME_static from the objects of the folders' libraries.
@@ -37,7 +37,7 @@ function(sc_ship name)
   target_link_libraries(sc_ship_${name}_static PUBLIC ${ARG_STATIC_LINKS})
 endfunction()
 
-sc_ship(supercircle OUTPUT supercircle FOLDERS sc_rod sc_contact sc_coulomb sc_effects sc_step sc_api sc_scene sc_player)
+sc_ship(supercircle OUTPUT supercircle FOLDERS sc_support sc_rod sc_contact sc_coulomb sc_effects sc_step sc_api sc_scene sc_player)
 target_link_libraries(sc_ship_supercircle PRIVATE TBB::tbb Threads::Threads PkgConfig::MUPARSER)
 target_link_libraries(sc_ship_supercircle_static PRIVATE TBB::tbb Threads::Threads $<BUILD_INTERFACE:PkgConfig::MUPARSER>
                       $<INSTALL_INTERFACE:PkgConfig::supercircle_MUPARSER>)
@@ -67,7 +67,7 @@ endforeach()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/api/include/ ${PROJECT_SOURCE_DIR}/bridge/box2d/include/
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp") # Box2D 3: from the source tree only
-# The core's headers, for those who look behind the facade (Shells::world()); they need Eigen 3.4.
+# The core's headers, for users of Shells::world(); they need Eigen 3.4.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/supercircle/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/supercircle
   FILES_MATCHING PATTERN "*.h")
 install(TARGETS supercircle supercircle-lab supercircle-identify supercircle-view) # the benchmarks need the source tree
@@ -77,7 +77,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/plugin/scene/scene.schema.json
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/data/reference/
   DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle/reference FILES_MATCHING PATTERN "*.csv" PATTERN "README.md")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
-# Those that build on the installed package; the games need the source tree.
+# Examples that build on the installed package; the games need the source tree.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/embed/hello ${PROJECT_SOURCE_DIR}/examples/embed/hello_scene
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

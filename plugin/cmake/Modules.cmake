@@ -16,6 +16,8 @@ function(sc_glob variable)
   set(${variable} ${found} PARENT_SCOPE)
 endfunction()
 
+include(${CMAKE_CURRENT_LIST_DIR}/EmbedText.cmake)
+
 # Headers that most sources read are compiled once; every library reuses the result.
 if(SUPERCIRCLE_PRECOMPILE)
   add_library(sc_precompiled OBJECT ${PROJECT_SOURCE_DIR}/plugin/cmake/precompiled.cpp)

@@ -1,1 +1,1 @@
-// Carries the precompiled headers of all libraries (Modules.cmake); it has nothing of its own.
+// Empty source for the precompiled headers of all libraries (Modules.cmake).

@@ -4,10 +4,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 
 #include "plugin/graphics/svg_canvas.h"
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 namespace {
 
@@ -46,7 +47,7 @@ std::string Ticks::label(double value) const {
     return withMinus(text);
 }
 
-Ticks niceTicks(const Range& range, int most) {
+Ticks niceTicks(const AxisRange& range, int most) {
     Ticks ticks;
     const double span = range.span();
     if (!std::isfinite(span) || span <= 0.0 || !(span > 1e-12 * std::max(std::abs(range.lo), std::abs(range.hi))))
@@ -66,7 +67,7 @@ Ticks niceTicks(const Range& range, int most) {
     return ticks;
 }
 
-Range padded(Range range, double pad) {
+AxisRange padded(AxisRange range, double pad) {
     if (!std::isfinite(range.lo) || !std::isfinite(range.hi) || range.lo > range.hi)
         return {0.0, 1.0};
     double extra = pad * range.span();
@@ -76,7 +77,7 @@ Range padded(Range range, double pad) {
     return {range.lo - extra, range.hi + extra};
 }
 
-Unit readableUnit(double largest, const std::string& unit) {
+DisplayUnit readableUnit(double largest, const std::string& unit) {
     const double size = std::abs(largest);
     if (!std::isfinite(size) || size == 0.0)
         return {1.0, unit};
@@ -118,7 +119,7 @@ std::string significant(double value, int digits) {
     return withMinus(text.substr(0, e)) + " × 10" + superscript(std::to_string(exponent));
 }
 
-std::string asTyped(double value, int digits) {
+std::string trimmed(double value, int digits) {
     std::string text = significant(value, digits);
     const std::size_t point = text.find('.');
     if (point == std::string::npos)
@@ -132,4 +133,16 @@ std::string asTyped(double value, int digits) {
     return text.substr(0, keep) + text.substr(end);
 }
 
-} // namespace supercircle::report
+std::string readableDuration(double seconds) {
+    const long long s = std::llround(std::min(std::max(0.0, seconds), 1e9));
+    char text[64];
+    if (s < 100)
+        std::snprintf(text, sizeof text, "%lld s", s);
+    else if (s < 3600)
+        std::snprintf(text, sizeof text, "%lld min %02lld s", s / 60, s % 60);
+    else
+        std::snprintf(text, sizeof text, "%lld h %02lld min", s / 3600, s % 3600 / 60);
+    return text;
+}
+
+} // namespace supercircle::graphics

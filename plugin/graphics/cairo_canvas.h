@@ -8,7 +8,7 @@
 typedef struct _cairo cairo_t;
 typedef struct _cairo_surface cairo_surface_t;
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 /// Draws into pixels on white.
 class CairoCanvas final : public Canvas {
@@ -23,23 +23,23 @@ public:
     void pushClip(const Rect& area) override;
     void popClip() override;
 
-    /// The picture as the content of a PNG file, or what Cairo says is wrong.
+    /// The picture as the content of a PNG file, or Cairo's error.
     [[nodiscard]] record::Result<std::string> png();
 
-    /// The finished picture in memory: rows of `stride` bytes, four bytes a pixel, 0xXXRRGGBB in native order. Good
+    /// The finished picture in memory: rows of `stride` bytes, four bytes a pixel, 0xXXRRGGBB in native order. Valid
     /// until the next drawing call; null if Cairo failed.
     struct Pixels {
         unsigned char* data = nullptr;
         int width = 0, height = 0, stride = 0;
     };
     [[nodiscard]] Pixels pixels() const;
-    /// To be called after somebody else has drawn into pixels().
-    void touched() const;
+    /// To be called after drawing into pixels() directly.
+    void markDirty() const;
 
 private:
     void apply(const Paint& paint);
-    cairo_surface_t* surface = nullptr;
-    cairo_t* context = nullptr;
+    cairo_surface_t* surface_ = nullptr;
+    cairo_t* context_ = nullptr;
 };
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 std::string hexText(const Colour& colour) {
     static constexpr std::string_view digits = "0123456789abcdef";
@@ -34,4 +34,4 @@ double textWidth(std::string_view text, double size, bool bold) {
     return em * size * (bold ? 1.1 : 1.0);
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

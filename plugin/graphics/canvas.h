@@ -1,13 +1,13 @@
 #pragma once
-// A sheet to draw on, with two back ends (SVG text, Cairo pixels), so that the page and the PNG files come from one
-// drawing. Coordinates: pixels of the logical sheet, y downwards.
+// A canvas with two back ends (SVG text, Cairo pixels), so that a page and the PNG files come from one drawing.
+// Coordinates: pixels of the logical sheet, y downwards.
 
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 struct Colour {
     double r = 0.0, g = 0.0, b = 0.0, a = 1.0; ///< sRGB, 0 .. 1
@@ -21,6 +21,7 @@ struct Colour {
 /// "#rrggbb"
 [[nodiscard]] std::string hexText(const Colour& colour);
 
+/// Pixels of a sheet, or metres of the plane where a function says so.
 struct Point {
     double x = 0.0, y = 0.0;
 };
@@ -53,7 +54,7 @@ struct TextStyle {
     Colour colour = Colour::hex(0x1b1f24);
     Anchor anchor = Anchor::Start;
     bool bold = false;
-    double turn = 0.0; ///< degrees, clockwise about the text's anchor
+    double rotation = 0.0; ///< degrees, clockwise about the text's anchor
 };
 
 class Canvas {
@@ -76,8 +77,8 @@ public:
     }
 };
 
-/// Width of a text for layout. An estimate from above, from a wide font's metrics: readers have different fonts, and
-/// both back ends must lay out alike.
+/// Width of a text for layout, px: an upper estimate from the metrics of a wide font. Readers have different fonts, and
+/// both back ends need the same layout.
 [[nodiscard]] double textWidth(std::string_view text, double size, bool bold = false);
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

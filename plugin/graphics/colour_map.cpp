@@ -5,11 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-// The usual maps were tried first. Viridis and its family end in a yellow that vanishes on white, their reversals paint
-// the relaxed shells (most of a stack) in it; rainbow maps have false edges. So the map is built where "perceptually
-// uniform" is defined: a path through OKLab, walked at constant speed.
+// The energy map is a path through OKLab at constant speed, which makes it perceptually uniform (decision 0172).
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 namespace {
 
@@ -49,7 +47,7 @@ double distance(const Lab& p, const Lab& q) {
     return std::hypot(p.L - q.L, p.a - q.a, p.b - q.b);
 }
 
-/// The path before its speed is evened out: lightness falls linearly while the hue turns from blue over violet to red.
+/// The path before equal spacing: lightness falls linearly while the hue turns from blue over violet to red.
 Lab rawPath(double t) {
     static constexpr std::array<std::array<double, 3>, 6> anchors{{
         // L, chroma, hue in degrees; chroma kept inside sRGB
@@ -115,4 +113,4 @@ double colourDistance(const Colour& a, const Colour& b) {
     return distance(toLab(a), toLab(b));
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

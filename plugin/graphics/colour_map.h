@@ -1,13 +1,13 @@
 #pragma once
-// Colours that mean numbers.
+// Colour maps.
 
 #include "plugin/graphics/canvas.h"
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
-/// Sequential map for t in 0 .. 1 (clamped; NaN: grey): light blue over violet to dark red. Its lightness falls
-/// strictly and equal steps of t are equal steps of perceived colour (constant speed in OKLab), so that it also reads
-/// in grey and shows no edges the data do not have; its light end is still visible on white.
+/// Sequential map for t in 0 .. 1 (clamped; NaN: grey): light blue over violet to dark red. Lightness falls strictly
+/// and equal steps of t are equal steps in OKLab. The map is readable in grey, has no false edges and a visible light
+/// end.
 [[nodiscard]] Colour energyColour(double t);
 
 /// Diverging map for t in -1 .. 1 (clamped): blue, grey, red, of equal lightness at equal distance from 0.
@@ -19,4 +19,4 @@ namespace supercircle::report {
 /// Distance of two colours in OKLab.
 [[nodiscard]] double colourDistance(const Colour& a, const Colour& b);
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

@@ -4,35 +4,35 @@
 #include <cmath>
 #include <limits>
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
-std::vector<Stretch> finiteStretches(const std::vector<double>& x, const std::vector<double>& y) {
-    std::vector<Stretch> stretches;
+std::vector<RowRange> finiteRanges(const std::vector<double>& x, const std::vector<double>& y) {
+    std::vector<RowRange> ranges;
     const std::size_t n = std::min(x.size(), y.size());
     bool inside = false;
     for (std::size_t i = 0; i < n; ++i) {
         const bool finite = std::isfinite(x[i]) && std::isfinite(y[i]);
         if (finite && inside)
-            stretches.back().last = i;
+            ranges.back().last = i;
         else if (finite)
-            stretches.push_back({i, i});
+            ranges.push_back({i, i});
         inside = finite;
     }
-    return stretches;
+    return ranges;
 }
 
-std::vector<std::size_t> decimate(const std::vector<double>& y, const Stretch& stretch, std::size_t buckets) {
+std::vector<std::size_t> decimate(const std::vector<double>& y, const RowRange& range, std::size_t buckets) {
     std::vector<std::size_t> rows;
-    const std::size_t n = stretch.last - stretch.first + 1;
+    const std::size_t n = range.last - range.first + 1;
     buckets = std::max<std::size_t>(buckets, 1);
     if (n <= 4 * buckets) {
-        for (std::size_t i = stretch.first; i <= stretch.last; ++i)
+        for (std::size_t i = range.first; i <= range.last; ++i)
             rows.push_back(i);
         return rows;
     }
     for (std::size_t b = 0; b < buckets; ++b) {
-        const std::size_t first = stretch.first + n * b / buckets;
-        const std::size_t last = stretch.first + n * (b + 1) / buckets - 1;
+        const std::size_t first = range.first + n * b / buckets;
+        const std::size_t last = range.first + n * (b + 1) / buckets - 1;
         const auto begin = y.begin();
         const auto [low, high] = std::minmax_element(begin + static_cast<std::ptrdiff_t>(first),
                                                      begin + static_cast<std::ptrdiff_t>(last) + 1);
@@ -44,14 +44,14 @@ std::vector<std::size_t> decimate(const std::vector<double>& y, const Stretch& s
     return rows;
 }
 
-std::vector<Leg> legs(const std::vector<double>& displacement, double hysteresis) {
+std::vector<CurveBranch> curveBranches(const std::vector<double>& displacement, double hysteresis) {
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const double d : displacement)
         if (std::isfinite(d)) {
             lo = std::min(lo, d);
             hi = std::max(hi, d);
         }
-    std::vector<Leg> result;
+    std::vector<CurveBranch> result;
     if (!(lo <= hi))
         return result;
     const double threshold = hysteresis * (hi - lo);
@@ -61,7 +61,7 @@ std::vector<Leg> legs(const std::vector<double>& displacement, double hysteresis
         return i;
     };
     std::size_t start = finiteFrom(0), extreme = start, last = start;
-    int direction = 0; // until the first real move
+    int direction = 0; // until the first displacement beyond the threshold
     int cycle = 0;
     const auto finish = [&](std::size_t end) {
         cycle += direction >= 0 || cycle == 0 ? 1 : 0;
@@ -89,4 +89,4 @@ std::vector<Leg> legs(const std::vector<double>& displacement, double hysteresis
     return result;
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

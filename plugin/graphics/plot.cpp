@@ -7,11 +7,11 @@
 #include "plugin/graphics/decimate.h"
 #include "plugin/graphics/theme.h"
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 namespace {
 
-Range scaled(const Range& range, double factor) {
+AxisRange scaled(const AxisRange& range, double factor) {
     return {range.lo * factor, range.hi * factor};
 }
 
@@ -77,17 +77,17 @@ void Plot::drawFrame(Canvas& canvas, const PlotStyle& style) const {
 void Plot::drawLine(Canvas& canvas, const std::vector<double>& xs, const std::vector<double>& ys,
                     const Stroke& stroke) const {
     std::size_t finite = 1;
-    const auto stretches = finiteStretches(xs, ys);
-    for (const Stretch& stretch : stretches)
-        finite += stretch.last - stretch.first + 1;
-    // The buckets are shared out by length, so that a series torn into many pieces is thinned as well.
+    const auto ranges = finiteRanges(xs, ys);
+    for (const RowRange& range : ranges)
+        finite += range.last - range.first + 1;
+    // Buckets are distributed by length, so that a series with many gaps is thinned as well.
     const double total = std::max(64.0, area.width * 1.2);
-    for (const Stretch& stretch : stretches) {
-        const double share = static_cast<double>(stretch.last - stretch.first + 1) / static_cast<double>(finite);
+    for (const RowRange& range : ranges) {
+        const double share = static_cast<double>(range.last - range.first + 1) / static_cast<double>(finite);
         std::vector<Point> points;
-        for (const std::size_t row : decimate(ys, stretch, static_cast<std::size_t>(std::ceil(total * share)))) {
+        for (const std::size_t row : decimate(ys, range, static_cast<std::size_t>(std::ceil(total * share)))) {
             const Point p = at(xs[row], ys[row]);
-            // Far outside the sheet back ends lose their fixed-point coordinates.
+            // Coordinates far outside the sheet overflow the fixed-point numbers of back ends.
             const Point inside{std::clamp(p.x, -1e4, 1e4), std::clamp(p.y, -1e4, 1e4)};
             if (points.empty() || std::hypot(inside.x - points.back().x, inside.y - points.back().y) > 0.05)
                 points.push_back(inside);
@@ -100,9 +100,9 @@ void Plot::drawLine(Canvas& canvas, const std::vector<double>& xs, const std::ve
 }
 
 bool LabelPlacer::free(const Rect& r) const {
-    if (r.x < bounds.x || r.y < bounds.y || r.right() > bounds.right() || r.bottom() > bounds.bottom())
+    if (r.x < bounds_.x || r.y < bounds_.y || r.right() > bounds_.right() || r.bottom() > bounds_.bottom())
         return false;
-    return std::none_of(taken.begin(), taken.end(), [&r](const Rect& other) { return other.overlaps(r); });
+    return std::none_of(taken_.begin(), taken_.end(), [&r](const Rect& other) { return other.overlaps(r); });
 }
 
 bool LabelPlacer::place(Canvas& canvas, Point anchor, double distance, std::string_view text, const TextStyle& style) {
@@ -128,4 +128,4 @@ bool LabelPlacer::place(Canvas& canvas, Point anchor, double distance, std::stri
     return false;
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

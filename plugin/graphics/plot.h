@@ -1,5 +1,5 @@
 #pragma once
-// The frame of a diagram: grid, axes, ticks, labels, and where free space is left for words.
+// The frame of a diagram: grid, axes, ticks, labels, and free places for texts.
 
 #include <optional>
 #include <string>
@@ -8,7 +8,7 @@
 #include "plugin/graphics/axis.h"
 #include "plugin/graphics/canvas.h"
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 /// An axis as shown: number on it = data value * factor.
 struct AxisStyle {
@@ -25,7 +25,7 @@ struct PlotStyle {
 /// A diagram whose inner area is `area`; ranges are in data units.
 class Plot {
 public:
-    Plot(Rect inner, Range xRange, Range yRange) : area(inner), x(xRange), y(yRange) {}
+    Plot(Rect inner, AxisRange xRange, AxisRange yRange) : area(inner), x(xRange), y(yRange) {}
 
     [[nodiscard]] Point at(double dataX, double dataY) const {
         return {area.x + (dataX - x.lo) / x.span() * area.width,
@@ -38,27 +38,27 @@ public:
                   const Stroke& stroke) const;
 
     Rect area;
-    Range x, y;
+    AxisRange x, y;
 
 private:
     void drawGrid(Canvas& canvas, const PlotStyle& style) const;
     void drawSecondAxes(Canvas& canvas, const PlotStyle& style) const;
 };
 
-/// Finds places for words that overlap nothing placed before.
+/// Finds places for texts that overlap nothing placed before.
 class LabelPlacer {
 public:
-    explicit LabelPlacer(Rect limits) : bounds(limits) {}
-    /// Area that is taken.
-    void reserve(const Rect& r) { taken.push_back(r); }
-    /// Draws `text` near `anchor`, at the nearest free place of a few; nothing if there is none.
+    explicit LabelPlacer(Rect limits) : bounds_(limits) {}
+    /// Marks an area as occupied.
+    void reserve(const Rect& r) { taken_.push_back(r); }
+    /// Draws `text` at the nearest free place of several around `anchor`; nothing if there is none.
     /// @return whether it was drawn
     bool place(Canvas& canvas, Point anchor, double distance, std::string_view text, const TextStyle& style);
 
 private:
     [[nodiscard]] bool free(const Rect& r) const;
-    Rect bounds;
-    std::vector<Rect> taken;
+    Rect bounds_;
+    std::vector<Rect> taken_;
 };
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

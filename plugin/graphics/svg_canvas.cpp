@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 namespace {
 
@@ -49,100 +49,101 @@ void appendFixed(std::string& out, double value, int decimals) {
     out += digits == "-0" ? "0" : digits;
 }
 
-SvgCanvas::SvgCanvas(double width, double height, std::string id, std::string label) : name(std::move(id)) {
-    body = "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"" + name + "\" role=\"img\" aria-label=\"" + escaped(label);
-    body += "\" viewBox=\"0 0 ";
-    appendFixed(body, width);
-    body += ' ';
-    appendFixed(body, height);
-    body += "\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
+SvgCanvas::SvgCanvas(double width, double height, std::string id, std::string label) : name_(std::move(id)) {
+    body_ =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"" + name_ + "\" role=\"img\" aria-label=\"" + escaped(label);
+    body_ += "\" viewBox=\"0 0 ";
+    appendFixed(body_, width);
+    body_ += ' ';
+    appendFixed(body_, height);
+    body_ += "\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
 }
 
 void SvgCanvas::paintAttributes(const Paint& paint) {
-    body += " fill=\"" + (paint.fill ? hexText(*paint.fill) : std::string("none")) + '"';
+    body_ += " fill=\"" + (paint.fill ? hexText(*paint.fill) : std::string("none")) + '"';
     if (paint.fill && paint.fill->a < 1.0)
-        attribute(body, "fill-opacity", paint.fill->a);
+        attribute(body_, "fill-opacity", paint.fill->a);
     if (!paint.stroke)
         return;
-    body += " stroke=\"" + hexText(paint.stroke->colour) + '"';
+    body_ += " stroke=\"" + hexText(paint.stroke->colour) + '"';
     if (paint.stroke->colour.a < 1.0)
-        attribute(body, "stroke-opacity", paint.stroke->colour.a);
-    attribute(body, "stroke-width", paint.stroke->width);
+        attribute(body_, "stroke-opacity", paint.stroke->colour.a);
+    attribute(body_, "stroke-width", paint.stroke->width);
     if (!paint.stroke->dash.empty()) {
-        body += " stroke-dasharray=\"";
+        body_ += " stroke-dasharray=\"";
         for (const double length : paint.stroke->dash) {
-            appendFixed(body, length);
-            body += ' ';
+            appendFixed(body_, length);
+            body_ += ' ';
         }
-        body.back() = '"';
+        body_.back() = '"';
     }
 }
 
 void SvgCanvas::path(const std::vector<Point>& points, bool closed, const Paint& paint) {
     if (points.empty())
         return;
-    body += "<path d=\"M";
+    body_ += "<path d=\"M";
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i > 0)
-            body += i == 1 ? 'L' : ' ';
-        appendFixed(body, points[i].x);
-        body += ' ';
-        appendFixed(body, points[i].y);
+            body_ += i == 1 ? 'L' : ' ';
+        appendFixed(body_, points[i].x);
+        body_ += ' ';
+        appendFixed(body_, points[i].y);
     }
-    body += closed ? "Z\"" : "\"";
+    body_ += closed ? "Z\"" : "\"";
     paintAttributes(paint);
-    body += "/>\n";
+    body_ += "/>\n";
 }
 
 void SvgCanvas::circle(Point centre, double radius, const Paint& paint) {
-    body += "<circle";
-    attribute(body, "cx", centre.x);
-    attribute(body, "cy", centre.y);
-    attribute(body, "r", radius);
+    body_ += "<circle";
+    attribute(body_, "cx", centre.x);
+    attribute(body_, "cy", centre.y);
+    attribute(body_, "r", radius);
     paintAttributes(paint);
-    body += "/>\n";
+    body_ += "/>\n";
 }
 
 void SvgCanvas::text(Point at, std::string_view content, const TextStyle& style) {
-    body += "<text";
-    attribute(body, "x", at.x);
-    attribute(body, "y", at.y);
-    attribute(body, "font-size", style.size);
-    body += " fill=\"" + hexText(style.colour) + '"';
+    body_ += "<text";
+    attribute(body_, "x", at.x);
+    attribute(body_, "y", at.y);
+    attribute(body_, "font-size", style.size);
+    body_ += " fill=\"" + hexText(style.colour) + '"';
     if (style.anchor != Anchor::Start)
-        body += style.anchor == Anchor::Middle ? " text-anchor=\"middle\"" : " text-anchor=\"end\"";
+        body_ += style.anchor == Anchor::Middle ? " text-anchor=\"middle\"" : " text-anchor=\"end\"";
     if (style.bold)
-        body += " font-weight=\"600\"";
-    if (style.turn != 0.0) {
-        body += " transform=\"rotate(";
-        appendFixed(body, style.turn);
-        body += ' ';
-        appendFixed(body, at.x);
-        body += ' ';
-        appendFixed(body, at.y);
-        body += ")\"";
+        body_ += " font-weight=\"600\"";
+    if (style.rotation != 0.0) {
+        body_ += " transform=\"rotate(";
+        appendFixed(body_, style.rotation);
+        body_ += ' ';
+        appendFixed(body_, at.x);
+        body_ += ' ';
+        appendFixed(body_, at.y);
+        body_ += ")\"";
     }
-    body += '>';
-    body += escaped(content);
-    body += "</text>\n";
+    body_ += '>';
+    body_ += escaped(content);
+    body_ += "</text>\n";
 }
 
 void SvgCanvas::pushClip(const Rect& area) {
-    const std::string id = name + "-clip" + std::to_string(clips++);
-    body += "<clipPath id=\"" + id + "\"><rect";
-    attribute(body, "x", area.x);
-    attribute(body, "y", area.y);
-    attribute(body, "width", area.width);
-    attribute(body, "height", area.height);
-    body += "/></clipPath><g clip-path=\"url(#" + id + ")\">\n";
+    const std::string id = name_ + "-clip" + std::to_string(clips_++);
+    body_ += "<clipPath id=\"" + id + "\"><rect";
+    attribute(body_, "x", area.x);
+    attribute(body_, "y", area.y);
+    attribute(body_, "width", area.width);
+    attribute(body_, "height", area.height);
+    body_ += "/></clipPath><g clip-path=\"url(#" + id + ")\">\n";
 }
 
 void SvgCanvas::popClip() {
-    body += "</g>\n";
+    body_ += "</g>\n";
 }
 
 std::string SvgCanvas::finish() {
-    return std::move(body += "</svg>\n");
+    return std::move(body_ += "</svg>\n");
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

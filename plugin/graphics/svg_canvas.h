@@ -4,12 +4,12 @@
 
 #include "plugin/graphics/canvas.h"
 
-namespace supercircle::report {
+namespace supercircle::graphics {
 
 /// Draws into SVG text.
 class SvgCanvas final : public Canvas {
 public:
-    /// `id` must be unique in the page; `label` is what a screen reader says.
+    /// `id` must be unique in the page; `label` is the text for screen readers.
     SvgCanvas(double width, double height, std::string id, std::string label);
 
     void path(const std::vector<Point>& points, bool closed, const Paint& paint) override;
@@ -18,22 +18,22 @@ public:
     void pushClip(const Rect& area) override;
     void popClip() override;
 
-    /// Markup of the page's own (the player's markers).
-    void raw(std::string_view markup) { body += markup; }
+    /// Adds markup (the player's markers).
+    void raw(std::string_view markup) { body_ += markup; }
     /// The whole element; ends the drawing.
     [[nodiscard]] std::string finish();
 
 private:
     void paintAttributes(const Paint& paint);
-    std::string name;
-    std::string body;
-    int clips = 0;
+    std::string name_;
+    std::string body_;
+    int clips_ = 0;
 };
 
-/// `text` with the characters that mean something in HTML and SVG escaped.
+/// `text` with the special characters of HTML and SVG escaped.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 /// Coordinate with at most `decimals` decimals, without trailing zeros.
 void appendFixed(std::string& out, double value, int decimals = 2);
 
-} // namespace supercircle::report
+} // namespace supercircle::graphics

@@ -1,9 +1,9 @@
 #pragma once
-// The look of every figure.
+// Colours and font sizes of all figures.
 
 #include "plugin/graphics/canvas.h"
 
-namespace supercircle::report::theme {
+namespace supercircle::graphics::theme {
 
 inline constexpr Colour ink = Colour::hex(0x1b1f24);
 inline constexpr Colour muted = Colour::hex(0x57606a);
@@ -21,4 +21,4 @@ inline constexpr double tickSize = 12.0;  ///< font, px
 inline constexpr double labelSize = 13.0; ///< font, px
 inline constexpr double titleSize = 17.0; ///< font, px
 
-} // namespace supercircle::report::theme
+} // namespace supercircle::graphics::theme

@@ -1,6 +1,6 @@
 #pragma once
-// What contact detection is told: curves thickened by half their thickness, and rigid outlines. Pure geometry: no
-// masses, no forces, no time stepping.
+// Input of contact detection: curves with a thickness, and rigid outlines. Geometry only: no masses, forces or time
+// steps.
 
 #include "supercircle/contact/outline_points.h"
 #include "supercircle/rod/arc.h"
@@ -13,25 +13,25 @@ namespace supercircle::contact {
 using rod::Arc;
 using rod::Vec2;
 
-/// One rod as detection sees it: its arcs joined end to end from the first tip (arc length 0) to the last.
-struct Curve {
+/// The centre line of one rod: its arcs joined end to end, from the first tip (arc length 0) to the last.
+struct RodCurve {
     std::vector<Arc> arcs;      ///< element i runs from node i to node i+1, all lengths > 0
     std::vector<double> nodeS;  ///< arcs.size() + 1 arc lengths of the nodes, m
     double halfThickness = 0.0; ///< m
     double midS = 0.0;          ///< arc length of the mid-rod sample point, m
-    double motion = 0.0;        ///< bound on how far any of its points moves in the step to come, m
-    bool closed = false;        ///< ends welded: no tips, the first and last elements are neighbours
+    double motion = 0.0;        ///< upper bound of the displacement of any point in the next step, m
+    bool closed = false;        ///< ends welded: no tips; the first and last elements are neighbours
     std::uint32_t key = 0;      ///< stable identity of the rod (survives insertion and removal of others), < 2^20
     std::uint32_t category = 1; ///< collision filter bits, as in Box2D
     std::uint32_t mask = 0xffffffffu;
-    std::int32_t group = 0; ///< as in Box2D: a pair of the same group other than 0 collides where it is positive,
-                            ///< whatever the masks say, and never where it is negative; not for a rod and itself
-    /// Asleep: pairs of two resting curves, of one with itself and with outlines make no candidates and cost nothing.
+    std::int32_t group = 0; ///< as in Box2D: two objects of the same positive group always collide, of the same
+                            ///< negative group never, whatever the masks; not applied to a rod and itself
+    /// Asleep: no candidates for pairs of two resting curves, for a resting curve with itself or with outlines.
     bool resting = false;
 };
 
 enum class OutlineKind : std::uint8_t {
-    Segment,  ///< two-sided wall piece: rods may lie on either side
+    Segment,  ///< two-sided wall segment: rods may lie on either side
     OneSided, ///< chain edge: solid on the right of points[0] -> points[1]
     Circle,   ///< solid disc: points[0] is the centre
     Polygon   ///< solid convex polygon, counter-clockwise
@@ -41,16 +41,15 @@ enum class OutlineKind : std::uint8_t {
 struct Outline {
     OutlineKind kind = OutlineKind::Segment;
     OutlinePoints points;
-    double radius = 0.0; ///< of the disc (Circle), or skin of the others, m; contact is at this distance
-    bool joinedStart =
-        false; ///< one-sided chain edges: a neighbouring edge continues at points[0], its corner is not a free end
+    double radius = 0.0;      ///< radius of the disc (Circle) or skin of the others, m; contact is at this distance
+    bool joinedStart = false; ///< one-sided chain edges: a neighbouring edge starts at points[0], which is no free end
     bool joinedEnd = false;
     Vec2 neighbourStart =
-        Vec2::Zero(); ///< the neighbour's far point where joined (decides whether the corner is convex)
+        Vec2::Zero(); ///< the far point of the joined neighbour, m; decides whether the corner is convex
     Vec2 neighbourEnd = Vec2::Zero();
     std::uint32_t body = 0; ///< index into the caller's body list
     std::uint32_t key = 0;  ///< stable identity of the outline, < 2^20
-    double motion = 0.0;    ///< bound on how far any of its points moves in the step to come, m
+    double motion = 0.0;    ///< upper bound of the displacement of any point in the next step, m
     std::uint32_t category = 1;
     std::uint32_t mask = 0xffffffffu;
     std::int32_t group = 0;

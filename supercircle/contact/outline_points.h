@@ -1,6 +1,6 @@
 #pragma once
-// The corners of an outline. Few as a rule (a Box2D polygon has at most eight): those are kept inside, so that outlines
-// are copied every frame without asking for memory; more go to the heap. A small std::vector, as far as it is needed.
+// The corners of an outline. Up to eight (a Box2D polygon has no more) are stored inline, so that copying outlines
+// every frame allocates no memory; more go to the heap. It has the part of std::vector's interface that is needed here.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -65,7 +65,7 @@ private:
 
     std::size_t size_ = 0;
     std::array<value_type, kFew> few_;
-    std::vector<value_type> many_; ///< all of them, if more than kFew
+    std::vector<value_type> many_; ///< all corners, if there are more than kFew
 };
 
 } // namespace supercircle::contact

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kMagic("FCP2D\0\0\1", 8);
 
-/// Least bytes a body (n = 1) and a contact (fixed on both sides) occupy: bounds a count before anything is allocated.
+/// Smallest size of a body (n = 1) and of a contact (fixed on both sides), bytes; limits a count before allocation.
 constexpr std::size_t kLeastBody = 4 + 8 + 8;
 constexpr std::size_t kLeastContact = 4 + 4 + 3 * 8;
 
@@ -50,7 +50,7 @@ private:
     std::string& bytes_;
 };
 
-/// Reads forward; after the first failure every read returns zeros and the first message stays.
+/// Reads forward. After the first failure every read returns zeros, and the first message is kept.
 class Reader {
 public:
     explicit Reader(std::string_view bytes) : bytes_(bytes) {}
@@ -101,7 +101,7 @@ void readBody(Reader& in, Body& body) {
     const std::int32_t n = in.integer("size of a body");
     if (in.ok() && n <= 0)
         in.fail("a body needs at least one freedom, not " + std::to_string(n));
-    // Checked by division: n * n * 8 may not overflow, and no memory is taken for bytes that are not there.
+    // Checked by division: n * n * 8 could overflow, and no memory is allocated for missing bytes.
     if (in.ok() && static_cast<std::size_t>(n) + 1 > in.left() / sizeof(double) / static_cast<std::size_t>(n))
         in.fail("a body of " + std::to_string(n) + " freedoms does not fit into the " + std::to_string(in.left()) +
                 " bytes left");
@@ -139,15 +139,15 @@ void readKinds(Reader& in, Problem& problem) {
         const std::int32_t kind = in.integer("kind of a contact");
         if (in.ok() && kind != 0 && kind != 1)
             in.fail("no kind of contact " + std::to_string(kind));
-        contact.kind = kind == 1 ? Kind::Bilateral : Kind::Unilateral;
+        contact.kind = kind == 1 ? ContactKind::Bilateral : ContactKind::Unilateral;
     }
 }
 
 } // namespace
 
 std::string encode(const Problem& problem, std::string& bytes) {
-    if (std::string fault = findFault(problem); !fault.empty())
-        return "FCP2D cannot hold this problem: " + fault;
+    if (std::string error = validate(problem); !error.empty())
+        return "FCP2D cannot hold this problem: " + error;
     bytes.assign(kMagic);
     Writer out(bytes);
     out.integer(static_cast<std::int32_t>(problem.bodies.size()));
@@ -210,8 +210,8 @@ std::string decode(std::string_view bytes, Problem& problem) {
         in.fail(std::to_string(in.left()) + " bytes too many");
     if (!in.ok())
         return in.error();
-    if (std::string fault = findFault(read); !fault.empty())
-        return "FCP2D: " + fault;
+    if (std::string error = validate(read); !error.empty())
+        return "FCP2D: " + error;
     problem = std::move(read);
     return {};
 }

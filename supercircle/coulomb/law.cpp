@@ -1,18 +1,14 @@
-// One contact in the plane. Where q_n < 0 the contact must close: u_n = 0 is a line in the (r_n, r_t) plane, and along
-// it u_t grows strictly with r_t (slope det W / W_nn). The cone cuts an interval [lower, upper] out of the line. Either
-// u_t = 0 falls inside (stick), or the nearer end is the answer and u_t has the sign friction asks for (slip). So:
+// One contact in the plane. Where q_n < 0 the contact must close. Then u_n = 0 is a line in the (r_n, r_t) plane, along
+// which u_t grows strictly with r_t (slope det W / W_nn). The cone cuts an interval [lower, upper] out of the line. If
+// u_t = 0 lies inside, the contact sticks. Otherwise it slips at the nearer end. There is exactly one solution for
+// every symmetric positive definite W and every mu >= 0. If W_nn - mu |W_nt| <= 0, the line stays inside the cone on
+// one side; that end is infinite and cannot slip.
 //
-//   q_n < 0   exactly one solution for every symmetric positive definite W and every mu >= 0. Where
-//             W_nn - mu |W_nt| <= 0 the line never leaves the cone on one side: that end is infinite and cannot slip.
-//   q_n >= 0  r = 0 is a solution. It is the only one as long as W_nn > mu |W_nt|; beyond (the Painleve regime: steep
-//             coupling, large mu) jammed solutions with r_n > 0 exist as well. We take r = 0, which is what makes the
-//             answer free of history. Neighbouring q_n < 0 may then give a finite impulse: the law itself jumps there.
+// Where q_n >= 0, r = 0 is a solution, and the only one if W_nn > mu |W_nt|. Otherwise (the Painleve regime) jammed
+// solutions with r_n > 0 exist, too. r = 0 is chosen, so that the result does not depend on history.
 //
-// A singular W (a body with one freedom, a contact that cannot slide) is treated by a floor on det W: the sticking
-// impulse becomes huge and is clamped to the cone, which is the limit of the law for a W slightly above singular.
-//
-// Tied rows have no cone to clamp to. There a singular W (two welds on a body with one freedom) gets a term on its
-// diagonal, 1e-12 of its trace: the velocity is met to that accuracy and the impulse stays of the size of the load.
+// Singular W: the sticking impulse is computed with a floor on det W and clamped to the cone. Bilateral rows have no
+// cone; there 1e-12 of the trace is added to the diagonal, which keeps the impulse at the size of the load.
 
 #include "supercircle/coulomb/law.h"
 
@@ -22,26 +18,28 @@
 namespace supercircle::coulomb {
 
 namespace {
-constexpr double kSingular = 1e-15; // det W below this share of (tr W)^2 is round-off
-constexpr double kTied = 1e-12;     // the same for tied rows, and the share of tr W then added to the diagonal
+constexpr double kSingular = 1e-15; // det W below this fraction of (tr W)^2 is round-off
+constexpr double kBilateralSingular =
+    1e-12; // the same for bilateral rows, and the fraction of tr W then added to the diagonal
 } // namespace
 
-LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu, Tie tie) : tie_(tie) {
-    if (tie == Tie::Both) {
+LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu, BilateralRows bilateralRows)
+    : bilateralRows_(bilateralRows) {
+    if (bilateralRows == BilateralRows::Both) {
         const double size = wnn + wtt;
-        const double extra = wnn * wtt - wnt * wnt > kTied * size * size ? 0.0 : kTied * size;
-        const double tied = (wnn + extra) * (wtt + extra) - wnt * wnt;
-        if (!(size > 0.0) || !(tied > 0.0))
+        const double extra = wnn * wtt - wnt * wnt > kBilateralSingular * size * size ? 0.0 : kBilateralSingular * size;
+        const double det = (wnn + extra) * (wtt + extra) - wnt * wnt;
+        if (!(size > 0.0) || !(det > 0.0))
             return;
         inverseWnn_ = 1.0 / (wnn + extra);
         wnt_ = wnt;
-        stickN_ = wnt / tied;
-        stickT_ = (wnn + extra) / tied;
+        stickN_ = wnt / det;
+        stickT_ = (wnn + extra) / det;
         return;
     }
     if (!(wnn > 0.0))
         return;
-    if (tie == Tie::Normal) {
+    if (bilateralRows == BilateralRows::Normal) {
         inverseWnn_ = 1.0 / wnn;
         return;
     }
@@ -59,9 +57,10 @@ LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu, Tie tie) : tie
     lower_ = down > 0.0 ? -mu / down : -infinity;
 }
 
-LocalImpulse LocalLaw::solveTied(double qn, double qt) const {
-    const double rt = tie_ == Tie::Both ? stickN_ * qn - stickT_ * qt : 0.0;
-    return {-(qn + wnt_ * rt) * inverseWnn_, rt, tie_ == Tie::Both ? Piece::Stick : Piece::SlipPlus};
+LocalImpulse LocalLaw::solveBilateral(double qn, double qt) const {
+    const double rt = bilateralRows_ == BilateralRows::Both ? stickN_ * qn - stickT_ * qt : 0.0;
+    return {-(qn + wnt_ * rt) * inverseWnn_, rt,
+            bilateralRows_ == BilateralRows::Both ? ContactStatus::Stick : ContactStatus::SlipPlus};
 }
 
 } // namespace supercircle::coulomb

@@ -16,8 +16,8 @@ bool bodyFits(const Body& body) {
     return shapeFits(body) && body.A.allFinite() && body.vFree.allFinite();
 }
 
-/// Only asked where the body does not fit.
-std::string bodyFault(const Body& body, std::size_t index) {
+/// Message for an invalid body.
+std::string bodyError(const Body& body, std::size_t index) {
     const std::string name = "body " + std::to_string(index);
     if (!shapeFits(body))
         return name + ": A is " + std::to_string(body.A.rows()) + " x " + std::to_string(body.A.cols()) +
@@ -30,7 +30,7 @@ bool sideFits(const Problem& problem, std::int32_t body, const Eigen::Matrix<dou
                           H.cols() == problem.bodies[body].vFree.size() && H.allFinite());
 }
 
-std::string sideFault(const Problem& problem, std::int32_t body, const Eigen::Matrix<double, 2, Eigen::Dynamic>& H,
+std::string sideError(const Problem& problem, std::int32_t body, const Eigen::Matrix<double, 2, Eigen::Dynamic>& H,
                       const std::string& name) {
     if (body == -1)
         return {};
@@ -44,25 +44,25 @@ std::string sideFault(const Problem& problem, std::int32_t body, const Eigen::Ma
 }
 
 bool lawFits(const Contact& contact) {
-    if (contact.kind == Kind::Unilateral)
+    if (contact.kind == ContactKind::Unilateral)
         return contact.mu >= 0.0 && std::isfinite(contact.mu) && contact.w.allFinite();
     const bool either = contact.mu == 0.0 || contact.mu == std::numeric_limits<double>::infinity();
-    return contact.kind == Kind::Bilateral && either && contact.w.allFinite();
+    return contact.kind == ContactKind::Bilateral && either && contact.w.allFinite();
 }
 
-/// Only asked where the law does not fit.
-std::string lawFault(const Contact& contact, std::size_t index) {
+/// Message for an invalid law.
+std::string lawError(const Contact& contact, std::size_t index) {
     const std::string name = "contact " + std::to_string(index);
-    if (contact.kind == Kind::Unilateral)
+    if (contact.kind == ContactKind::Unilateral)
         return name + ": mu must be finite and not negative, w finite";
-    if (contact.kind != Kind::Bilateral)
+    if (contact.kind != ContactKind::Bilateral)
         return name + ": unknown kind " + std::to_string(static_cast<int>(contact.kind));
     return name + ": mu of a bilateral contact must be 0 or infinite, w finite";
 }
 
-/// Index of the first item that does not fit, or their number.
+/// Index of the first invalid item, or the number of items.
 template <class Fits>
-std::size_t firstMisfit(const parallel::For& loop, std::size_t items, std::vector<std::size_t>& found, Fits&& fits) {
+std::size_t firstInvalid(const parallel::For& loop, std::size_t items, std::vector<std::size_t>& found, Fits&& fits) {
     constexpr std::size_t kGrain = 128;
     if (parallel::chunkCount(loop, items, kGrain) < 2) {
         std::size_t i = 0;
@@ -81,23 +81,23 @@ std::size_t firstMisfit(const parallel::For& loop, std::size_t items, std::vecto
 
 } // namespace
 
-std::string findFault(const Problem& problem, const parallel::For& loop) {
+std::string validate(const Problem& problem, const parallel::For& loop) {
     std::vector<std::size_t> found;
     const std::size_t b =
-        firstMisfit(loop, problem.bodies.size(), found, [&](std::size_t i) { return bodyFits(problem.bodies[i]); });
+        firstInvalid(loop, problem.bodies.size(), found, [&](std::size_t i) { return bodyFits(problem.bodies[i]); });
     if (b < problem.bodies.size())
-        return bodyFault(problem.bodies[b], b);
-    const std::size_t c = firstMisfit(loop, problem.contacts.size(), found, [&](std::size_t i) {
+        return bodyError(problem.bodies[b], b);
+    const std::size_t c = firstInvalid(loop, problem.contacts.size(), found, [&](std::size_t i) {
         const Contact& contact = problem.contacts[i];
         return lawFits(contact) && sideFits(problem, contact.a, contact.Ha) && sideFits(problem, contact.b, contact.Hb);
     });
     if (c < problem.contacts.size()) {
         const Contact& contact = problem.contacts[c];
         if (!lawFits(contact))
-            return lawFault(contact, c);
+            return lawError(contact, c);
         const std::string name = "contact " + std::to_string(c);
-        std::string fault = sideFault(problem, contact.a, contact.Ha, name + " side a");
-        return fault.empty() ? sideFault(problem, contact.b, contact.Hb, name + " side b") : fault;
+        std::string error = sideError(problem, contact.a, contact.Ha, name + " side a");
+        return error.empty() ? sideError(problem, contact.b, contact.Hb, name + " side b") : error;
     }
     if (problem.r0.size() != 0 && problem.r0.size() != 2 * static_cast<Eigen::Index>(problem.contacts.size()))
         return "warm start has " + std::to_string(problem.r0.size()) + " entries, expected " +

@@ -1,16 +1,14 @@
 // The residual of the natural map, with De Saxce's change of variable (Acary & Brogliato 2008, ch. 3):
-//
 //   F_c = r_c - P_K( r_c - (u_c + mu |u_t| n) / d_c ),   d_c = tr(W_cc) / 2,   W = H A^-1 H^T
-//   eta = sqrt( sum d_c |F_c|^2 / sum over closing contacts of |q_c|^2 / d_c )
+//   contact residual = sqrt( sum d_c |F_c|^2 / sum over closing contacts of |q_c|^2 / d_c )
+// For a bilateral contact P is the identity on prescribed rows and 0 on a free tangent, the term mu |u_t| is absent,
+// and the contact counts as closing:  F = (u_n, u_t) / d_c  or  (u_n / d_c, r_t).
 //
-// A bilateral contact has P = identity where a row is held and P = 0 on a free tangent, no term mu |u_t|, and counts
-// as closing:  F = (u_n, u_t) / d_c  or  (u_n / d_c, r_t).
-//
-// Two things the formula leaves open:
-// - No contact closes freely: then r = 0 solves the problem and the denominator vanishes. The energy of the impulses
-//   themselves, sum d_c |r_c|^2, takes its place. With r = 0 as well the numerator is exactly zero and eta = 0.
-// - d_c = 0 (a contact that moves nothing): d_c is replaced by 1e-12 of the largest d (1 if all vanish), so a contact
-//   that closes and cannot be helped counts with its full weight and the problem is reported as unsolved.
+// Two special cases:
+// - No contact closes freely: r = 0 solves the problem and the denominator vanishes. The energy of the impulses,
+//   sum d_c |r_c|^2, replaces it. If r = 0 as well, the residual is 0.
+// - d_c = 0 (a contact that moves nothing): d_c becomes 1e-12 of the largest d, or 1 if all vanish. A closing contact
+//   that no impulse can stop thus keeps its full weight, and the problem counts as unsolved.
 
 #include "supercircle/coulomb/residual.h"
 
@@ -25,7 +23,8 @@ Residual ResidualSum::result() const {
     const double scale = closing_ > 0.0 ? closing_ : held_;
     Residual result;
     if (error_ != 0.0) // also for NaN, which must not pass as solved
-        result.eta = error_ > 0.0 && scale > 0.0 ? std::sqrt(error_ / scale) : std::numeric_limits<double>::infinity();
+        result.contactResidual =
+            error_ > 0.0 && scale > 0.0 ? std::sqrt(error_ / scale) : std::numeric_limits<double>::infinity();
     result.scale = scale;
     result.penetrationSpeed = penetration_;
     result.impulseError = std::sqrt(impulse_);
@@ -79,7 +78,7 @@ std::vector<Eigen::VectorXd> bodyVelocities(const Problem& problem, const Eigen:
     return velocities(problem, factors(problem), r);
 }
 
-Residual judge(const Problem& problem, const Eigen::VectorXd& r) {
+Residual evaluateResidual(const Problem& problem, const Eigen::VectorXd& r) {
     if (!r.allFinite())
         return {std::numeric_limits<double>::infinity(), 0.0, std::numeric_limits<double>::infinity(), 0.0};
     const auto factor = factors(problem);

@@ -1,5 +1,6 @@
 #pragma once
-// The independent judge: how far impulses are from solving a contact problem, whoever produced them.
+// The independent residual evaluation: how far impulses are from solving a contact problem, whatever method computed
+// them.
 
 #include "supercircle/coulomb/problem.h"
 
@@ -8,15 +9,15 @@
 
 namespace supercircle::coulomb {
 
-/// The verdict on one set of impulses.
+/// The residual of one set of impulses.
 struct Residual {
-    double eta = 0.0;              ///< solver-neutral residual, 1 (definition in residual.cpp)
+    double contactResidual = 0.0;  ///< solver-neutral relative residual, 1 (definition in residual.cpp)
     double penetrationSpeed = 0.0; ///< max(-u_n, 0), of a bilateral contact |u_n| (and |u_t| if locked), m/s
     double impulseError = 0.0;     ///< largest natural-map error |F_c|, N s
-    double scale = 0.0;            ///< denominator of eta^2, J
+    double scale = 0.0;            ///< denominator of the squared contact residual, J
 };
 
-/// Euclidean projection of (rn, rt) on the friction cone |rt| <= mu rn, in place.
+/// Projects (rn, rt) in place on the friction cone |rt| <= mu rn (Euclidean norm).
 inline void projectOnCone(double mu, double& rn, double& rt) {
     const double size = std::abs(rt);
     if (size <= mu * rn)
@@ -75,9 +76,10 @@ inline void ResidualSum::addBilateral(double un, double ut, double qn, double qt
     closing_ += (qn * qn + (locked ? qt * qt : 0.0)) / d;
 }
 
-/// Judges impulses `r` (2 per contact) from the problem's own data; shares no code path with the solvers' kernels.
-/// Expects a problem without fault (see `findFault`) and r of the right size; non-finite r gives eta = infinity.
-Residual judge(const Problem& problem, const Eigen::VectorXd& r);
+/// Residual of impulses `r` (2 per contact, N s) from the problem data; it shares no code with the kernels of the
+/// solvers. The problem must be valid (see `validate`) and r must have the right size. Non-finite r has an infinite
+/// residual.
+Residual evaluateResidual(const Problem& problem, const Eigen::VectorXd& r);
 
 /// Velocities v_b = vFree_b + A_b^-1 sum H^T r, one vector a body, m/s-like.
 std::vector<Eigen::VectorXd> bodyVelocities(const Problem& problem, const Eigen::VectorXd& r);

@@ -1,5 +1,5 @@
 #pragma once
-// The one door to the contact solvers: the method cascade, its settings, and what it reports back.
+// The interface of the contact solvers: methods, options and report.
 
 #include "supercircle/coulomb/problem.h"
 #include "supercircle/support/parallel.h"
@@ -11,41 +11,41 @@
 namespace supercircle::coulomb {
 
 enum class Method : std::uint8_t {
-    Cascade,     ///< path following from the warm start's pieces, in regions where large, and nets: the default
+    Strategy,    ///< path following from the warm start, in subdomains if large, with fallbacks: the default
     GaussSeidel, ///< velocity-form block Gauss-Seidel, exact local law
     Accelerated, ///< Gauss-Seidel with nonlinear-CG acceleration
     Path,        ///< piecewise-linear path following on a working set
-    Newton,      ///< proximal active-set (semismooth) Newton, the net for the hard ones
-    None         ///< no sweep: judge the warm start only
+    Newton,      ///< proximal active-set (semismooth) Newton, the fallback for hard problems
+    None         ///< no iteration: evaluates the warm start only
 };
 std::string_view name(Method m);
 
 struct SolverOptions {
-    Method method = Method::Cascade;
-    double tolerance = 1e-8;        ///< target of the solver-neutral residual eta, 1
-    double absoluteImpulse = 1e-13; ///< N s; a problem whose natural-map error is below this everywhere counts as
-                                    ///< solved even if eta's denominator vanishes
-    int maxSweeps = 1000;           ///< cap of one Gauss-Seidel run
-    int firstSweeps = 40;           ///< Gauss-Seidel sweeps before the path where the warm start did not do
-    int maxPivots = 600; ///< cap of one path; more in proportion above 250 unknowns; all paths of a solve: 5 times this
+    Method method = Method::Strategy;
+    double tolerance = 1e-8;             ///< target of the contact residual, 1
+    double absoluteImpulse = 1e-13;      ///< N s; if the natural-map error is below this at every contact, the problem
+                                         ///< counts as solved, whatever its contact residual
+    int maxGaussSeidelIterations = 1000; ///< limit of one Gauss-Seidel run
+    int initialGaussSeidelIterations = 40; ///< before the path, if the warm start did not suffice
+    int maxPivots = 600; ///< limit of one path, scaled up above 250 unknowns; all paths together: 5 times
 };
 
-/// What happened; every field is filled for every method.
+/// Result of one solve. Every field is set for every method.
 struct SolveReport {
     bool converged = false;
-    double eta = 0.0;              ///< judge's residual of the returned impulses, 1
+    double contactResidual = 0.0;  ///< of the returned impulses, 1
     double penetrationSpeed = 0.0; ///< max(-u_n), of bilateral contacts |u_n| (and |u_t| if locked), m/s
     double impulseError = 0.0;     ///< largest |F_c|, N s
     Method finishedBy = Method::None;
-    int sweeps = 0;
+    int gaussSeidelIterations = 0;
     int pivots = 0;
     int factorisations = 0;
-    int loaded = 0;    ///< contacts with r_n > 0, and all bilateral ones
-    std::string error; ///< why the problem was refused (r = 0, v = vFree, eta infinite); empty as a rule
+    int activeContacts = 0; ///< contacts with r_n > 0, and all bilateral ones
+    std::string error; ///< why the problem is invalid (then r = 0, v = vFree, infinite residual); empty if it is valid
 };
 
-/// A solver keeps its work space between calls (allocation-free once warm) but no other memory: the answer depends on
-/// (problem, options) only. Not thread-safe; use one per thread, or hand in a loop.
+/// Keeps its workspace between calls, so that it stops allocating, but no other history: the result depends on
+/// (problem, options) only. Not thread-safe: use one solver per thread, or pass a loop.
 class Solver {
 public:
     Solver();
@@ -53,8 +53,8 @@ public:
     Solver(Solver&&) noexcept;
     Solver& operator=(Solver&&) noexcept;
 
-    /// Solves `problem`; `r` (2 per contact) receives the best iterate found, always finite; `v` (one vector per body)
-    /// the bodies' velocities for it. `loop` runs what is independent on several threads, with the same digits.
+    /// Solves `problem`; `r` (2 per contact) receives the best impulses found (N s), always finite; `v`
+    /// (one vector per body) the velocities for them. `loop` may use several threads; results are bitwise identical.
     SolveReport solve(const Problem& problem, const SolverOptions& options, Eigen::VectorXd& r,
                       std::vector<Eigen::VectorXd>& v, const parallel::For& loop = {});
 

@@ -1,9 +1,9 @@
 #pragma once
-// One physical effect that a simulation may leave out, as the catalogue describes it. An effect has a key, a slot and
-// parameters; `apply` writes its values into the slot of a Model. The laws themselves live with the slots (material.h,
-// drag.h, ...), because effects of one slot act together: plasticity and creep share one moment.
+// One entry of the catalogue of effects: physics that a simulation may leave out. An effect has a key, a slot and
+// parameters; `apply` writes its values into the slot of a Model. The laws belong to the slots (laws/material.h,
+// laws/drag.h, ...), because effects of one slot act together: plasticity and creep share one moment.
 //
-// An effect whose switches are all at `off` is not applied at all: off is bit-identical to absent.
+// An effect whose switches are all `off` is not applied: off is bitwise identical to absent.
 
 #include "supercircle/effects/model.h"
 
@@ -19,13 +19,13 @@ const char* name(Slot slot);
 struct Parameter {
     std::string name;
     std::string unit;
-    double off = 0.0; ///< default; of a switch: the value without effect
+    double off = 0.0; ///< default; for a switch: the value without effect
     double min = 0.0;
     double max = std::numeric_limits<double>::infinity();
-    double typical = 0.0;  ///< a value that shows, as a scale for searches
-    bool switches = false; ///< the effect is off where all its switches are at `off`
+    double typical = 0.0;  ///< a value with a visible effect, as a scale for searches
+    bool isSwitch = false; ///< the effect is off if all its switches are `off`
     std::string about;
-    std::vector<std::string> words; ///< of a choice: value k means words[k]
+    std::vector<std::string> choices; ///< names of a choice: value k means choices[k]
 };
 
 /// Values of an effect's parameters, in their order.
@@ -33,26 +33,26 @@ using Values = std::vector<double>;
 
 struct Effect {
     Key key = Key::Count;
-    std::string name; ///< the fixed label
+    std::string name; ///< label, as in scenes and results
     Slot slot = Slot::Material;
     std::string about;
     std::string law;
-    std::string fingerprint; ///< what a force curve shows
+    std::string fingerprint; ///< what it changes in a force curve
     std::string literature;
     std::vector<Parameter> parameters;
     void (*apply)(const Values&, Model&) = nullptr;
-    std::string (*check)(const Values&) = nullptr; ///< values that do not go together: why
-    bool perShell = false;                         ///< may be given to single shells
-    bool several = false;                          ///< may act several times on one shell
+    std::string (*check)(const Values&) = nullptr; ///< empty, or why the values are inconsistent
+    bool perShell = false;                         ///< may be set for single shells
+    bool repeatable = false;                       ///< may act several times on one shell
 };
 
-/// All effects, in the order of Key. An explicit list: objects that register themselves from a static library register
-/// nothing.
+/// All effects, in the order of Key. The list is explicit, because the linker drops self-registering objects of static
+/// libraries.
 const std::vector<Effect>& catalog();
 /// By label; nullptr if there is none.
 const Effect* find(std::string_view label);
 
-/// One effect with values, as a scene, a command line or a fit asks for it.
+/// One effect with values, as given by a scene, a command line or a fit.
 struct Setting {
     Key key = Key::Count;
     std::string shell = "all"; ///< name of a shell
@@ -61,21 +61,22 @@ struct Setting {
 
 /// The effect switched off.
 Setting off(const Effect& effect);
-/// Sets a parameter from text: a number or one of its words. `shell` is a name too. Empty, or what is wrong, with the
-/// nearest known name.
+/// Sets a parameter from text: a number or one of its choices; parameter "shell" takes the name of a shell. Returns an
+/// empty string, or what is wrong and the nearest known name.
 std::string set(Setting& setting, std::string_view parameter, std::string_view value);
 /// The same from a number.
 std::string set(Setting& setting, std::string_view parameter, double value);
 bool isOff(const Setting& setting);
-/// Reads "KEY:NAME=VALUE" into a list of settings: a key that is there already gets the value. Empty or what is wrong.
+/// Reads "KEY:NAME=VALUE" into a list of settings; an existing key gets the value. Returns an empty string, or what is
+/// wrong.
 std::string add(std::vector<Setting>& settings, std::string_view text);
 
-/// Empty, or what does not go together.
+/// Empty, or which settings are inconsistent.
 std::string validate(const std::vector<Setting>& settings);
 
-/// What the settings amount to for the shell called `shell` (shell-specific ones) and for the world (all others).
+/// The model of the shell called `shell`: its own settings and those of all shells.
 Model modelFor(const std::vector<Setting>& settings, std::string_view shell);
-/// Names of shells that settings ask for, for checks.
+/// Names of the shells in the settings, for checks.
 std::vector<std::string> shellsNamed(const std::vector<Setting>& settings);
 
 /// The known name nearest to `name` by edit distance, empty if none is near.

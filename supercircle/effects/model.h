@@ -1,6 +1,6 @@
 #pragma once
-// What the effects of one world amount to, slot by slot: plain numbers that the step, the laboratory and the replay
-// read. Everything here is off as initialised.
+// The combined effects of one world, slot by slot: plain numbers that the step, the laboratory and the replay read. All
+// defaults are off.
 
 #include "supercircle/effects/laws/spline.h"
 #include "supercircle/rod/arc.h"
@@ -14,7 +14,7 @@ namespace supercircle::effects {
 
 using rod::Vec2;
 
-/// Every effect of the catalogue, in its order; energies are booked by it.
+/// Every effect of the catalogue, in its order; energies are recorded by it.
 enum class Key : std::uint8_t {
     ViscoelasticBending,
     NonlinearElasticity,
@@ -42,18 +42,18 @@ enum class Key : std::uint8_t {
 };
 inline constexpr std::size_t kKeys = static_cast<std::size_t>(Key::Count);
 
-/// Where the energy that an effect took has gone.
-struct Book {
-    double stored = 0.0;     ///< now, J (may be negative: less than without the effect)
-    double dissipated = 0.0; ///< so far, J, never falls
+/// Energy that an effect has taken.
+struct EffectEnergy {
+    double stored = 0.0;     ///< stored now, J (negative: less than without the effect)
+    double dissipated = 0.0; ///< dissipated so far, J, never decreases
 };
-using Books = std::array<Book, kKeys>;
+using EffectEnergies = std::array<EffectEnergy, kKeys>;
 
 /// A change of the section along the rod.
 struct Profile {
     enum class Shape : std::uint8_t {
         Gauss,    ///< exp(-((s - s0) / width)^2 / 2)
-        Flat,     ///< 1 on a stretch of length `width` around s0, 0 elsewhere
+        Flat,     ///< 1 on a part of length `width` around s0, 0 elsewhere
         Linear,   ///< 2 s / L - 1: from -1 at the first end to 1 at the last
         Thickness ///< stiffness (1 + amount * (2 s / L - 1))^3
     };
@@ -62,34 +62,34 @@ struct Profile {
     double centre = 0.5;    ///< arc fraction s0 / L, 1
     double width = 1.0;     ///< m
     double stiffness = 0.0; ///< B is multiplied by 1 + stiffness * shape, 1
-    double curvature = 0.0; ///< natural curvature gains curvature * shape, 1/m
+    double curvature = 0.0; ///< natural curvature is increased by curvature * shape, 1/m
 };
 
 /// Elastic moment over curvature change, per bending modulus.
-struct Backbone {
+struct ElasticModel {
     enum class Law : std::uint8_t { Linear, Softening, Stiffening, RambergOsgood, Learned };
     Law law = Law::Linear;
-    double knee = std::numeric_limits<double>::infinity(); ///< u_c, of a learned law the end of its range, 1/m
-    double exponent = 3.0;                                 ///< of Ramberg-Osgood, 1
+    double knee = std::numeric_limits<double>::infinity(); ///< u_c; for a learned law the end of its range, 1/m
+    double exponent = 3.0;                                 ///< n of Ramberg-Osgood, 1
     SplineCoefficients learned{};                          ///< tangent modulus / B - 1 against |u| / u_c, 1
 };
 
 /// A Maxwell element beside the bending spring.
-struct Branch {
-    double stiffness = 0.0; ///< share of B, 1
+struct MaxwellBranch {
+    double stiffness = 0.0; ///< fraction of B, 1
     double time = 1.0;      ///< relaxation time, s
 };
 
-/// Moment-curvature law of a rod where it is not B (kappa - kappa0).
+/// Moment-curvature law of a rod that differs from B (kappa - kappa0).
 struct MaterialModel {
     std::vector<Profile> profiles;
-    Backbone backbone;
+    ElasticModel elastic;
     double viscosity = 0.0; ///< eta / B, s
-    std::vector<Branch> branches;
+    std::vector<MaxwellBranch> branches;
     double yield = std::numeric_limits<double>::infinity(); ///< M_y / B, 1/m
     double hardening = 0.0;                                 ///< H / B, 1
-    bool kinematic = false;                                 ///< hardening moves the yield range instead of widening it
-    double softening = 0.0;                                 ///< share of B that is lost in the end, or per decade
+    bool kinematic = false;                                 ///< kinematic instead of isotropic hardening
+    double softening = 0.0;                                 ///< fraction of B that is lost in the end, or per decade, 1
     double softeningTime = 1.0;                             ///< s
     bool softeningByDecades = false;                        ///< logarithmic in time
 
@@ -109,33 +109,33 @@ struct FrictionModel {
     enum class Rate : std::uint8_t { Stribeck, Logarithmic, Viscous, Learned };
     double staticRatio = 1.0;    ///< mu_s / mu_k, 1
     double slipWeakening = 1e-4; ///< D_c, m
-    double healing = 1.0;        ///< time at rest after which the excess is back, s
+    double healing = 1.0;        ///< time constant at rest after which the excess has recovered, s
     double presliding = 0.0;     ///< elastic motion of a contact before it slides, m; 0: none
     Rate rate = Rate::Stribeck;
     double rateStrength = 0.0; ///< relative change, 1
-    double rateSpeed = 1e-3;   ///< m/s, of a learned law the middle of its four decades
+    double rateSpeed = 1e-3;   ///< m/s; for a learned law the middle of its four decades
     double wearChange = 0.0;   ///< relative change in the end, 1
-    double wearDistance = 0.1; ///< m, of a learned law the end of its range
+    double wearDistance = 0.1; ///< m; for a learned law the end of its range
     bool wearLearned = false;
     SplineCoefficients rateCurve{}, wearCurve{}; ///< of learned laws, 1
 
     [[nodiscard]] bool on() const { return staticRatio != 1.0 || rateStrength != 0.0 || wearChange != 0.0; }
-    [[nodiscard]] bool gives() const { return staticRatio != 1.0 && presliding > 0.0; }
+    [[nodiscard]] bool compliant() const { return staticRatio != 1.0 && presliding > 0.0; }
 };
 
 /// Attraction of near surfaces: force per length of rod against the gap.
 struct AdhesionModel {
     enum class Law : std::uint8_t { Hump, Decaying, Learned };
     Law law = Law::Hump;
-    double force = 0.0;  ///< largest, N/m
-    double range = 1e-4; ///< gap where it ends, m
-    double spots = 0.0;  ///< distance of the spots along the rod that attract, both tips among them; 0: all of it, m
+    double force = 0.0;           ///< largest, N/m
+    double range = 1e-4;          ///< gap at which it vanishes, m
+    double spotSpacing = 0.0;     ///< distance of attracting spots along the rod, including both tips, m; 0: everywhere
     SplineCoefficients learned{}; ///< attraction / force against gap / range, 1
 
     [[nodiscard]] bool on() const { return force > 0.0; }
 };
 
-/// Give of every contact.
+/// Compliance of every contact.
 struct ContactComplianceModel {
     double normal = 0.0;     ///< m/N
     double tangential = 0.0; ///< m/N
@@ -149,8 +149,8 @@ struct ContactModel {
     ContactComplianceModel compliance;
 
     [[nodiscard]] bool on() const { return friction.on() || adhesion.on() || compliance.on(); }
-    /// Whether contacts have springs of their own.
-    [[nodiscard]] bool gives() const { return compliance.on() || friction.gives(); }
+    /// True if contacts have springs of their own.
+    [[nodiscard]] bool compliant() const { return compliance.on() || friction.compliant(); }
 };
 
 /// The testing machine.
@@ -158,8 +158,8 @@ struct ApparatusModel {
     double compliance = 0.0;  ///< of the machine, m/N
     double backlash = 0.0;    ///< travel lost at a reversal, m
     double slack = 0.0;       ///< travel lost where the force changes its sign, m
-    double slackForce = 1e-3; ///< N, on which the slack is taken up
-    double offset = 0.0;      ///< sideways place of what the machine carries, m
+    double slackForce = 1e-3; ///< force scale over which the slack is taken up, N
+    double offset = 0.0;      ///< sideways position of what the crosshead carries, m
     double tilt = 0.0;        ///< its rotation, rad
 
     [[nodiscard]] bool on() const {
@@ -167,11 +167,11 @@ struct ApparatusModel {
     }
 };
 
-/// The load cell and its chain.
+/// The load cell and its signal chain.
 struct SensorModel {
-    double drift = 0.0;     ///< N, reached in the end
-    double driftTime = 1.0; ///< s
-    double driftRate = 0.0; ///< N/s
+    double drift = 0.0;     ///< final drift, N
+    double driftTime = 1.0; ///< time constant of the drift, s
+    double driftRate = 0.0; ///< steady drift, N/s
     double gain = 0.0;      ///< reading = (1 + gain) force, 1
     double delay = 0.0;     ///< s
     double lag = 0.0;       ///< time constant of a first-order low pass, s
@@ -181,7 +181,7 @@ struct SensorModel {
     }
 };
 
-/// Rigid bodies of a free scene: their bearings and the air around them (air_drag.cpp, bearing_friction.cpp).
+/// Bearings of rigid bodies and the air around them (entries/air_drag.cpp, entries/bearing_friction.cpp).
 struct BodiesModel {
     double bearingTorque = 0.0;    ///< dry, N m
     double bearingArm = 0.0;       ///< dry torque over reaction, m
@@ -198,7 +198,7 @@ struct BodiesModel {
 struct Model {
     MaterialModel material;
     DragModel drag;
-    Vec2 gravity = Vec2::Zero(); ///< beside the declared one, m/s^2
+    Vec2 gravity = Vec2::Zero(); ///< added to the declared gravity, m/s^2
     ContactModel contact;
     ApparatusModel apparatus;
     SensorModel sensor;

@@ -7,13 +7,13 @@ RodEffects makeRodEffects(const rod::RodModel& rod, const Model& model) {
     fx.material = makeMaterial(rod, model.material);
     fx.drag = makeDrag(rod, model.drag);
     fx.surface = makeSurface(rod, model.contact);
-    fx.attraction = makeAttraction(rod, model.contact.adhesion);
+    fx.adhesion = makeAdhesion(rod, model.contact.adhesion);
     return fx;
 }
 
-void rest(RodEffects& fx) {
-    rest(fx.material);
-    rest(fx.surface);
+void applyLongRest(RodEffects& fx) {
+    applyLongRest(fx.material);
+    applyLongRest(fx.surface);
 }
 
 } // namespace supercircle::effects

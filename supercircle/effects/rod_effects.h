@@ -1,7 +1,7 @@
 #pragma once
 // Everything the effects keep per rod, constants and state: plain data inside the saved world.
 
-#include "supercircle/effects/laws/attraction.h"
+#include "supercircle/effects/laws/adhesion.h"
 #include "supercircle/effects/laws/drag.h"
 #include "supercircle/effects/laws/material.h"
 #include "supercircle/effects/laws/surface.h"
@@ -12,15 +12,16 @@ struct RodEffects {
     Material material;
     Drag drag;
     Surface surface;
-    Attraction attraction;
-    Books books{};
-    /// Of one rod alone; its surface and attraction concern others too.
+    Adhesion adhesion;
+    EffectEnergies energies{};
+    /// True for effects of the rod alone; surface and adhesion involve other objects, too.
     [[nodiscard]] bool on() const { return material.on() || drag.on(); }
 };
 
-/// All slots that act on a rod, at rest.
+/// All slots that act on a rod, in their initial state.
 RodEffects makeRodEffects(const rod::RodModel& rod, const Model& model);
-/// A long rest: viscous stresses go, surfaces heal. What is plastic, worn or held by dry friction stays.
-void rest(RodEffects& effects);
+/// State after a long rest: viscous stresses have relaxed, surfaces have healed. Plastic curvature, wear and the
+/// springs of dry friction stay.
+void applyLongRest(RodEffects& effects);
 
 } // namespace supercircle::effects

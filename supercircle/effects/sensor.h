@@ -1,5 +1,5 @@
 #pragma once
-// What the load cell and its chain make of a force: delay, low pass, gain, drift.
+// The reading of a load cell and its signal chain: delay, low pass, gain, drift.
 
 #include "supercircle/effects/model.h"
 
@@ -8,13 +8,13 @@
 
 namespace supercircle::effects {
 
-/// Reads forces one after the other. Plain data: a copy goes on as the original does.
+/// Reads forces one after the other. Plain data: a copy continues like the original.
 class SensorChain {
 public:
     SensorChain() = default;
     explicit SensorChain(const SensorModel& model) : model_(model) {}
 
-    /// The reading at `time` (s, not falling) of a force (N) that runs straight from its last value to this one.
+    /// The reading (N) at `time` (s, not decreasing) of a force (N) that is linear between the last value and this one.
     double read(double time, double force);
 
 private:
@@ -22,8 +22,8 @@ private:
 
     SensorModel model_;
     bool started_ = false;
-    double start_ = 0.0;                         ///< s
-    double last_ = 0.0;                          ///< s
+    double start_ = 0.0;                         ///< first time, s
+    double last_ = 0.0;                          ///< last time, s
     double input_ = 0.0;                         ///< of the low pass at last_, N
     double output_ = 0.0;                        ///< N
     std::deque<std::pair<double, double>> past_; ///< times and forces that the delay still needs

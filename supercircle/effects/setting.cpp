@@ -21,9 +21,9 @@ const Effect& effectOf(const Setting& s) {
 }
 
 std::string bounds(const Parameter& p) {
-    if (!p.words.empty()) {
+    if (!p.choices.empty()) {
         std::string all;
-        for (const std::string& w : p.words)
+        for (const std::string& w : p.choices)
             all += (all.empty() ? "" : ", ") + w;
         return "one of " + all;
     }
@@ -101,7 +101,7 @@ std::string set(Setting& setting, std::string_view parameter, double value) {
     if (std::string why = findParameter(effect, parameter, i); !why.empty())
         return why;
     const Parameter& p = effect.parameters[i];
-    const bool whole = p.words.empty() || value == std::floor(value);
+    const bool whole = p.choices.empty() || value == std::floor(value);
     if (std::isnan(value) || value < p.min || value > p.max || !whole || (std::isinf(value) && value != p.off))
         return "effect " + effect.name + ": " + p.name + " = " + text(value) + " is out of range; expected " +
                bounds(p);
@@ -121,21 +121,21 @@ std::string set(Setting& setting, std::string_view parameter, std::string_view v
     if (std::string why = findParameter(effect, parameter, i); !why.empty())
         return why;
     const Parameter& p = effect.parameters[i];
-    for (std::size_t k = 0; k < p.words.size(); ++k)
-        if (p.words[k] == value)
+    for (std::size_t k = 0; k < p.choices.size(); ++k)
+        if (p.choices[k] == value)
             return set(setting, parameter, static_cast<double>(k));
     double number = 0.0;
     const auto read = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (!p.words.empty() || value.empty() || read.ec != std::errc() || read.ptr != value.data() + value.size())
+    if (!p.choices.empty() || value.empty() || read.ec != std::errc() || read.ptr != value.data() + value.size())
         return "effect " + effect.name + ": " + p.name + " = \"" + std::string(value) + "\"; expected " + bounds(p) +
-               hint(nearest(value, p.words));
+               hint(nearest(value, p.choices));
     return set(setting, parameter, number);
 }
 
 bool isOff(const Setting& setting) {
     const Effect& effect = effectOf(setting);
     for (std::size_t i = 0; i < effect.parameters.size(); ++i)
-        if (effect.parameters[i].switches && setting.values[i] != effect.parameters[i].off)
+        if (effect.parameters[i].isSwitch && setting.values[i] != effect.parameters[i].off)
             return false;
     return true;
 }
@@ -169,7 +169,7 @@ std::string validate(const std::vector<Setting>& settings) {
             if (std::string why = effect.check(settings[i].values); !why.empty())
                 return "effect " + effect.name + ": " + why;
         for (std::size_t k = 0; k < i; ++k)
-            if (settings[k].key == settings[i].key && !effect.several &&
+            if (settings[k].key == settings[i].key && !effect.repeatable &&
                 (settings[k].shell == settings[i].shell || settings[k].shell == "all" || settings[i].shell == "all"))
                 return "effect " + effect.name + " is given twice" +
                        (settings[i].shell == "all" ? "" : " to shell \"" + settings[i].shell + "\"");

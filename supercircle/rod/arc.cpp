@@ -1,9 +1,9 @@
-// Closed forms of one arc. With x = k s / 2 and t, n the tangent and normal at mid-stretch:
+// Closed forms of one arc. With x = k s / 2 and t, n the tangent and normal at the middle of the part:
 //   chord    = s sinc(x) t
 //   d/dk     = s^2/2 (sinc'(x) t + sinc(x) n)
 //   centroid = start + s/2 (sinc(x) t + sinc'(x) n)
-// sin(x)/x itself loses nothing near zero; its derivative and deficit cancel there and switch to their power series
-// below |x| = 1.5, where the direct formulas still keep all but about two bits.
+// sin(x)/x is accurate near zero. Its derivative and deficit suffer cancellation there and use their power series below
+// |x| = 1.5. At that switch the direct formulas lose about two bits.
 
 #include "supercircle/rod/arc.h"
 

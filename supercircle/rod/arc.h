@@ -51,9 +51,9 @@ constexpr double horner(const TurnSeries& c, double z) {
 }
 } // namespace detail
 
-/// The two even functions every integral along an arc reduces to, x being the angle turned:
+/// The two even functions to which every integral along an arc reduces; x is the rotation of the tangent, rad:
 ///     versine = (1 - cos x)/x^2      deficit = (x - sin x)/x^3
-/// In the frame (t, n) of the arc's start a stretch of length s has, with x = k s,
+/// In the frame (t, n) of the arc's start, a part of length s has, with x = k s,
 ///     sin x / x                = 1 - x^2 deficit
 ///     end - start              = s   [(1 - x^2 deficit) t + x versine n]
 ///     centroid - start         = s   [versine t + x deficit n]
@@ -62,7 +62,7 @@ constexpr double horner(const TurnSeries& c, double z) {
 struct TurnFactors {
     /// Below this |x| the power series is exact to round-off and much cheaper than sines.
     static constexpr double kSeriesBelow = 1.75;
-    /// Below this |x|, where the elements of a finely cut rod are, eight terms do.
+    /// Below this |x| eight terms suffice. The elements of a finely divided rod lie here.
     static constexpr double kShortBelow = 0.75;
 
     double versine = 0.5;
@@ -109,7 +109,7 @@ struct Arc {
     }
     /// d pointAt(s) / d curvature at fixed start and angle.
     [[nodiscard]] Vec2 chordCurvatureDerivative(double s) const;
-    /// Centroid of the stretch [0, s].
+    /// Centroid of the part [0, s].
     [[nodiscard]] Vec2 centroid(double s) const;
 };
 

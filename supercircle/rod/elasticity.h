@@ -1,6 +1,6 @@
 #pragma once
-// Bending: E_b = 1/2 B sum_i l_i (kappa_i - kappa0_i)^2, exact for arcs and linear in the curvatures (physics:
-// Kirchhoff rod).
+// Bending energy of a Kirchhoff rod: E_b = 1/2 B sum_i l_i (kappa_i - kappa0_i)^2. It is exact for arcs and quadratic
+// in the curvatures.
 
 #include "supercircle/rod/model.h"
 

@@ -1,10 +1,6 @@
-// Newton on the Karush-Kuhn-Tucker system. What was weighed:
-// - Penalty springs for the holds need no multipliers but lose half the digits of the reactions. Multipliers it is.
-// - Descent on the energy never finds the unstable branches the arch and Euler references ask for; Newton on the
-//   stationarity conditions, damped on the residual, does.
-// - The matrix is symmetric indefinite; full-pivot LU costs nothing at this size (n about 20) and reveals rank, so
-// holds
-//   that repeat each other consistently are harmless and contradicting ones are reported.
+// Newton's method on the Karush-Kuhn-Tucker system, damped on the residual (decision 0121). The matrix is symmetric and
+// indefinite. LU with full pivoting is cheap at this size (n about 20) and reveals the rank: consistent redundant
+// supports are harmless, contradicting ones are reported.
 
 #include "supercircle/rod/equilibrium.h"
 #include "supercircle/rod/elasticity.h"
@@ -23,17 +19,17 @@ namespace {
 
 /// One scalar equation: a component of the position of a point, or an angle, or the difference of two of either.
 struct Equation {
-    enum class Kind { x, y, angle };
-    Kind kind = Kind::x;
-    Place place;
+    enum class Component { x, y, angle };
+    Component kind = Component::x;
+    MaterialPoint point;
     Vec2 section = Vec2::Zero();
     bool joined = false; ///< minus the same quantity at `other`
-    Place other;
+    MaterialPoint other;
     double target = 0.0;
-    double begin = 0.0; ///< value at the start of the ramp
+    double initial = 0.0; ///< value at the start of the ramp
 };
 
-Vec2 offsetOf(const Kinematics& kin, const Place& at, const Vec2& section) {
+Vec2 offsetOf(const Kinematics& kin, const MaterialPoint& at, const Vec2& section) {
     if (section.isZero())
         return Vec2::Zero();
     const double a = kin.angle(at);
@@ -41,8 +37,8 @@ Vec2 offsetOf(const Kinematics& kin, const Place& at, const Vec2& section) {
     return section.x() * t + section.y() * perp(t);
 }
 
-Vec2 axis(Equation::Kind kind) {
-    return kind == Equation::Kind::x ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0);
+Vec2 axis(Equation::Component kind) {
+    return kind == Equation::Component::x ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0);
 }
 
 class System {
@@ -57,7 +53,7 @@ public:
         listEquations();
         equationScale_.resize(count());
         for (int i = 0; i < count(); ++i)
-            equationScale_[i] = equations_[static_cast<std::size_t>(i)].kind == Equation::Kind::angle ? 1.0 : L;
+            equationScale_[i] = equations_[static_cast<std::size_t>(i)].kind == Equation::Component::angle ? 1.0 : L;
     }
 
     [[nodiscard]] int count() const { return static_cast<int>(equations_.size()); }
@@ -66,7 +62,7 @@ public:
     void begin(const Eigen::VectorXd& q) {
         kin_.evaluate(model_, q);
         for (Equation& e : equations_)
-            e.begin = value(e);
+            e.initial = value(e);
     }
 
     /// Dimensionless residual [total generalised force; equations] at load fraction t, and the Jacobian G (scaled).
@@ -78,8 +74,8 @@ public:
         uniformForce(model_, kin_, field_, t * problem_.gravity, force);
         addBendingForce(model_, q, force);
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, n);
-        for (const PointForce& f : problem_.forces) {
-            const Place at = locate(model_, f.s);
+        for (const PointLoad& f : problem_.pointLoads) {
+            const MaterialPoint at = locate(model_, f.s);
             kin_.pointRows(model_, at, offsetOf(kin_, at, f.section), t * f.force, Vec2::Zero(), rows);
             force += rows.row(0).transpose();
         }
@@ -88,15 +84,15 @@ public:
         for (int i = 0; i < count(); ++i) {
             const Equation& e = equations_[static_cast<std::size_t>(i)];
             jacobian_.row(i) = row(e).cwiseProduct(scale_.transpose()) / equationScale_[i];
-            r[n + i] = (value(e) - (1.0 - t) * e.begin - t * e.target) / equationScale_[i];
+            r[n + i] = (value(e) - (1.0 - t) * e.initial - t * e.target) / equationScale_[i];
         }
         free_ = force.cwiseProduct(scale_) / (forceUnit_ * length());
         r.head(n) = free_ + jacobian_.transpose() * multipliers;
         return r;
     }
 
-    /// Multipliers that balance the forces of the last residual() best.
-    [[nodiscard]] Eigen::VectorXd balancing() const {
+    /// Multipliers that balance the forces of the last residual() in the least-squares sense.
+    [[nodiscard]] Eigen::VectorXd balancingMultipliers() const {
         if (count() == 0)
             return {};
         return -jacobian_.transpose().completeOrthogonalDecomposition().solve(free_);
@@ -110,16 +106,16 @@ public:
             K(i, i) += bendingStiffness(model_, model_.elementOfDof(i));
         if (!problem_.gravity.isZero())
             addUniformStiffness(model_, kin_, field_, t * problem_.gravity, K);
-        for (const PointForce& f : problem_.forces) {
-            const Place at = locate(model_, f.s);
+        for (const PointLoad& f : problem_.pointLoads) {
+            const MaterialPoint at = locate(model_, f.s);
             addPointForceStiffness(model_, kin_, at, offsetOf(kin_, at, f.section), t * f.force, K);
         }
         for (int i = 0; i < count(); ++i) {
             const Equation& e = equations_[static_cast<std::size_t>(i)];
-            if (e.kind == Equation::Kind::angle)
+            if (e.kind == Equation::Component::angle)
                 continue; // linear in q
             const Vec2 f = multipliers[i] * forceUnit_ * axis(e.kind);
-            addPointForceStiffness(model_, kin_, e.place, offsetOf(kin_, e.place, e.section), f, K);
+            addPointForceStiffness(model_, kin_, e.point, offsetOf(kin_, e.point, e.section), f, K);
             if (e.joined)
                 addPointForceStiffness(model_, kin_, e.other, Vec2::Zero(), -f, K);
         }
@@ -129,12 +125,12 @@ public:
     [[nodiscard]] const Eigen::MatrixXd& jacobian() const { return jacobian_; }
     [[nodiscard]] const Eigen::VectorXd& scale() const { return scale_; }
 
-    void report(const Eigen::VectorXd& multipliers, Equilibrium& result) const {
-        result.reactions.assign(problem_.holds.size(), {});
+    void storeReactions(const Eigen::VectorXd& multipliers, Equilibrium& result) const {
+        result.reactions.assign(problem_.supports.size(), {});
         for (int i = 0; i < count(); ++i) {
             const Equation& e = equations_[static_cast<std::size_t>(i)];
-            Reaction& r = e.joined ? result.joint : result.reactions[owner_[static_cast<std::size_t>(i)]];
-            if (e.kind == Equation::Kind::angle)
+            Reaction& r = e.joined ? result.closureReaction : result.reactions[owner_[static_cast<std::size_t>(i)]];
+            if (e.kind == Equation::Component::angle)
                 r.moment = multipliers[i] * forceUnit_ * length();
             else
                 r.force += multipliers[i] * forceUnit_ * axis(e.kind);
@@ -145,42 +141,42 @@ private:
     [[nodiscard]] double length() const { return model_.definition().length; }
 
     void listEquations() {
-        for (std::size_t h = 0; h < problem_.holds.size(); ++h) {
-            const Hold& hold = problem_.holds[h];
-            const Place at = locate(model_, hold.s);
-            const auto add = [&](bool held, Equation::Kind kind, double target) {
-                if (!held)
+        for (std::size_t h = 0; h < problem_.supports.size(); ++h) {
+            const Support& support = problem_.supports[h];
+            const MaterialPoint at = locate(model_, support.s);
+            const auto add = [&](bool fixed, Equation::Component kind, double target) {
+                if (!fixed)
                     return;
-                equations_.push_back({kind, at, hold.section, false, {}, target, 0.0});
+                equations_.push_back({kind, at, support.section, false, {}, target, 0.0});
                 owner_.push_back(h);
             };
-            add(hold.x, Equation::Kind::x, hold.position.x());
-            add(hold.y, Equation::Kind::y, hold.position.y());
-            add(hold.turn, Equation::Kind::angle, hold.angle);
+            add(support.fixX, Equation::Component::x, support.position.x());
+            add(support.fixY, Equation::Component::y, support.position.y());
+            add(support.fixAngle, Equation::Component::angle, support.angle);
         }
         if (!model_.definition().closed)
             return;
-        const Place last = locate(model_, model_.elements() - 1, length());
-        const Place first = locate(model_, 0, 0.0);
-        for (const auto kind : {Equation::Kind::x, Equation::Kind::y, Equation::Kind::angle}) {
-            const double target = kind == Equation::Kind::angle ? problem_.ringTurning : 0.0;
+        const MaterialPoint last = locate(model_, model_.elements() - 1, length());
+        const MaterialPoint first = locate(model_, 0, 0.0);
+        for (const auto kind : {Equation::Component::x, Equation::Component::y, Equation::Component::angle}) {
+            const double target = kind == Equation::Component::angle ? problem_.closureAngle : 0.0;
             equations_.push_back({kind, last, Vec2::Zero(), true, first, target, 0.0});
             owner_.push_back(0);
         }
     }
 
-    [[nodiscard]] double value(const Equation& e, const Place& at, const Vec2& section) const {
-        if (e.kind == Equation::Kind::angle)
+    [[nodiscard]] double value(const Equation& e, const MaterialPoint& at, const Vec2& section) const {
+        if (e.kind == Equation::Component::angle)
             return kin_.angle(at);
         return axis(e.kind).dot(kin_.point(at) + offsetOf(kin_, at, section));
     }
     [[nodiscard]] double value(const Equation& e) const {
-        return value(e, e.place, e.section) - (e.joined ? value(e, e.other, Vec2::Zero()) : 0.0);
+        return value(e, e.point, e.section) - (e.joined ? value(e, e.other, Vec2::Zero()) : 0.0);
     }
 
-    [[nodiscard]] Eigen::RowVectorXd row(const Equation& e, const Place& at, const Vec2& section) const {
+    [[nodiscard]] Eigen::RowVectorXd row(const Equation& e, const MaterialPoint& at, const Vec2& section) const {
         Eigen::RowVectorXd result(model_.dofs());
-        if (e.kind == Equation::Kind::angle) {
+        if (e.kind == Equation::Component::angle) {
             kin_.angleRow(model_, at, result);
             return result;
         }
@@ -189,7 +185,7 @@ private:
         return rows.row(0);
     }
     [[nodiscard]] Eigen::RowVectorXd row(const Equation& e) const {
-        Eigen::RowVectorXd result = row(e, e.place, e.section);
+        Eigen::RowVectorXd result = row(e, e.point, e.section);
         if (e.joined)
             result -= row(e, e.other, Vec2::Zero());
         return result;
@@ -208,8 +204,8 @@ private:
     Eigen::VectorXd free_;
 };
 
-/// Largest turn of any section a dimensionless step brings about.
-double largestTurn(const RodModel& model, const Eigen::VectorXd& step) {
+/// Largest rotation of any section in a dimensionless step, rad.
+double largestRotation(const RodModel& model, const Eigen::VectorXd& step) {
     double worst = std::abs(step[model.dofTheta()]);
     for (int side = 0; side < 2; ++side) {
         double turn = step[model.dofTheta()];
@@ -241,13 +237,13 @@ bool newton(const RodModel& model, System& system, double t, const EquilibriumOp
         const Eigen::VectorXd step = A.fullPivLu().solve(r);
         if (!step.allFinite())
             return false;
-        const double turn = largestTurn(model, step.head(n));
-        double factor = turn > options.turnPerIteration ? options.turnPerIteration / turn : 1.0;
+        const double turn = largestRotation(model, step.head(n));
+        double factor = turn > options.maxRotationPerIteration ? options.maxRotationPerIteration / turn : 1.0;
         const double before = r.norm();
         Eigen::VectorXd bestQ, bestMultipliers;
         double best = INFINITY;
-        // Shorten while the residual does not fall; if it never does, the least bad of the four is still taken:
-        // inextensible rods often have to climb once before they converge.
+        // Shorten the step while the residual does not fall. If it never falls, the best of the four is still taken:
+        // the residual of an inextensible rod often has to rise once before Newton converges.
         for (int k = 0; k < 4; ++k, factor *= 0.5) {
             const Eigen::VectorXd q1 = q + factor * system.scale().cwiseProduct(step.head(n));
             const Eigen::VectorXd l1 = multipliers + factor * step.tail(m);
@@ -291,14 +287,14 @@ std::string check(const RodModel& model, const EquilibriumProblem& problem, cons
         return "start contains a number that is not finite";
     const double length = model.definition().length;
     const auto onRod = [&](double s) { return s >= 0.0 && s <= length; }; // false for NaN
-    for (const PointForce& f : problem.forces)
+    for (const PointLoad& f : problem.pointLoads)
         if (!onRod(f.s) || !f.force.allFinite() || !f.section.allFinite())
-            return "a point force is not finite or not on the rod (s = " + std::to_string(f.s) + " m)";
-    for (const Hold& h : problem.holds)
+            return "a point load is not finite or not on the rod (s = " + std::to_string(f.s) + " m)";
+    for (const Support& h : problem.supports)
         if (!onRod(h.s) || !h.position.allFinite() || !std::isfinite(h.angle) || !h.section.allFinite())
-            return "a hold is not finite or not on the rod (s = " + std::to_string(h.s) + " m)";
-    if (!problem.gravity.allFinite() || !std::isfinite(problem.ringTurning))
-        return "gravity or ring turning is not finite";
+            return "a support is not finite or not on the rod (s = " + std::to_string(h.s) + " m)";
+    if (!problem.gravity.allFinite() || !std::isfinite(problem.closureAngle))
+        return "gravity or the closure angle is not finite";
     return {};
 }
 
@@ -326,31 +322,32 @@ Equilibrium solveEquilibrium(const RodModel& model, const EquilibriumProblem& pr
     double step = 1.0 / std::max(1, options.loadSteps);
     Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(system.count());
     system.residual(start, multipliers, step);
-    multipliers = system.balancing();
-    while (result.reached < 1.0) {
-        const double t = std::min(1.0, result.reached + step);
+    multipliers = system.balancingMultipliers();
+    while (result.loadFraction < 1.0) {
+        const double t = std::min(1.0, result.loadFraction + step);
         Eigen::VectorXd q = result.q, trial = multipliers;
         const int before = result.iterations;
         if (newton(model, system, t, options, q, trial, result)) {
             result.q = std::move(q);
             multipliers = std::move(trial);
-            result.reached = t > 1.0 - 1e-12 ? 1.0 : t;
+            result.loadFraction = t > 1.0 - 1e-12 ? 1.0 : t;
             ++result.loadSteps;
             if (result.iterations - before <= 8)
                 step *= 1.5;
         } else {
             step *= 0.5;
-            if (step < options.smallestStep) {
-                result.failure = "no equilibrium found beyond " + std::to_string(result.reached) +
-                                 " of the load: the rod may be free to move (too few holds), the holds may contradict "
-                                 "each other, or a limit point was met (prescribe the displacement instead)";
+            if (step < options.minLoadStep) {
+                result.failure =
+                    "no equilibrium found beyond " + std::to_string(result.loadFraction) +
+                    " of the load: the rod may be free to move (too few supports), the supports may contradict "
+                    "each other, or a limit point was met (prescribe the displacement instead)";
                 break;
             }
         }
     }
-    result.residual = system.residual(result.q, multipliers, result.reached).cwiseAbs().maxCoeff();
-    result.smallestStiffness = smallestStiffness(system.stiffness(multipliers, result.reached), system.jacobian());
-    system.report(multipliers, result);
+    result.residual = system.residual(result.q, multipliers, result.loadFraction).cwiseAbs().maxCoeff();
+    result.smallestStiffness = smallestStiffness(system.stiffness(multipliers, result.loadFraction), system.jacobian());
+    system.storeReactions(multipliers, result);
     return result;
 }
 

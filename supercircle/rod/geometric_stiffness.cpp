@@ -35,7 +35,7 @@ Vec2 chordSecondDerivative(const Arc& arc, double s) {
     return (0.5 * s * s * s) * (slope * perp(t) - (sinc(x) + ratio) * t);
 }
 
-void addPointForceStiffness(const RodModel& model, const Kinematics& kin, const Place& at, const Vec2& offset,
+void addPointForceStiffness(const RodModel& model, const Kinematics& kin, const MaterialPoint& at, const Vec2& offset,
                             const Vec2& f, Eigen::MatrixXd& K) {
     const auto& list = model.side(at.side);
     const Arc& own = kin.segmentArc(at.side, at.segment);

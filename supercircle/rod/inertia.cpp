@@ -7,15 +7,15 @@ namespace supercircle::rod {
 
 namespace {
 
-/// Nodes are handled in pairs by the vector unit: one unused place.
+/// The vector unit handles nodes in pairs, so one unused node is added.
 constexpr int kPadded = RodModel::kGauss + 1;
 constexpr double kNode[kPadded] = {RodModel::kGaussNode[0], RodModel::kGaussNode[1], RodModel::kGaussNode[2],
                                    RodModel::kGaussNode[3], RodModel::kGaussNode[4], 0.5};
 
 /// Components along the tangent and normal at a segment's inner end, at its nodes.
 struct NodeField {
-    double along[kPadded], across[kPadded];       ///< of the way from the inner end, m
-    double ownAlong[kPadded], ownAcross[kPadded]; ///< of the derivative by the own curvature, m^2
+    double along[kPadded], across[kPadded];       ///< of the vector from the inner end, m
+    double ownAlong[kPadded], ownAcross[kPadded]; ///< of the derivative by the curvature of this segment, m^2
 };
 
 /// Of a segment of signed length `length` that turns by `turn`.
@@ -46,7 +46,7 @@ void fieldAtNodes(double length, double turn, NodeField& field) {
     }
 }
 
-/// Mass moments of everything beyond a place, arms from the rod's middle.
+/// Mass moments of everything beyond a section, about the rod's middle.
 struct Moments {
     double mass = 0.0;
     Vec2 first = Vec2::Zero();

@@ -1,10 +1,11 @@
 #pragma once
 // Mass matrix, momenta and velocity fields of a rod.
 //
-// All integrals over the rod use the same Gauss points (RodModel::kGauss per segment, exact to round-off for arcs), so
-// that  v . (M v - p) = change of kinetic energy + 1/2 |u_new - u_old|^2  holds to round-off: the energy books rely on
-// it. M is assembled from mass moments "beyond each element" (see kinematics.h): O(N^2) with a tiny constant instead of
-// a rank-2 update per Gauss point.
+// All integrals over the rod use the same Gauss points (RodModel::kGauss per segment, exact to round-off for arcs).
+// Hence
+//     v . (M v - p) = change of kinetic energy + 1/2 |u_new - u_old|^2
+// holds to round-off, which the energy balance relies on. M is assembled from the mass moments of everything beyond
+// each element (kinematics.h): O(N^2) with a small constant instead of a rank-2 update per Gauss point.
 
 #include "supercircle/rod/kinematics.h"
 
@@ -13,7 +14,7 @@ namespace supercircle::rod {
 /// Gauss-point data of one configuration.
 struct GaussField {
     std::vector<Vec2> arm;    ///< position minus the middle, m; side 0 outward, then side 1 outward
-    std::vector<Vec2> own;    ///< derivative with respect to the own segment's curvature at fixed inner end, m^2
+    std::vector<Vec2> own;    ///< derivative by the curvature of the point's own segment, inner end fixed, m^2
     std::vector<double> mass; ///< kg
 };
 

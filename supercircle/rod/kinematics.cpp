@@ -2,10 +2,10 @@
 
 namespace supercircle::rod {
 
-Place locate(const RodModel& model, int element, double s) {
+MaterialPoint locate(const RodModel& model, int element, double s) {
     const int half = model.elements() / 2;
     const bool odd = model.elements() % 2 == 1;
-    Place at;
+    MaterialPoint at;
     if (odd && element == half) {
         at.side = s >= model.midS() ? 0 : 1;
         at.segment = 0;
@@ -20,15 +20,15 @@ Place locate(const RodModel& model, int element, double s) {
     return at;
 }
 
-Place locate(const RodModel& model, double s) {
+MaterialPoint locate(const RodModel& model, double s) {
     return locate(model, model.elementAt(s), s);
 }
 
 void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
     middle_ = {q[model.dofX()], q[model.dofY()]};
     const double theta = q[model.dofTheta()];
-    // The tangent is turned along with the chain: one sine and cosine a rod instead of one an element. Its round-off
-    // grows like that of the angle itself, about one unit in the last place per element.
+    // The tangent is rotated from element to element: one sine and cosine per rod instead of one per element. Its
+    // round-off grows like that of the angle itself, by about one unit in the last place per element.
     const SinCos turned = sinCos(theta);
     const Vec2 middleTangent(turned.cosine, turned.sine);
     arcs_.resize(static_cast<std::size_t>(model.elements()));
@@ -65,7 +65,7 @@ void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
     }
 }
 
-Kinematics::Point Kinematics::pointOf(const Place& at) const {
+Kinematics::PointWithDerivative Kinematics::pointOf(const MaterialPoint& at) const {
     const Arc& arc = segmentArc(at.side, at.segment);
     const Vec2& tangent = segmentTangent(at.side, at.segment);
     const Vec2 normal = perp(tangent);
@@ -77,11 +77,11 @@ Kinematics::Point Kinematics::pointOf(const Place& at) const {
             (s * s) * ((sine - f.versine) * normal - x * (f.versine - f.deficit) * tangent)};
 }
 
-void Kinematics::pointRows(const RodModel& model, const Place& at, const Vec2& offset, const Vec2& first,
+void Kinematics::pointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
                            const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const {
     rows.setZero();
     const auto& list = model.side(at.side);
-    const Point own = pointOf(at);
+    const PointWithDerivative own = pointOf(at);
     const Vec2 p = own.position + offset;
     const auto rotation = [&](int dof, double factor, const Vec2& pivot) {
         const Vec2 arm = perp(p - pivot) * factor;
@@ -103,7 +103,7 @@ void Kinematics::pointRows(const RodModel& model, const Place& at, const Vec2& o
     rows(1, dof) += second.dot(e);
 }
 
-void Kinematics::angleRow(const RodModel& model, const Place& at, Eigen::Ref<Eigen::RowVectorXd> row) const {
+void Kinematics::angleRow(const RodModel& model, const MaterialPoint& at, Eigen::Ref<Eigen::RowVectorXd> row) const {
     row.setZero();
     row[model.dofTheta()] = 1.0;
     const auto& list = model.side(at.side);

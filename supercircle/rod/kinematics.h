@@ -1,8 +1,8 @@
 #pragma once
-// Positions and Jacobians of a rod, in closed form (docs/architecture.md; physics: r(s) = r_m + int (cos, sin) theta).
+// Positions and Jacobians of a rod in closed form: r(s) = r_m + int (cos theta, sin theta) ds.
 //
-// Seen from a point beyond an element, a change of that element's curvature is a rigid rotation about the centroid of
-// its arc by (signed length) * d kappa. Everything here - rows, mass matrix, momenta - follows from that one fact.
+// For a point beyond an element, a change of that element's curvature is a rigid rotation about the centroid of its arc
+// by (signed length) * d kappa. Jacobian rows, mass matrix and momenta all follow from this.
 
 #include "supercircle/rod/model.h"
 
@@ -11,18 +11,18 @@
 
 namespace supercircle::rod {
 
-/// A material point: which side and segment of the model it lies on and its signed arc length from that segment's inner
-/// end.
-struct Place {
+/// A point of the centre line that moves with the material: side and segment of the model, and the signed arc length
+/// from the segment's inner end.
+struct MaterialPoint {
     int side = 0;
     int segment = 0;
     double local = 0.0; ///< m, sign of the side
 };
 
-/// Finds the place of arc length s (m, from the first tip) on `element`.
-Place locate(const RodModel& model, int element, double s);
+/// Finds the material point at arc length s (m, from the first tip) on `element`.
+MaterialPoint locate(const RodModel& model, int element, double s);
 /// The same when the element is not known.
-Place locate(const RodModel& model, double s);
+MaterialPoint locate(const RodModel& model, double s);
 
 /// The rod's curve at one q.
 class Kinematics {
@@ -43,23 +43,25 @@ public:
         return tangents_[side][static_cast<std::size_t>(k)];
     }
 
-    [[nodiscard]] Vec2 point(const Place& at) const { return pointOf(at).position; }
-    [[nodiscard]] double angle(const Place& at) const { return segmentArc(at.side, at.segment).angleAt(at.local); }
+    [[nodiscard]] Vec2 point(const MaterialPoint& at) const { return pointOf(at).position; }
+    [[nodiscard]] double angle(const MaterialPoint& at) const {
+        return segmentArc(at.side, at.segment).angleAt(at.local);
+    }
 
     /// Two Jacobian rows of the material point `offset` away from the centre line (rigidly attached to its section):
     /// row 0 = d . dr/dq along `first`, row 1 along `second`. `rows` is 2 x n and overwritten.
-    void pointRows(const RodModel& model, const Place& at, const Vec2& offset, const Vec2& first, const Vec2& second,
-                   Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const;
+    void pointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
+                   const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const;
     /// d theta(s) / dq, n entries, overwritten.
-    void angleRow(const RodModel& model, const Place& at, Eigen::Ref<Eigen::RowVectorXd> row) const;
+    void angleRow(const RodModel& model, const MaterialPoint& at, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
 private:
-    struct Point {
+    struct PointWithDerivative {
         Vec2 position;
-        Vec2 own; ///< its derivative with respect to its segment's curvature, m^2
+        Vec2 own; ///< derivative by the curvature of the point's own segment, m^2
     };
     /// From the tangent at the segment's inner end, without sines.
-    [[nodiscard]] Point pointOf(const Place& at) const;
+    [[nodiscard]] PointWithDerivative pointOf(const MaterialPoint& at) const;
 
     Vec2 middle_ = Vec2::Zero();
     Vec2 lastNode_ = Vec2::Zero();

@@ -9,9 +9,9 @@ namespace supercircle::rod {
 
 namespace {
 
-/// Lengths that are meant to be mirrored, or to add up, may differ by this share of the rod's length.
+/// Lengths that should be mirrored, or add up, may differ by this fraction of the rod's length.
 constexpr double kLengthTolerance = 1e-9;
-constexpr double kShortest = 1e-6; ///< element, as a share of the rod
+constexpr double kMinElement = 1e-6; ///< fraction of the rod's length
 
 std::string checkLengths(const RodDefinition& d) {
     const std::size_t n = d.elementLength.size();
@@ -21,7 +21,7 @@ std::string checkLengths(const RodDefinition& d) {
         return "element lengths need one value per element (" + std::to_string(d.naturalCurvature.size()) + ")";
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
-        if (!std::isfinite(d.elementLength[i]) || !(d.elementLength[i] >= kShortest * d.length))
+        if (!std::isfinite(d.elementLength[i]) || !(d.elementLength[i] >= kMinElement * d.length))
             return "element lengths must be finite and at least a millionth of the rod";
         if (std::abs(d.elementLength[i] - d.elementLength[n - 1 - i]) > kLengthTolerance * d.length)
             return "element lengths must be mirrored about the middle";
@@ -35,10 +35,10 @@ std::string checkLengths(const RodDefinition& d) {
 } // namespace
 
 int elementsMeetingAt(double fraction, int atLeast) {
-    const auto off = [&](int n) { return std::abs(fraction * n - std::round(fraction * n)) / n; };
+    const auto mismatch = [&](int n) { return std::abs(fraction * n - std::round(fraction * n)) / n; };
     int best = atLeast;
     for (int n = atLeast + 1; n <= atLeast + 3; ++n)
-        if (off(n) < off(best) - 1e-9)
+        if (mismatch(n) < mismatch(best) - 1e-9)
             best = n;
     return best;
 }
@@ -85,7 +85,7 @@ RodModel::RodModel(RodDefinition definition) : definition_(std::move(definition)
     const int half = elements_ / 2;
     const double mid = midS();
     const bool odd = elements_ % 2 == 1;
-    layLengths();
+    computeLengths();
     longest_ = *std::max_element(lengths_.begin(), lengths_.end());
     if (odd) {
         sides_[0].push_back({half, dofOfElement(half), mid, 0.5 * elementLength(half)});
@@ -97,7 +97,7 @@ RodModel::RodModel(RodDefinition definition) : definition_(std::move(definition)
         sides_[1].push_back({i, dofOfElement(i), nodeS(i + 1), -elementLength(i)});
 }
 
-void RodModel::layLengths() {
+void RodModel::computeLengths() {
     lengths_ = definition_.elementLength;
     equal_ = lengths_.empty();
     const auto n = static_cast<std::size_t>(elements_);
@@ -109,8 +109,7 @@ void RodModel::layLengths() {
             nodeS_[static_cast<std::size_t>(i)] = i * lengths_.front();
         return;
     }
-    // From the tips inwards, so that both halves mirror each other and the middle is where it should be, to the last
-    // bit.
+    // From the tips inwards, so that the two halves are bitwise mirror images and the middle is exact.
     const double scale = definition_.length / std::accumulate(lengths_.begin(), lengths_.end(), 0.0);
     nodeS_.front() = 0.0;
     nodeS_.back() = definition_.length;

@@ -1,17 +1,12 @@
 #pragma once
-// The constant description of one Super-Circle rod: dimensions, material, and how its coordinates are laid out.
+// The constant description of one rod: dimensions, material, and the layout of its coordinates.
 //
-// Layout of q and v (n = N + 3 entries), chosen for the block-arrow shape of the mass matrix: a point right of the
-// middle does not feel the curvatures left of it and vice versa, so with
+// Layout of q and v (n = N + 3 entries):
 //     [ curvatures left of the middle | right of it | of the middle element (odd N) | x, y, theta ]
-// the Cholesky factor has no fill between the two halves and a contact row touches 11 of 18 entries (N = 15).
+// A point right of the middle does not depend on the curvatures left of it, and vice versa. With this order the
+// Cholesky factor of the mass matrix has no fill between the two halves. A contact row has 11 non-zeros of 18 (N = 15).
 //
-// Elements of unequal length. Shortening them towards the tips (3 : 1) was meant for shells that roll up on their tips:
-// the unfolding force of reference T2 errs by up to 1.8 instead of 3.3 % at N = 15, and by 0.4 instead of 0.8 % at
-// N = 31. It is paid elsewhere (N = 15): place of unfolding -5 instead of -4 %, pinning threshold mu* at Phi_bar 0.83
-// -0.5 instead of -0.2 %, third free frequency +2.8 instead of +1.8 %, clamped shallow arch +7 instead of +5 %. Load
-// curves without pinning do not care (0.4 %). A heavy cantilever gains (0.11 instead of 0.27 % of L at Gamma = 100).
-// Hence equal arcs unless asked otherwise.
+// Elements have equal lengths unless given otherwise; shorter elements at the tips do not pay (decision 0120).
 
 #include "supercircle/rod/arc.h"
 
@@ -27,25 +22,24 @@ struct RodDefinition {
     double linearMass = 6.35e-3;          ///< lambda = rho w h, kg/m
     double bendingModulus = 2.2917e-4;    ///< B = E w h^3 / 12, N m^2
     std::vector<double> naturalCurvature; ///< per element, 1/m; its size is the number of elements N
-    bool closed = false;                  ///< ends welded into a ring
-    /// Per element, m, mirrored about the middle, with the sum `length`; empty: all alike.
+    bool closed = false;                  ///< both ends welded together: a ring
+    /// Per element, m, mirrored about the middle, with the sum `length`; empty: all equal.
     std::vector<double> elementLength;
 };
 
-/// Element lengths (m) in geometric progression from the middle to the tips, mirrored: the middle ones are
-/// `tipRefinement` (> 0) times as long as the tip ones. 1: all alike; below 1 the short ones are in the middle.
+/// Element lengths (m) in geometric progression from the middle to the tips, mirrored. The middle elements are
+/// `tipRefinement` (> 0) times as long as those at the tips; 1: all equal; below 1: short elements in the middle.
 std::vector<double> gradedLengths(double length, int elements, double tipRefinement);
 
-/// The number of equal elements, `atLeast` or up to three more, of which two meet nearest to this fraction of the
-/// length. A hold inside an element is a first-order error wherever the moments left and right of it differ: they
-/// cannot, because one element has one curvature (a clamp in the middle of the 16th of 31 arcs: a linear change of
-/// stiffness along the rod was misjudged by 17 %). @param fraction 0 to 1
+/// The number of equal elements, `atLeast` or up to three more, that puts a node nearest to this fraction of the
+/// length. A support inside an element is a first-order error wherever the moments on its two sides differ, because an
+/// element has one curvature (decision 0120). @param fraction 0 to 1
 int elementsMeetingAt(double fraction, int atLeast);
 
 /// Empty if the definition can be simulated, else what is wrong with it.
 std::string validate(const RodDefinition& definition);
 
-/// A stretch of one element between the frame at mid-length and a tip, in outward order.
+/// An element, or half of the middle one, between mid-length and a tip; listed outwards.
 struct Segment {
     int element = 0;
     int dof = 0;               ///< index of its curvature in q
@@ -77,7 +71,7 @@ public:
     [[nodiscard]] double longestElement() const { return longest_; }
     /// Arc length of node i (0 .. N) from the first tip, m.
     [[nodiscard]] double nodeS(int node) const { return nodeS_[static_cast<std::size_t>(node)]; }
-    /// The element on which arc length s lies, at a joint the one after it; beyond an end the end one.
+    /// The element on which arc length s lies; at a node the element after it, beyond an end the end element.
     [[nodiscard]] int elementAt(double s) const;
     [[nodiscard]] double midS() const { return 0.5 * definition_.length; }
     [[nodiscard]] const RodDefinition& definition() const { return definition_; }
@@ -87,7 +81,7 @@ public:
     [[nodiscard]] int gaussPoints() const { return kGauss * static_cast<int>(sides_[0].size() + sides_[1].size()); }
 
 private:
-    void layLengths();
+    void computeLengths();
 
     RodDefinition definition_;
     int elements_ = 0;

@@ -1,11 +1,11 @@
 #pragma once
-// Sine and cosine in line, for code that needs thousands of them a step.
+// Inline sine and cosine, for code that needs thousands of them per step.
 //
 // Kernels: the minimax polynomials of fdlibm (Sun Microsystems 1993, k_sin.c and k_cos.c; truncation below 2^-58 for
-// |x| <= pi/4), without tables, branches on the value or fused multiply-add, so that every machine gets the same digits
-// (libm picks its variant by processor). Larger angles are reduced by Cody and Waite's two-part pi/2, the remainder
-// kept in two words; beyond kReducible, and for what is not a number, libm answers. Error, tested against long double:
-// sinc, and sine and cosine of |x| <= 0.6, 1 unit in the last place; of any angle 1.2e-16 absolute.
+// |x| <= pi/4). They use no tables, no data-dependent branches and no fused multiply-add, so results are bitwise
+// identical on every machine; libm selects a variant by processor. Larger angles are reduced by Cody and Waite's
+// two-part pi/2, with the remainder in two words. Beyond kReducible, and for non-finite arguments, libm is called.
+// Errors, tested against long double: 1 unit in the last place for sinc and for |x| <= 0.6; 1.2e-16 absolute elsewhere.
 
 #include <bit>
 #include <cmath>

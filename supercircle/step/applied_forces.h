@@ -32,7 +32,7 @@ void endOfFrame(World& world);
 /// Adds forces and grabs to A and rhs. `first`: nothing was solved in this attempt yet.
 void addLoads(const Rod& rod, double dt, bool first, RodWork& w);
 /// Work of forces and grabs over the step, J; leaves the grabs' forces in the rod.
-double bookLoads(Rod& rod, double dt, const RodWork& w);
+double recordAppliedForces(Rod& rod, double dt, const RodWork& w);
 /// Whether a grab's force is farther than 1 % from its law, so that another linearisation is worth while.
 bool grabsOff(const Rod& rod, double dt, const RodWork& w);
 

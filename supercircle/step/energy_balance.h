@@ -1,14 +1,15 @@
 #pragma once
-// The energy books: every cause on its own account, and a residual that closes them.
+// The energy balance: energy recorded per cause, and the residual that should vanish.
 //
-//   (kinetic + bending + gravity) - added = work - friction - impact - numerical - pushOut - effects - toBodies +
-//   residual
+//   (kinetic + bending + gravity) - added = work - friction - impact - numerical - positionCorrection - effects -
+//   toBodies + residual
 //
 // How a step is split (all from the implicit step itself, nothing is inferred from the residual). With v the new
 // velocity, u and u_old the new and old material velocities, the discrete balance multiplied by v gives exactly
 //   dKE + 1/2 |u - u_old|^2 = -dE_b - 1/2 B sum l dkappa^2 - dE_g - (gravity curvature) + work + sum r . u_rel.
 // - friction: -r_t u_t, never negative;
-// - pushOut: -r_n u_n; negative where overlap is pushed out (energy injected), positive where a speculative gap closes;
+// - positionCorrection: -r_n u_n; negative where overlap is pushed out (energy injected), positive where a speculative
+// gap closes;
 // - impact: the part of 1/2 |u - u_old|^2 that contact impulses caused, 1/2 r . (u_rel - u_rel,old), the loss of a
 //   perfectly plastic impact (restitution 0), kept within [0, that square];
 // - numerical: the rest of the square, plus the two second-order terms of implicit bending and gravity.
@@ -17,7 +18,7 @@
 
 namespace supercircle::step {
 
-struct Ledger {
+struct EnergyBalance {
     double kinetic = 0.0;   ///< now, J
     double bending = 0.0;   ///< now, J
     double gravity = 0.0;   ///< now, J (potential -m g . x of the shells)
@@ -26,14 +27,14 @@ struct Ledger {
     double friction = 0.0;  ///< dissipated, J
     double impact = 0.0;    ///< dissipated in plastic impacts, J
     double numerical = 0.0; ///< dissipated by the time integration, J
-    double pushOut = 0.0;   ///< lost (negative: injected) by moving along normals, J
-    double effects = 0.0;   ///< dissipated or stored by effects, J
-    double toBodies = 0.0;  ///< given to dynamic host bodies, J
+    double positionCorrection = 0.0; ///< lost (negative: injected) by moving along normals, J
+    double effects = 0.0;            ///< dissipated or stored by effects, J
+    double toBodies = 0.0;           ///< given to dynamic host bodies, J
 
     [[nodiscard]] double stored() const { return kinetic + bending + gravity; }
     /// What does not close, J.
     [[nodiscard]] double residual() const {
-        return stored() - added - (work - friction - impact - numerical - pushOut - effects - toBodies);
+        return stored() - added - (work - friction - impact - numerical - positionCorrection - effects - toBodies);
     }
 };
 

@@ -30,10 +30,10 @@ struct Target {
 
 /// Holds one material point of a rod: position, and direction too when `clamped`.
 struct Hold {
-    double s = 0.0;               ///< rod arc length, m
-    bool clamped = true;          ///< false: pinned (position only)
-    bool onMachine = false;       ///< carried by the machine: its velocity is World::machineVelocity, not the target's
-    Target target;                ///< where the point and its section are to be
+    double s = 0.0;           ///< rod arc length, m
+    bool clamped = true;      ///< false: pinned (position only)
+    bool onCrosshead = false; ///< carried by the machine: its velocity is World::crossheadVelocity, not the target's
+    Target target;            ///< where the point and its section are to be
     Vec2 reaction = Vec2::Zero(); ///< force on the rod in the last step, N
     double reactionTorque = 0.0;  ///< N m
     std::uint32_t key = 0;        ///< stable identity, 0: nobody asks

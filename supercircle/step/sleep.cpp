@@ -1,6 +1,6 @@
 #include "supercircle/step/sleep.h"
 
-#include "supercircle/contact/identity.h"
+#include "supercircle/contact/feature_id.h"
 #include "supercircle/step/contact_memory.h"
 
 #include <algorithm>
@@ -102,7 +102,7 @@ Islands findIslands(const World& world) {
     addLinks(world, islands);
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         for (const Hold& h : world.rods[i].holds) {
-            if (h.onMachine ? !world.machineVelocity.isZero(0.0) : h.target.moving())
+            if (h.onCrosshead ? !world.crossheadVelocity.isZero(0.0) : h.target.moving())
                 islands.keepAwake(i, "one of its holds moves");
         }
     return islands;
@@ -111,7 +111,7 @@ Islands findIslands(const World& world) {
 /// Stops a rod; its kinetic energy leaves the books for `account`.
 void stop(World& world, Rod& rod, double& account, double sign) {
     const double kinetic = rod::kineticEnergy(rod.gauss, rod.u);
-    world.ledger.kinetic -= kinetic;
+    world.energyBalance.kinetic -= kinetic;
     account += sign * kinetic;
     rod.v.setZero();
     std::fill(rod.u.begin(), rod.u.end(), Vec2::Zero());
@@ -131,7 +131,7 @@ void wakeIsland(World& world, std::uint32_t island) {
     for (Rod& r : world.rods)
         if (r.island == island) {
             r.island = 0;
-            r.rested = 0.0;
+            r.stillTime = 0.0;
         }
     moveImpulses(world, false, world.sleepingImpulses, world.impulses);
     world.range.clear();
@@ -139,7 +139,7 @@ void wakeIsland(World& world, std::uint32_t island) {
 
 void wake(World& world, std::size_t rod) {
     wakeIsland(world, world.rods[rod].island);
-    world.rods[rod].rested = 0.0;
+    world.rods[rod].stillTime = 0.0;
 }
 
 void wakeAll(World& world) {
@@ -159,7 +159,7 @@ std::string putToSleep(World& world, std::size_t rod) {
     const std::uint32_t island = world.nextIsland++;
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (islands.root(i) == root && !world.rods[i].frozen()) {
-            stop(world, world.rods[i], world.ledger.added, -1.0);
+            stop(world, world.rods[i], world.energyBalance.added, -1.0);
             world.rods[i].island = island;
         }
     settle(world);
@@ -171,16 +171,16 @@ void measureRest(World& world, const Settings& settings, double h, double dt) {
     for (Rod& r : world.rods) {
         const std::array<Vec2, 3> now{r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
         const bool stayed =
-            r.rested > 0.0 && std::equal(now.begin(), now.end(), r.restPlace.begin(),
-                                         [&](const Vec2& a, const Vec2& b) { return (a - b).norm() <= farthest; });
+            r.stillTime > 0.0 && std::equal(now.begin(), now.end(), r.stillReference.begin(),
+                                            [&](const Vec2& a, const Vec2& b) { return (a - b).norm() <= farthest; });
         if (!stayed)
-            r.restPlace = now;
-        r.rested = stayed ? r.rested + dt : dt;
+            r.stillReference = now;
+        r.stillTime = stayed ? r.stillTime + dt : dt;
     }
 }
 
 void sleepAtRest(World& world, const Settings& settings) {
-    const auto tired = [&](const Rod& r) { return !r.frozen() && r.rested >= settings.sleepAfter; };
+    const auto tired = [&](const Rod& r) { return !r.frozen() && r.stillTime >= settings.sleepAfter; };
     if (world.range.size() != world.rods.size() || std::none_of(world.rods.begin(), world.rods.end(), tired))
         return;
     Islands islands = findIslands(world);
@@ -196,7 +196,7 @@ void sleepAtRest(World& world, const Settings& settings) {
             continue;
         if (number[root] == 0)
             number[root] = world.nextIsland++;
-        stop(world, r, world.ledger.numerical, 1.0);
+        stop(world, r, world.energyBalance.numerical, 1.0);
         r.island = number[root];
         any = true;
     }

@@ -37,7 +37,7 @@ void tryStep(const World& world, const Settings& s, TrialStep& t, StageTimes& ti
         timed(times, Stage::Detect, [&] { detectAtEnd(world, s, t); }); // g(q1)
         timed(times, Stage::Linearise, [&] { balanced = !relinearise(world, s, t); });
     }
-    if (s.witness && t.result.reason == Reason::None)
+    if (s.crossingCheck && t.result.reason == Reason::None)
         timed(times, Stage::CheckCrossings, [&] { checkCrossings(world, t); }); // nothing passed through
 }
 

@@ -45,7 +45,7 @@ double nextSize(const Settings& s, const TrialStep& t, bool wasCut) {
 /// Takes over what a trial returns whether or not it is accepted: counters, reach of the candidates, sleepers to wake.
 void adopt(World& world, TrialResult& r) {
     world.counters.solves += r.solves;
-    world.counters.sweeps += r.sweeps;
+    world.counters.gaussSeidelIterations += r.gaussSeidelIterations;
     world.counters.pivots += r.pivots;
     if (r.renewed)
         std::swap(world.candidates, r.candidates);
@@ -142,7 +142,7 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
     const double start = world.time;
     FrameBudget budget(settings_, world);
     int cuts = 0;
-    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.late;) {
+    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.budgetExhausted;) {
         const std::int64_t ticks = ticksFor(wantedSize(world, settings_, frame, cuts), frame, left);
         trial.dt = frame * static_cast<double>(ticks) / kTicks;
         const Settings& settings = budget.settings();
@@ -179,7 +179,7 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         out.stopped = observer && observer(world);
-        out.late = left > 0 && budget.usedUp();
+        out.budgetExhausted = left > 0 && budget.usedUp();
     }
     out.advanced = world.time - start;
     endOfFrame(world);

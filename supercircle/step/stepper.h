@@ -38,10 +38,10 @@ namespace supercircle::step {
 
 /// How a frame ended.
 struct FrameResult {
-    double advanced = 0.0; ///< s, may be less than asked for when the observer stopped it, it was late or failed
-    bool stopped = false;  ///< the observer asked to stop
-    bool late = false;     ///< Settings::frameWork was used up
-    std::string failure;   ///< empty unless the simulation cannot go on
+    double advanced = 0.0;        ///< s, may be less than asked for when the observer stopped it, it was late or failed
+    bool stopped = false;         ///< the observer asked to stop
+    bool budgetExhausted = false; ///< Settings::frameWork was used up
+    std::string failure;          ///< empty unless the simulation cannot go on
 };
 
 /// Wall time per stage, s.

@@ -1,6 +1,6 @@
 #include "supercircle/step/world.h"
 
-#include "supercircle/contact/identity.h"
+#include "supercircle/contact/feature_id.h"
 #include "supercircle/step/sleep.h"
 
 #include <Eigen/Cholesky>
@@ -32,14 +32,14 @@ void HostPush::learn(const Vec2& newLinear, double newAngular) {
     angular = newAngular;
 }
 
-Vec2 World::machineForce() const {
+Vec2 World::crossheadForce() const {
     Vec2 sum = Vec2::Zero();
     for (const Body& b : bodies)
         if (b.driven)
             sum += b.force;
     for (const Rod& r : rods)
         for (const Hold& h : r.holds)
-            if (h.onMachine)
+            if (h.onCrosshead)
                 sum -= h.reaction;
     return sum;
 }
@@ -65,16 +65,16 @@ void book(World& world, const Rod& rod, double sign) {
     const double kinetic = number(rod::kineticEnergy(rod.gauss, rod.u));
     const double bending = number(rod::bendingEnergy(rod.model, rod.q));
     const double gravity = number(gravityPotential(world, rod));
-    world.ledger.kinetic += sign * kinetic;
-    world.ledger.bending += sign * bending;
-    world.ledger.gravity += sign * gravity;
-    world.ledger.added += sign * (kinetic + bending + gravity);
+    world.energyBalance.kinetic += sign * kinetic;
+    world.energyBalance.bending += sign * bending;
+    world.energyBalance.gravity += sign * gravity;
+    world.energyBalance.added += sign * (kinetic + bending + gravity);
     double held = 0.0;
-    for (const effects::Book& b : rod.effects.books)
+    for (const effects::EffectEnergy& b : rod.effects.energies)
         held += b.stored;
     if (held != 0.0) {
-        world.ledger.effects += sign * held;
-        world.ledger.added += sign * held;
+        world.energyBalance.effects += sign * held;
+        world.energyBalance.added += sign * held;
     }
 }
 
@@ -110,9 +110,9 @@ namespace {
 /// What the effects on a rod hold at its present configuration.
 void refreshEffects(Rod& rod) {
     if (rod.effects.material.on())
-        effects::storedEnergy(rod.model, rod.effects.material, rod.q, rod.effects.books);
+        effects::storedEnergy(rod.model, rod.effects.material, rod.q, rod.effects.energies);
     if (rod.effects.drag.on())
-        rod.effects.books[static_cast<std::size_t>(effects::Key::PlanarDrag)].stored =
+        rod.effects.energies[static_cast<std::size_t>(effects::Key::PlanarDrag)].stored =
             effects::storedEnergy(rod.effects.drag);
 }
 
@@ -123,7 +123,7 @@ void setEffects(World& world, std::size_t index, const effects::Model& model) {
     Rod& rod = world.rods[index];
     book(world, rod, -1.0);
     for (std::size_t k = 0; k < effects::kKeys; ++k)
-        world.effectsGone[k].dissipated += rod.effects.books[k].dissipated;
+        world.effectsGone[k].dissipated += rod.effects.energies[k].dissipated;
     rod.effects = effects::makeRodEffects(rod.model, model);
     refreshEffects(rod);
     book(world, rod, 1.0);
@@ -132,18 +132,18 @@ void setEffects(World& world, std::size_t index, const effects::Model& model) {
 void restEffects(World& world) {
     for (Rod& rod : world.rods) {
         book(world, rod, -1.0);
-        effects::rest(rod.effects);
+        effects::applyLongRest(rod.effects);
         refreshEffects(rod);
         book(world, rod, 1.0);
     }
 }
 
-effects::Books effectBooks(const World& world) {
-    effects::Books sum = world.effectsGone;
+effects::EffectEnergies effectEnergies(const World& world) {
+    effects::EffectEnergies sum = world.effectsGone;
     for (const Rod& rod : world.rods)
         for (std::size_t k = 0; k < effects::kKeys; ++k) {
-            sum[k].stored += rod.effects.books[k].stored;
-            sum[k].dissipated += rod.effects.books[k].dissipated;
+            sum[k].stored += rod.effects.energies[k].stored;
+            sum[k].dissipated += rod.effects.energies[k].dissipated;
         }
     return sum;
 }
@@ -183,7 +183,7 @@ void removeRod(World& world, std::size_t index) {
     const std::uint32_t key = world.rods[index].key;
     book(world, world.rods[index], -1.0);
     for (std::size_t k = 0; k < effects::kKeys; ++k)
-        world.effectsGone[k].dissipated += world.rods[index].effects.books[k].dissipated;
+        world.effectsGone[k].dissipated += world.rods[index].effects.energies[k].dissipated;
     world.rods.erase(world.rods.begin() + static_cast<std::ptrdiff_t>(index));
     std::erase_if(world.links,
                   [key](const Link& l) { return l.rodA == key || (l.end == LinkEnd::Rod && l.rodB == key); });
@@ -200,8 +200,8 @@ void changeRod(World& world, std::size_t index, const rod::RodDefinition& defini
     rod.u = u;                       // the motion stays what it was, to the last digit
     if (rod.effects.material.on()) { // the same laws, shares of the new modulus
         effects::Material& m = rod.effects.material;
-        for (std::size_t k = 0; k < m.upTo.size(); ++k)
-            m.upTo[k] = effects::sections(rod.model, m.model.profiles, k);
+        for (std::size_t k = 0; k < m.cumulativeSections.size(); ++k)
+            m.cumulativeSections[k] = effects::sections(rod.model, m.model.profiles, k);
     }
     refreshEffects(rod);
     book(world, rod, 1.0);
@@ -213,7 +213,7 @@ void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const E
     Rod& rod = world.rods[index];
     book(world, rod, -1.0);
     const bool moved = rod.q != q;
-    rod.q = rod.qGood = q;
+    rod.q = rod.lastAccepted = q;
     rod.v = v;
     refreshRod(rod);
     refreshEffects(rod);
@@ -236,7 +236,7 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) 
     const Vec2 velocity = turned({rod.v[m.dofX()], rod.v[m.dofY()]});
     rod.v[m.dofX()] = velocity.x();
     rod.v[m.dofY()] = velocity.y();
-    rod.qGood = rod.q;
+    rod.lastAccepted = rod.q;
     std::vector<Vec2> u = rod.u;
     std::transform(u.begin(), u.end(), u.begin(), turned);
     refreshRod(rod);
@@ -246,10 +246,10 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) 
     forgetContacts(world, rod.key);
 }
 
-void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse) {
+void applyImpulse(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse) {
     wake(world, index);
     Rod& rod = world.rods[index];
-    const rod::Place at = rod::locate(rod.model, s);
+    const rod::MaterialPoint at = rod::locate(rod.model, s);
     const Eigen::Index n = rod.model.dofs();
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, n);
     Eigen::RowVectorXd turn(n);
@@ -267,12 +267,12 @@ void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, dou
     }
     rod.v += change;
     const double gained = rod::kineticEnergy(rod.gauss, rod.u) - before;
-    world.ledger.kinetic += gained;
-    world.ledger.work += gained;
+    world.energyBalance.kinetic += gained;
+    world.energyBalance.work += gained;
     world.range.clear();
 }
 
-void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve) {
+void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::RodCurve& curve) {
     curve.arcs = kin.arcs();
     const int N = rod.model.elements();
     curve.nodeS.resize(static_cast<std::size_t>(N) + 1);

@@ -23,10 +23,10 @@ namespace supercircle::step {
 /// One shell: constant model, state, and what others need to know about it.
 struct Rod {
     rod::RodModel model;
-    Eigen::VectorXd q;     ///< layout of rod::RodModel
-    Eigen::VectorXd v;     ///< dq/dt
-    Eigen::VectorXd qGood; ///< last accepted q: where a rod with bad numbers is left
-    std::vector<Vec2> u;   ///< material velocity at the Gauss points, m/s: the momentum the next step starts from
+    Eigen::VectorXd q;            ///< layout of rod::RodModel
+    Eigen::VectorXd v;            ///< dq/dt
+    Eigen::VectorXd lastAccepted; ///< last accepted q: where a rod with bad numbers is left
+    std::vector<Vec2> u; ///< material velocity at the Gauss points, m/s: the momentum the next step starts from
     std::vector<Hold> holds;
     double mu = 0.35;           ///< friction coefficient, 1; pairs use sqrt(mu_a mu_b)
     std::uint32_t key = 0;      ///< stable identity
@@ -44,8 +44,9 @@ struct Rod {
     std::uint32_t material = 0; ///< for friction of pairs, 0: none
     std::int16_t group = 0;     ///< collision group, as in Box2D; not between a shell and itself
     std::uint32_t island = 0;   ///< number of the sleeping island it is in, 0: awake
-    double rested = 0.0; ///< how long its tips and middle have stayed within Settings::sleepDrift of `restPlace`, s
-    std::array<Vec2, 3> restPlace{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
+    double stillTime =
+        0.0; ///< how long its tips and middle have stayed within Settings::sleepDrift of `stillReference`, s
+    std::array<Vec2, 3> stillReference{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
     [[nodiscard]] bool asleep() const { return island != 0; }
     effects::RodEffects effects{}; ///< extra physics of this rod
     /// Does not move in a step, whatever acts on it.
@@ -63,7 +64,7 @@ struct HostPush {
 };
 
 /// What passes between a dynamic body's copy here and the host's original (the scheme is in host_coupling.h).
-struct Handover {
+struct HostCoupling {
     bool coupled = false;            ///< the copy took part in a contact problem of this frame
     double coupledTime = 0.0;        ///< for how long, s
     Vec2 travel = Vec2::Zero();      ///< of the copy in this frame, without drift, m
@@ -89,15 +90,15 @@ struct Body {
     Vec2 impulse = Vec2::Zero(); ///< of the shells, gathered in this frame, N s: for who measures, no step reads it
     double angularImpulse = 0.0; ///< the same about the centre of mass, N m s
     Vec2 force = Vec2::Zero();   ///< from the shells in the last step, N
-    Handover handover;
+    HostCoupling hostCoupling;
 };
 
 /// Impulse remembered for warm starting and for pictures.
 struct ContactImpulse {
     std::uint64_t id = 0;
-    double normal = 0.0;  ///< mean force, N
-    double tangent = 0.0; ///< N
-    double bent = 0.0;    ///< tangential deflection of a contact that gives, m
+    double normal = 0.0;               ///< mean force, N
+    double tangent = 0.0;              ///< N
+    double tangentialDeflection = 0.0; ///< tangential deflection of a compliant contact, m
 };
 
 /// Resolution of the numerics. Lengths are relative to the thinnest shell's thickness h, so that a scene scales.
@@ -118,12 +119,12 @@ struct Settings {
     bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
     std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
     int cappedSweeps = 40;               ///< ... this many
-    bool prune = false;          ///< leave out candidates that cannot meet within the step (cull.h): for long steps
+    bool cull = false;           ///< leave out candidates that cannot meet within the step (cull.h): for long steps
     std::uint64_t frameWork = 0; ///< budget of a frame (frame_budget.h), units of about 3 us; 0: as much as it takes
     bool autoSleep = false;      ///< islands at rest fall asleep at the end of a frame (sleep.h)
     double sleepDrift = 0.1;     ///< h, no farther may an island have come from where it was
     double sleepAfter = 0.5;     ///< s ago
-    bool witness = false;        ///< run the independent crossing check on each step; a step that crosses is cut
+    bool crossingCheck = false;  ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
 /// Why a trial step must not become the next state.
@@ -151,16 +152,16 @@ struct Counters {
     std::uint64_t rejected = 0; ///< trial steps that were made again, sum of rejectedFor
     std::array<std::uint64_t, static_cast<std::size_t>(Reason::Count)> rejectedFor{}; ///< by reason
     std::uint64_t solves = 0;
-    std::uint64_t sweeps = 0;
+    std::uint64_t gaussSeidelIterations = 0;
     std::uint64_t pivots = 0;
     std::uint64_t unconverged = 0; ///< accepted steps whose contact residual stayed above tolerance
     std::uint64_t crossings =
-        0; ///< found by the witness in a step that could not be cut further (its shells are taken out)
-    std::uint64_t quarantined = 0; ///< rods taken out because of bad numbers or crossings
-    double etaMax = 0.0;           ///< largest contact residual of an accepted step
-    std::uint64_t contactsMax = 0; ///< most candidates in one problem
-    std::uint64_t loadedMax = 0;   ///< most contacts that carried force at once
-    double penetrationMax = 0.0;   ///< deepest overlap seen after an accepted step, m
+        0; ///< found by the crossing check in a step that could not be cut further (its shells are taken out)
+    std::uint64_t quarantined = 0;       ///< rods taken out because of bad numbers or crossings
+    double contactResidualMax = 0.0;     ///< largest contact residual of an accepted step
+    std::uint64_t contactsMax = 0;       ///< most candidates in one problem
+    std::uint64_t activeContactsMax = 0; ///< most contacts that carried force at once
+    double penetrationMax = 0.0;         ///< deepest overlap seen after an accepted step, m
 };
 
 /// The thirteen stages of a step, in order (step.cpp).
@@ -188,14 +189,14 @@ struct World {
     double time = 0.0; ///< s
     Vec2 gravity = Vec2::Zero();
     std::vector<Rod> rods;
-    std::vector<Body> bodies;             ///< sorted by id
-    std::vector<BodyOutline> outlines;    ///< of those bodies, as pulled last
-    HostConstraints constraints;          ///< the host's own, on those bodies and their neighbours
-    std::vector<ContactImpulse> impulses; ///< sorted by id
-    Vec2 machineVelocity = Vec2::Zero();  ///< of everything the machine carries, m/s
-    Vec2 machineTravel = Vec2::Zero();    ///< integral of it, m
-    std::vector<BodyId> machineBodies;    ///< kinematic host bodies the machine carries
-    Ledger ledger;
+    std::vector<Body> bodies;              ///< sorted by id
+    std::vector<BodyOutline> outlines;     ///< of those bodies, as pulled last
+    HostConstraints constraints;           ///< the host's own, on those bodies and their neighbours
+    std::vector<ContactImpulse> impulses;  ///< sorted by id
+    Vec2 crossheadVelocity = Vec2::Zero(); ///< of everything the machine carries, m/s
+    Vec2 crossheadTravel = Vec2::Zero();   ///< integral of it, m
+    std::vector<BodyId> crossheadBodies;   ///< kinematic host bodies the machine carries
+    EnergyBalance energyBalance;
     Counters counters;
     /// Contact candidates of the present configuration and how far each rod may move before they must be found anew;
     /// part of the state so that a restored world replays bit for bit. Empty `range`: not known.
@@ -210,10 +211,10 @@ struct World {
     std::vector<BodyMaterial> bodyMaterials;      ///< sorted by body
     std::vector<ContactImpulse> sleepingImpulses; ///< of sleeping islands, sorted by id
     std::uint32_t nextIsland = 1;
-    effects::Books effectsGone{}; ///< dissipated on rods that are gone; stored in contacts that give
+    effects::EffectEnergies effectsGone{}; ///< dissipated on rods that are gone; stored in compliant contacts
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
-    [[nodiscard]] Vec2 machineForce() const;
+    [[nodiscard]] Vec2 crossheadForce() const;
 };
 
 /// Puts a rod into the world. `q` in the layout of rod::RodModel; material velocities are taken from `v`.
@@ -233,14 +234,14 @@ void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const E
 void moveRod(World& world, std::size_t index, const Vec2& middle, double angle);
 /// Changes the motion of a rod at once by an impulse (N s) and an angular impulse (N m s) at arc length `s`; the change
 /// of its energy is booked as work.
-void kickRod(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse);
+void applyImpulse(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse);
 /// Gives a rod the material and load effects of `model` (those of before go); what they store at its configuration is
 /// booked as added.
 void setEffects(World& world, std::size_t index, const effects::Model& model);
 /// A long rest: viscous stresses gone, ages zero, surfaces healed.
 void restEffects(World& world);
 /// Energy of the effects by cause, J.
-[[nodiscard]] effects::Books effectBooks(const World& world);
+[[nodiscard]] effects::EffectEnergies effectEnergies(const World& world);
 /// Index of the rod with this key, -1 if there is none.
 [[nodiscard]] int rodIndex(const World& world, std::uint32_t key);
 /// Thickness of the thinnest rod, m; infinite without rods.
@@ -252,7 +253,7 @@ void restEffects(World& world);
 void refreshRod(Rod& rod);
 
 /// The curve that contact detection sees, at any configuration of the rod.
-void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::Curve& curve);
+void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::RodCurve& curve);
 
 /// World-frame outline of a body piece at a pose.
 contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double angle);

@@ -1,7 +1,7 @@
 #pragma once
-// Loops whose turns are independent, for folders that know no threads. Whoever calls them may hand in a loop over
-// several threads; the digits do not depend on it, because every turn writes into its own place and the places are read
-// in order.
+// Loops with independent iterations, for modules that own no threads. The caller may pass a loop that uses several
+// threads. Results are bitwise identical on any number of threads: every iteration writes to its own slot, and the
+// slots are read in order.
 
 #include <algorithm>
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace supercircle::parallel {
 
-/// Calls body(0) .. body(count - 1), in any order, at the same time if it likes, and returns when all are done.
-/// An empty one means: one after the other.
+/// Calls body(0) .. body(count - 1), in any order and possibly at the same time. Returns when all are done.
+/// An empty function means one after the other.
 using For = std::function<void(std::size_t count, const std::function<void(std::size_t)>& body)>;
 
 /// How many chunks forChunks makes: one without threads.
@@ -22,8 +22,8 @@ inline std::size_t chunkCount(const For& loop, std::size_t items, std::size_t gr
     return loop ? std::max<std::size_t>(1, (items + grain - 1) / grain) : 1;
 }
 
-/// Cuts [0, items) into chunks of `grain` and calls work(chunk, begin, end) for each. Of several exceptions the first
-/// chunk's is thrown, as a plain loop would.
+/// Cuts [0, items) into chunks of `grain` and calls work(chunk, begin, end) for each. If several chunks
+/// throw, the exception of the first chunk is passed on, as by a plain loop.
 template <class Work>
 void forChunks(const For& loop, std::size_t items, std::size_t grain, Work&& work) {
     const std::size_t chunks = chunkCount(loop, items, grain);
@@ -53,17 +53,17 @@ void forEach(const For& loop, std::size_t items, std::size_t grain, Work&& work)
     });
 }
 
-/// Work spaces that are kept: as many as were ever in use at once. Which one a turn gets must not matter.
+/// Reusable workspaces, as many as were ever in use at once. Results must not depend on which one an iteration gets.
 template <class Space>
 class Pool {
 public:
-    /// A work space on loan to one turn of a loop.
-    class Loan {
+    /// Holds one workspace during one iteration of a loop.
+    class Lease {
     public:
-        explicit Loan(Pool& pool) : pool_(pool), space_(pool.take()) {}
-        ~Loan() { pool_.give(space_); }
-        Loan(const Loan&) = delete;
-        Loan& operator=(const Loan&) = delete;
+        explicit Lease(Pool& pool) : pool_(pool), space_(pool.acquire()) {}
+        ~Lease() { pool_.release(space_); }
+        Lease(const Lease&) = delete;
+        Lease& operator=(const Lease&) = delete;
         Space& operator*() const { return *space_; }
         Space* operator->() const { return space_; }
 
@@ -73,7 +73,7 @@ public:
     };
 
 private:
-    Space* take() {
+    Space* acquire() {
         const std::lock_guard lock(mutex_);
         if (free_.empty()) {
             all_.push_back(std::make_unique<Space>());
@@ -84,7 +84,7 @@ private:
         free_.pop_back();
         return space;
     }
-    void give(Space* space) {
+    void release(Space* space) {
         const std::lock_guard lock(mutex_);
         free_.push_back(space);
     }

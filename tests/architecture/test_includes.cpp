@@ -152,7 +152,7 @@ TEST_CASE("the include checker catches every kind of offence", "[architecture]")
     };
     // the judge of the diagnosis shares nothing with it
     mustOffend("tests/reference_simulator/rod.cpp", "#include \"supercircle/rod/arc.h\"");
-    mustOffend("tests/blind_benchmark/prove/prove.cpp", "#include \"plugin/identification/diagnosis/result.h\"");
+    mustOffend("tests/blind_benchmark/scoring/scores.cpp", "#include \"plugin/identification/diagnosis/result.h\"");
     mustOffend("tests/reference_simulator/contact.h", "#include \"bridge/box2d/units.h\"");
     // the core knows Eigen and the standard library
     mustOffend("supercircle/rod/arc.h", "#include <box2d/b2_math.h>");
@@ -174,9 +174,9 @@ TEST_CASE("the include checker catches every kind of offence", "[architecture]")
     mustOffend("bridge/box2d/box2d_port.h", "#include \"plugin/api/shells_impl.h\"");
     mustOffend("bridge/box2d/box2d_port.h", "#include \"bridge/box2d3/outlines.h\"");
     mustOffend("bridge/box2d/box2d_port.h", "#include <nlohmann/json.hpp>");
-    mustOffend("plugin/lab/session/runner.cpp", "#include <box2d/box2d.h>");
+    mustOffend("plugin/lab/session/run_scene.cpp", "#include <box2d/box2d.h>");
     mustOffend("plugin/cli/view/view.cpp", "#include <Box2D/Box2D.h>");
-    mustOffend("plugin/lab/session/runner.cpp", "#include \"bridge/box2d/lab_world.h\"");
+    mustOffend("plugin/lab/session/run_scene.cpp", "#include \"bridge/box2d/lab_world.h\"");
     // the public headers stand alone
     mustOffend("plugin/api/include/supercircle/shells.hpp", "#include \"supercircle/step/port.h\"");
     mustOffend("plugin/api/include/supercircle/shells.hpp", "#include <Eigen/Core>");
@@ -184,11 +184,11 @@ TEST_CASE("the include checker catches every kind of offence", "[architecture]")
     mustOffend("plugin/api/include/supercircle/shells.hpp", "#include \"plugin/scene/loader/scene.h\"");
     // libraries stay where they belong
     mustOffend("plugin/scene/loader/loader.h", "#include <nlohmann/json.hpp>");
-    mustOffend("plugin/lab/session/runner.cpp", "#include <nlohmann/json.hpp>");
+    mustOffend("plugin/lab/session/run_scene.cpp", "#include <nlohmann/json.hpp>");
     mustOffend("plugin/scene/loader/loader.cpp", "#include <cairo.h>");
-    mustOffend("plugin/lab/session/runner.cpp", "#include <muParser.h>");
+    mustOffend("plugin/lab/session/run_scene.cpp", "#include <muParser.h>");
     mustOffend("plugin/recording/table/csv.cpp", "#include <CLI/CLI.hpp>");
-    mustOffend("plugin/identification/diagnosis/estimation/fit.cpp", "#include \"plugin/lab/session/runner.h\"");
+    mustOffend("plugin/identification/diagnosis/estimation/fit.cpp", "#include \"plugin/lab/session/run_scene.h\"");
     mustOffend("plugin/identification/diagnosis/estimation/fit.cpp", "#include \"supercircle/step/world.h\"");
     mustOffend("examples/game.cpp", "#include \"supercircle/step/world.h\"");
     mustOffend("examples/games/egg_drop/main.cpp", "#include <GLFW/glfw3.h>");

@@ -150,7 +150,7 @@ class Bench:
     def compile(self, block):
         source = self.folder / f"{block.name}.cpp"
         source.write_text(block.text, encoding="utf-8")
-        folders = ["plugin/api/include", "bridge/box2d/include"]
+        folders = [".", "plugin/api/include", "bridge/box2d/include"]
         command = [self.options.compiler, "-std=c++20", "-O1", "-Wall", "-Wextra", *shlex.split(self.options.flags)]
         command += [f"-I{self.options.source / folder}" for folder in folders]
         command += [str(source), "-o", str(self.folder / block.name), *map(str, self.libraries), "-lbox2d"]

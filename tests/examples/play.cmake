@@ -1,4 +1,4 @@
-# Plays SCRIPT on level LEVEL of PROGRAM twice: it must end as END says (won, lost; played: somehow), and both times in the same state.
+# Plays SCRIPT on level LEVEL of PROGRAM twice. Both must end in END (won, lost; played: any) and in the same state.
 set(expect --expect ${END})
 if(END STREQUAL "played")
   set(expect)

@@ -1,8 +1,8 @@
-// The frame the games share: inputs from scripts, camera, hand, pictures between two steps, what a body feels.
+// The framework of the games: inputs from scripts, camera, dragging, pictures between two steps, felt acceleration.
 
-#include "examples/games/frame/feel.h"
+#include "examples/games/frame/felt_acceleration.h"
+#include "examples/games/frame/game_world.h"
 #include "examples/games/frame/input.h"
-#include "examples/games/frame/stage.h"
 #include "examples/games/frame/view.h"
 
 #include <catch2/catch.hpp>
@@ -71,7 +71,7 @@ TEST_CASE("the camera turns pixels into places and back, and zooms about the mou
         return std::hypot(back.x - p.x, back.y - p.y) < 1e-12; // rounding of numbers of size 1000
     };
     CHECK(same({-3, 1}));
-    const report::Point mouse{700, 300};
+    const graphics::Point mouse{700, 300};
     const Point before = camera.world(mouse);
     camera.zoom(2.5, mouse);
     camera.pan(13, -40);
@@ -84,34 +84,34 @@ TEST_CASE("the camera turns pixels into places and back, and zooms about the mou
     CHECK(camera.pixel({5, 4}).y >= look::top);
 }
 
-TEST_CASE("the hand takes shells and bodies and carries them", "[frame]") {
-    const auto stage = Stage::load(kHello);
-    REQUIRE(stage);
-    Stage& s = **stage;
-    CHECK_FALSE(s.take({5.5, 4.5}, 0.1)); // nothing there
+TEST_CASE("the mouse drags shells and bodies", "[frame]") {
+    const auto world = GameWorld::load(kHello);
+    REQUIRE(world);
+    GameWorld& s = **world;
+    CHECK_FALSE(s.startDrag({5.5, 4.5}, 0.1)); // nothing there
     const ShellHandle shell = s.shells().find("over");
-    const Point grip = s.shells().section(shell, 0.5)->position;
-    REQUIRE(s.take(grip, 0.1));
-    const Point target{grip.x, grip.y + 1.0};
-    s.moveHand(target);
+    const Point drag = s.shells().section(shell, 0.5)->position;
+    REQUIRE(s.startDrag(drag, 0.1));
+    const Point target{drag.x, drag.y + 1.0};
+    s.moveMouse(target);
     for (int i = 0; i < 240; ++i)
         REQUIRE(s.step().failure.empty());
-    // It hangs on a spring of 5 Hz: below the target by g / (2 pi f)^2 = 9.9 mm, and sways a little still.
-    CHECK(std::abs(s.handAt().x - target.x) < 0.02);
-    CHECK(s.handAt().y == Approx(target.y - 9.81 / std::pow(10.0 * M_PI, 2)).margin(0.02));
-    CHECK(s.heldShell() == shell);
-    s.letGo();
-    CHECK_FALSE(s.holding());
-    CHECK(s.heldShell().null());
-    REQUIRE(s.take(s.position(*s.body("crate")), 0.0));
-    CHECK(s.heldBody() == s.body("crate"));
-    CHECK(s.timesHeld() == 2);
+    // It hangs on a spring of 5 Hz: below the target by g / (2 pi f)^2 = 9.9 mm, and still sways a little.
+    CHECK(std::abs(s.dragPoint().x - target.x) < 0.02);
+    CHECK(s.dragPoint().y == Approx(target.y - 9.81 / std::pow(10.0 * M_PI, 2)).margin(0.02));
+    CHECK(s.draggedShell() == shell);
+    s.releaseMouse();
+    CHECK_FALSE(s.dragging());
+    CHECK(s.draggedShell().null());
+    REQUIRE(s.startDrag(s.position(*s.body("crate")), 0.0));
+    CHECK(s.draggedBody() == s.body("crate"));
+    CHECK(s.dragCount() == 2);
 }
 
 TEST_CASE("pictures between two steps lie between them", "[frame]") {
-    const auto stage = Stage::load(kHello);
-    REQUIRE(stage);
-    Stage& s = **stage;
+    const auto world = GameWorld::load(kHello);
+    REQUIRE(world);
+    GameWorld& s = **world;
     const ShellHandle shell = s.shells().find("rolling");
     for (int i = 0; i < 10; ++i)
         s.step();
@@ -122,16 +122,16 @@ TEST_CASE("pictures between two steps lie between them", "[frame]") {
         CHECK(half[i].y == Approx(0.5 * (a[i].y + b[i].y)).epsilon(1e-12));
 }
 
-TEST_CASE("what a body feels: nothing in free fall, 1 g at rest, v / t when stopped", "[frame]") {
-    Feel feel;
+TEST_CASE("felt acceleration: none in free fall, 1 g at rest, v / t when stopped", "[frame]") {
+    FeltAcceleration feel;
     feel.reset({0.0, 0.0});
     double v = 0.0;
     for (int i = 0; i < 20; ++i)
-        feel.step({0.0, v -= Feel::kG * kStep});
+        feel.step({0.0, v -= FeltAcceleration::kG * kStep});
     CHECK(feel.hardest() < 1e-12);
     for (int i = 0; i < 20; ++i)
         feel.step({0.0, v});
     CHECK(feel.hardest() == Approx(1.0));
     feel.step({0.0, 0.0}); // stopped within one step: half of it counts, the mean of two
-    CHECK(feel.hardest() == Approx(1.0 - 0.5 * v / kStep / Feel::kG));
+    CHECK(feel.hardest() == Approx(1.0 - 0.5 * v / kStep / FeltAcceleration::kG));
 }

@@ -1,10 +1,10 @@
-// The testbed without a window: panels drawn into pixels, scenes saved, restored, changed, bombed and recorded.
+// The testbed without a window: panels drawn into pixels, scenes saved, restored, changed, pushed and recorded.
 
 #ifdef SC_HAS_TESTBED
 
-#include "examples/testbed/bed.h"
 #include "examples/testbed/layers.h"
 #include "examples/testbed/panel.h"
+#include "examples/testbed/testbed_scene.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -20,24 +20,24 @@ namespace {
 
 const std::string kScenes = std::string(SC_SOURCE_DIR) + "/scenes/";
 
-Bed openBed(const std::string& scene) {
+TestbedScene openScene(const std::string& file) {
     Arguments a;
-    a.scene = kScenes + scene;
-    Bed bed(a);
-    REQUIRE(bed.open().empty());
-    return bed;
+    a.scene = kScenes + file;
+    TestbedScene scene(a);
+    REQUIRE(scene.open().empty());
+    return scene;
 }
 
 } // namespace
 
 TEST_CASE("the panels' rasteriser covers every pixel of a rectangle once", "[testbed]") {
     PanelContext panels;
-    report::CairoCanvas canvas(64, 64, 1.0);
+    graphics::CairoCanvas canvas(64, 64, 1.0);
     panels.begin(64, 64, {-1, -1}, false, 0.0);
     // Two half-transparent triangles: a pixel of their common edge drawn twice or never would show.
     ImGui::GetBackgroundDrawList()->AddRectFilled({10.0F, 20.0F}, {43.0F, 53.0F}, IM_COL32(255, 0, 0, 128));
     panels.draw(canvas);
-    const report::CairoCanvas::Pixels p = canvas.pixels();
+    const graphics::CairoCanvas::Pixels p = canvas.pixels();
     int inside = 0, wrong = 0;
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x) {
@@ -54,7 +54,7 @@ TEST_CASE("the panels' rasteriser covers every pixel of a rectangle once", "[tes
 
 TEST_CASE("a click reaches a check box of a panel", "[testbed]") {
     PanelContext panels;
-    report::CairoCanvas canvas(200, 100, 1.0);
+    graphics::CairoCanvas canvas(200, 100, 1.0);
     bool on = false;
     for (int frame = 0; frame < 6; ++frame) {
         panels.begin(200, 100, {25, 25}, frame == 2 || frame == 3, 0.0);
@@ -70,46 +70,46 @@ TEST_CASE("a click reaches a check box of a panel", "[testbed]") {
     CHECK(on);
 }
 
-TEST_CASE("a saved scene goes on as it did", "[testbed]") {
-    Bed bed = openBed("two_shells.json");
+TEST_CASE("a restored scene continues identically", "[testbed]") {
+    TestbedScene scene = openScene("two_shells.json");
     for (int i = 0; i < 20; ++i)
-        bed.step();
-    bed.save();
+        scene.step();
+    scene.save();
     for (int i = 0; i < 20; ++i)
-        bed.step();
-    const std::uint64_t first = bed.stage().shells().hash();
-    bed.restore();
-    CHECK(bed.stage().shells().time() == Approx(20.0 / 60.0));
+        scene.step();
+    const std::uint64_t first = scene.world().shells().hash();
+    scene.restore();
+    CHECK(scene.world().shells().time() == Approx(20.0 / 60.0));
     for (int i = 0; i < 20; ++i)
-        bed.step();
-    CHECK(bed.failure().empty());
-    CHECK(bed.stage().shells().hash() == first);
-    CHECK(bed.curves().force.back() > 0.0);
+        scene.step();
+    CHECK(scene.failure().empty());
+    CHECK(scene.world().shells().hash() == first);
+    CHECK(scene.curves().force.back() > 0.0);
 }
 
 TEST_CASE("a parameter counts from the next start on, and must be in its range", "[testbed]") {
-    Bed bed = openBed("two_shells.json");
-    bed.set("mu", 0.1);
-    CHECK(bed.stage().scene().parameters[1].value == 0.35);
-    REQUIRE(bed.open().empty());
-    CHECK(bed.stage().scene().parameters[1].value == 0.1);
-    bed.set("mu", -1.0);
-    CHECK(bed.open().find("mu") != std::string::npos);
+    TestbedScene scene = openScene("two_shells.json");
+    scene.set("mu", 0.1);
+    CHECK(scene.world().scene().parameters[1].value == 0.35);
+    REQUIRE(scene.open().empty());
+    CHECK(scene.world().scene().parameters[1].value == 0.1);
+    scene.set("mu", -1.0);
+    CHECK(scene.open().find("mu") != std::string::npos);
 }
 
-TEST_CASE("a bomb drives things away", "[testbed]") {
-    Bed bed = openBed("hello.json");
+TEST_CASE("things are pushed away from a point", "[testbed]") {
+    TestbedScene scene = openScene("hello.json");
     for (int i = 0; i < 3; ++i)
-        bed.step();
-    const Shells& shells = bed.stage().shells();
+        scene.step();
+    const Shells& shells = scene.world().shells();
     const ShellHandle over = shells.find("over");
-    const Point before = shells.measure(over)->momentum;
-    const Point at = shells.measure(over)->centre;
-    bed.bomb({at.x + 1.0, at.y});
-    CHECK(shells.measure(over)->momentum.x < before.x);
+    const Point before = shells.state(over)->momentum;
+    const Point at = shells.state(over)->centre;
+    scene.pushAway({at.x + 1.0, at.y});
+    CHECK(shells.state(over)->momentum.x < before.x);
     for (int i = 0; i < 60; ++i)
-        bed.step();
-    CHECK(bed.failure().empty());
+        scene.step();
+    CHECK(scene.failure().empty());
 }
 
 TEST_CASE("layers are named, and unknown names are returned", "[testbed]") {
@@ -122,15 +122,15 @@ TEST_CASE("layers are named, and unknown names are returned", "[testbed]") {
 }
 
 TEST_CASE("the motion is recorded as a table", "[testbed]") {
-    Bed bed = openBed("two_shells.json");
+    TestbedScene scene = openScene("two_shells.json");
     Recorder recorder;
     const std::string film = std::string(SC_BINARY_DIR) + "/recorded.mp4";
     (void)recorder.start(film, 64, 64); // without ffmpeg it says that only the table is written
     REQUIRE(recorder.running());
     for (int i = 0; i < 5; ++i) {
-        bed.step();
-        recorder.motion(bed.stage());
-        recorder.picture(report::CairoCanvas(64, 64, 1.0));
+        scene.step();
+        recorder.motion(scene.world());
+        recorder.picture(graphics::CairoCanvas(64, 64, 1.0));
     }
     recorder.stop();
     std::ifstream in(std::string(SC_BINARY_DIR) + "/recorded.csv");

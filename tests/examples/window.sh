@@ -61,14 +61,14 @@ leave() {
     program=
 }
 
-# The testbed: a click on "Pause" holds the scene, so that its clock stands still; its last word says so.
+# The testbed: a click on "Pause" holds the scene, so that its clock stands still; its last line says so.
 start Supercircle "$supercircle" view "$scenes/two_shells.json"
 xdotool mousemove 55 72 sleep 0.3 mousedown 1 sleep 0.3 mouseup 1
 sleep 1.5
 leave
-grep -q "paused" "$work/said.txt" || fail "the click on Pause was not felt"
+grep -q "paused" "$work/said.txt" || fail "the click on Pause had no effect"
 
-# The game: drag the waiting clip upwards; it says where the actor and its own hand have been.
+# The game: drag the waiting clip upwards; it prints how often something was dragged.
 start Clip "$clip" 1
 xdotool mousemove 114 432 sleep 0.3 mousedown 1 sleep 0.3
 for y in 400 380 360 340 320 300; do
@@ -77,5 +77,5 @@ done
 sleep 0.5
 xdotool mouseup 1
 leave
-grep -q "held [1-9]" "$work/said.txt" || fail "the drag took hold of nothing"
-echo "windows open, feel clicks and drags, and close"
+grep -q "dragged [1-9]" "$work/said.txt" || fail "the mouse dragged nothing"
+echo "windows open, react to clicks and drags, and close"

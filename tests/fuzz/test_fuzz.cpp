@@ -1,13 +1,11 @@
-// Random calls: nothing crashes, leaks, hangs or lies. Under the sanitizers (cmake --preset asan) this is the test of
-// memory safety. The short test plays the same sessions each time; the long one, tagged [slow], plays sessions until it
-// has made a million calls. A failure names its seed; to repeat it, or to try others:
+// Random calls: no crash, no leak, no endless loop, no violated guarantee. With the sanitizers (cmake --preset asan)
+// this tests memory safety. The short test plays fixed sessions; the one tagged [slow] plays sessions up to a million
+// calls. A failure names its seed and the call; to repeat it, or to try others:
 //
 //     SUPERCIRCLE_FUZZ_SEED=N SUPERCIRCLE_FUZZ_CALLS=1 tests/test_fuzz '[slow]'            the session of seed N only
 //     SUPERCIRCLE_FUZZ_SEED=N SUPERCIRCLE_FUZZ_CALLS=200000 tests/test_fuzz '[slow]'       from seed N on
-//
-// There is no shrinking: sessions are short, and a failure says at which call of the session it came.
 
-#include "tests/fuzz/monkey.h"
+#include "tests/fuzz/api_fuzzer.h"
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -17,13 +15,13 @@ using namespace supercircle;
 
 namespace {
 
-/// The same bytes on every machine (the standard fixes what this generator gives).
-std::vector<std::uint8_t> tapeOf(std::uint64_t seed, std::size_t length) {
+/// Equal bytes on every system (the standard specifies this generator).
+std::vector<std::uint8_t> randomBytes(std::uint64_t seed, std::size_t length) {
     std::mt19937_64 random(seed);
-    std::vector<std::uint8_t> tape(length);
-    for (std::uint8_t& byte : tape)
+    std::vector<std::uint8_t> bytes(length);
+    for (std::uint8_t& byte : bytes)
         byte = static_cast<std::uint8_t>(random() >> 56);
-    return tape;
+    return bytes;
 }
 
 std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise) {
@@ -31,33 +29,33 @@ std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise) {
     return text && *text ? std::strtoull(text, nullptr, 10) : otherwise;
 }
 
-void play(std::uint64_t seed, fuzz::Tally& all) {
+void play(std::uint64_t seed, fuzz::Statistics& all) {
     INFO("seed " << seed << ", after " << all.calls << " calls of other sessions");
-    all += fuzz::play(tapeOf(seed, 10000));
-    REQUIRE(all.broken == "");
+    all += fuzz::runSession(randomBytes(seed, 10000));
+    REQUIRE(all.violation == "");
 }
 
-std::string told(const fuzz::Tally& t) {
-    return std::to_string(t.calls) + " calls, " + std::to_string(t.refused) + " refused, " + std::to_string(t.frames) +
+std::string summary(const fuzz::Statistics& t) {
+    return std::to_string(t.calls) + " calls, " + std::to_string(t.failed) + " failed, " + std::to_string(t.frames) +
            " frames, " + std::to_string(t.events) + " events, " + std::to_string(t.replays) + " replays compared";
 }
 
 } // namespace
 
-TEST_CASE("random calls break no promise", "[fuzz]") {
-    fuzz::Tally all;
+TEST_CASE("random calls violate no guarantee", "[fuzz]") {
+    fuzz::Statistics all;
     for (std::uint64_t seed = 10; seed < 40; ++seed)
         play(seed, all);
-    INFO(told(all));
-    CHECK(all.frames > 1000); // else they try nothing
-    CHECK(all.refused < all.calls * 2 / 3);
+    INFO(summary(all));
+    CHECK(all.frames > 1000); // otherwise they test little
+    CHECK(all.failed < all.calls * 2 / 3);
     CHECK(all.replays >= 5);
 }
 
 TEST_CASE("a million random calls", "[fuzz][slow]") {
-    fuzz::Tally all;
+    fuzz::Statistics all;
     const std::uint64_t wanted = fromEnvironment("SUPERCIRCLE_FUZZ_CALLS", 1000000);
     for (std::uint64_t seed = fromEnvironment("SUPERCIRCLE_FUZZ_SEED", 1000); all.calls < wanted; ++seed)
         play(seed, all);
-    WARN(told(all));
+    WARN(summary(all));
 }

@@ -1,5 +1,5 @@
-// A stranger's program on the installed package: a shell falls into a Box2D world and comes to rest on the ground, and
-// an installed scene plays. Exit code 0: all is well.
+// A program on the installed package: a shell falls into a Box2D world and comes to rest on the ground, and an
+// installed scene plays. Exit code 0: success.
 
 #include <box2d/box2d.h>
 #include <cmath>
@@ -32,7 +32,7 @@ void fall() {
     attached.set_name(*ground, "ground");
     supercircle::Shells shells(attached);
     shells.set_quality(supercircle::Quality::Game);
-    auto def = supercircle::scaledShell(1.0, 2.0);
+    auto def = supercircle::scaled_shell(1.0, 2.0);
     def.position = {0.0, 2.0}; // a bowl
     const auto shell = shells.create(def);
     expect(static_cast<bool>(shell), "the shell is made");
@@ -46,14 +46,14 @@ void fall() {
     // undeformed; its own weight opens it a little.
     const auto pose = shells.pose(*shell);
     expect(pose && pose->start.y > 1.4 && pose->start.y < 1.8, "the shell rests on the ground");
-    expect(!shells.create(supercircle::scaledShell(-1.0, 1.0)), "nonsense is refused");
-    expect(attached.refused() == 0, "no bad numbers reached the world");
+    expect(!shells.create(supercircle::scaled_shell(-1.0, 1.0)), "a bad definition fails");
+    expect(attached.error_count() == 0, "no bad numbers reached the world");
 }
 
 void play() {
     b2World world(b2Vec2(0.0f, 0.0f));
     supercircle::Shells shells(supercircle::bridge::attach(world, {52.1}));
-    expect(!supercircle::load_scene("no such file.json", shells), "a missing scene is refused");
+    expect(!supercircle::load_scene("no such file.json", shells), "a missing scene fails");
     const auto loaded = supercircle::load_scene(SCENE, shells, {{{"time", 0.2}}, 1});
     if (!loaded)
         std::printf("%s\n", loaded.error().c_str());
@@ -75,6 +75,6 @@ void play() {
 int main() {
     fall();
     play();
-    std::printf(failures == 0 ? "all is well\n" : "%d failures\n", failures);
+    std::printf(failures == 0 ? "all checks pass\n" : "%d failures\n", failures);
     return failures == 0 ? 0 : 1;
 }

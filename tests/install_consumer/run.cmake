@@ -1,5 +1,5 @@
 # cmake -DBUILD=... -DSOURCE=... -DWORK=... -DGENERATOR=... -DCOMPILER=... -P run.cmake
-# Installs the project into an empty folder, then configures, builds and runs a stranger's project against that.
+# Installs the project into an empty folder, then configures, builds and runs a project that uses it.
 function(step what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
   if(NOT code EQUAL 0)
@@ -14,11 +14,11 @@ step("configuring" ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR
      -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${FLAGS}
      -DEXAMPLES_DIR=${WORK}/prefix/share/doc/supercircle/examples)
 step("building" ${CMAKE_COMMAND} --build ${WORK}/build)
-foreach(program consumer_box2d consumer_box2d_static facade_only hello/hello)
+foreach(program consumer_box2d consumer_box2d_static shells_only hello/hello)
   step("running ${program}" ${WORK}/build/${program})
 endforeach()
 step("hello_scene" ${WORK}/build/hello_scene/hello_scene ${WORK}/prefix/share/supercircle/scenes/ramp.json time=0.1)
-# The installed program finds what it needs from any folder.
+# The installed program finds its files from any folder.
 step("the installed program" ${CMAKE_COMMAND} -E chdir ${WORK} ${WORK}/prefix/bin/supercircle check
      ${WORK}/prefix/share/supercircle/scenes/ramp.json)
 # pkg-config: the same program by hand.

@@ -1,13 +1,14 @@
-// Derivatives. The gap of two curves is a minimum over the place t on the other one, D(x) = min |p - c(t)|, so its
-// second derivative is that of the distance at fixed t less what the minimum gains by following: with r = p - c,
-// A = c'.c' - r.c'', H = (1/d) v v' - (d/A) w w', v the derivative of r along the tangent and w that of dD/dt.
+// Derivatives of the gap of two curves. The gap is the minimum D(x) = min |p - c(t)| over the parameter t of the other
+// curve. Its second derivative is that at fixed t, minus the gain of the minimum from following. With r = p - c and
+// A = c'.c' - r.c'' it is H = (1/d) v v' - (d/A) w w'. Here v is the derivative of r along the tangent, w that of
+// dD/dt.
 
 #include "tests/reference_simulator/contact.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace supercircle::oracle {
+namespace supercircle::reference_simulator {
 
 namespace {
 
@@ -20,18 +21,18 @@ Vec2 node(const Eigen::VectorXd& x, int i) {
 Contacts::Contacts(const std::vector<NodalRod>& rods, const std::vector<Obstacle>& obstacles, double friction,
                    const Effects& effects, const ContactSettings& settings)
     : rods_(rods), obstacles_(obstacles), friction_(friction), effects_(effects), settings_(settings),
-      stiffness_(1.0 / (1.0 / settings.stiffness + effects.normalGive)),
-      tangential_(1.0 / (1.0 / settings.tangential + effects.tangentialGive)),
+      stiffness_(1.0 / (1.0 / settings.stiffness + effects.normalCompliance)),
+      tangential_(1.0 / (1.0 / settings.tangential + effects.tangentialCompliance)),
       reach_(std::max(settings.onset, effects.adhesion > 0.0 ? effects.adhesionRange : 0.0)) {
     for (std::size_t r = 0; r < rods.size(); ++r) {
         const int edges = rods[r].edges();
-        for (int k = 0; k <= edges * settings.perEdge; ++k) {
+        for (int k = 0; k <= edges * settings.samplesPerEdge; ++k) {
             Sample s;
             s.rod = int(r);
-            const int edge = std::min(edges - 1, k / settings.perEdge);
-            s.at = weightsAt(edges, edge, double(k - edge * settings.perEdge) / settings.perEdge);
-            const bool tip = k == 0 || k == edges * settings.perEdge;
-            s.length = rods[r].spacing() / settings.perEdge * (tip ? 0.5 : 1.0);
+            const int edge = std::min(edges - 1, k / settings.samplesPerEdge);
+            s.at = weightsAt(edges, edge, double(k - edge * settings.samplesPerEdge) / settings.samplesPerEdge);
+            const bool tip = k == 0 || k == edges * settings.samplesPerEdge;
+            s.length = rods[r].spacing() / settings.samplesPerEdge * (tip ? 0.5 : 1.0);
             samples_.push_back(s);
         }
     }
@@ -45,18 +46,19 @@ Vec2 Contacts::pointOf(const Sample& s, const Eigen::VectorXd& x) const {
     return p;
 }
 
-void Contacts::start(const Sample& s, Touch& t) const {
+void Contacts::setSampleNodes(const Sample& s, ContactGeometry& t) const {
     t.count = 4;
     for (int k = 0; k < 4; ++k) {
         t.node[k] = rods_[size_t(s.rod)].base() + s.at.first + k;
         t.weight[k] = s.at.value[k];
-        t.bend[k] = 0.0;
+        t.slopeWeight[k] = 0.0;
     }
 }
 
-bool Contacts::touchObstacle(const Sample& s, std::size_t o, const Eigen::VectorXd& x, double head, Touch& t) const {
+bool Contacts::findObstacleContact(const Sample& s, std::size_t o, const Eigen::VectorXd& x, double crosshead,
+                                   ContactGeometry& t) const {
     const Obstacle& b = obstacles_[o];
-    const Vec2 centre = b.point + Vec2(0.0, b.onHead ? head : 0.0);
+    const Vec2 centre = b.point + Vec2(0.0, b.onCrosshead ? crosshead : 0.0);
     const Vec2 r = pointOf(s, x) - centre;
     const double half = 0.5 * rods_[size_t(s.rod)].specimen().thickness;
     if (b.cylinder) {
@@ -70,19 +72,20 @@ bool Contacts::touchObstacle(const Sample& s, std::size_t o, const Eigen::Vector
     }
     if (t.gap > reach_)
         return false;
-    start(s, t);
+    setSampleNodes(s, t);
     t.tangent = {-t.normal.y(), t.normal.x()};
-    t.curve = t.slope = 0.0;
+    t.curvatureTerm = t.slope = 0.0;
     t.partner = int(o);
-    t.onHead = b.onHead;
-    const double place = b.cylinder ? b.radius * std::atan2(r.x(), r.y()) : r.dot(t.tangent);
-    t.patch = effects_.roughness == 0.0
-                  ? 1.0
-                  : 1.0 + effects_.roughness * std::sin(2.0 * M_PI * place / effects_.roughLength);
+    t.onCrosshead = b.onCrosshead;
+    const double alongSurface = b.cylinder ? b.radius * std::atan2(r.x(), r.y()) : r.dot(t.tangent);
+    t.frictionFactor =
+        effects_.frictionVariation == 0.0
+            ? 1.0
+            : 1.0 + effects_.frictionVariation * std::sin(2.0 * M_PI * alongSurface / effects_.frictionWavelength);
     return true;
 }
 
-bool Contacts::touchRod(const Sample& s, int other, const Eigen::VectorXd& x, Touch& t) const {
+bool Contacts::findRodContact(const Sample& s, int other, const Eigen::VectorXd& x, ContactGeometry& t) const {
     const NodalRod& rod = rods_[size_t(other)];
     const Vec2 p = pointOf(s, x);
     const double thick = 0.5 * (rods_[size_t(s.rod)].specimen().thickness + rod.specimen().thickness);
@@ -98,12 +101,12 @@ bool Contacts::touchRod(const Sample& s, int other, const Eigen::VectorXd& x, To
     }
     if (std::sqrt(best) > thick + reach_ + rod.spacing())
         return false;
-    double place = at; // in edges
+    double arcPosition = at; // in edges
     Weights w;
     Vec2 c, slope, bend;
     const auto look = [&] {
-        const int edge = std::clamp(int(std::floor(place)), 0, rod.edges() - 1);
-        w = weightsAt(rod.edges(), edge, place - edge);
+        const int edge = std::clamp(int(std::floor(arcPosition)), 0, rod.edges() - 1);
+        w = weightsAt(rod.edges(), edge, arcPosition - edge);
         c = slope = bend = Vec2::Zero();
         for (int k = 0; k < 4; ++k) {
             const Vec2 q = node(x, rod.base() + w.first + k);
@@ -116,9 +119,9 @@ bool Contacts::touchRod(const Sample& s, int other, const Eigen::VectorXd& x, To
         look();
         const Vec2 r = p - c;
         const double a = std::max(slope.squaredNorm() - r.dot(bend), 0.2 * slope.squaredNorm());
-        const double next = std::clamp(place + std::clamp(r.dot(slope) / a, -0.7, 0.7), 0.0, double(rod.edges()));
-        const bool done = std::abs(next - place) < 1e-12;
-        place = next;
+        const double next = std::clamp(arcPosition + std::clamp(r.dot(slope) / a, -0.7, 0.7), 0.0, double(rod.edges()));
+        const bool done = std::abs(next - arcPosition) < 1e-12;
+        arcPosition = next;
         if (done)
             break;
     }
@@ -128,25 +131,25 @@ bool Contacts::touchRod(const Sample& s, int other, const Eigen::VectorXd& x, To
     t.gap = t.distance - thick;
     if (t.gap > reach_ || t.distance < 1e-9)
         return false;
-    start(s, t);
+    setSampleNodes(s, t);
     t.normal = r / t.distance;
     t.tangent = {-t.normal.y(), t.normal.x()};
-    const bool inside = place > 0.0 && place < rod.edges();
-    t.curve = inside ? slope.squaredNorm() - r.dot(bend) : 0.0;
+    const bool inside = arcPosition > 0.0 && arcPosition < rod.edges();
+    t.curvatureTerm = inside ? slope.squaredNorm() - r.dot(bend) : 0.0;
     t.slope = inside ? slope.dot(t.tangent) : 0.0;
-    t.count = kMost;
+    t.count = kMaxNodes;
     for (int k = 0; k < 4; ++k) {
         t.node[4 + k] = rod.base() + w.first + k;
         t.weight[4 + k] = -w.value[k];
-        t.bend[4 + k] = w.slope[k];
+        t.slopeWeight[4 + k] = w.slope[k];
     }
     t.partner = int(obstacles_.size()) + other;
-    t.onHead = false;
-    t.patch = 1.0;
+    t.onCrosshead = false;
+    t.frictionFactor = 1.0;
     return true;
 }
 
-Contacts::Pressure Contacts::repulsion(double gap) const {
+Contacts::NormalForce Contacts::repulsion(double gap) const {
     const double d = settings_.onset;
     if (gap < -d)
         return {-stiffness_ * gap, -stiffness_};
@@ -155,33 +158,34 @@ Contacts::Pressure Contacts::repulsion(double gap) const {
     return {};
 }
 
-Contacts::Pressure Contacts::attraction(const Sample& s, double gap) const {
+Contacts::NormalForce Contacts::adhesion(const Sample& s, double gap) const {
     const double q = gap / effects_.adhesionRange, f = 6.75 * effects_.adhesion * s.length;
     if (effects_.adhesion <= 0.0 || q <= 0.0 || q >= 1.0)
         return {};
     return {-f * q * (1.0 - q) * (1.0 - q), -f * (1.0 - q) * (1.0 - 3.0 * q) / effects_.adhesionRange};
 }
 
-double Contacts::slip(const Touch& t, const Eigen::VectorXd& x, const Eigen::VectorXd& old, double head,
-                      double oldHead) const {
+double Contacts::slip(const ContactGeometry& t, const Eigen::VectorXd& x, const Eigen::VectorXd& old, double crosshead,
+                      double oldCrosshead) const {
     Vec2 d = Vec2::Zero();
     for (int k = 0; k < t.count; ++k)
         d += t.weight[k] * (node(x, t.node[k]) - node(old, t.node[k]));
-    if (t.onHead)
-        d.y() -= head - oldHead;
+    if (t.onCrosshead)
+        d.y() -= crosshead - oldCrosshead;
     return d.dot(t.tangent);
 }
 
-Contacts::Friction Contacts::friction(const Sample& s, const Touch& t, double load, double along, double dt) const {
+Contacts::Friction Contacts::friction(const Sample& s, const ContactGeometry& t, double load, double along,
+                                      double dt) const {
     Friction f;
-    const double from = s.partner == t.partner ? s.spring : 0.0;
+    const double from = s.partner == t.partner ? s.elongation : 0.0;
     const double trial = from + along;
     const Effects& e = effects_;
-    double coefficient = friction_ * t.patch;
+    double coefficient = friction_ * t.frictionFactor;
     if (e.wear != 0.0)
-        coefficient *= 1.0 + e.wear * -std::expm1(-s.way / e.wearLength);
-    const auto excess = [&](double slid) { // memory at the end of the step
-        return (s.fresh + dt / e.healTime) / (1.0 + dt / e.healTime + slid / e.slipLength);
+        coefficient *= 1.0 + e.wear * -std::expm1(-s.slidDistance / e.wearLength);
+    const auto excess = [&](double slid) { // ageing at the end of the step
+        return (s.ageing + dt / e.healTime) / (1.0 + dt / e.healTime + slid / e.slipLength);
     };
     const auto limit = [&](double slid, double& bySlip) {
         const double v = slid / dt, u = v / e.rateSpeed;
@@ -206,10 +210,10 @@ Contacts::Friction Contacts::friction(const Sample& s, const Touch& t, double lo
     mu = limit(0.0, byslip);
     const double sign = trial > 0.0 ? 1.0 : -1.0;
     if (tangential_ * std::abs(trial) <= mu * load) {
-        f.spring = trial;
+        f.elongation = trial;
         f.force = -tangential_ * trial;
         f.bySlip = -tangential_;
-    } else { // the slip with which the spring is at the limit
+    } else { // slip at which the spring is at the limit
         for (int i = 0; i < 20; ++i) {
             mu = limit(slid, byslip);
             const double next = std::max(0.0, slid + (std::abs(trial) - slid - mu * load / tangential_) /
@@ -220,38 +224,41 @@ Contacts::Friction Contacts::friction(const Sample& s, const Touch& t, double lo
                 break;
         }
         mu = limit(slid, byslip);
-        const double give = 1.0 + byslip * load / tangential_;
+        const double derivative = 1.0 + byslip * load / tangential_;
         f.force = -sign * mu * load;
-        f.byNormal = -sign * mu / std::max(0.1, give);
-        f.bySlip = -byslip * load / std::max(0.1, give);
-        f.spring = sign * mu * load / tangential_;
+        f.byNormal = -sign * mu / std::max(0.1, derivative);
+        f.bySlip = -byslip * load / std::max(0.1, derivative);
+        f.elongation = sign * mu * load / tangential_;
     }
-    f.fresh = e.staticRatio != 1.0 ? excess(slid) : 1.0;
-    f.way = s.way + slid;
+    f.ageing = e.staticRatio != 1.0 ? excess(slid) : 1.0;
+    f.slidDistance = s.slidDistance + slid;
     return f;
 }
 
-void Contacts::add(const Sample& s, const Touch& t, const Eigen::VectorXd& x, const Eigen::VectorXd& old, double head,
-                   double oldHead, double dt, Eigen::VectorXd& residual, LinearSystem* tangent,
-                   HeadForce& onHead) const {
-    const Pressure push = repulsion(t.gap), pull = attraction(s, t.gap);
+void Contacts::add(const Sample& s, const ContactGeometry& t, const Eigen::VectorXd& x, const Eigen::VectorXd& old,
+                   double crosshead, double oldCrosshead, double dt, Eigen::VectorXd& residual, LinearSystem* tangent,
+                   CrossheadForce& onCrosshead) const {
+    const NormalForce push = repulsion(t.gap), pull = adhesion(s, t.gap);
     const double load = push.value, total = push.value + pull.value, slope = push.slope + pull.slope;
-    const Friction f = friction(s, t, load, slip(t, x, old, head, oldHead), dt);
+    const Friction f = friction(s, t, load, slip(t, x, old, crosshead, oldCrosshead), dt);
     const Vec2 force = total * t.normal + f.force * t.tangent; // on the sample
     for (int k = 0; k < t.count; ++k)
         residual.segment<2>(2 * t.node[k]) -= t.weight[k] * force;
-    if (t.onHead)
-        onHead.value -= force.y();
+    if (t.onCrosshead)
+        onCrosshead.value -= force.y();
     if (tangent == nullptr)
         return;
     const Vec2 alongNormal = slope * t.normal + f.byNormal * push.slope * t.tangent; // d force / d gap
     const Vec2 alongSlip = f.bySlip * t.tangent;
     const double flat = t.distance > 1e29 ? 0.0 : 1.0 / t.distance;
-    const double follow = t.curve > 0.0 ? t.distance / t.curve : 0.0;
-    const auto w = [&](int k) -> Vec2 { return -t.slope * flat * t.weight[k] * t.tangent - t.bend[k] * t.normal; };
+    const double follow = t.curvatureTerm > 0.0 ? t.distance / t.curvatureTerm : 0.0;
+    const auto w = [&](int k) -> Vec2 {
+        return -t.slope * flat * t.weight[k] * t.tangent - t.slopeWeight[k] * t.normal;
+    };
     for (int j = 0; j < t.count; ++j) {
         const Vec2 wj = w(j);
-        const Vec2 turn = flat * t.weight[j] * t.tangent + (t.curve > 0.0 ? t.slope / t.curve : 0.0) * wj;
+        const Vec2 turn =
+            flat * t.weight[j] * t.tangent + (t.curvatureTerm > 0.0 ? t.slope / t.curvatureTerm : 0.0) * wj;
         const Eigen::Matrix2d direct = alongNormal * (t.weight[j] * t.normal).transpose() +
                                        alongSlip * (t.weight[j] * t.tangent).transpose() -
                                        f.force * t.normal * turn.transpose();
@@ -265,64 +272,66 @@ void Contacts::add(const Sample& s, const Touch& t, const Eigen::VectorXd& x, co
                     tangent->add(2 * t.node[k] + a, 2 * t.node[j] + b, -m(a, b));
         }
     }
-    if (t.onHead && onHead.column.size() > 0) {
+    if (t.onCrosshead && onCrosshead.column.size() > 0) {
         const Eigen::Matrix2d direct = alongNormal * t.normal.transpose() + alongSlip * t.tangent.transpose();
-        const Vec2 byHead = -direct.col(1);
+        const Vec2 byCrosshead = -direct.col(1);
         for (int k = 0; k < t.count; ++k) {
-            onHead.column.segment<2>(2 * t.node[k]) -= t.weight[k] * byHead;
-            onHead.row.segment<2>(2 * t.node[k]) -= t.weight[k] * direct.row(1).transpose();
+            onCrosshead.column.segment<2>(2 * t.node[k]) -= t.weight[k] * byCrosshead;
+            onCrosshead.row.segment<2>(2 * t.node[k]) -= t.weight[k] * direct.row(1).transpose();
         }
-        onHead.byHead -= byHead.y();
+        onCrosshead.byCrosshead -= byCrosshead.y();
     }
 }
 
 template <class Visit>
-void Contacts::each(const Eigen::VectorXd& x, double head, Visit&& visit) const {
-    Touch t;
+void Contacts::forEachContact(const Eigen::VectorXd& x, double crosshead, Visit&& visit) const {
+    ContactGeometry t;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
         const Sample& s = samples_[i];
         for (std::size_t o = 0; o < obstacles_.size(); ++o)
-            if (touchObstacle(s, o, x, head, t))
+            if (findObstacleContact(s, o, x, crosshead, t))
                 visit(i, t);
         for (std::size_t r = 0; r < rods_.size(); ++r)
-            if (int(r) != s.rod && touchRod(s, int(r), x, t))
+            if (int(r) != s.rod && findRodContact(s, int(r), x, t))
                 visit(i, t);
     }
 }
 
-void Contacts::addForces(const Eigen::VectorXd& x, const Eigen::VectorXd& old, double head, double oldHead, double dt,
-                         Eigen::VectorXd& residual, LinearSystem* tangent, HeadForce& onHead) const {
-    each(x, head, [&](std::size_t i, const Touch& t) {
-        add(samples_[i], t, x, old, head, oldHead, dt, residual, tangent, onHead);
+void Contacts::addForces(const Eigen::VectorXd& x, const Eigen::VectorXd& old, double crosshead, double oldCrosshead,
+                         double dt, Eigen::VectorXd& residual, LinearSystem* tangent,
+                         CrossheadForce& onCrosshead) const {
+    forEachContact(x, crosshead, [&](std::size_t i, const ContactGeometry& t) {
+        add(samples_[i], t, x, old, crosshead, oldCrosshead, dt, residual, tangent, onCrosshead);
     });
 }
 
-void Contacts::commit(const Eigen::VectorXd& x, const Eigen::VectorXd& old, double head, double oldHead, double dt) {
+void Contacts::commit(const Eigen::VectorXd& x, const Eigen::VectorXd& old, double crosshead, double oldCrosshead,
+                      double dt) {
     std::vector<Sample> next = samples_;
     for (Sample& s : next) {
-        s.spring = 0.0;
+        s.elongation = 0.0;
         s.partner = -1;
         if (effects_.staticRatio != 1.0)
-            s.fresh = (s.fresh + dt / effects_.healTime) / (1.0 + dt / effects_.healTime);
+            s.ageing = (s.ageing + dt / effects_.healTime) / (1.0 + dt / effects_.healTime);
     }
-    each(x, head, [&](std::size_t i, const Touch& t) {
-        const double load = repulsion(t.gap).value; // only the repulsion loads the friction
+    forEachContact(x, crosshead, [&](std::size_t i, const ContactGeometry& t) {
+        const double load = repulsion(t.gap).value; // adhesion does not load the friction
         if (load <= 0.0)
             return;
-        const Friction f = friction(samples_[i], t, load, slip(t, x, old, head, oldHead), dt);
-        next[i].spring = f.spring;
-        next[i].fresh = f.fresh;
-        next[i].way = f.way;
+        const Friction f = friction(samples_[i], t, load, slip(t, x, old, crosshead, oldCrosshead), dt);
+        next[i].elongation = f.elongation;
+        next[i].ageing = f.ageing;
+        next[i].slidDistance = f.slidDistance;
         next[i].partner = t.partner;
     });
     samples_ = std::move(next);
 }
 
-void Contacts::rest() {
+void Contacts::resetHistory() {
     for (Sample& s : samples_) {
-        s.fresh = 1.0;
-        s.way = 0.0;
+        s.ageing = 1.0;
+        s.slidDistance = 0.0;
     }
 }
 
-} // namespace supercircle::oracle
+} // namespace supercircle::reference_simulator

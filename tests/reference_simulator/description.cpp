@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-namespace supercircle::oracle {
+namespace supercircle::reference_simulator {
 
 namespace {
 
@@ -19,8 +19,8 @@ Json list(const Vec2& v) {
     return {v.x(), v.y()};
 }
 
-const char* carrier(bool onHead) {
-    return onHead ? "machine_head" : "ground";
+const char* carrier(bool onCrosshead) {
+    return onCrosshead ? "machine_head" : "ground";
 }
 
 Specimen specimenOf(const Json& j) {
@@ -35,7 +35,7 @@ Specimen specimenOf(const Json& j) {
     const std::string where = c.at("where");
     s.clamp = where == "middle" ? ClampAt::Middle : where == "first_end" ? ClampAt::FirstEnd : ClampAt::None;
     if (s.clamp != ClampAt::None) {
-        s.onHead = c.at("carried_by") == "machine_head";
+        s.onCrosshead = c.at("carried_by") == "machine_head";
         s.point = vec(c.at("initial_point_m"));
         s.angle = c.at("initial_tangent_angle_rad");
     }
@@ -50,7 +50,7 @@ Obstacle obstacleOf(const Json& j) {
         o.radius = j.at("radius_m");
     else
         o.normal = vec(j.at("normal_towards_specimen"));
-    o.onHead = j.at("carried_by") == "machine_head";
+    o.onCrosshead = j.at("carried_by") == "machine_head";
     return o;
 }
 
@@ -60,7 +60,7 @@ Json clampOf(const Specimen& s) {
     return {{"where", s.clamp == ClampAt::Middle ? "middle" : "first_end"},
             {"arc_position_m", s.clamp == ClampAt::Middle ? 0.5 * s.length : 0.0},
             {"clamped_length_m", 0.0},
-            {"carried_by", carrier(s.onHead)},
+            {"carried_by", carrier(s.onCrosshead)},
             {"initial_point_m", list(s.point)},
             {"initial_tangent_angle_rad", s.angle}};
 }
@@ -73,16 +73,16 @@ Json specimensOf(const Description& d) {
         all.push_back({{"id", std::string(1, char('A' + i))},
                        {"arc_length_m", s.length},
                        {"natural_curvature_1_m", s.curvature},
-                       {"natural_curvature_rel_unc", d.curvatureShare},
+                       {"natural_curvature_rel_unc", d.curvatureRelUnc},
                        {"thickness_m", h},
-                       {"thickness_unc_m", d.thicknessWidth},
+                       {"thickness_unc_m", d.thicknessUnc},
                        {"width_m", d.width},
                        {"young_modulus_Pa", 12.0 * s.modulus / (d.width * h * h * h)},
                        {"bending_modulus_N_m2", s.modulus},
-                       {"bending_modulus_rel_unc", d.modulusShare},
+                       {"bending_modulus_rel_unc", d.modulusRelUnc},
                        {"stretch_modulus_N", s.stretchModulus},
                        {"linear_mass_kg_m", s.linearMass},
-                       {"linear_mass_rel_unc", d.massShare},
+                       {"linear_mass_rel_unc", d.massRelUnc},
                        {"clamp", clampOf(s)}});
     }
     return all;
@@ -99,7 +99,7 @@ Json obstaclesOf(const Description& d) {
             j["point_m"] = list(o.point);
             j["normal_towards_specimen"] = list(o.normal);
         }
-        j["carried_by"] = carrier(o.onHead);
+        j["carried_by"] = carrier(o.onCrosshead);
         all.push_back(j);
     }
     return all;
@@ -116,9 +116,9 @@ Json runsOf(const Description& d) {
                   {"drive_displacement_mm", millimetres},
                   {"sampling_hz", r.sampling},
                   {"specimen_state_at_start", "fresh specimen of the same batch, unloaded and rested"}};
-        if (r.turned)
+        if (r.specimenReversed)
             j["specimen_turned"] = true;
-        if (!d.markers.empty() && r.filmed) {
+        if (!d.markers.empty() && r.markersTracked) {
             j["markers_file"] = r.markersFile;
             j["markers_sampling_hz"] = r.markersSampling;
         }
@@ -143,7 +143,7 @@ Description readDescription(const std::string& file) {
     const Json j = Json::parse(in);
     Description d;
     d.protocol = j.at("protocol");
-    d.words = j.value("description", "");
+    d.description = j.value("description", "");
     d.nominal.gravity = vec(j.at("gravity_m_s2"));
     d.nominal.friction = j.at("friction").at("coefficient");
     for (const Json& s : j.at("specimens"))
@@ -159,8 +159,8 @@ Description readDescription(const std::string& file) {
             p.drive.displacement.push_back(1e-3 * x);
         p.sampling = r.at("sampling_hz");
         p.markersSampling = r.value("markers_sampling_hz", 5.0);
-        p.turned = r.value("specimen_turned", false);
-        p.filmed = r.contains("markers_file");
+        p.specimenReversed = r.value("specimen_turned", false);
+        p.markersTracked = r.contains("markers_file");
         d.runs.push_back(p);
     }
     if (j.contains("markers"))
@@ -178,7 +178,7 @@ std::string writeDescription(const Description& d) {
     Json j = {
         {"schema", "rod-recordings/1"},
         {"protocol", d.protocol},
-        {"description", d.words},
+        {"description", d.description},
         {"frame", "x to the right, y upwards, origin on the axis of symmetry of the set-up; displacement is positive "
                   "when the machine head moves down (-y); force is positive when the specimen resists"},
         {"arc_convention", "arc length runs from the first end; tangent angle from +x, counter-clockwise; positive "
@@ -188,8 +188,8 @@ std::string writeDescription(const Description& d) {
         {"specimens", specimensOf(d)},
         {"obstacles", obstaclesOf(d)},
         {"contact_thickness", "the specimen is a centreline with half-thickness h/2 on each side, also at obstacles"},
-        {"friction", {{"coefficient", d.nominal.friction}, {"coefficient_unc", d.frictionWidth}}},
-        {"initial_gap_unc_m", d.gapWidth},
+        {"friction", {{"coefficient", d.nominal.friction}, {"coefficient_unc", d.frictionUnc}}},
+        {"initial_gap_unc_m", d.gapUnc},
         {"runs", runsOf(d)},
         {"sensors",
          {{"force_noise_std_N_approx", d.noise},
@@ -205,15 +205,15 @@ std::string writeDescription(const Description& d) {
 Setup trueSetup(const Description& d, const Offsets& o, const Effects& effects) {
     Setup s = d.nominal;
     for (Specimen& a : s.specimens) {
-        a.modulus *= 1.0 + o.modulus * d.modulusShare;
-        a.curvature *= 1.0 + o.curvature * d.curvatureShare;
-        a.thickness += o.thickness * d.thicknessWidth;
-        a.linearMass *= 1.0 + o.mass * d.massShare;
+        a.modulus *= 1.0 + o.modulus * d.modulusRelUnc;
+        a.curvature *= 1.0 + o.curvature * d.curvatureRelUnc;
+        a.thickness += o.thickness * d.thicknessUnc;
+        a.linearMass *= 1.0 + o.mass * d.massRelUnc;
     }
-    s.friction += o.friction * d.frictionWidth;
-    s.headShift = o.gap * d.gapWidth;
+    s.friction += o.friction * d.frictionUnc;
+    s.crossheadOffset = o.gap * d.gapUnc;
     s.effects = effects;
     return s;
 }
 
-} // namespace supercircle::oracle
+} // namespace supercircle::reference_simulator

@@ -1,30 +1,30 @@
 #pragma once
-// What an experimenter writes down: rod-recordings/1, read and written without the project's own reader.
+// Description of an experiment, rod-recordings/1, read and written without the project's own reader.
 
 #include "tests/reference_simulator/simulation.h"
 
 #include <string>
 #include <vector>
 
-namespace supercircle::oracle {
+namespace supercircle::reference_simulator {
 
 struct RunPlan {
     std::string file, markersFile;
     Drive drive;                                   ///< m
     double sampling = 50.0, markersSampling = 5.0; ///< Hz
-    bool turned = false;                           ///< specimens and their markers are mounted end for end
-    bool filmed = true;                            ///< the description's markers, if there are any, are tracked
+    bool specimenReversed = false;                 ///< specimens and their markers are mounted end for end
+    bool markersTracked = true;                    ///< the markers of the description are tracked
     [[nodiscard]] std::vector<double> times(double rate) const;
 };
 
 /// Nominal values and the half-widths of their intervals.
 struct Description {
-    std::string protocol, words;
-    Setup nominal;                 ///< without effects
-    double width = 0.01;           ///< of specimens, m
-    double curvatureShare = 0.005; ///< relative half-widths
-    double modulusShare = 0.06, massShare = 0.02;
-    double thicknessWidth = 1e-5, frictionWidth = 0.05, gapWidth = 5e-5;
+    std::string protocol, description;
+    Setup nominal;                  ///< without effects
+    double width = 0.01;            ///< of specimens, m
+    double curvatureRelUnc = 0.005; ///< relative half-widths
+    double modulusRelUnc = 0.06, massRelUnc = 0.02;
+    double thicknessUnc = 1e-5, frictionUnc = 0.05, gapUnc = 5e-5;
     double noise = 1e-3, markerNoise = 3e-5, displacementNoise = 1e-6; ///< as stated, N, m, m
     std::vector<RunPlan> runs;
     std::vector<Marker> markers;
@@ -34,13 +34,13 @@ struct Description {
 Description readDescription(const std::string& file);
 std::string writeDescription(const Description& d);
 
-/// The specimens' true numbers inside their intervals; each in -1 .. 1 of its half-width.
+/// True parameters inside their intervals, each from -1 to 1 times its half-width.
 struct Offsets {
     double modulus = 0.0, curvature = 0.0, friction = 0.0, thickness = 0.0, mass = 0.0, gap = 0.0;
 };
-/// All of them, in the order they are drawn in.
+/// All of them, in the order of drawing.
 inline constexpr double Offsets::*kOffsets[] = {&Offsets::modulus,   &Offsets::curvature, &Offsets::friction,
                                                 &Offsets::thickness, &Offsets::mass,      &Offsets::gap};
 Setup trueSetup(const Description& d, const Offsets& o, const Effects& effects);
 
-} // namespace supercircle::oracle
+} // namespace supercircle::reference_simulator

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-namespace supercircle::oracle {
+namespace supercircle::reference_simulator {
 
 namespace {
 
@@ -13,26 +13,26 @@ struct Name {
 };
 
 constexpr Name kNames[] = {
-    {"viscoelastic_bending", "eta_over_B_s", &Effects::kelvinTime},
+    {"viscoelastic_bending", "eta_over_B_s", &Effects::kelvinVoigtTime},
     {"viscoelastic_bending", "branch_over_B", &Effects::branch},
     {"viscoelastic_bending", "tau_s", &Effects::branchTime},
-    {"nonlinear_elasticity", "uc_1_m", &Effects::softKnee},
-    {"nonlinear_elasticity", "stiffening_uc_1_m", &Effects::stiffKnee},
+    {"nonlinear_elasticity", "uc_1_m", &Effects::softeningCurvature},
+    {"nonlinear_elasticity", "stiffening_uc_1_m", &Effects::stiffeningCurvature},
     {"plasticity", "My_over_B_1_m", &Effects::yield},
     {"plasticity", "H_over_B", &Effects::hardening},
     {"plasticity", "kinematic", &Effects::kinematic},
     {"local_damage", "stiffness_drop", &Effects::damage},
     {"local_damage", "curvature_change_1_m", &Effects::damageCurvature},
-    {"local_damage", "arc_fraction", &Effects::damagePlace},
-    {"local_damage", "gauss_width_m", &Effects::damageWidth},
+    {"local_damage", "arc_fraction", &Effects::damageArcFraction},
+    {"local_damage", "gauss_width_m", &Effects::damageStandardDeviation},
     {"natural_curvature_defect", "curvature_change_1_m", &Effects::defect},
-    {"natural_curvature_defect", "arc_fraction", &Effects::defectPlace},
+    {"natural_curvature_defect", "arc_fraction", &Effects::defectArcFraction},
     {"natural_curvature_defect", "length_m", &Effects::defectLength},
     {"stiffness_gradient", "gradient", &Effects::gradient},
     {"stiffness_gradient", "law", &Effects::gradientLaw},
-    {"softening_over_time", "drop", &Effects::drop},
-    {"softening_over_time", "tau_s", &Effects::dropTime},
-    {"softening_over_time", "logarithmic", &Effects::dropLogarithmic},
+    {"softening_over_time", "drop", &Effects::softening},
+    {"softening_over_time", "tau_s", &Effects::softeningTime},
+    {"softening_over_time", "logarithmic", &Effects::softeningIsLogarithmic},
     {"*", "specimen", &Effects::specimen},
     {"planar_drag", "f_N_m", &Effects::drag},
     {"gravity", "x_m_s2", &Effects::gravityX},
@@ -47,10 +47,10 @@ constexpr Name kNames[] = {
     {"wear", "distance_m", &Effects::wearLength},
     {"adhesion", "F_a_N_m", &Effects::adhesion},
     {"adhesion", "range_m", &Effects::adhesionRange},
-    {"contact_compliance", "normal_m_N", &Effects::normalGive},
-    {"contact_compliance", "tangential_m_N", &Effects::tangentialGive},
-    {"machine_compliance", "k_N_m", &Effects::machine},
-    {"backlash", "play_m", &Effects::play},
+    {"contact_compliance", "normal_m_N", &Effects::normalCompliance},
+    {"contact_compliance", "tangential_m_N", &Effects::tangentialCompliance},
+    {"machine_compliance", "k_N_m", &Effects::machineStiffness},
+    {"backlash", "play_m", &Effects::backlash},
     {"misalignment", "offset_m", &Effects::offset},
     {"misalignment", "tilt_rad", &Effects::tilt},
     {"sensor_drift", "a_N", &Effects::drift},
@@ -59,15 +59,15 @@ constexpr Name kNames[] = {
     {"sensor_gain", "error", &Effects::gain},
     {"sensor_delay", "delay_s", &Effects::delay},
     {"sensor_delay", "lag_s", &Effects::lag},
-    {"rough_patches", "change", &Effects::roughness},
-    {"rough_patches", "length_m", &Effects::roughLength},
-    {"periodic_disturbance", "a_N", &Effects::hum},
-    {"periodic_disturbance", "period_s", &Effects::humPeriod},
+    {"rough_patches", "change", &Effects::frictionVariation},
+    {"rough_patches", "length_m", &Effects::frictionWavelength},
+    {"periodic_disturbance", "a_N", &Effects::disturbance},
+    {"periodic_disturbance", "period_s", &Effects::disturbancePeriod},
 };
 
 } // namespace
 
-void apply(Effects& effects, const Hidden& hidden) {
+void apply(Effects& effects, const HiddenEffect& hidden) {
     for (const auto& [parameter, value] : hidden.parameters) {
         bool known = false;
         for (const Name& n : kNames)
@@ -81,11 +81,11 @@ void apply(Effects& effects, const Hidden& hidden) {
     }
 }
 
-Effects turnedEndForEnd(Effects e) {
-    e.damagePlace = 1.0 - e.damagePlace;
-    e.defectPlace = 1.0 - e.defectPlace;
+Effects reversed(Effects e) {
+    e.damageArcFraction = 1.0 - e.damageArcFraction;
+    e.defectArcFraction = 1.0 - e.defectArcFraction;
     e.gradient = -e.gradient;
     return e;
 }
 
-} // namespace supercircle::oracle
+} // namespace supercircle::reference_simulator

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace supercircle::oracle {
+namespace supercircle::reference_simulator {
 
 namespace {
 
@@ -83,14 +83,14 @@ NodalRod::NodalRod(const Specimen& specimen, const Effects& effects, int index, 
     for (int i = 0; i <= edges; ++i) {
         if (i == held) {
             if (i > 0)
-                addJoint(i - 1, i, -1, 0.5 * ds_, (i - 0.25) / edges);
-            addJoint(-1, i, i + 1, 0.5 * ds_, (i + 0.25) / edges);
+                addHinge(i - 1, i, -1, 0.5 * ds_, (i - 0.25) / edges);
+            addHinge(-1, i, i + 1, 0.5 * ds_, (i + 0.25) / edges);
         } else if (i > 0 && i < edges) {
-            addJoint(i - 1, i, i + 1, ds_, double(i) / edges);
+            addHinge(i - 1, i, i + 1, ds_, double(i) / edges);
         }
     }
     std::vector<double> natural(size_t(edges), specimen.curvature);
-    for (const Joint& j : joints_) { // an edge is bent like the joints at its ends
+    for (const Hinge& j : hinges_) { // an edge is bent like the hinges at its ends
         if (j.left >= 0)
             natural[size_t(j.middle - base_ - 1)] += 0.5 * (j.natural - specimen.curvature);
         if (j.right >= 0)
@@ -100,30 +100,30 @@ NodalRod::NodalRod(const Specimen& specimen, const Effects& effects, int index, 
         rest_.push_back(std::abs(k * ds_) < 1e-6 ? ds_ : 2.0 / k * std::sin(0.5 * k * ds_));
 }
 
-void NodalRod::addJoint(int left, int middle, int right, double length, double place) {
-    Joint j;
+void NodalRod::addHinge(int left, int middle, int right, double length, double place) {
+    Hinge j;
     j.left = left < 0 ? -1 : base_ + left;
     j.middle = base_ + middle;
     j.right = right < 0 ? -1 : base_ + right;
     j.length = length;
     j.place = place;
     const Effects& e = effects_;
-    const double from = (place - e.damagePlace) * specimen_.length / e.damageWidth;
-    const double dent = std::exp(-0.5 * from * from);
+    const double from = (place - e.damageArcFraction) * specimen_.length / e.damageStandardDeviation;
+    const double weight = std::exp(-0.5 * from * from);
     const double slope = 1.0 + e.gradient * (2.0 * place - 1.0);
-    j.modulus = specimen_.modulus * (1.0 - e.damage * dent) * (e.gradientLaw > 0.5 ? slope : slope * slope * slope);
-    // What of the joint's piece lies on the stretch.
+    j.modulus = specimen_.modulus * (1.0 - e.damage * weight) * (e.gradientLaw > 0.5 ? slope : slope * slope * slope);
+    // Share of the hinge's length inside the defect.
     const double a = place * specimen_.length - 0.5 * length, b = a + length;
-    const double lo = e.defectPlace * specimen_.length - 0.5 * e.defectLength, hi = lo + e.defectLength;
+    const double lo = e.defectArcFraction * specimen_.length - 0.5 * e.defectLength, hi = lo + e.defectLength;
     const double share = std::clamp((std::min(b, hi) - std::max(a, lo)) / length, 0.0, 1.0);
-    j.natural = specimen_.curvature + e.damageCurvature * dent + e.defect * share;
-    joints_.push_back(j);
+    j.natural = specimen_.curvature + e.damageCurvature * weight + e.defect * share;
+    hinges_.push_back(j);
 }
 
 std::vector<Vec2> NodalRod::naturalShape() const {
     std::vector<Vec2> out(size_t(nodes()), Vec2::Zero());
     std::vector<double> turn(size_t(nodes()), 0.0), half(size_t(nodes()), 0.0);
-    for (const Joint& j : joints_) {
+    for (const Hinge& j : hinges_) {
         turn[size_t(j.middle - base_)] += j.natural * j.length;
         half[size_t(j.middle - base_)] = j.natural * 0.5 * ds_;
     }
@@ -145,18 +145,18 @@ std::vector<Vec2> NodalRod::naturalShape() const {
     return out;
 }
 
-double NodalRod::angleOf(const Joint& j, const Eigen::VectorXd& x) const {
+double NodalRod::angleOf(const Hinge& j, const Eigen::VectorXd& x) const {
     const double before = j.left < 0 ? specimen_.angle : angle(node(x, j.middle) - node(x, j.left));
     const double after = j.right < 0 ? specimen_.angle : angle(node(x, j.right) - node(x, j.middle));
     return wrap(after - before);
 }
 
-NodalRod::Moment NodalRod::moment(const Joint& j, double curvature, double t, double dt) const {
+NodalRod::Moment NodalRod::moment(const Hinge& j, double curvature, double t, double dt) const {
     const Effects& e = effects_;
     double b = j.modulus;
-    if (e.drop > 0.0)
-        b *= e.dropLogarithmic > 0.5 ? 1.0 - e.drop * std::log10(1.0 + std::max(0.0, t) / e.dropTime)
-                                     : 1.0 - e.drop * (1.0 - std::exp(-std::max(0.0, t) / e.dropTime));
+    if (e.softening > 0.0)
+        b *= e.softeningIsLogarithmic > 0.5 ? 1.0 - e.softening * std::log10(1.0 + std::max(0.0, t) / e.softeningTime)
+                                            : 1.0 - e.softening * (1.0 - std::exp(-std::max(0.0, t) / e.softeningTime));
     Moment m;
     m.plastic = j.plastic;
     m.accumulated = j.accumulated;
@@ -175,21 +175,21 @@ NodalRod::Moment NodalRod::moment(const Joint& j, double curvature, double t, do
             m.value = b * (u - m.plastic);
             m.slope = b * e.hardening / (1.0 + e.hardening);
         }
-    } else if (e.softKnee > 0.0) {
-        const double s = 1.0 + u * u / (e.softKnee * e.softKnee);
+    } else if (e.softeningCurvature > 0.0) {
+        const double s = 1.0 + u * u / (e.softeningCurvature * e.softeningCurvature);
         m.value = b * u / std::sqrt(s);
         m.slope = b / (s * std::sqrt(s));
-    } else if (e.stiffKnee > 0.0) {
-        const double q = u * u / (e.stiffKnee * e.stiffKnee);
+    } else if (e.stiffeningCurvature > 0.0) {
+        const double q = u * u / (e.stiffeningCurvature * e.stiffeningCurvature);
         m.value = b * u * (1.0 + q);
         m.slope = b * (1.0 + 3.0 * q);
     } else {
         m.value = b * u;
         m.slope = b;
     }
-    if (dt > 0.0 && e.kelvinTime > 0.0) {
-        m.value += b * e.kelvinTime * (curvature - j.curvature) / dt;
-        m.slope += b * e.kelvinTime / dt;
+    if (dt > 0.0 && e.kelvinVoigtTime > 0.0) {
+        m.value += b * e.kelvinVoigtTime * (curvature - j.curvature) / dt;
+        m.slope += b * e.kelvinVoigtTime / dt;
     }
     if (dt > 0.0 && e.branch > 0.0) {
         const double age = dt / e.branchTime, held = e.branch * b * -std::expm1(-age) / age;
@@ -200,7 +200,7 @@ NodalRod::Moment NodalRod::moment(const Joint& j, double curvature, double t, do
     return m;
 }
 
-void NodalRod::addBending(const Joint& j, const Eigen::VectorXd& x, double t, double dt, Eigen::VectorXd& gradient,
+void NodalRod::addBending(const Hinge& j, const Eigen::VectorXd& x, double t, double dt, Eigen::VectorXd& gradient,
                           LinearSystem* tangent) const {
     const Moment m = moment(j, angleOf(j, x) / j.length, t, dt);
     int nodes[3] = {j.left, j.middle, j.right};
@@ -256,14 +256,14 @@ void NodalRod::addStretching(int edge, const Eigen::VectorXd& x, Eigen::VectorXd
 
 void NodalRod::addForces(const Eigen::VectorXd& x, double t, double dt, Eigen::VectorXd& gradient,
                          LinearSystem* tangent) const {
-    for (const Joint& j : joints_)
+    for (const Hinge& j : hinges_)
         addBending(j, x, t, dt, gradient, tangent);
     for (int i = 0; i < edges_; ++i)
         addStretching(i, x, gradient, tangent);
 }
 
 void NodalRod::commit(const Eigen::VectorXd& x, double t, double dt) {
-    for (Joint& j : joints_) {
+    for (Hinge& j : hinges_) {
         const double k = angleOf(j, x) / j.length;
         const Moment m = moment(j, k, t, dt);
         j.curvature = k;
@@ -273,8 +273,8 @@ void NodalRod::commit(const Eigen::VectorXd& x, double t, double dt) {
     }
 }
 
-void NodalRod::rest(const Eigen::VectorXd& x) {
-    for (Joint& j : joints_) {
+void NodalRod::resetHistory(const Eigen::VectorXd& x) {
+    for (Hinge& j : hinges_) {
         j.curvature = angleOf(j, x) / j.length;
         j.branchMoment = j.plastic = j.accumulated = 0.0;
     }
@@ -282,7 +282,7 @@ void NodalRod::rest(const Eigen::VectorXd& x) {
 
 double NodalRod::elasticEnergy(const Eigen::VectorXd& x) const {
     double sum = 0.0;
-    for (const Joint& j : joints_) {
+    for (const Hinge& j : hinges_) {
         const double u = angleOf(j, x) / j.length - j.natural;
         sum += 0.5 * j.modulus * u * u * j.length;
     }
@@ -293,11 +293,11 @@ double NodalRod::elasticEnergy(const Eigen::VectorXd& x) const {
     return sum;
 }
 
-double NodalRod::largestChange(const Eigen::VectorXd& x) const {
+double NodalRod::maxCurvatureChange(const Eigen::VectorXd& x) const {
     double most = 0.0;
-    for (const Joint& j : joints_)
+    for (const Hinge& j : hinges_)
         most = std::max(most, std::abs(angleOf(j, x) / j.length - j.natural));
     return most;
 }
 
-} // namespace supercircle::oracle
+} // namespace supercircle::reference_simulator

@@ -1,24 +1,24 @@
-// Figures. Against six noise-free recordings of a third simulator: median difference 0.001 - 0.11 % of the peak force,
-// 90 % of the rows below 0.3 %, in 0.2 - 0.4 s a run (two shells: 5 s). With twice the nodes and half the steps the
-// forces change by less than 0.02 % (cylinder), 0.02 % (arch). Peaks of sliding known on paper: within 0.5 %.
+// Accuracy. Against six noise-free recordings of a third simulator the median difference is 0.001 to 0.11 % of the peak
+// force, and 90 % of the rows are below 0.3 %. A run takes 0.2 to 0.4 s (two shells: 5 s). With twice the nodes and
+// half the steps the forces change by less than 0.02 %. Known peaks of sliding are met within 0.5 %.
 //
-// Backward Euler damps instabilities whose growth in a step is large: a perfectly straight strip stays straight far
-// above its critical load. Recordings therefore always have the tilt or the curvature that strips have anyway.
+// Backward Euler damps instabilities that grow fast within a step: a perfectly straight strip stays straight far above
+// its critical load. Recordings therefore always include the tilt or curvature that real strips have.
 
 #include "tests/reference_simulator/simulation.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace supercircle::oracle {
+namespace supercircle::reference_simulator {
 
 namespace {
 
-constexpr double kForceTolerance = 3e-8; ///< largest residual of a node, N
-constexpr double kLooseTolerance = 2e-6; ///< where a contact flickers between sticking and slipping
-constexpr int kIterations = 14;
-constexpr double kShortest = 1e-9;   ///< step, s
-constexpr double kLargestWay = 4e-4; ///< of a node in a step, m: snaps are cut finer
+constexpr double kForceTolerance = 3e-8; ///< N, largest residual of a node
+constexpr double kLooseTolerance = 2e-6; ///< N, where a contact alternates between sticking and slipping
+constexpr int kMaxIterations = 14;
+constexpr double kMinStep = 1e-9;         ///< s, shortest step
+constexpr double kMaxDisplacement = 4e-4; ///< m, largest displacement of a node in a step: limits steps in snaps
 
 } // namespace
 
@@ -34,11 +34,11 @@ double Drive::at(double t) const {
 
 Simulation::Simulation(const Setup& setup, const Resolution& resolution) : setup_(setup), resolution_(resolution) {
     const Effects& e = setup_.effects;
-    const Vec2 shift(e.offset, setup_.headShift);
+    const Vec2 shift(e.offset, setup_.crossheadOffset);
     int base = 0;
     for (std::size_t i = 0; i < setup_.specimens.size(); ++i) {
         Specimen& s = setup_.specimens[i];
-        if (s.onHead) {
+        if (s.onCrosshead) {
             s.point += shift;
             s.angle += e.tilt;
         }
@@ -46,11 +46,11 @@ Simulation::Simulation(const Setup& setup, const Resolution& resolution) : setup
         base += rods_.back().nodes();
     }
     for (Obstacle& o : setup_.obstacles)
-        if (o.onHead) {
+        if (o.onCrosshead) {
             o.point += shift;
             o.normal = Vec2(std::cos(e.tilt) * o.normal.x() - std::sin(e.tilt) * o.normal.y(),
                             std::sin(e.tilt) * o.normal.x() + std::cos(e.tilt) * o.normal.y());
-            plateOnHead_ = true;
+            plateOnCrosshead_ = true;
         }
     x_.resize(2 * base);
     v_ = drag_ = Eigen::VectorXd::Zero(2 * base);
@@ -72,13 +72,13 @@ void Simulation::placeRods() {
             for (const Vec2& p : shape)
                 lowest = std::min(lowest, p.y());
             for (const Obstacle& o : setup_.obstacles)
-                if (!o.onHead)
+                if (!o.onCrosshead)
                     floor = o.point.y();
             lift = floor + 0.5 * r.specimen().thickness - lowest;
         }
         for (int i = 0; i < r.nodes(); ++i)
             x_.segment<2>(2 * (r.base() + i)) = shape[size_t(i)] + Vec2(0.0, lift);
-        r.rest(x_);
+        r.resetHistory(x_);
     }
 }
 
@@ -95,45 +95,45 @@ void Simulation::addInertiaAndLoads(const Eigen::VectorXd& x, double dt, Eigen::
 }
 
 void Simulation::addDrag(const Eigen::VectorXd& x, Eigen::VectorXd& residual, LinearSystem* tangent) const {
-    const double reach = setup_.effects.presliding;
+    const double reach = setup_.effects.preslidingDistance;
     for (const NodalRod& r : rods_)
         for (int i = 0; i < r.nodes(); ++i) {
             const int at = 2 * (r.base() + i);
             const double most = setup_.effects.drag * r.nodeLength(i);
             const Vec2 z = drag_.segment<2>(at) + x.segment<2>(at) - x_.segment<2>(at);
-            const double stretch = z.norm();
-            const bool slides = stretch > reach;
-            residual.segment<2>(at) += most * z / (slides ? stretch : reach);
+            const double elongation = z.norm();
+            const bool slides = elongation > reach;
+            residual.segment<2>(at) += most * z / (slides ? elongation : reach);
             if (tangent == nullptr)
                 continue;
             Eigen::Matrix2d k = Eigen::Matrix2d::Identity() * most / reach;
             if (slides)
-                k = most / stretch * (Eigen::Matrix2d::Identity() - z * z.transpose() / (stretch * stretch));
+                k = most / elongation * (Eigen::Matrix2d::Identity() - z * z.transpose() / (elongation * elongation));
             for (int a = 0; a < 2; ++a)
                 for (int b = 0; b < 2; ++b)
                     tangent->add(at + a, at + b, k(a, b));
         }
 }
 
-/// Clamped sections follow the head or stay; behind a soft machine the head is where the forces balance.
-void Simulation::hold(const Eigen::VectorXd& x, double target, Eigen::VectorXd& residual, LinearSystem* tangent,
-                      HeadForce& onHead) const {
+/// Clamped sections follow the crosshead or stay. Behind a compliant machine the forces determine the crosshead.
+void Simulation::applyClamps(const Eigen::VectorXd& x, double target, Eigen::VectorXd& residual, LinearSystem* tangent,
+                             CrossheadForce& onCrosshead) const {
     for (const NodalRod& r : rods_) {
         const int n = r.clampedNode();
         if (n < 0)
             continue;
         const Specimen& s = r.specimen();
-        const double height = s.point.y() + (s.onHead ? target : 0.0);
-        if (s.onHead)
-            onHead.value -= residual[2 * n + 1];
-        const bool spring = s.onHead && softMachine();
+        const double height = s.point.y() + (s.onCrosshead ? target : 0.0);
+        if (s.onCrosshead)
+            onCrosshead.value -= residual[2 * n + 1];
+        const bool spring = s.onCrosshead && compliantMachine();
         residual[2 * n] = x[2 * n] - s.point.x();
         if (spring) {
-            const double k = setup_.effects.machine;
+            const double k = setup_.effects.machineStiffness;
             residual[2 * n + 1] += k * (x[2 * n + 1] - height);
             if (tangent != nullptr)
                 tangent->add(2 * n + 1, 2 * n + 1, k);
-            onHead.value = k * (x[2 * n + 1] - height);
+            onCrosshead.value = k * (x[2 * n + 1] - height);
         } else {
             residual[2 * n + 1] = x[2 * n + 1] - height;
         }
@@ -145,11 +145,11 @@ void Simulation::hold(const Eigen::VectorXd& x, double target, Eigen::VectorXd& 
     }
 }
 
-void Simulation::assemble(const Eigen::VectorXd& x, double head, double target, double dt, Eigen::VectorXd& residual,
-                          LinearSystem* tangent, HeadForce& onHead) const {
+void Simulation::assemble(const Eigen::VectorXd& x, double crosshead, double target, double dt,
+                          Eigen::VectorXd& residual, LinearSystem* tangent, CrossheadForce& onCrosshead) const {
     residual = Eigen::VectorXd::Zero(x.size());
-    onHead.value = onHead.byHead = 0.0;
-    onHead.column = onHead.row = Eigen::VectorXd::Zero(tangent != nullptr ? x.size() : 0);
+    onCrosshead.value = onCrosshead.byCrosshead = 0.0;
+    onCrosshead.column = onCrosshead.row = Eigen::VectorXd::Zero(tangent != nullptr ? x.size() : 0);
     if (tangent != nullptr)
         tangent->clear();
     addInertiaAndLoads(x, dt, residual, tangent);
@@ -157,20 +157,21 @@ void Simulation::assemble(const Eigen::VectorXd& x, double head, double target, 
         r.addForces(x, t_ + dt, dt, residual, tangent);
     if (setup_.effects.drag > 0.0)
         addDrag(x, residual, tangent);
-    contacts_.front().addForces(x, x_, head, head_, dt, residual, tangent, onHead);
-    hold(x, target, residual, tangent, onHead);
+    contacts_.front().addForces(x, x_, crosshead, crosshead_, dt, residual, tangent, onCrosshead);
+    applyClamps(x, target, residual, tangent, onCrosshead);
 }
 
 bool Simulation::newton(double target, double dt, Attempt& a) {
-    const bool floating = plateOnHead_ && softMachine(); // the head's height is an unknown of its own
+    const bool floating = plateOnCrosshead_ && compliantMachine(); // the height of the crosshead is an unknown
     Eigen::VectorXd residual;
-    HeadForce onHead;
+    CrossheadForce onCrosshead;
     double previous = 1e300;
-    for (int i = 0; i < kIterations; ++i) {
-        assemble(a.x, a.head, target, dt, residual, system_.get(), onHead);
+    for (int i = 0; i < kMaxIterations; ++i) {
+        assemble(a.x, a.crosshead, target, dt, residual, system_.get(), onCrosshead);
         ++iterations_;
-        const double balance = floating ? setup_.effects.machine * (a.head - target) - onHead.value : 0.0;
-        a.force = onHead.value;
+        const double balance =
+            floating ? setup_.effects.machineStiffness * (a.crosshead - target) - onCrosshead.value : 0.0;
+        a.force = onCrosshead.value;
         double error = std::abs(balance);
         for (Eigen::Index k = 0; k < residual.size(); ++k)
             error = std::max(error, std::abs(residual[k]));
@@ -184,9 +185,10 @@ bool Simulation::newton(double target, double dt, Attempt& a) {
         Eigen::VectorXd step = system_->solve(-residual);
         double up = 0.0;
         if (floating) {
-            const Eigen::VectorXd follow = system_->solve(-onHead.column);
-            const double stiffness = setup_.effects.machine - onHead.byHead - onHead.row.dot(follow);
-            up = (-balance + onHead.row.dot(step)) / stiffness;
+            const Eigen::VectorXd follow = system_->solve(-onCrosshead.column);
+            const double stiffness =
+                setup_.effects.machineStiffness - onCrosshead.byCrosshead - onCrosshead.row.dot(follow);
+            up = (-balance + onCrosshead.row.dot(step)) / stiffness;
             step += up * follow;
         }
         const double most = step.cwiseAbs().maxCoeff();
@@ -194,7 +196,7 @@ bool Simulation::newton(double target, double dt, Attempt& a) {
             return false;
         const double share = most > 5e-4 ? 5e-4 / most : 1.0;
         a.x += share * step;
-        a.head += share * up;
+        a.crosshead += share * up;
     }
     return false;
 }
@@ -202,14 +204,14 @@ bool Simulation::newton(double target, double dt, Attempt& a) {
 Simulation::Attempt Simulation::attempt(double target, double dt) {
     Attempt a;
     const double share = lastDt_ > 0.0 ? 1.0 : 0.0;
-    const bool floating = plateOnHead_ && softMachine();
+    const bool floating = plateOnCrosshead_ && compliantMachine();
     for (int guess = 0; guess < 2 && !a.converged; ++guess) {
-        a.x = x_ + (guess == 0 ? share * dt : 0.0) * v_; // extrapolated, or from where it was
-        a.head = floating ? head_ + (guess == 0 ? target - lastTarget_ : 0.0) : target;
+        a.x = x_ + (guess == 0 ? share * dt : 0.0) * v_; // extrapolated, or the last state
+        a.crosshead = floating ? crosshead_ + (guess == 0 ? target - lastTarget_ : 0.0) : target;
         for (const NodalRod& r : rods_)
-            if (r.clampedNode() >= 0 && !(r.specimen().onHead && softMachine())) {
+            if (r.clampedNode() >= 0 && !(r.specimen().onCrosshead && compliantMachine())) {
                 a.x[2 * r.clampedNode()] = r.specimen().point.x();
-                a.x[2 * r.clampedNode() + 1] = r.specimen().point.y() + (r.specimen().onHead ? target : 0.0);
+                a.x[2 * r.clampedNode() + 1] = r.specimen().point.y() + (r.specimen().onCrosshead ? target : 0.0);
             }
         a.converged = newton(target, dt, a);
     }
@@ -219,31 +221,31 @@ Simulation::Attempt Simulation::attempt(double target, double dt) {
 void Simulation::accept(Attempt&& a, double dt) {
     for (NodalRod& r : rods_)
         r.commit(a.x, t_ + dt, dt);
-    contacts_.front().commit(a.x, x_, a.head, head_, dt);
+    contacts_.front().commit(a.x, x_, a.crosshead, crosshead_, dt);
     if (setup_.effects.drag > 0.0) {
         drag_ += a.x - x_;
         for (Eigen::Index i = 0; i < drag_.size(); i += 2) {
-            const double stretch = drag_.segment<2>(i).norm();
-            if (stretch > setup_.effects.presliding)
-                drag_.segment<2>(i) *= setup_.effects.presliding / stretch;
+            const double elongation = drag_.segment<2>(i).norm();
+            if (elongation > setup_.effects.preslidingDistance)
+                drag_.segment<2>(i) *= setup_.effects.preslidingDistance / elongation;
         }
     }
     v_ = (a.x - x_) / dt;
     x_ = std::move(a.x);
-    head_ = a.head;
+    crosshead_ = a.crosshead;
     force_ = a.force;
     t_ += dt;
     lastDt_ = dt;
     ++steps_;
 }
 
-/// One step; false: not possible with this length.
+/// One step; false: a shorter step is necessary.
 bool Simulation::advance(double target, double dt) {
     Attempt a = attempt(target, dt);
     if (!a.converged)
         return false;
-    const double way = (a.x - x_).cwiseAbs().maxCoeff();
-    if (way > kLargestWay && dt > 1e-6)
+    const double travel = (a.x - x_).cwiseAbs().maxCoeff();
+    if (travel > kMaxDisplacement && dt > 1e-6)
         return false;
     accept(std::move(a), dt);
     lastTarget_ = target;
@@ -259,53 +261,53 @@ bool Simulation::settle(double seconds) {
             dt = std::min(1.3 * dt, 0.1);
         } else {
             dt = 0.4 * step;
-            if (dt < kShortest)
+            if (dt < kMinStep)
                 return false;
         }
     }
     t_ = 0.0;
     v_.setZero();
-    contacts_.front().rest();
+    contacts_.front().resetHistory();
     for (NodalRod& r : rods_)
-        r.rest(x_);
+        r.resetHistory(x_);
     return true;
 }
 
-Trace Simulation::play(const Drive& commanded, const std::vector<double>& times, const std::vector<Marker>& markers) {
+Trace Simulation::run(const Drive& commanded, const std::vector<double>& times, const std::vector<Marker>& markers) {
     Trace trace;
-    const Drive drive = behindPlay(commanded, setup_.effects.play);
+    const Drive drive = behindBacklash(commanded, setup_.effects.backlash);
     std::vector<double> stops = times;
     stops.insert(stops.end(), drive.time.begin(), drive.time.end());
     std::sort(stops.begin(), stops.end());
     trace.markers.resize(markers.size());
-    const auto note = [&] {
+    const auto record = [&] {
         trace.time.push_back(t_);
         trace.force.push_back(force_);
         for (std::size_t m = 0; m < markers.size(); ++m)
             trace.markers[m].push_back(point(markers[m]));
         for (const NodalRod& r : rods_)
-            trace.largestChange = std::max(trace.largestChange, r.largestChange(x_));
+            trace.maxCurvatureChange = std::max(trace.maxCurvatureChange, r.maxCurvatureChange(x_));
     };
-    note();
+    record();
     double dt = 1e-3;
     for (const double stop : stops)
         while (t_ < stop - 1e-9) {
             const double rest = stop - t_;
             const double speed = std::abs(drive.at(t_ + 1e-7) - drive.at(t_)) / 1e-7;
             double step = std::min({dt, resolution_.longest, rest, speed > 0.0 ? resolution_.travel / speed : 1e30});
-            if (step < rest) // equal pieces: no tiny one at the end
+            if (step < rest) // equal parts, without a tiny one at the end
                 step = rest / std::ceil(rest / step - 1e-9);
             const bool last = step >= rest;
             if (advance(-drive.at(last ? stop : t_ + step), step)) {
                 if (last)
                     t_ = stop;
                 dt = std::max(dt, std::min(2.0 * step, resolution_.longest));
-                note();
+                record();
                 continue;
             }
             dt = 0.4 * step;
-            if (dt < kShortest) {
-                trace.failure = "no step is short enough at " + std::to_string(t_) + " s";
+            if (dt < kMinStep) {
+                trace.failure = "Newton's method fails with the shortest step at " + std::to_string(t_) + " s";
                 return trace;
             }
         }
@@ -332,11 +334,11 @@ double Simulation::energy() const {
     return sum;
 }
 
-Drive behindPlay(const Drive& drive, double play) {
+Drive behindBacklash(const Drive& drive, double play) {
     if (play <= 0.0)
         return drive;
     Drive out;
-    double at = drive.displacement.front(), gap = 0.0; // the play is taken up at the start, towards the first motion
+    double at = drive.displacement.front(), gap = 0.0; // at the start the backlash is closed towards the first motion
     int direction = 0;
     const auto put = [&](double t, double d) {
         out.time.push_back(t);
@@ -344,16 +346,16 @@ Drive behindPlay(const Drive& drive, double play) {
     };
     put(drive.time.front(), at);
     for (std::size_t i = 1; i < drive.time.size(); ++i) {
-        const double way = drive.displacement[i] - drive.displacement[i - 1];
-        const int sign = way > 0.0 ? 1 : way < 0.0 ? -1 : 0;
+        const double travel = drive.displacement[i] - drive.displacement[i - 1];
+        const int sign = travel > 0.0 ? 1 : travel < 0.0 ? -1 : 0;
         if (sign != 0 && direction != 0 && sign != direction)
             gap = play;
         direction = sign != 0 ? sign : direction;
-        const double lost = std::min(gap, std::abs(way));
-        if (lost > 0.0 && lost < std::abs(way))
-            put(drive.time[i - 1] + (drive.time[i] - drive.time[i - 1]) * lost / std::abs(way), at);
-        gap -= lost;
-        at += sign * (std::abs(way) - lost);
+        const double lostTravel = std::min(gap, std::abs(travel));
+        if (lostTravel > 0.0 && lostTravel < std::abs(travel))
+            put(drive.time[i - 1] + (drive.time[i] - drive.time[i - 1]) * lostTravel / std::abs(travel), at);
+        gap -= lostTravel;
+        at += sign * (std::abs(travel) - lostTravel);
         put(drive.time[i], at);
     }
     return out;
@@ -371,7 +373,7 @@ std::vector<double> readings(const Trace& trace, const Effects& e, const std::ve
     double lagging = forceAt(-1.0), clock = trace.time.front();
     for (const double t : times) {
         double f = forceAt(t - e.delay);
-        if (e.lag > 0.0) { // fine steps of the first-order low pass
+        if (e.lag > 0.0) { // fine steps of the first-order low-pass filter
             const int pieces = std::max(1, int(std::ceil((t - clock) / (0.05 * e.lag))));
             const double dt = (t - clock) / pieces;
             for (int i = 1; i <= pieces; ++i)
@@ -381,7 +383,7 @@ std::vector<double> readings(const Trace& trace, const Effects& e, const std::ve
         }
         f *= 1.0 + e.gain;
         f += e.drift * -std::expm1(-t / e.driftTime) + e.driftRate * t;
-        f += e.hum * std::sin(2.0 * M_PI * t / e.humPeriod);
+        f += e.disturbance * std::sin(2.0 * M_PI * t / e.disturbancePeriod);
         out.push_back(f);
     }
     return out;
@@ -397,4 +399,4 @@ void zeroAtStart(const std::vector<double>& times, std::vector<double>& force) {
         f -= zero / rows;
 }
 
-} // namespace supercircle::oracle
+} // namespace supercircle::reference_simulator

@@ -1,7 +1,6 @@
 #pragma once
-// Counts what the program takes from the heap, by operator new or by malloc (Eigen's matrices): for tests that a warm
-// step takes nothing. Only where glibc is the heap and no sanitizer stands in front of it; elsewhere nothing is
-// counted.
+// Counts allocations by operator new or malloc (Eigen), for tests that a repeated step allocates nothing. It works with
+// glibc and without sanitizers; elsewhere nothing is counted.
 
 #include <cstdint>
 

@@ -16,7 +16,7 @@ public:
     struct Body {
         std::string name;
         step::BodyState state;
-        std::vector<step::BodyOutline> pieces;
+        std::vector<step::BodyOutline> outlines;
         bool kinematic = false;
     };
 
@@ -49,7 +49,7 @@ public:
     /// A big block whose upper face goes through `at`, turned by `angle`.
     void addGround(step::BodyId id, double friction, const Vec2& at = Vec2::Zero(), double angle = 0.0) {
         const Vec2 down(std::sin(angle), -std::cos(angle));
-        add(id, "ground", at + 0.5 * down, angle).pieces.push_back(box(id, 50.0, 0.5, friction));
+        add(id, "ground", at + 0.5 * down, angle).outlines.push_back(box(id, 50.0, 0.5, friction));
     }
 
     [[nodiscard]] Vec2 gravity() const override { return g; }
@@ -99,7 +99,7 @@ public:
     }
     void everything(std::vector<step::BodyOutline>& out) const override {
         for (const auto& [id, b] : bodies)
-            out.insert(out.end(), b.pieces.begin(), b.pieces.end());
+            out.insert(out.end(), b.outlines.begin(), b.outlines.end());
     }
 };
 

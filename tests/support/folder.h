@@ -1,5 +1,5 @@
 #pragma once
-// A folder of a test's own, and the program as a user starts it.
+// A temporary folder for a test, and running the program.
 
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -13,7 +13,7 @@
 
 namespace supercircle::test {
 
-/// A folder that goes away with its test.
+/// A folder that is removed at the end of its test.
 class Folder {
 public:
     Folder() {
@@ -41,14 +41,14 @@ public:
     std::string path;
 };
 
-struct Ending {
+struct CommandResult {
     int code = -1;
     std::string text; ///< standard output and error
 };
 
 /// Runs `command`, through a shell.
-inline Ending start(const std::string& command) {
-    Ending end;
+inline CommandResult start(const std::string& command) {
+    CommandResult end;
     FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
     REQUIRE(pipe != nullptr);
     char block[4096];

@@ -1,1 +1,1 @@
-// Carries the precompiled headers of the tests (tests/CMakeLists.txt); it has nothing of its own.
+// Empty source for the precompiled headers of the tests (tests/CMakeLists.txt).

@@ -1,5 +1,5 @@
 #pragma once
-// Loops for parallel::For that bring out what depends on the order or on the thread of a turn.
+// Loops for parallel::For that reveal a dependence on the order or on the thread of an iteration.
 
 #include "supercircle/support/parallel.h"
 
@@ -9,7 +9,7 @@
 
 namespace supercircle::test {
 
-/// Last turn first.
+/// Last iteration first.
 inline parallel::For backwards() {
     return [](std::size_t count, const std::function<void(std::size_t)>& body) {
         for (std::size_t i = count; i-- > 0;)
@@ -17,7 +17,7 @@ inline parallel::For backwards() {
     };
 }
 
-/// Turns are taken by `threads` new threads as they come.
+/// The iterations are distributed over `number` new threads.
 inline parallel::For threads(int number) {
     return [number](std::size_t count, const std::function<void(std::size_t)>& body) {
         std::atomic<std::size_t> next{0};

@@ -1,5 +1,5 @@
 #pragma once
-// What files say, and texts spoilt at one place.
+// Contents of files, and texts changed at one place.
 
 #include <catch2/catch.hpp>
 #include <fstream>

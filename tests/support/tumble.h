@@ -1,5 +1,5 @@
 #pragma once
-// A lively scene: shells tumble in a box with a loose crate, are pressed by a plate, and snap.
+// A scene with many events: shells tumble in a box with a loose crate, a plate presses them, and they snap.
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "tests/support/fake_host.h"
@@ -8,22 +8,22 @@
 
 namespace supercircle::test {
 
-/// Floor and walls 0.16 m apart, a crate of 5 g, and a plate above that the machine carries.
+/// Floor and walls 0.16 m apart, a crate of 5 g, and a plate above, which is attached to the crosshead.
 inline std::shared_ptr<FakeHost> tumbleHost() {
     auto host = std::make_shared<FakeHost>();
     host->g = {0.0, -9.81};
     host->addGround(1, 0.35);
-    host->add(2, "left wall", {-0.09, 0.2}).pieces.push_back(FakeHost::box(2, 0.01, 0.25, 0.35));
-    host->add(3, "right wall", {0.09, 0.2}).pieces.push_back(FakeHost::box(3, 0.01, 0.25, 0.35));
-    host->add(4, "crate", {0.05, 0.16}, 0.3, 0.005, 1e-6).pieces.push_back(FakeHost::box(4, 0.015, 0.015, 0.4));
-    host->add(5, "plate", {0.0, 0.30}).pieces.push_back(FakeHost::box(5, 0.079, 0.01, 0.35));
+    host->add(2, "left wall", {-0.09, 0.2}).outlines.push_back(FakeHost::box(2, 0.01, 0.25, 0.35));
+    host->add(3, "right wall", {0.09, 0.2}).outlines.push_back(FakeHost::box(3, 0.01, 0.25, 0.35));
+    host->add(4, "crate", {0.05, 0.16}, 0.3, 0.005, 1e-6).outlines.push_back(FakeHost::box(4, 0.015, 0.015, 0.4));
+    host->add(5, "plate", {0.0, 0.30}).outlines.push_back(FakeHost::box(5, 0.079, 0.01, 0.35));
     host->bodies[5].state.moving = true;
     return host;
 }
 
-/// Shells of different bends, some moving fast; two cap each other and snap when the plate comes.
+/// Shells of different opening angles, some moving fast; two of them snap when the plate comes.
 inline void addTumblers(Shells& shells, int count = 5) {
-    shells.carry("plate");
+    shells.attach_to_crosshead("plate");
     for (int i = 0; i < count; ++i) {
         ShellDef d;
         d.name = "shell " + std::to_string(i);
@@ -42,7 +42,7 @@ inline void addTumblers(Shells& shells, int count = 5) {
 /// One frame with the plate moving down and up at up to 0.8 m/s; false when the shells could not go on.
 inline bool tumbleFrame(Shells& shells, FakeHost& host, double dt = 1e-3) {
     const double phase = 2.0 * M_PI * shells.time() / 0.6;
-    shells.set_machine_velocity({0.0, -0.8 * std::sin(phase)});
+    shells.set_crosshead_velocity({0.0, -0.8 * std::sin(phase)});
     const FrameReport r = shells.pre_step(dt);
     host.step(r.advanced);
     shells.post_step();

@@ -1,5 +1,4 @@
-// Box2D's own "hello world" - a crate falls on the ground - with a shell dropped into it. Lines marked `// +` are what
-// was added; the rest is the program as it was.
+// Box2D's own "hello world" (a crate falls on the ground) with a shell. Lines marked `// +` are the additions.
 
 #include <box2d/box2d.h>
 #include <cstdio>
@@ -29,7 +28,7 @@ int main() {
 
     supercircle::Shells shells(supercircle::bridge::attach(world)); // +
     shells.set_quality(supercircle::Quality::Game);                 // +
-    auto def = supercircle::scaledShell(1.0, 2.0);                  // + radius 1 m, mass 2 kg
+    auto def = supercircle::scaled_shell(1.0, 2.0);                 // + radius 1 m, mass 2 kg
     def.position = {3.0, 4.0};                                      // +
     const auto shell = shells.create(def);                          // +
 

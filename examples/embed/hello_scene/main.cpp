@@ -1,5 +1,5 @@
-// Plays a JSON scene inside a loop of your own: hello_scene [SCENE.json [NAME=VALUE ...]]. The scene's bodies land in
-// this program's b2World, its shells in this program's Shells, and the loop stays here.
+// Plays a JSON scene in your own loop: hello_scene [SCENE.json [NAME=VALUE ...]]. The scene's bodies are created in
+// this program's b2World, its shells in this program's Shells.
 
 #include <box2d/box2d.h>
 #include <cstdio>
@@ -30,7 +30,7 @@ int main(int count, char** arguments) {
         return 2;
     }
 
-    double strongest = 0.0, nextLine = 0.0;
+    double largest = 0.0, nextLine = 0.0;
     for (supercircle::ScenePlayer scene = *loaded; !scene.finished();) {
         const auto frame = scene.pre_step(1.0 / 60.0);
         if (!frame.failure.empty()) {
@@ -40,13 +40,13 @@ int main(int count, char** arguments) {
         if (frame.advanced > 0.0)
             world.Step(static_cast<float>(frame.advanced), 8, 3);
         scene.post_step();
-        strongest = scene.force() > strongest ? scene.force() : strongest;
+        largest = scene.force() > largest ? scene.force() : largest;
         if (shells.time() < nextLine)
             continue;
         nextLine += 0.5;
         std::printf("t %6.2f s  %-10s %2zu shells  travel %7.2f mm  force %8.4f N\n", shells.time(),
                     scene.phase().c_str(), shells.size(), 1e3 * scene.travel(), scene.force());
     }
-    std::printf("strongest %.4f N\n", strongest);
+    std::printf("largest force %.4f N\n", largest);
     return 0;
 }

@@ -1,8 +1,8 @@
 #pragma once
-// What a game is, and the program around it: derive from Game, hand a Program to run() from main().
+// Base class of games and their program: derive from Game and pass a Program to run() in main().
 
+#include "examples/games/frame/game_world.h"
 #include "examples/games/frame/input.h"
-#include "examples/games/frame/stage.h"
 #include "examples/games/frame/view.h"
 
 #include <functional>
@@ -13,14 +13,14 @@
 
 namespace supercircle::frame {
 
-enum class Verdict { Playing, Won, Lost };
+enum class GameResult { Playing, Won, Lost };
 
-/// The player's hand.
-struct Grip {
+/// How the mouse drags shells and bodies.
+struct DragSettings {
     bool allowed = true;
-    double reach = 0.0;          ///< m, how near to a shell one has to click; 0: some pixels
-    double strength = 0.0;       ///< N, 0: as strong as Box2D's mouse
-    double shellFrequency = 5.0; ///< Hz, of a shell on the hand's spring
+    double reach = 0.0;          ///< m, largest distance of a click from a shell; 0: some pixels
+    double strength = 0.0;       ///< largest force, N; 0: as Box2D's mouse joint
+    double shellFrequency = 5.0; ///< Hz, of a shell on the spring of the mouse joint
     double bodyFrequency = 5.0;  ///< Hz, of a body on it
 };
 
@@ -28,35 +28,34 @@ class Game {
 public:
     virtual ~Game() = default;
     /// Before the first step of a level. Empty, or why the level cannot be played.
-    virtual std::string start(Stage& stage) = 0;
-    /// Before each step: what the player wants.
-    virtual void control(Stage& stage, const Input& input) = 0;
-    /// After each step: what came of it.
-    virtual void judge(Stage& stage) = 0;
-    /// The whole picture but the frame of words around it.
-    virtual void draw(const Stage& stage, const View& view, double alpha) const = 0;
+    virtual std::string start(GameWorld& world) = 0;
+    /// Before each step: applies the input.
+    virtual void beforeStep(GameWorld& world, const Input& input) = 0;
+    /// After each step: updates score and result.
+    virtual void afterStep(GameWorld& world) = 0;
+    /// The picture without title, status and hint.
+    virtual void draw(const GameWorld& world, const View& view, double alpha) const = 0;
 
-    [[nodiscard]] virtual std::vector<Status> status(const Stage& stage) const = 0;
-    [[nodiscard]] virtual std::string hint(const Stage& stage) const = 0;
+    [[nodiscard]] virtual std::vector<StatusEntry> status(const GameWorld& world) const = 0;
+    [[nodiscard]] virtual std::string hint(const GameWorld& world) const = 0;
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> help() const = 0;
-    /// How the mouse takes hold of shells and bodies.
-    [[nodiscard]] virtual Grip grip() const { return {}; }
+    [[nodiscard]] virtual DragSettings dragSettings() const { return {}; }
 
-    [[nodiscard]] Verdict verdict() const { return verdict_; }
-    [[nodiscard]] const std::string& reason() const { return reason_; } ///< one sentence about the verdict
+    [[nodiscard]] GameResult result() const { return result_; }
+    [[nodiscard]] const std::string& reason() const { return reason_; } ///< of the result, one sentence
     [[nodiscard]] int score() const { return score_; }
 
 protected:
-    void end(Verdict verdict, std::string reason, int score) {
-        if (verdict_ != Verdict::Playing)
+    void end(GameResult result, std::string reason, int score) {
+        if (result_ != GameResult::Playing)
             return;
-        verdict_ = verdict;
+        result_ = result;
         reason_ = std::move(reason);
         score_ = score;
     }
 
 private:
-    Verdict verdict_ = Verdict::Playing;
+    GameResult result_ = GameResult::Playing;
     std::string reason_;
     int score_ = 0;
 };

@@ -1,6 +1,6 @@
 #include "examples/games/frame/input.h"
 
-#include "examples/games/frame/stage.h"
+#include "examples/games/frame/game_world.h"
 #include "plugin/scene/loader/reader.h"
 
 #include <algorithm>
@@ -27,29 +27,29 @@ Script Script::load(const std::string& path, std::string& error) {
             e.t = reader.number("t", 0.0, scene::notNegative);
             const std::vector<std::pair<const char*, Event::Kind>> words{
                 {"key", Event::Kind::Key}, {"down", Event::Kind::Down}, {"up", Event::Kind::Up}};
-            int said = 0;
+            int count = 0;
             for (const auto& [word, kind] : words)
                 if (reader.find(word) != nullptr) {
                     e.kind = kind;
                     e.text = reader.string(word, "");
-                    ++said;
+                    ++count;
                 }
             if (reader.find("mouse") != nullptr) {
                 const Eigen::Vector2d to = reader.vector("mouse", Eigen::Vector2d::Zero());
                 e.kind = Event::Kind::Mouse;
                 e.to = {to.x(), to.y()};
                 e.over = reader.number("over", 0.0, scene::notNegative);
-                ++said;
+                ++count;
             }
             if (reader.find("button") != nullptr) {
                 const std::vector<std::string> kinds{"down", "up", "click"};
                 e.kind = Event::Kind::Button;
                 e.text = kinds[reader.choice("button", kinds, 2)];
-                ++said;
+                ++count;
             }
             reader.finish();
-            if (said != 1)
-                context.error(node, reader.pointer(), std::to_string(said) + " inputs in one line of the script",
+            if (count != 1)
+                context.error(node, reader.pointer(), std::to_string(count) + " inputs in one line of the script",
                               "one of key, down, up, mouse, button");
             script.events_.push_back(e);
         }

@@ -1,5 +1,5 @@
 #pragma once
-// What the player does, from a window or from a script; the games cannot tell which.
+// Input of the player, from a window or from a script.
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 
@@ -31,7 +31,7 @@ public:
         button_ = false;
     }
     void moveMouse(Point to) { mouse_ = to; }
-    /// After a step: what was pressed in it is no longer new.
+    /// After a step: clears the events of that step.
     void forget() {
         pressed_.clear();
         clicked_ = released_ = false;
@@ -43,16 +43,16 @@ private:
     Point mouse_{};
 };
 
-/// Timed inputs from a JSON file (docs/levels.md): a list of
+/// Timed inputs from a JSON file (docs/how-to/levels.md): a list of
 ///   {"t": s, "key": name}  {"t": s, "down": name}  {"t": s, "up": name}
 ///   {"t": s, "mouse": {"x": m, "y": m}, "over": s}  {"t": s, "button": "down" | "up" | "click"}
 class Script {
 public:
-    /// One line per problem in `error`, file:line:column; empty when it is good.
+    /// `error` gets one line per problem, file:line:column; empty after success.
     static Script load(const std::string& path, std::string& error);
-    /// Does what is due at the start of step number `frame` (of 1/60 s).
+    /// Applies the inputs that are due at the start of step number `frame` (of 1/60 s).
     void play(std::uint64_t frame, Input& input);
-    /// Whether everything in it was done.
+    /// Whether all inputs were applied.
     [[nodiscard]] bool done() const { return next_ >= events_.size() && !gliding_; }
 
 private:

@@ -19,15 +19,15 @@ struct Arguments {
     int frames = 36000, width = 1280, height = 720;
 };
 
-const char* text(Verdict v) {
-    return v == Verdict::Won ? "won" : v == Verdict::Lost ? "lost" : "playing";
+const char* text(GameResult v) {
+    return v == GameResult::Won ? "won" : v == GameResult::Lost ? "lost" : "playing";
 }
 
-/// Reads the command line; a number is the exit code to leave with, -1: go on.
+/// Reads the command line; the exit code, or -1 to continue.
 int parse(int argc, char** argv, const Program& program, Arguments& a) {
     CLI::App app{program.title + ", a game with flexible shells", program.name};
     app.failure_message(CLI::FailureMessage::simple);
-    app.add_option("level", a.level, "number of the level, or a file (docs/levels.md)")->capture_default_str();
+    app.add_option("level", a.level, "number of the level, or a file (docs/how-to/levels.md)")->capture_default_str();
     app.add_flag("--headless", a.headless, "no window: play the script, write the picture, end");
     app.add_option("--frames", a.frames, "how many steps of 1/60 s at most, headless")->check(CLI::Range(0, 1000000));
     app.add_option("--png", a.png, "file for the last picture, headless");
@@ -51,15 +51,15 @@ int parse(int argc, char** argv, const Program& program, Arguments& a) {
 int playHeadless(Session& session, Script& script, const Arguments& a, const Program& program) {
     Input input;
     int frames = 0;
-    const auto over = [&] { return session.game().verdict() != Verdict::Playing || !session.failure().empty(); };
+    const auto over = [&] { return session.game().result() != GameResult::Playing || !session.failure().empty(); };
     for (; frames < a.frames && !over() && !session.quit(); ++frames) {
         script.play(static_cast<std::uint64_t>(frames), input);
         session.step(input);
     }
-    for (int i = 0; i < 20 && session.failure().empty() && session.game().verdict() != Verdict::Playing; ++i)
-        session.step(input); // a moment more, so that the picture shows what happened
+    for (int i = 0; i < 20 && session.failure().empty() && session.game().result() != GameResult::Playing; ++i)
+        session.step(input); // so that the picture shows the result
     if (!a.png.empty()) {
-        report::CairoCanvas canvas(a.width, a.height, 1.0);
+        graphics::CairoCanvas canvas(a.width, a.height, 1.0);
         session.draw(canvas, a.width, a.height);
         if (const std::string why = writePng(a.png, canvas); !why.empty()) {
             std::fprintf(stderr, "%s\n", why.c_str());
@@ -68,24 +68,24 @@ int playHeadless(Session& session, Script& script, const Arguments& a, const Pro
     }
     const Game& game = session.game();
     std::printf("%s %zu: %s after %d steps, %d points, state %016llx%s%s\n", program.name.c_str(), session.level() + 1,
-                text(game.verdict()), frames, game.score(),
-                static_cast<unsigned long long>(session.stage().shells().hash()), game.reason().empty() ? "" : ": ",
+                text(game.result()), frames, game.score(),
+                static_cast<unsigned long long>(session.world().shells().hash()), game.reason().empty() ? "" : ": ",
                 game.reason().c_str());
-    if (const b2Body* actor = session.stage().body(session.stage().game().actor); actor != nullptr) {
-        const Point at = session.stage().position(*actor), v = session.stage().velocity(*actor);
-        std::printf("  %s: at %.4f, %.4f m, %.4f, %.4f m/s\n", session.stage().game().actor.c_str(), at.x, at.y, v.x,
+    if (const b2Body* actor = session.world().body(session.world().game().actor); actor != nullptr) {
+        const Point at = session.world().position(*actor), v = session.world().velocity(*actor);
+        std::printf("  %s: at %.4f, %.4f m, %.4f, %.4f m/s\n", session.world().game().actor.c_str(), at.x, at.y, v.x,
                     v.y);
     }
-    for (const Status& s : game.status(session.stage()))
+    for (const StatusEntry& s : game.status(session.world()))
         std::printf("  %s: %s\n", s.name.c_str(), s.value.c_str());
     if (a.cost)
-        std::printf("processor time per step: mean %.2f ms, worst %.2f ms\n", session.stage().meanCost(),
-                    session.stage().worstCost());
+        std::printf("processor time per step: mean %.2f ms, worst %.2f ms\n", session.world().meanCost(),
+                    session.world().worstCost());
     if (!session.failure().empty()) {
         std::fprintf(stderr, "%s\n", session.failure().c_str());
         return 3;
     }
-    return a.expect.empty() || a.expect == text(game.verdict()) ? 0 : 1;
+    return a.expect.empty() || a.expect == text(game.result()) ? 0 : 1;
 }
 
 int playWindow(Session& session, Script& script, const Arguments& a, const Program& program) {
@@ -98,32 +98,32 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
     std::uint64_t scripted = 0;
     double last = window.seconds();
     while (!session.quit()) {
-        if (!window.poll(input, [&](report::Point p) { return session.camera().world(p); }))
+        if (!window.poll(input, [&](graphics::Point p) { return session.camera().world(p); }))
             break;
         const Pointer& pointer = window.pointer();
         if (pointer.wheel != 0.0)
             session.camera().zoom(pointer.wheel > 0.0 ? 1.15 : 1.0 / 1.15, pointer.at);
         session.camera().pan(pointer.dragX, pointer.dragY);
         const double now = window.seconds();
-        if (!a.script.empty()) { // shown as in a film: one step a picture
+        if (!a.script.empty()) { // one step per picture
             script.play(scripted++, input);
             session.step(input);
         } else {
             session.advance(now - last, input);
         }
         last = now;
-        report::CairoCanvas canvas(window.width(), window.height(), 1.0);
+        graphics::CairoCanvas canvas(window.width(), window.height(), 1.0);
         session.draw(canvas, window.width(), window.height());
         window.show(canvas);
     }
-    std::printf("%s %zu: %s, %d points, held %d times\n", program.name.c_str(), session.level() + 1,
-                text(session.game().verdict()), session.game().score(), session.stage().timesHeld());
+    std::printf("%s %zu: %s, %d points, dragged %d times\n", program.name.c_str(), session.level() + 1,
+                text(session.game().result()), session.game().score(), session.world().dragCount());
     return session.failure().empty() ? 0 : 3;
 }
 
 } // namespace
 
-std::string writePng(const std::string& path, report::CairoCanvas& canvas) {
+std::string writePng(const std::string& path, graphics::CairoCanvas& canvas) {
     const auto png = canvas.png();
     if (!png)
         return png.error;

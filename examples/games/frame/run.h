@@ -1,5 +1,5 @@
 #pragma once
-// Pictures into files; the program itself is declared in game.h.
+// Writes pictures into files; run() is declared in game.h.
 
 #include "plugin/graphics/cairo_canvas.h"
 
@@ -7,7 +7,7 @@
 
 namespace supercircle::frame {
 
-/// Writes a picture; empty, or why not.
-std::string writePng(const std::string& path, report::CairoCanvas& canvas);
+/// Writes a picture; empty, or the error.
+std::string writePng(const std::string& path, graphics::CairoCanvas& canvas);
 
 } // namespace supercircle::frame

@@ -5,21 +5,21 @@
 namespace supercircle::frame {
 
 std::string Session::open(std::size_t index) {
-    auto stage = Stage::load(levels_[index]);
-    if (!stage)
-        return stage.error();
-    if ((*stage)->game().kind != program_->name)
+    auto world = GameWorld::load(levels_[index]);
+    if (!world)
+        return world.error();
+    if ((*world)->game().kind != program_->name)
         return levels_[index] + ": /game/kind: this is no level of " + program_->name;
     auto game = program_->make();
-    if (std::string why = game->start(**stage); !why.empty())
+    if (std::string why = game->start(**world); !why.empty())
         return levels_[index] + ": " + why;
-    stage_ = *stage;
+    world_ = *world;
     game_ = std::move(game);
     index_ = index;
     failure_.clear();
     due_ = 0.0;
     alpha_ = 1.0;
-    camera_.fit(stage_->game().viewLower, stage_->game().viewUpper);
+    camera_.fit(world_->game().viewLower, world_->game().viewUpper);
     return {};
 }
 
@@ -43,29 +43,29 @@ bool Session::frameKeys(Input& input) {
     return true;
 }
 
-void Session::hand(const Input& input) {
-    const Grip grip = game_->grip();
-    if (!grip.allowed)
+void Session::drag(const Input& input) {
+    const DragSettings drag = game_->dragSettings();
+    if (!drag.allowed)
         return;
     if (input.clicked())
-        stage_->take(input.mouse(), grip.reach > 0.0 ? grip.reach : 14.0 / camera_.scale(), grip.strength,
-                     grip.shellFrequency, grip.bodyFrequency);
-    if (stage_->holding())
-        stage_->moveHand(input.mouse());
-    if (!input.buttonHeld() && stage_->holding())
-        stage_->letGo();
+        world_->startDrag(input.mouse(), drag.reach > 0.0 ? drag.reach : 14.0 / camera_.scale(), drag.strength,
+                          drag.shellFrequency, drag.bodyFrequency);
+    if (world_->dragging())
+        world_->moveMouse(input.mouse());
+    if (!input.buttonHeld() && world_->dragging())
+        world_->releaseMouse();
 }
 
 void Session::step(Input& input) {
     const bool anew = frameKeys(input);
     if (!anew && failure_.empty() && (!paused_ || single_)) {
-        hand(input);
-        if (game_->verdict() == Verdict::Playing)
-            game_->control(*stage_, input);
-        const FrameReport report = stage_->step();
+        drag(input);
+        if (game_->result() == GameResult::Playing)
+            game_->beforeStep(*world_, input);
+        const FrameReport report = world_->step();
         failure_ = report.failure;
-        if (failure_.empty() && game_->verdict() == Verdict::Playing)
-            game_->judge(*stage_);
+        if (failure_.empty() && game_->result() == GameResult::Playing)
+            game_->afterStep(*world_);
     }
     input.forget();
 }
@@ -86,20 +86,20 @@ void Session::draw(Canvas& canvas, double width, double height) {
     camera_.resize(width, height);
     const View view(canvas, camera_, width, height);
     view.background();
-    game_->draw(*stage_, view, alpha_);
-    view.hand(*stage_);
-    std::string hint = paused_ ? "Paused. P: go on, . (dot): one step" : game_->hint(*stage_);
+    game_->draw(*world_, view, alpha_);
+    view.drag(*world_);
+    std::string hint = paused_ ? "Paused. P: go on, . (dot): one step" : game_->hint(*world_);
     if (slow_)
         hint = "[slow motion] " + hint;
-    drawStrips(view, program_->title + " " + std::to_string(index_ + 1) + ": " + stage_->game().title,
-               game_->status(*stage_), hint, "H: help");
+    drawStrips(view, program_->title + " " + std::to_string(index_ + 1) + ": " + world_->game().title,
+               game_->status(*world_), hint, "H: help");
     if (!failure_.empty())
         drawCard(view, "Stopped", {failure_, "R: again"}, look::bad);
-    else if (game_->verdict() == Verdict::Won)
+    else if (game_->result() == GameResult::Won)
         drawCard(view, "Won: " + std::to_string(game_->score()) + " points",
                  {game_->reason(), index_ + 1 < levels_.size() ? "N: next level   R: again" : "R: again   Esc: quit"},
                  look::good);
-    else if (game_->verdict() == Verdict::Lost)
+    else if (game_->result() == GameResult::Lost)
         drawCard(view, "Lost", {game_->reason(), "R: again"}, look::bad);
     if (help_) {
         auto keys = game_->help();

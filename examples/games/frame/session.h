@@ -1,5 +1,5 @@
 #pragma once
-// One level being played by somebody: pause, step, slow motion, restart, pictures. Shared by window and headless runs.
+// A level that is being played: pause, single step, slow motion, restart, pictures; for windows and headless runs.
 
 #include "examples/games/frame/game.h"
 
@@ -9,16 +9,16 @@ class Session {
 public:
     Session(const Program& program, std::vector<std::string> levels) : program_(&program), levels_(std::move(levels)) {}
 
-    /// Loads level `index`; empty or why not.
+    /// Loads level `index`; empty, or the error.
     std::string open(std::size_t index);
-    /// One step of 1/60 s with what `input` holds (and the keys of the frame: pause, restart ...).
+    /// One step of 1/60 s with what `input` holds (and the common keys: pause, restart ...).
     void step(Input& input);
-    /// Real time passed: as many steps as are due.
+    /// Makes the steps that are due after some real time, s.
     void advance(double seconds, Input& input);
     void draw(Canvas& canvas, double width, double height);
 
     [[nodiscard]] Camera& camera() { return camera_; }
-    [[nodiscard]] const Stage& stage() const { return *stage_; }
+    [[nodiscard]] const GameWorld& world() const { return *world_; }
     [[nodiscard]] const Game& game() const { return *game_; }
     [[nodiscard]] const std::string& failure() const { return failure_; }
     [[nodiscard]] bool quit() const { return quit_; }
@@ -28,11 +28,11 @@ public:
 
 private:
     bool frameKeys(Input& input);
-    void hand(const Input& input);
+    void drag(const Input& input);
     const Program* program_;
     std::vector<std::string> levels_;
     std::size_t index_ = 0;
-    std::shared_ptr<Stage> stage_;
+    std::shared_ptr<GameWorld> world_;
     std::unique_ptr<Game> game_;
     Camera camera_;
     std::string failure_;

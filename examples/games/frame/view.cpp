@@ -7,8 +7,8 @@
 
 namespace supercircle::frame {
 
-using report::Paint;
-using report::Stroke;
+using graphics::Paint;
+using graphics::Stroke;
 
 namespace {
 
@@ -43,21 +43,21 @@ double Camera::scale() const {
     return zoom_ * std::max(1e-9, std::min(w / (upper_.x - lower_.x), h / (upper_.y - lower_.y)));
 }
 
-report::Point Camera::pixel(Point p) const {
+graphics::Point Camera::pixel(Point p) const {
     const double s = scale();
     const double cx = 0.5 * (left_ + width_), cy = 0.5 * (look::top + height_ - look::bottom);
     return {cx + s * (p.x - 0.5 * (lower_.x + upper_.x) - shift_.x),
             cy - s * (p.y - 0.5 * (lower_.y + upper_.y) - shift_.y)};
 }
 
-Point Camera::world(report::Point p) const {
+Point Camera::world(graphics::Point p) const {
     const double s = scale();
     const double cx = 0.5 * (left_ + width_), cy = 0.5 * (look::top + height_ - look::bottom);
     return {0.5 * (lower_.x + upper_.x) + shift_.x + (p.x - cx) / s,
             0.5 * (lower_.y + upper_.y) + shift_.y - (p.y - cy) / s};
 }
 
-void Camera::zoom(double factor, report::Point at) {
+void Camera::zoom(double factor, graphics::Point at) {
     const Point before = world(at);
     zoom_ = std::clamp(zoom_ * factor, 0.2, 50.0);
     const Point after = world(at);
@@ -72,9 +72,9 @@ void View::background() const {
     canvas_->rectangle({0, 0, width_, height_}, {.fill = look::sky});
 }
 
-void View::bodies(const Stage& stage, double alpha, const std::function<Style(const b2Body&)>& style) const {
-    const double u = stage.units();
-    for (const BodyPose& pose : stage.bodies(alpha)) {
+void View::bodies(const GameWorld& world, double alpha, const std::function<Style(const b2Body&)>& style) const {
+    const double u = world.units();
+    for (const BodyPose& pose : world.bodies(alpha)) {
         if (!pose.body->IsEnabled())
             continue;
         const Style look = style ? style(*pose.body) : usual(*pose.body);
@@ -85,12 +85,12 @@ void View::bodies(const Stage& stage, double alpha, const std::function<Style(co
             return pixel({pose.x + static_cast<double>(turned.x) / u, pose.y + static_cast<double>(turned.y) / u});
         };
         for (const b2Fixture* f = pose.body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
-            std::vector<report::Point> points;
+            std::vector<graphics::Point> points;
             if (f->IsSensor())
                 continue;
             if (const auto* c = dynamic_cast<const b2CircleShape*>(f->GetShape())) {
                 const double r = static_cast<double>(c->m_radius) / u * camera_->scale();
-                const report::Point centre = place(c->m_p);
+                const graphics::Point centre = place(c->m_p);
                 canvas_->circle(centre, r, paint);
                 if (pose.body->GetType() == b2_dynamicBody && pose.body->GetFixtureList()->GetNext() == nullptr)
                     canvas_->line(
@@ -112,7 +112,7 @@ void View::bodies(const Stage& stage, double alpha, const std::function<Style(co
 }
 
 void View::curve(const std::vector<Point>& line, const Colour& colour, double thickness) const {
-    std::vector<report::Point> points;
+    std::vector<graphics::Point> points;
     for (const Point& p : line)
         points.push_back(pixel(p));
     const double w = std::max(4.0, thickness * camera_->scale());
@@ -120,17 +120,17 @@ void View::curve(const std::vector<Point>& line, const Colour& colour, double th
     canvas_->path(points, false, {.stroke = Stroke{colour, w}});
 }
 
-void View::shells(const Stage& stage, double alpha, const std::function<Colour(ShellHandle)>& colour) const {
-    for (const ShellHandle shell : stage.shells().list())
-        curve(stage.line(shell, alpha), colour ? colour(shell) : Colour::hex(stage.colour(shell)), 0.0);
+void View::shells(const GameWorld& world, double alpha, const std::function<Colour(ShellHandle)>& colour) const {
+    for (const ShellHandle shell : world.shells().shells())
+        curve(world.line(shell, alpha), colour ? colour(shell) : Colour::hex(world.colour(shell)), 0.0);
 }
 
-void View::hand(const Stage& stage) const {
-    if (!stage.holding())
+void View::drag(const GameWorld& world) const {
+    if (!world.dragging())
         return;
-    line(stage.handAt(), stage.handTarget(), look::accent, 2.0, true);
-    canvas_->circle(pixel(stage.handAt()), 5.0, {.fill = look::accent});
-    canvas_->circle(pixel(stage.handTarget()), 9.0, {.stroke = Stroke{look::accent, 2.0}});
+    line(world.dragPoint(), world.dragTarget(), look::accent, 2.0, true);
+    canvas_->circle(pixel(world.dragPoint()), 5.0, {.fill = look::accent});
+    canvas_->circle(pixel(world.dragTarget()), 9.0, {.stroke = Stroke{look::accent, 2.0}});
 }
 
 void View::disc(Point centre, double radius, const Style& style) const {
@@ -142,19 +142,19 @@ void View::line(Point a, Point b, const Colour& colour, double width, bool dashe
 }
 
 void View::area(Point lower, Point upper, const Colour& colour, const std::string& text) const {
-    const report::Point a = pixel({lower.x, upper.y}), b = pixel({upper.x, lower.y});
+    const graphics::Point a = pixel({lower.x, upper.y}), b = pixel({upper.x, lower.y});
     canvas_->rectangle({a.x, a.y, b.x - a.x, b.y - a.y},
                        {.fill = colour.alpha(0.12), .stroke = Stroke{colour, 1.5, {6.0, 5.0}}});
     canvas_->text({a.x + 6.0, a.y + 17.0}, text, {.size = 13.0, .colour = colour, .bold = true});
 }
 
 void View::label(Point at, const std::string& text, const Colour& colour, double size) const {
-    const report::Point p = pixel(at);
-    canvas_->text({p.x, p.y}, text, {.size = size, .colour = colour, .anchor = report::Anchor::Middle});
+    const graphics::Point p = pixel(at);
+    canvas_->text({p.x, p.y}, text, {.size = size, .colour = colour, .anchor = graphics::Anchor::Middle});
 }
 
-void drawStrips(const View& view, const std::string& title, const std::vector<Status>& status, const std::string& hint,
-                const std::string& corner) {
+void drawStrips(const View& view, const std::string& title, const std::vector<StatusEntry>& status,
+                const std::string& hint, const std::string& corner) {
     Canvas& c = view.canvas();
     const double w = view.width(), h = view.height();
     c.rectangle({0, 0, w, look::top}, {.fill = look::strip});
@@ -165,39 +165,39 @@ void drawStrips(const View& view, const std::string& title, const std::vector<St
     double x = w - 18.0; // from the right, the first one leftmost
     for (auto it = status.rbegin(); it != status.rend(); ++it) {
         const double wide =
-            std::max({report::textWidth(it->name, 11.0), report::textWidth(it->value, 17.0, true), 50.0});
+            std::max({graphics::textWidth(it->name, 11.0), graphics::textWidth(it->value, 17.0, true), 50.0});
         c.text({x - wide, 19.0}, it->name, {.size = 11.0, .colour = look::muted});
         c.text({x - wide, 41.0}, it->value, {.size = 17.0, .colour = it->colour, .bold = true});
         x -= wide + 22.0;
     }
     c.text({18.0, h - 12.0}, hint, {.size = 13.0, .colour = look::muted});
     if (!corner.empty())
-        c.text({w - 18.0, h - 12.0}, corner, {.size = 13.0, .colour = look::muted, .anchor = report::Anchor::End});
+        c.text({w - 18.0, h - 12.0}, corner, {.size = 13.0, .colour = look::muted, .anchor = graphics::Anchor::End});
 }
 
 void drawCard(const View& view, const std::string& title, const std::vector<std::string>& lines, const Colour& colour) {
     Canvas& c = view.canvas();
-    double wide = report::textWidth(title, 30.0, true);
+    double wide = graphics::textWidth(title, 30.0, true);
     for (const std::string& line : lines)
-        wide = std::max(wide, report::textWidth(line, 16.0));
+        wide = std::max(wide, graphics::textWidth(line, 16.0));
     wide += 70.0;
     const double high = 86.0 + 26.0 * static_cast<double>(lines.size());
     const double x = 0.5 * (view.width() - wide), y = std::max(look::top + 10.0, 0.34 * view.height() - 0.5 * high);
     c.rectangle({x, y, wide, high}, {.fill = look::strip.alpha(0.94), .stroke = Stroke{colour, 2.0}});
     c.rectangle({x, y, wide, 6.0}, {.fill = colour});
     c.text({x + 0.5 * wide, y + 52.0}, title,
-           {.size = 30.0, .colour = colour, .anchor = report::Anchor::Middle, .bold = true});
+           {.size = 30.0, .colour = colour, .anchor = graphics::Anchor::Middle, .bold = true});
     for (std::size_t i = 0; i < lines.size(); ++i)
         c.text({x + 0.5 * wide, y + 84.0 + 26.0 * static_cast<double>(i)}, lines[i],
-               {.size = 16.0, .colour = look::ink, .anchor = report::Anchor::Middle});
+               {.size = 16.0, .colour = look::ink, .anchor = graphics::Anchor::Middle});
 }
 
 void drawHelp(const View& view, const std::vector<std::pair<std::string, std::string>>& keys) {
     Canvas& c = view.canvas();
     double first = 0.0, second = 0.0;
     for (const auto& [key, what] : keys) {
-        first = std::max(first, report::textWidth(key, 14.0, true));
-        second = std::max(second, report::textWidth(what, 14.0));
+        first = std::max(first, graphics::textWidth(key, 14.0, true));
+        second = std::max(second, graphics::textWidth(what, 14.0));
     }
     const double wide = first + second + 62.0, high = 28.0 + 24.0 * static_cast<double>(keys.size());
     const double x = view.width() - wide - 16.0, y = look::top + 16.0;
@@ -224,7 +224,7 @@ void drawEnergy(const View& view, double x, double y, const std::string& title,
         const double bar = 110.0 * std::max(0.0, joules[i].second) / most;
         c.rectangle({x + 104.0, base - 11.0, std::max(bar, 1.0), 13.0}, {.fill = colours[i % colours.size()]});
         c.text({x + 286.0, base}, number(std::max(0.0, joules[i].second), joules[i].second < 10.0 ? 1 : 0) + " J",
-               {.size = 13.0, .colour = look::ink, .anchor = report::Anchor::End});
+               {.size = 13.0, .colour = look::ink, .anchor = graphics::Anchor::End});
     }
 }
 

@@ -1,8 +1,8 @@
 #pragma once
-// The picture of a level: camera, bodies, shells, hand, and the frame of words around them. One look for all games and
-// the testbed; drawn on report's canvas, so that a window and a PNG file show the same pixels.
+// The picture of a level: camera, bodies, shells, the dragged point, title, status and hint. All games and the testbed
+// share it. It is drawn on report's canvas, so that a window and a PNG file show the same pixels.
 
-#include "examples/games/frame/stage.h"
+#include "examples/games/frame/game_world.h"
 #include "plugin/graphics/canvas.h"
 
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace supercircle::frame {
 
-using report::Canvas;
-using report::Colour;
+using graphics::Canvas;
+using graphics::Colour;
 
 namespace look {
 inline constexpr Colour sky = Colour::hex(0xf6f4ef);
@@ -32,7 +32,7 @@ struct Style {
     Colour fill = look::still, edge = look::stillEdge;
 };
 
-/// Box of the world that is shown, with a zoom and a shift of the player's.
+/// The visible box of the world, with the zoom and shift of the player.
 class Camera {
 public:
     void fit(Point lower, Point upper) {
@@ -45,19 +45,19 @@ public:
         shift_ = {};
     }
     void resize(double width, double height, double left = 0.0);
-    /// Keeps the place under the mouse.
-    void zoom(double factor, report::Point at);
+    /// Zooms; the point under the mouse stays.
+    void zoom(double factor, graphics::Point at);
     void pan(double dx, double dy);
     [[nodiscard]] double scale() const; ///< px per metre
-    [[nodiscard]] report::Point pixel(Point p) const;
-    [[nodiscard]] Point world(report::Point p) const;
+    [[nodiscard]] graphics::Point pixel(Point p) const;
+    [[nodiscard]] Point world(graphics::Point p) const;
 
 private:
     Point lower_{-8, -1}, upper_{8, 8}, shift_{};
     double zoom_ = 1.0, width_ = 1280.0, height_ = 720.0, left_ = 0.0;
 };
 
-/// A sheet with a camera.
+/// A canvas with a camera.
 class View {
 public:
     View(Canvas& canvas, const Camera& camera, double width, double height)
@@ -66,18 +66,18 @@ public:
     [[nodiscard]] const Camera& camera() const { return *camera_; }
     [[nodiscard]] double width() const { return width_; }
     [[nodiscard]] double height() const { return height_; }
-    [[nodiscard]] report::Point pixel(Point p) const { return camera_->pixel(p); }
+    [[nodiscard]] graphics::Point pixel(Point p) const { return camera_->pixel(p); }
 
     void background() const;
-    void bodies(const Stage& stage, double alpha, const std::function<Style(const b2Body&)>& style = {}) const;
-    void shells(const Stage& stage, double alpha, const std::function<Colour(ShellHandle)>& colour = {}) const;
-    void hand(const Stage& stage) const;
-    /// World shapes of the games' own.
+    void bodies(const GameWorld& world, double alpha, const std::function<Style(const b2Body&)>& style = {}) const;
+    void shells(const GameWorld& world, double alpha, const std::function<Colour(ShellHandle)>& colour = {}) const;
+    void drag(const GameWorld& world) const;
+    /// Shapes of a game, in world coordinates.
     void disc(Point centre, double radius, const Style& style) const;
     void line(Point a, Point b, const Colour& colour, double width, bool dashed = false) const;
     void area(Point lower, Point upper, const Colour& colour, const std::string& label) const;
     void label(Point at, const std::string& text, const Colour& colour, double size = 14.0) const;
-    /// A shell curve as a thick line with an edge.
+    /// A shell as a thick line with an edge.
     void curve(const std::vector<Point>& line, const Colour& colour, double thickness) const;
 
 private:
@@ -86,20 +86,20 @@ private:
     double width_, height_;
 };
 
-/// One entry of the status line: a name and what it is.
-struct Status {
+/// One entry of the status line.
+struct StatusEntry {
     std::string name, value;
     Colour colour = look::ink;
 };
 
 /// Title, status and hint around the picture.
-void drawStrips(const View& view, const std::string& title, const std::vector<Status>& status, const std::string& hint,
-                const std::string& corner = "");
+void drawStrips(const View& view, const std::string& title, const std::vector<StatusEntry>& status,
+                const std::string& hint, const std::string& corner = "");
 /// A card in the middle, for the end of a game and for help.
 void drawCard(const View& view, const std::string& title, const std::vector<std::string>& lines, const Colour& colour);
 /// Keys and what they do, a card at the right.
 void drawHelp(const View& view, const std::vector<std::pair<std::string, std::string>>& keys);
-/// Where the energy went: one bar each, at (x, y) px.
+/// A bar chart of energies, at (x, y) px.
 void drawEnergy(const View& view, double x, double y, const std::string& title,
                 const std::vector<std::pair<std::string, double>>& joules, const std::vector<Colour>& colours);
 /// "12.3", at most `digits` after the point.

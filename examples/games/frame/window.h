@@ -1,5 +1,5 @@
 #pragma once
-// A window that shows finished pictures and gathers input. With GLFW where CMake finds it, else open() says so.
+// A window that shows finished pictures and collects input. Without GLFW open() fails with a message.
 
 #include "examples/games/frame/input.h"
 #include "plugin/graphics/cairo_canvas.h"
@@ -10,9 +10,9 @@
 
 namespace supercircle::frame {
 
-/// Raw mouse in pixels of the picture, beside what Input has.
+/// The mouse in pixels of the picture, in addition to Input.
 struct Pointer {
-    report::Point at{};
+    graphics::Point at{};
     double wheel = 0.0;               ///< notches since the last poll
     bool left = false, right = false; ///< buttons down
     double dragX = 0.0, dragY = 0.0;  ///< px, with the right button since the last poll
@@ -24,15 +24,15 @@ public:
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
-    /// Empty, or why there is no window.
+    /// Empty, or the error.
     std::string open(int width, int height, const std::string& title);
-    /// Gathers input; `world` turns pixels into metres. False when the window was closed.
-    bool poll(Input& input, const std::function<Point(report::Point)>& world);
+    /// Collects input; `world` turns pixels into metres. False when the window was closed.
+    bool poll(Input& input, const std::function<Point(graphics::Point)>& world);
     [[nodiscard]] const Pointer& pointer() const;
     [[nodiscard]] int width() const;
     [[nodiscard]] int height() const;
     [[nodiscard]] double seconds() const; ///< of a clock
-    void show(const report::CairoCanvas& picture);
+    void show(const graphics::CairoCanvas& picture);
 
 private:
     struct Impl;

@@ -1,5 +1,5 @@
-// The picture is drawn by Cairo, the same as for PNG files, and shown as one texture: no second renderer to keep in
-// step, no requirement beyond OpenGL 1.2, and pixels that headless tests see as well.
+// Cairo draws the picture, as for PNG files, and it is shown as one texture. This needs OpenGL 1.2 only, no second
+// renderer, and headless tests see the same pixels.
 
 #include "examples/games/frame/window.h"
 
@@ -53,11 +53,11 @@ struct Window::Impl {
 
     static Impl& of(GLFWwindow* w) { return *static_cast<Impl*>(glfwGetWindowUserPointer(w)); }
     void listen();
-    void pixel(double x, double y, report::Point& out) const;
+    void pixel(double x, double y, graphics::Point& out) const;
 };
 
 /// Cursor positions are in screen coordinates, pictures in pixels.
-void Window::Impl::pixel(double x, double y, report::Point& out) const {
+void Window::Impl::pixel(double x, double y, graphics::Point& out) const {
     int ww = 1, wh = 1, fw = 1, fh = 1;
     glfwGetWindowSize(window, &ww, &wh);
     glfwGetFramebufferSize(window, &fw, &fh);
@@ -86,7 +86,7 @@ void Window::Impl::listen() {
     });
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
         Impl& s = of(w);
-        const report::Point old = s.pointer.at;
+        const graphics::Point old = s.pointer.at;
         s.pixel(x, y, s.pointer.at);
         if (s.pointer.right) {
             s.pointer.dragX += s.pointer.at.x - old.x;
@@ -129,7 +129,7 @@ std::string Window::open(int width, int height, const std::string& title) {
     return {};
 }
 
-bool Window::poll(Input& input, const std::function<Point(report::Point)>& world) {
+bool Window::poll(Input& input, const std::function<Point(graphics::Point)>& world) {
     impl_->pointer.wheel = impl_->pointer.dragX = impl_->pointer.dragY = 0.0;
     impl_->input = &input;
     glfwPollEvents();
@@ -158,8 +158,8 @@ double Window::seconds() const {
     return glfwGetTime();
 }
 
-void Window::show(const report::CairoCanvas& picture) {
-    const report::CairoCanvas::Pixels p = picture.pixels();
+void Window::show(const graphics::CairoCanvas& picture) {
+    const graphics::CairoCanvas::Pixels p = picture.pixels();
     glViewport(0, 0, width(), height());
     glPixelStorei(GL_UNPACK_ROW_LENGTH, p.stride / 4);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, p.width, p.height, 0, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, p.data);

@@ -1,4 +1,4 @@
-// Built instead of window_glfw.cpp where there is no GLFW.
+// Replaces window_glfw.cpp in builds without GLFW.
 
 #include "examples/games/frame/window.h"
 
@@ -13,7 +13,7 @@ Window::~Window() = default;
 std::string Window::open(int, int, const std::string&) {
     return "this build has no windows (GLFW was not found): use --headless, or install libglfw3-dev and build again";
 }
-bool Window::poll(Input&, const std::function<Point(report::Point)>&) {
+bool Window::poll(Input&, const std::function<Point(graphics::Point)>&) {
     return false;
 }
 const Pointer& Window::pointer() const {
@@ -28,6 +28,6 @@ int Window::height() const {
 double Window::seconds() const {
     return 0.0;
 }
-void Window::show(const report::CairoCanvas&) {}
+void Window::show(const graphics::CairoCanvas&) {}
 
 } // namespace supercircle::frame

@@ -1,9 +1,9 @@
 // Lander: a craft on two snap-fit legs. Each leg is a shell that hangs on two strings under a peg of the craft, its
-// opening up; a landing pushes the peg into it. It opens, rubs, snaps shut around the peg - and has absorbed its share,
-// once. A second landing on a spent leg is a hard one. On the service pad a clamp takes hold of spent legs: pull up and
-// they let go of their pegs.
+// opening up. A landing pushes the peg into it: it opens, slides, snaps shut around the peg and absorbs energy once. A
+// second landing on a spent leg is hard. On the service pad clamps hold spent legs, and the craft can pull its pegs
+// off.
 
-#include "examples/games/frame/feel.h"
+#include "examples/games/frame/felt_acceleration.h"
 #include "examples/games/frame/game.h"
 
 #include <box2d/box2d.h>
@@ -22,7 +22,7 @@ constexpr double kClearance = 0.02; ///< m, between peg and tips at the start
 constexpr double kSide = 0.35;      ///< side jets over main thrust
 constexpr double kRest = 0.2;       ///< m/s
 
-struct Leg {
+struct LandingLeg {
     b2Vec2 peg{};        ///< in the craft's frame
     double radius = 0.0; ///< of the peg, m
     ShellHandle shell{};
@@ -34,135 +34,136 @@ struct Leg {
 
 class Lander final : public Game {
 public:
-    std::string start(Stage& stage) override {
-        const scene::Game& level = stage.game();
-        craft_ = stage.body(level.actor);
+    std::string start(GameWorld& world) override {
+        const scene::Game& level = world.game();
+        craft_ = world.body(level.actor);
         for (const b2Fixture* f = craft_->GetFixtureList(); f != nullptr; f = f->GetNext())
             if (const auto* c = dynamic_cast<const b2CircleShape*>(f->GetShape()))
                 legs_.push_back({c->m_p, static_cast<double>(c->m_radius)});
         if (legs_.size() != 2)
             return "the craft needs two circles, the pegs of its legs";
-        for (Leg& leg : legs_)
-            if (std::string why = hang(stage, leg); !why.empty())
+        for (LandingLeg& leg : legs_)
+            if (std::string why = hang(world, leg); !why.empty())
                 return why;
         fuel_ = level.fuel;
-        feel_.reset(stage.velocity(*craft_));
+        acceleration_.reset(world.velocity(*craft_));
         return {};
     }
 
-    void control(Stage& stage, const Input& input) override {
-        const scene::Game& level = stage.game();
+    void beforeStep(GameWorld& world, const Input& input) override {
+        const scene::Game& level = world.game();
         const double angle = static_cast<double>(craft_->GetAngle()),
                      spin = static_cast<double>(craft_->GetAngularVelocity());
         const double inertia = static_cast<double>(craft_->GetInertia());
-        stage.push(*craft_, {level.wind, 0.0}, inertia * (-14.0 * angle - 6.0 * spin)); // a gyroscope keeps it upright
+        world.push(*craft_, {level.wind, 0.0}, inertia * (-14.0 * angle - 6.0 * spin)); // a gyroscope keeps it upright
         main_ = input.held("up") && fuel_ > 0.0;
         side_ = fuel_ > 0.0 ? (input.held("right") ? 1.0 : 0.0) - (input.held("left") ? 1.0 : 0.0) : 0.0;
         if (main_)
-            stage.push(*craft_, {-level.thrust * std::sin(angle), level.thrust * std::cos(angle)});
+            world.push(*craft_, {-level.thrust * std::sin(angle), level.thrust * std::cos(angle)});
         if (side_ != 0.0)
-            stage.push(*craft_, {kSide * side_ * level.thrust, 0.0});
+            world.push(*craft_, {kSide * side_ * level.thrust, 0.0});
         fuel_ = std::max(0.0, fuel_ - kStep * ((main_ ? 1.0 : 0.0) + kSide * std::abs(side_)));
     }
 
-    void judge(Stage& stage) override {
-        const scene::Game& level = stage.game();
-        for (Leg& leg : legs_)
-            look(stage, leg);
-        feel_.step(stage.velocity(*craft_));
-        if (feel_.hardest() > level.limit)
-            return end(Verdict::Lost,
-                       "A hard landing: " + number(feel_.hardest(), 1) + " g, the crew bears " + number(level.limit, 0),
+    void afterStep(GameWorld& world) override {
+        const scene::Game& level = world.game();
+        for (LandingLeg& leg : legs_)
+            update(world, leg);
+        acceleration_.step(world.velocity(*craft_));
+        if (acceleration_.hardest() > level.limit)
+            return end(GameResult::Lost,
+                       "A hard landing: " + number(acceleration_.hardest(), 1) + " g, the crew bears " +
+                           number(level.limit, 0),
                        0);
-        const Point at = stage.position(*craft_), v = stage.velocity(*craft_);
+        const Point at = world.position(*craft_), v = world.velocity(*craft_);
         if (at.y < level.viewLower.y - 1.0 || at.x < level.viewLower.x - 2.0 || at.x > level.viewUpper.x + 2.0)
-            return end(Verdict::Lost, "Lost in space", 0);
-        if (stage.time() > level.time)
-            return end(Verdict::Lost, "The time is up", 0);
+            return end(GameResult::Lost, "Lost in space", 0);
+        if (world.time() > level.time)
+            return end(GameResult::Lost, "The time is up", 0);
         if (std::abs(craft_->GetAngle()) > 1.2F)
-            return end(Verdict::Lost, "Tipped over", 0);
+            return end(GameResult::Lost, "Tipped over", 0);
         const bool there = at.x > level.goalLower.x && at.x < level.goalUpper.x && at.y > level.goalLower.y &&
                            at.y < level.goalUpper.y;
         still_ = there && std::hypot(v.x, v.y) < kRest ? still_ + kStep : 0.0;
         if (still_ > level.hold)
-            end(Verdict::Won,
-                "Landed with " + number(feel_.hardest(), 1) + " g and " + number(fuel_, 1) + " s of fuel left",
+            end(GameResult::Won,
+                "Landed with " + number(acceleration_.hardest(), 1) + " g and " + number(fuel_, 1) + " s of fuel left",
                 static_cast<int>(
-                    std::lround(100.0 * (1.0 + fuel_ / level.fuel) * (2.0 - feel_.hardest() / level.limit))));
+                    std::lround(100.0 * (1.0 + fuel_ / level.fuel) * (2.0 - acceleration_.hardest() / level.limit))));
     }
 
-    void draw(const Stage& stage, const View& view, double alpha) const override {
-        const scene::Game& level = stage.game();
+    void draw(const GameWorld& world, const View& view, double alpha) const override {
+        const scene::Game& level = world.game();
         view.area(level.goalLower, level.goalUpper, look::good, "land here");
-        for (const Leg& leg : legs_)
+        for (const LandingLeg& leg : legs_)
             for (int i = 0; i < 2; ++i)
-                if (const auto tip = stage.shells().section(leg.shell, i))
+                if (const auto tip = world.shells().section(leg.shell, i))
                     view.line(toWorld(leg.tied[static_cast<std::size_t>(i)]), tip->position, look::muted, 1.5);
         flames(view);
-        const b2Body* service = stage.body(level.service);
-        view.bodies(stage, alpha, [&](const b2Body& b) {
+        const b2Body* service = world.body(level.service);
+        view.bodies(world, alpha, [&](const b2Body& b) {
             return &b == service  ? Style{look::driven, look::drivenEdge}
                    : &b == craft_ ? Style{look::loose, look::looseEdge}
                                   : Style{};
         });
-        view.shells(stage, alpha, [&](ShellHandle s) {
+        view.shells(world, alpha, [&](ShellHandle s) {
             const bool spent =
-                std::any_of(legs_.begin(), legs_.end(), [&](const Leg& l) { return l.shell == s && l.spent; });
-            return spent ? look::bad : Colour::hex(stage.colour(s));
+                std::any_of(legs_.begin(), legs_.end(), [&](const LandingLeg& l) { return l.shell == s && l.spent; });
+            return spent ? look::bad : Colour::hex(world.colour(s));
         });
-        for (const Leg& leg : legs_)
+        for (const LandingLeg& leg : legs_)
             if (!leg.clamp.null())
-                if (const auto middle = stage.shells().section(leg.shell, 0.5))
+                if (const auto middle = world.shells().section(leg.shell, 0.5))
                     view.disc(middle->position, 0.09, {look::accent, look::ink});
         if (level.wind != 0.0)
             drawWind(view, level);
     }
 
-    std::vector<Status> status(const Stage& stage) const override {
-        const Point v = stage.velocity(*craft_);
-        const auto spent = std::count_if(legs_.begin(), legs_.end(), [](const Leg& l) { return l.spent; });
-        const scene::Game& level = stage.game();
+    std::vector<StatusEntry> status(const GameWorld& world) const override {
+        const Point v = world.velocity(*craft_);
+        const auto spent = std::count_if(legs_.begin(), legs_.end(), [](const LandingLeg& l) { return l.spent; });
+        const scene::Game& level = world.game();
         return {{"fuel", number(fuel_, 1) + " s", fuel_ < 0.25 * level.fuel ? look::bad : look::ink},
                 {"sinking", number(-v.y, 1) + " m/s", v.y < -4.5 ? look::bad : look::ink},
-                {"felt", number(feel_.hardest(), 1) + " / " + number(level.limit, 0) + " g"},
+                {"felt", number(acceleration_.hardest(), 1) + " / " + number(level.limit, 0) + " g"},
                 {"legs", spent == 0 ? "armed" : std::to_string(spent) + " spent", spent == 0 ? look::good : look::bad},
-                {"time", number(level.time - stage.time(), 0) + " s"}};
+                {"time", number(level.time - world.time(), 0) + " s"}};
     }
-    std::string hint(const Stage& stage) const override {
-        if (std::any_of(legs_.begin(), legs_.end(), [](const Leg& l) { return !l.clamp.null(); }))
+    std::string hint(const GameWorld& world) const override {
+        if (std::any_of(legs_.begin(), legs_.end(), [](const LandingLeg& l) { return !l.clamp.null(); }))
             return "The clamp holds the spent legs: full thrust pulls the craft off them, and they are armed again.";
-        return stage.game().hint.empty() ? "Up: main engine, left and right: jets. The legs absorb one landing."
-                                         : stage.game().hint;
+        return world.game().hint.empty() ? "Up: main engine, left and right: jets. The legs absorb one landing."
+                                         : world.game().hint;
     }
     std::vector<std::pair<std::string, std::string>> help() const override {
         return {{"up", "main engine"}, {"left, right", "side jets"}};
     }
-    Grip grip() const override { return {.allowed = false}; }
+    DragSettings dragSettings() const override { return {.allowed = false}; }
 
 private:
     [[nodiscard]] Point toWorld(Point p) const {
         const b2Vec2 w = craft_->GetWorldPoint({static_cast<float>(p.x), static_cast<float>(p.y)});
         return {static_cast<double>(w.x), static_cast<double>(w.y)};
     }
-    [[nodiscard]] Point pegOf(const Leg& leg) const {
+    [[nodiscard]] Point pegOf(const LandingLeg& leg) const {
         return toWorld({static_cast<double>(leg.peg.x), static_cast<double>(leg.peg.y)});
     }
 
     /// Hangs an armed leg under its peg: tips at the peg's flanks, strings from the craft to the tips.
-    std::string hang(Stage& stage, Leg& leg) {
-        const scene::GamePart& part = stage.game().parts.front();
+    std::string hang(GameWorld& world, LandingLeg& leg) {
+        const scene::GamePart& part = world.game().parts.front();
         const double phi = M_PI * part.phi_bar, r = part.radius, reach = leg.radius + kClearance + 0.013 * r;
         if (r * std::sin(phi) > reach)
             return "the pegs are smaller than the opening of the legs";
         // Distance of the two centres with both tips `reach` away from the peg's centre, above the leg's own.
         const double apart = -r * std::cos(phi) + std::sqrt(reach * reach - std::pow(r * std::sin(phi), 2));
         const Point peg = pegOf(leg);
-        const auto shell = stage.add(part, {peg.x, peg.y - apart - r}, 0.0);
+        const auto shell = world.add(part, {peg.x, peg.y - apart - r}, 0.0);
         if (!shell)
             return "leg: " + shell.error();
         leg.shell = *shell;
         for (int i = 0; i < 2; ++i) {
-            const auto tip = stage.shells().section(*shell, i);
+            const auto tip = world.shells().section(*shell, i);
             const double side = tip->position.x > peg.x ? 1.0 : -1.0;
             const auto k = static_cast<std::size_t>(i);
             const Point tie{peg.x + side * 1.15 * r, peg.y + 0.9 * r};
@@ -172,10 +173,10 @@ private:
             def.kind = JointKind::Tether;
             def.shell = *shell;
             def.arc_fraction = i;
-            def.body = stage.id(*craft_);
+            def.body = world.id(*craft_);
             def.point = tie;
             def.collide_connected = true;
-            const auto string = stage.shells().join(def);
+            const auto string = world.shells().create_joint(def);
             if (!string)
                 return "string: " + string.error();
             leg.strings[k] = *string;
@@ -183,24 +184,24 @@ private:
         return {};
     }
 
-    /// What has become of a leg; the service pad's clamp takes hold of spent ones and lets go of armed ones.
-    void look(Stage& stage, Leg& leg) {
-        const auto middle = stage.shells().section(leg.shell, 0.5);
+    /// Updates the state of a leg. On the service pad spent legs are clamped and armed ones released.
+    void update(GameWorld& world, LandingLeg& leg) {
+        const auto middle = world.shells().section(leg.shell, 0.5);
         if (!middle)
             return;
         const Point peg = pegOf(leg);
-        const double r = stage.game().parts.front().radius;
+        const double r = world.game().parts.front().radius;
         const double apart = std::hypot(middle->position.x - peg.x, middle->position.y - peg.y);
         if (apart < kSpent * r)
             leg.spent = true;
         if (apart > kArmed * r)
             leg.spent = false;
-        const b2Body* service = stage.body(stage.game().service);
+        const b2Body* service = world.body(world.game().service);
         if (leg.spent && leg.clamp.null() && service != nullptr && onService(middle->position, *service))
-            if (const auto clamp = stage.shells().clamp(leg.shell, 0.5))
+            if (const auto clamp = world.shells().create_clamp(leg.shell, 0.5))
                 leg.clamp = *clamp;
         if (!leg.spent && !leg.clamp.null()) {
-            stage.shells().release(leg.clamp);
+            world.shells().destroy(leg.clamp);
             leg.clamp = {};
         }
     }
@@ -239,8 +240,8 @@ private:
     }
 
     b2Body* craft_ = nullptr;
-    std::vector<Leg> legs_;
-    Feel feel_;
+    std::vector<LandingLeg> legs_;
+    FeltAcceleration acceleration_;
     double fuel_ = 0.0, still_ = 0.0, side_ = 0.0;
     bool main_ = false;
 };

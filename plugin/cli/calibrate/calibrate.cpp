@@ -3,12 +3,12 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #include "bridge/box2d/lab_world.h"
 #include "plugin/identification/calibration/curve.h"
 #include "plugin/identification/calibration/switching.h"
-#include "plugin/lab/session/runner.h"
+#include "plugin/lab/session/run_scene.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/scene/loader/document.h"
 #include "plugin/scene/loader/loader.h"
@@ -65,13 +65,13 @@ public:
         std::shared_ptr<step::HostWorld> host = scene ? bridge::makeWorld(scene->rigid, why) : nullptr;
         if (!host)
             return std::nullopt;
-        lab::Options options;
-        options.frames = false;
+        lab::RunOptions options;
+        options.keepFrames = false;
         options.interrupt = &interrupted;
-        const lab::Outcome out = lab::run(*scene, host, options);
+        const lab::RunResult out = lab::runScene(*scene, host, options);
         why = out.message;
         for (const auto& [key, value] : out.recording.summary)
-            if (key == "snap_type" && out.end == lab::End::Done) {
+            if (key == "snap_type" && out.status == lab::RunStatus::Done) {
                 const auto* type = std::get_if<std::string>(&value);
                 if (type != nullptr && *type != "none")
                     return *type == "II" ? Snap::Abrupt : Snap::Smooth;
@@ -180,9 +180,9 @@ int fromCurve(const CalibrateArguments& a) {
     if (!r.failure.empty())
         return complain(kCannotGoOn, a.file + ": " + r.failure);
     std::printf("friction coefficient: %.4f, 90 %% interval %.4f to %.4f\n", r.friction, r.low, r.high);
-    std::printf("  misfit %.2f per reading in units of the noise (%.3g N); %zu simulated runs\n", r.misfitPerRow,
-                r.noise, r.simulations);
-    if (r.misfitPerRow > 1.5)
+    std::printf("  misfit %.2f per reading in units of the noise (%.3g N); %zu simulated runs\n",
+                r.chiSquaredPerReading, r.noise, r.simulations);
+    if (r.chiSquaredPerReading > 1.5)
         std::printf("  the model without extra physics does not explain these readings; ask `supercircle diagnose`\n");
     Json others = Json::object();
     for (const auto& [name, value] : r.others)
@@ -190,7 +190,7 @@ int fromCurve(const CalibrateArguments& a) {
     const Json json = {{"method", "curve"},
                        {"experiment", a.file},
                        {"friction", {{"value", r.friction}, {"low", r.low}, {"high", r.high}, {"confidence", 0.9}}},
-                       {"misfit_per_reading", r.misfitPerRow},
+                       {"misfit_per_reading", r.chiSquaredPerReading},
                        {"noise_N", r.noise},
                        {"other_parameters", others},
                        {"simulations", r.simulations}};

@@ -1,9 +1,9 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #include "plugin/identification/replay/parameters.h"
-#include "plugin/lab/session/runner.h"
+#include "plugin/lab/session/run_scene.h"
 #include "plugin/lab/sweep/definition.h"
 #include "plugin/recording/experiment/load.h"
 #include "plugin/scene/loader/document.h"
@@ -30,7 +30,8 @@ std::string range(const scene::Parameter& p) {
 
 int checkSweep(const std::string& file, const std::vector<std::string>& parameters) {
     if (!parameters.empty()) {
-        std::fprintf(stderr, "--param: a sweep sets its parameters itself, with \"grid\", \"cases\" and \"fixed\"\n");
+        std::fprintf(stderr,
+                     "--param: a sweep sets its parameters in the file, with \"grid\", \"cases\" and \"fixed\"\n");
         return kBadInput;
     }
     std::vector<scene::Problem> problems;
@@ -43,13 +44,13 @@ int checkSweep(const std::string& file, const std::vector<std::string>& paramete
     if (!text)
         return kBadInput;
     for (std::size_t set = 0; set < loaded->sets.size(); ++set)
-        if (!canStart(*text, loaded->scene, loaded->settings(set)))
+        if (!canStart(*text, loaded->scene, loaded->parameterValues(set)))
             return kBadInput;
-    std::printf("%s: a good sweep of %s (%zu sets of parameters, %zu seeds, %zu runs)\n", file.c_str(),
+    std::printf("%s: valid sweep of %s (%zu sets of parameters, %zu seeds, %zu runs)\n", file.c_str(),
                 loaded->scene.c_str(), loaded->sets.size(), loaded->seeds.size(),
                 loaded->sets.size() * loaded->seeds.size());
     for (std::size_t set = 0; set < loaded->sets.size() && set < 100; ++set)
-        std::printf("  %s\n", sweep::keyOf(loaded->settings(set)).c_str());
+        std::printf("  %s\n", sweep::keyOf(loaded->parameterValues(set)).c_str());
     if (loaded->sets.size() > 100)
         std::printf("  and %zu more\n", loaded->sets.size() - 100);
     return printed() ? kDone : kCannotWrite;
@@ -71,7 +72,7 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
             std::fprintf(stderr, "--param %s=%.10g: %s\n", o.name.c_str(), o.value, why.c_str());
             return kBadInput;
         }
-    std::printf("%s: a good experiment (%s, %zu specimens, %zu runs, %zu markers)\n", file.c_str(),
+    std::printf("%s: valid experiment (%s, %zu specimens, %zu runs, %zu markers)\n", file.c_str(),
                 experiment::name(loaded->protocol), loaded->specimens.size(), loaded->runs.size(),
                 loaded->markers.size());
     for (const experiment::Run& run : loaded->runs)
@@ -95,13 +96,13 @@ int check(const std::string& file, const std::vector<std::string>& parameters) {
     const auto input = loadScene(file, parameters);
     if (!input)
         return kBadInput;
-    // Whether the start is free of overlaps only the laboratory knows: it is told to stop before the first step.
-    const std::atomic<bool> atOnce{true};
-    lab::Options options;
-    options.interrupt = &atOnce;
-    options.frames = false;
+    // Only a session can tell whether the start is free of overlaps: it is interrupted before the first step.
+    const std::atomic<bool> interrupt{true};
+    lab::RunOptions options;
+    options.interrupt = &interrupt;
+    options.keepFrames = false;
     const scene::Scene& scene = input->scene;
-    if (const lab::Outcome out = lab::run(scene, input->host, options); out.end == lab::End::BadScene) {
+    if (const lab::RunResult out = lab::runScene(scene, input->host, options); out.status == lab::RunStatus::BadScene) {
         std::fprintf(stderr, "%s: %s\n", file.c_str(), out.message.c_str());
         return kBadInput;
     }
@@ -110,7 +111,7 @@ int check(const std::string& file, const std::vector<std::string>& parameters) {
     };
     const std::string dropped = scene.drop ? " and " + std::to_string(scene.drop->count) + " dropped" : "";
     std::printf(
-        "%s: a good scene (%s%s, %s, %s)\n", file.c_str(), count(scene.shells.size(), "shell").c_str(), dropped.c_str(),
+        "%s: valid scene (%s%s, %s, %s)\n", file.c_str(), count(scene.shells.size(), "shell").c_str(), dropped.c_str(),
         scene.rigid.bodies.size() == 1 ? "1 body" : (std::to_string(scene.rigid.bodies.size()) + " bodies").c_str(),
         count(scene.parameters.size(), "parameter").c_str());
     for (const scene::Parameter& p : scene.parameters)

@@ -1,18 +1,18 @@
-// Pairs of parameters that give a wanted working distance, dissipation or force (the paper's design principle, turned
-// round), with what single stacks will scatter.
+// Inverse design: pairs of parameters that give a target working distance, dissipation or force, with the scatter of
+// single stacks.
 
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/pages/sweep/design_chart.h"
 #include "plugin/pages/sweep/sweep_figures.h"
 #include "plugin/pages/sweep/sweep_layout.h"
 
 #include "plugin/graphics/cairo_canvas.h"
-#include "plugin/graphics/page_parts.h"
+#include "plugin/graphics/page_builder.h"
 #include "plugin/graphics/svg_canvas.h"
 #include "plugin/lab/sweep/design.h"
-#include "plugin/lab/sweep/store.h"
+#include "plugin/lab/sweep/result_store.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/text.h"
 #include "plugin/scene/loader/document.h"
@@ -26,32 +26,36 @@ namespace supercircle::cli {
 
 namespace {
 
-using sweep::Solution;
-using sweep::Surface;
+using pages::parameterLabel;
+using pages::quantityLabel;
+using pages::shortNumber;
+using pages::SweepFigure;
+using sweep::DesignPoint;
+using sweep::ResponseSurface;
 
 int complain(int code, const std::string& message) {
     std::fprintf(stderr, "%s\n", message.c_str());
     return code;
 }
 
-/// A wanted number and what answers it.
-struct Wish {
+/// A target value and the pairs that give it.
+struct DesignTarget {
     std::string quantity;
     double value = 0.0;
-    Surface surface;
-    std::vector<Solution> solutions;
+    ResponseSurface surface;
+    std::vector<DesignPoint> points;
 };
 
 struct Design {
-    sweep::Definition sweep;
-    sweep::Table table;
-    std::vector<Wish> wishes;
-    std::vector<std::pair<std::string, Surface>> others; ///< further numbers, shown beside each solution
+    sweep::SweepDefinition sweep;
+    sweep::RunTable table;
+    std::vector<DesignTarget> targets;
+    std::vector<std::pair<std::string, ResponseSurface>> others; ///< further quantities, shown beside each pair
     double measuredAt = 1.0, shells = 1.0;
 };
 
-/// Rows of the table: the sweep's own values and two between each, as the interpolation is spaced.
-std::vector<double> rowsOf(const Surface& s) {
+/// Rows of the table: the values of the sweep and two between each, spaced as the interpolation.
+std::vector<double> rowsOf(const ResponseSurface& s) {
     std::vector<double> rows;
     for (std::size_t i = 0; i + 1 < s.y.size(); ++i)
         for (int k = 0; k < 3; ++k) {
@@ -63,9 +67,9 @@ std::vector<double> rowsOf(const Surface& s) {
     return rows;
 }
 
-/// Shells of a stack as played: a setting of the sweep, else the scene's own value; 0 if the scene has no stack.
-double shellsOf(const sweep::Definition& sweep) {
-    for (const sweep::Setting& s : sweep.fixed)
+/// Shells of a stack: a fixed parameter of the sweep, else the scene's value; 0 if the scene has no stack.
+double shellsOf(const sweep::SweepDefinition& sweep) {
+    for (const sweep::ParameterValue& s : sweep.fixed)
         if (s.first == "shells")
             return s.second;
     std::vector<scene::Problem> problems;
@@ -81,12 +85,14 @@ int load(const DesignArguments& a, Design& design) {
     if (!loaded)
         return kBadInput;
     design.sweep = std::move(*loaded);
-    const std::string path = a.results + "/results.sqlite";
+    const std::string path = a.results + "/" + sweep::kStoreFile;
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error))
-        return complain(kBadInput, path + ": there is no such file; `supercircle sweep` makes it");
-    sweep::Store store;
+        return complain(kBadInput, path + ": there is no such file; `supercircle sweep` creates it");
+    sweep::ResultStore store;
     if (const std::string why = store.open(path); !why.empty())
+        return complain(kBadInput, why);
+    if (const std::string why = store.checkFormat(); !why.empty())
         return complain(kBadInput, why);
     auto table = sweep::collect(design.sweep, store);
     if (!table)
@@ -100,27 +106,29 @@ int load(const DesignArguments& a, Design& design) {
     return kDone;
 }
 
-int answer(const DesignArguments& a, Design& design) {
-    std::vector<scene::Override> wanted;
-    if (!readOverrides(a.want, wanted))
+int solve(const DesignArguments& a, Design& design) {
+    if (a.targets.empty())
+        return complain(kBadInput, "--target is required: NAME=VALUE, for example delta_max_over_R=4");
+    std::vector<scene::Override> targets;
+    if (!readOverrides(a.targets, targets, "--target"))
         return kBadInput;
-    for (const scene::Override& w : wanted) {
-        auto surface = sweep::surfaceOf(design.sweep, design.table, w.name);
+    for (const scene::Override& w : targets) {
+        auto surface = sweep::responseSurface(design.sweep, design.table, w.name);
         if (!surface)
             return complain(kBadInput, a.results + ": " + surface.error);
-        Wish wish{w.name, w.value, std::move(surface.value), {}};
-        for (const double y : rowsOf(wish.surface))
-            for (const Solution& s : sweep::solve(wish.surface, w.value, y))
-                wish.solutions.push_back(s);
-        design.wishes.push_back(std::move(wish));
+        DesignTarget target{w.name, w.value, std::move(surface.value), {}};
+        for (const double y : rowsOf(target.surface))
+            for (const DesignPoint& s : sweep::solveFor(target.surface, w.value, y))
+                target.points.push_back(s);
+        design.targets.push_back(std::move(target));
     }
-    for (const std::string& name : headlines(design.table))
-        if (auto surface = sweep::surfaceOf(design.sweep, design.table, name))
+    for (const std::string& name : pages::mainQuantities(design.table))
+        if (auto surface = sweep::responseSurface(design.sweep, design.table, name))
             design.others.emplace_back(name, std::move(surface.value));
     return kDone;
 }
 
-std::string csvOf(const Design& d, const Wish& w) {
+std::string csvOf(const Design& d, const DesignTarget& w) {
     const auto number = [](double v) {
         std::string text;
         record::appendNumber(text, v);
@@ -131,33 +139,33 @@ std::string csvOf(const Design& d, const Wish& w) {
     for (const auto& [name, surface] : d.others)
         out += "," + name + "," + name + "_error," + name + "_spread";
     out += '\n';
-    for (const Solution& s : w.solutions) {
+    for (const DesignPoint& s : w.points) {
         out += (w.surface.yName.empty() ? "" : number(s.y) + ",") + number(s.x) + "," + number(s.xError);
         for (const auto& [name, surface] : d.others) {
-            const Surface::Value v = surface.at(s.x, s.y);
+            const ResponseSurface::Value v = surface.at(s.x, s.y);
             out += "," + number(v.mean) + "," + number(v.error) + "," +
-                   number(sweep::spreadAt(v.spread, d.measuredAt, d.shells));
+                   number(sweep::scaledSpread(v.spread, d.measuredAt, d.shells));
         }
         out += '\n';
     }
     return out;
 }
 
-std::string tableOf(const Design& d, const Wish& w) {
+std::string tableOf(const Design& d, const DesignTarget& w) {
     std::string html = "<div class=\"scroll\"><table><tr>";
     if (!w.surface.yName.empty())
-        html += "<th>" + report::escaped(parameterLabel(w.surface.yName)) + "</th>";
-    html += "<th>" + report::escaped(parameterLabel(w.surface.xName)) + "</th>";
+        html += "<th>" + graphics::escaped(parameterLabel(w.surface.yName)) + "</th>";
+    html += "<th>" + graphics::escaped(parameterLabel(w.surface.xName)) + "</th>";
     for (const auto& [name, surface] : d.others)
-        html += "<th>" + report::escaped(quantityLabel(name)) + "</th>";
+        html += "<th>" + graphics::escaped(quantityLabel(name)) + "</th>";
     html += "</tr>";
-    for (const Solution& s : w.solutions) {
+    for (const DesignPoint& s : w.points) {
         html += "<tr>" + (w.surface.yName.empty() ? "" : "<td>" + shortNumber(s.y, "%.3g") + "</td>") + "<td>" +
                 shortNumber(s.x, "%.3f") + " ± " + shortNumber(s.xError, "%.1g") + "</td>";
         for (const auto& [name, surface] : d.others) {
-            const Surface::Value v = surface.at(s.x, s.y);
+            const ResponseSurface::Value v = surface.at(s.x, s.y);
             html += "<td>" + shortNumber(v.mean, "%.3g") + "<br><small>single stacks ± " +
-                    shortNumber(sweep::spreadAt(v.spread, d.measuredAt, d.shells), "%.2g") + "</small></td>";
+                    shortNumber(sweep::scaledSpread(v.spread, d.measuredAt, d.shells), "%.2g") + "</small></td>";
         }
         html += "</tr>";
     }
@@ -167,21 +175,22 @@ std::string tableOf(const Design& d, const Wish& w) {
 std::string pageOf(const Design& d, const std::vector<SweepFigure>& charts) {
     std::string html =
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Design</title><style>" +
-        std::string(report::pageStyle()) +
+        std::string(graphics::pageStyle()) +
         "table{border-collapse:collapse;font-size:14px}td,th{padding:3px 14px 3px 0;text-align:left;"
         "vertical-align:top}small{color:var(--muted)}</style></head><body><main><header><h1>Design</h1>"
         "<p>From " +
-        std::to_string(d.table.rows.size()) + " runs of " + report::escaped(d.sweep.name) +
+        std::to_string(d.table.rows.size()) + " runs of " + graphics::escaped(d.sweep.name) +
         ". Scatter of single stacks of " + shortNumber(d.shells) + " shells" +
-        (d.shells == d.measuredAt ? "" : ", from that of stacks of " + shortNumber(d.measuredAt) + " by the law 1/√N") +
+        (d.shells == d.measuredAt ? "" : ", from that of stacks of " + shortNumber(d.measuredAt) + " scaled by 1/√N") +
         ".</p></header>";
     for (std::size_t i = 0; i < charts.size(); ++i) {
-        report::SvgCanvas canvas(charts[i].width, charts[i].height, charts[i].name, charts[i].title);
+        graphics::SvgCanvas canvas(charts[i].width, charts[i].height, charts[i].name, charts[i].title);
         charts[i].draw(canvas);
-        html += "<div class=\"grid\"><section><h2>" + report::escaped(charts[i].title) + "</h2><div class=\"scroll\">" +
-                canvas.finish() + "</div><p>" + report::escaped(charts[i].caption) + "</p>" +
-                (d.wishes[i].solutions.empty() ? "<p>No pair of the sweep's range gives this value.</p>"
-                                               : tableOf(d, d.wishes[i])) +
+        html += "<div class=\"grid\"><section><h2>" + graphics::escaped(charts[i].title) +
+                "</h2><div class=\"scroll\">" + canvas.finish() + "</div><p>" + graphics::escaped(charts[i].caption) +
+                "</p>" +
+                (d.targets[i].points.empty() ? "<p>No pair of the sweep's range gives this value.</p>"
+                                             : tableOf(d, d.targets[i])) +
                 "</section></div>";
     }
     return html + "</main></body></html>\n";
@@ -190,9 +199,9 @@ std::string pageOf(const Design& d, const std::vector<SweepFigure>& charts) {
 int write(const DesignArguments& a, const Design& d) {
     std::vector<SweepFigure> charts;
     std::vector<record::NamedText> files;
-    for (const Wish& w : d.wishes) {
-        charts.push_back(designChart(w.surface, w.quantity, w.value));
-        report::CairoCanvas canvas(charts.back().width, charts.back().height, 1.5);
+    for (const DesignTarget& w : d.targets) {
+        charts.push_back(pages::designChart(w.surface, w.quantity, w.value));
+        graphics::CairoCanvas canvas(charts.back().width, charts.back().height, 1.5);
         charts.back().draw(canvas);
         auto png = canvas.png();
         if (!png)
@@ -210,22 +219,22 @@ int write(const DesignArguments& a, const Design& d) {
 }
 
 void print(const Design& d) {
-    for (const Wish& w : d.wishes) {
+    for (const DesignTarget& w : d.targets) {
         std::printf("%s = %s:\n", quantityLabel(w.quantity).c_str(), shortNumber(w.value).c_str());
-        for (const Solution& s : w.solutions) {
+        for (const DesignPoint& s : w.points) {
             std::printf("  ");
             if (!w.surface.yName.empty())
                 std::printf("%s = %-6.3g ", w.surface.yName.c_str(), s.y);
             std::printf("%s = %.3f +- %.3f", w.surface.xName.c_str(), s.x, s.xError);
             for (const auto& [name, surface] : d.others) {
-                const Surface::Value v = surface.at(s.x, s.y);
-                if (name == w.quantity || name == "delta_max_over_R" || name == "eta")
+                const ResponseSurface::Value v = surface.at(s.x, s.y);
+                if (name == w.quantity || name == "delta_max_over_R" || name == "dissipation_ratio")
                     std::printf("; %s %.3g, single stacks +- %.2g", name.c_str(), v.mean,
-                                sweep::spreadAt(v.spread, d.measuredAt, d.shells));
+                                sweep::scaledSpread(v.spread, d.measuredAt, d.shells));
             }
             std::printf("\n");
         }
-        if (w.solutions.empty()) {
+        if (w.points.empty()) {
             double least = w.surface.mean[0][0], most = least;
             for (const auto& row : w.surface.mean)
                 for (const double v : row) {
@@ -243,13 +252,14 @@ int design(const DesignArguments& a) {
     Design d;
     if (const int code = load(a, d); code != kDone)
         return code;
-    if (const int code = answer(a, d); code != kDone)
+    if (const int code = solve(a, d); code != kDone)
         return code;
     if (!a.quiet)
         print(d);
     if (const int code = write(a, d); code != kDone)
         return code;
-    const bool none = std::all_of(d.wishes.begin(), d.wishes.end(), [](const Wish& w) { return w.solutions.empty(); });
+    const bool none =
+        std::all_of(d.targets.begin(), d.targets.end(), [](const DesignTarget& w) { return w.points.empty(); });
     return !printed() ? kCannotWrite : none ? kBadInput : kDone;
 }
 

@@ -2,7 +2,7 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/pages/diagnosis/diagnose_figures.h"
 #include "plugin/pages/diagnosis/diagnose_page.h"
 
@@ -55,28 +55,32 @@ bool knownEffects(const std::vector<std::string>& labels) {
 }
 
 void print(const diagnosis::Diagnosis& d, const std::string& folder) {
-    std::printf("%s: %s\n", d.verdict.c_str(), d.statement.c_str());
+    std::printf("%s. %s\n", diagnosis::verdictTitle(d.verdict).c_str(), d.statement.c_str());
     for (std::size_t i = 0; i < d.effects.size() && i < 5; ++i) {
-        const diagnosis::FoundEffect& e = d.effects[i];
-        std::printf("  %-26s probability %.3f, gain on unseen runs %.1f +- %.1f, error there %.3g %s\n",
-                    e.label.c_str(), e.probability, e.gain, e.gainError, e.heldOutRmse, d.unit.c_str());
+        const diagnosis::FittedEffect& e = d.effects[i];
+        std::printf("  %-38s probability %.3f, held-out gain %.1f +- %.1f, held-out error %.3g %s\n",
+                    diagnosis::plainWords(e.label).c_str(), e.probability, e.gain, e.gainError, e.heldOutRmse,
+                    d.unit.c_str());
     }
-    const std::pair<const char*, double> others[] = {
-        {"nothing", d.nothing}, {"too small to be seen here", d.unseen()}, {"none of these", d.unknown}};
+    const std::pair<const char*, double> others[] = {{"no missing effect", d.adequate},
+                                                     {"an effect too small to be detected", d.undetectable()},
+                                                     {"an effect outside the catalogue", d.outsideCatalogue}};
     for (const auto& [what, probability] : others)
-        std::printf("  %-26s probability %.3f\n", what, probability);
+        std::printf("  %-38s probability %.3f\n", what, probability);
     std::printf("%zu simulated runs, %s; results: %s/diagnosis.json, pictures: %s/report.html\n", d.forwardRuns,
-                record::duration(d.elapsed).c_str(), folder.c_str(), folder.c_str());
+                graphics::readableDuration(d.elapsed).c_str(), folder.c_str(), folder.c_str());
 }
 
-diagnosis::Ablation ablationOf(const std::vector<std::string>& parts) {
-    const auto out = [&](const char* part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
-    return {out("whitening"), out("heldout"), out("probes"), out("unknown")};
+diagnosis::Ablation ablationOf(const std::vector<std::string>& mustBeat) {
+    const auto out = [&](const char* part) {
+        return std::find(mustBeat.begin(), mustBeat.end(), part) != mustBeat.end();
+    };
+    return {out("whitening"), out("cross_validation"), out("screening"), out("open_set")};
 }
 
-/// Another catalogue keeps its runs beside those of the whole one.
-std::string keptRuns(std::vector<std::string> without) {
-    constexpr std::size_t kLongest = 150; // file systems end at 255
+/// Name of the cache file; each catalogue has its own.
+std::string cacheName(std::vector<std::string> without) {
+    constexpr std::size_t kLongest = 150; // file systems allow 255
     std::sort(without.begin(), without.end());
     std::string name = "runs";
     for (const std::string& label : without)
@@ -84,27 +88,28 @@ std::string keptRuns(std::vector<std::string> without) {
     return name.substr(0, kLongest) + ".cache";
 }
 
-diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment, const Folder& folder,
-                          std::string& error) {
+diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment,
+                          const OutputFolder& folder, std::string& error) {
     const diagnosis::ReplayModel model(experiment, a.without, &interrupted);
-    if (interrupted) { // what is kept belongs to a whole model
+    if (interrupted) { // the model is incomplete
         diagnosis::Diagnosis none;
         none.stopped = true;
         return none;
     }
-    diagnosis::Store store;
-    if (error = store.open(folder.path() + "/" + keptRuns(a.without), model.identity()); !error.empty())
+    diagnosis::SimulationCache cache;
+    if (error = cache.open(folder.path() + "/" + cacheName(a.without), model.identity()); !error.empty())
         return {};
-    diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), store, &interrupted);
-    diagnosis::Settings settings;
+    diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), cache, &interrupted);
+    diagnosis::DiagnosisSettings settings;
     settings.seed = static_cast<std::uint64_t>(a.seed);
     settings.ablation = ablationOf(a.ablate);
-    settings.next = !a.noNext;
+    settings.nextExperiment = !a.skipNextExperiment;
     ProgressLine line(a.quiet);
     settings.progress = [&](double fraction, const std::string& stage) { line.show(fraction, stage); };
-    diagnosis::Diagnosis found = diagnosis::diagnose(diagnosis::dataOf(experiment), evaluator, settings);
-    if (const std::string lost = store.failure(); !lost.empty())
-        std::fprintf(stderr, "%s; runs simulated since then are not kept and would be simulated again\n", lost.c_str());
+    diagnosis::Diagnosis found = diagnosis::diagnose(diagnosis::recordedDataOf(experiment), evaluator, settings);
+    if (const std::string lost = cache.failure(); !lost.empty())
+        std::fprintf(stderr, "%s; later simulations are not cached and would be repeated by the next diagnosis\n",
+                     lost.c_str());
     return found;
 }
 
@@ -116,7 +121,7 @@ int diagnose(const DiagnoseArguments& a) {
     const auto experiment = loadLongEnough(a);
     if (!experiment || !knownEffects(a.without))
         return kBadInput;
-    Folder folder(resultsFolder(a.file, a.out, "diagnosis"));
+    OutputFolder folder(resultsFolder(a.file, a.out, "diagnosis"));
     if (const std::string error = folder.prepare(); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;
@@ -128,14 +133,16 @@ int diagnose(const DiagnoseArguments& a) {
         return kCannotWrite;
     }
     if (d.stopped) {
-        std::fprintf(stderr, "interrupted; the same command goes on from what %s keeps\n", folder.path().c_str());
+        std::fprintf(stderr, "interrupted; the same command continues with the simulations kept in %s\n",
+                     folder.path().c_str());
         return kInterrupted;
     }
     if (!d.failure.empty()) {
-        std::fprintf(stderr,
-                     "%s: %s; `supercircle replay %s` keeps what was simulated up to there; mend what the description "
-                     "says of it, or leave the run out\n",
-                     a.file.c_str(), d.failure.c_str(), a.file.c_str());
+        std::fprintf(
+            stderr,
+            "%s: %s; `supercircle replay %s` shows the simulation up to that point; correct the description of this "
+            "run, or leave it out\n",
+            a.file.c_str(), d.failure.c_str(), a.file.c_str());
         return kCannotGoOn;
     }
     auto pictures = diagnosisPictures(d);
@@ -144,7 +151,7 @@ int diagnose(const DiagnoseArguments& a) {
     files.emplace_back("report.html", diagnosisPage(d, *experiment));
     std::string why = record::writeAtomically(folder.path(), files);
     if (why.empty())
-        why = pictures.error; // the result is written even if it could not be drawn
+        why = pictures.error; // the result is written even if a picture fails
     if (!why.empty()) {
         std::fprintf(stderr, "%s\n", why.c_str());
         return kCannotWrite;

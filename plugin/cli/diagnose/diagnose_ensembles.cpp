@@ -24,7 +24,7 @@ using diagnosis::EnsembleDiagnosis;
 using Json = nlohmann::ordered_json;
 
 struct Request {
-    std::vector<std::string> quantities = {"H0_over_R", "delta_max_over_R", "eta", "snap_fits"};
+    std::vector<std::string> quantities = {"H0_over_R", "delta_max_over_R", "dissipation_ratio", "snap_fits"};
     Ensemble recorded, nominal;
     std::vector<Ensemble> effects;
 };
@@ -39,7 +39,7 @@ public:
         quantities(root, r.quantities);
         table(root, "recorded", r.quantities, r.recorded);
         table(root, "nominal", r.quantities, r.nominal);
-        for (const scene::Place& place : root.array("effects")) {
+        for (const scene::ArrayItem& place : root.array("effects")) {
             scene::ObjectReader entry(context_, *place.node, place.pointer);
             if (!entry.valid())
                 continue;
@@ -59,19 +59,19 @@ private:
         if (list == nullptr)
             return;
         std::vector<std::string> stated;
-        for (const scene::Place& place : root.array("quantities"))
+        for (const scene::ArrayItem& place : root.array("quantities"))
             if (place.node->kind == scene::Node::Kind::String && !place.node->text.empty())
                 stated.push_back(place.node->text);
             else
-                context_.error(*place.node, place.pointer, "this is no name", "the name of a column");
+                context_.error(*place.node, place.pointer, "this is not a column name", "the name of a column");
         if (list->kind == scene::Node::Kind::Array && list->children.empty())
-            context_.error(*list, root.pointerTo("quantities"), "nothing is to be compared", "names of columns");
+            context_.error(*list, root.pointerTo("quantities"), "the list of quantities is empty", "names of columns");
         if (!stated.empty())
             names = std::move(stated);
     }
 
     void table(scene::ObjectReader& in, const char* key, const std::vector<std::string>& quantities, Ensemble& out) {
-        constexpr std::size_t kLeast = 4; // fewer have no covariance worth the name
+        constexpr std::size_t kLeast = 4; // for a covariance
         out.label = key;
         const scene::Node* name = in.find(key);
         if (!in.require(key, "the name of a CSV file with a row for each stack") || in.string(key, "").empty())
@@ -109,27 +109,28 @@ private:
 };
 
 std::string jsonOf(const EnsembleDiagnosis& d, std::int64_t seed) {
-    Json effects = Json::array(), mismatch = Json::array();
-    for (const diagnosis::FoundEffect& e : d.effects)
+    Json effects = Json::array(), shifts = Json::array();
+    for (const diagnosis::FittedEffect& e : d.effects)
         effects.push_back({{"label", e.label},
                            {"probability", e.probability},
-                           {"group", e.group},
-                           {"gain", e.gain},
-                           {"gain_error", e.gainError}});
+                           {"confounded_with", e.confoundedWith},
+                           {"heldout_gain", e.gain},
+                           {"heldout_gain_error", e.gainError}});
     for (const diagnosis::EnsembleShift& s : d.shifts)
-        mismatch.push_back({{"run", "ensemble"},
-                            {"channel", s.quantity},
-                            {"recorded_mean", s.recorded},
-                            {"simulated_mean", s.simulated},
-                            {"z", s.z},
-                            {"p_value", s.p}});
-    const Json json = {{"verdict", d.verdict},
+        shifts.push_back({{"run", "ensemble"},
+                          {"channel", s.quantity},
+                          {"recorded_mean", s.recorded},
+                          {"simulated_mean", s.simulated},
+                          {"z", s.z},
+                          {"p_value", s.p}});
+    const Json json = {{"schema", "supercircle-diagnosis/2"},
+                       {"verdict", d.verdict},
                        {"statement", d.statement},
-                       {"mismatch", mismatch},
-                       {"mismatch_p_value", d.p},
+                       {"probability_adequate", d.adequate},
+                       {"probability_outside_catalogue", d.outsideCatalogue},
+                       {"misfit_p_value", d.p},
+                       {"misfit_intervals", shifts},
                        {"effects", effects},
-                       {"probability_nothing", d.nothing},
-                       {"probability_unknown", d.unknown},
                        {"seed", seed}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -137,7 +138,7 @@ std::string jsonOf(const EnsembleDiagnosis& d, std::int64_t seed) {
 } // namespace
 
 std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
-    std::vector<scene::Problem> problems; // whoever loads an experiment finds them again
+    std::vector<scene::Problem> problems; // reported again when the experiment is loaded
     const auto text = scene::readFile(a.file, problems);
     const auto document = text ? scene::parseDocument(*text, a.file, problems) : std::nullopt;
     const scene::Node* schema = document ? document->root.find("schema") : nullptr;
@@ -157,7 +158,7 @@ std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
         std::fprintf(stderr, "%s: %s\n", a.file.c_str(), d.failure.c_str());
         return kBadInput;
     }
-    Folder folder(a.out.empty() ? "out/" + fs::path(a.file).stem().string() + "_diagnosis" : a.out);
+    OutputFolder folder(a.out.empty() ? "out/" + fs::path(a.file).stem().string() + "_diagnosis" : a.out);
     std::string why = folder.prepare();
     if (why.empty())
         why = record::writeAtomically(folder.path(), {{"diagnosis.json", jsonOf(d, a.seed)}});
@@ -166,12 +167,12 @@ std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
         return kCannotWrite;
     }
     if (!a.quiet) {
-        std::printf("%s: %s\n", d.verdict.c_str(), d.statement.c_str());
+        std::printf("%s. %s\n", diagnosis::verdictTitle(d.verdict).c_str(), d.statement.c_str());
         for (const diagnosis::EnsembleShift& s : d.shifts)
             std::printf("  %-20s recorded %.4g, simulated %.4g, t %.1f, p %.3f\n", s.quantity.c_str(), s.recorded,
                         s.simulated, s.z, s.p);
-        for (const diagnosis::FoundEffect& e : d.effects)
-            std::printf("  %-26s probability %.3f\n", e.label.c_str(), e.probability);
+        for (const diagnosis::FittedEffect& e : d.effects)
+            std::printf("  %-38s probability %.3f\n", diagnosis::plainWords(e.label).c_str(), e.probability);
     }
     return printed() ? kDone : kCannotWrite;
 }

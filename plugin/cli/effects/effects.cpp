@@ -1,5 +1,5 @@
 #include "plugin/cli/output.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #include "supercircle/effects/effect.h"
 
@@ -11,8 +11,8 @@ namespace supercircle::cli {
 namespace {
 
 std::string text(const effects::Parameter& p, double value) {
-    if (!p.words.empty())
-        return p.words[static_cast<std::size_t>(value)];
+    if (!p.choices.empty())
+        return p.choices[static_cast<std::size_t>(value)];
     if (std::isinf(value))
         return "none";
     char buffer[32];
@@ -21,9 +21,9 @@ std::string text(const effects::Parameter& p, double value) {
 }
 
 std::string range(const effects::Parameter& p) {
-    if (!p.words.empty()) {
+    if (!p.choices.empty()) {
         std::string all;
-        for (const std::string& w : p.words)
+        for (const std::string& w : p.choices)
             all += (all.empty() ? "" : " | ") + w;
         return all;
     }
@@ -37,7 +37,7 @@ void describe(const effects::Effect& e, bool all) {
                     e.literature.c_str());
     for (const effects::Parameter& p : e.parameters)
         std::printf("  %-22s %-6s default %s%s, %s; %s\n", p.name.c_str(), p.unit.c_str(), text(p, p.off).c_str(),
-                    p.switches ? " (off)" : "", range(p).c_str(), p.about.c_str());
+                    p.isSwitch ? " (off)" : "", range(p).c_str(), p.about.c_str());
 }
 
 } // namespace
@@ -60,7 +60,8 @@ int effects(const std::string& key) {
     for (const effects::Effect& e : effects::catalog())
         describe(e, false);
     std::printf("In a scene: \"effects\": [{\"key\": ..., NAME: VALUE, \"shell\": \"all\"}]; on the command line: "
-                "--effect KEY:NAME=VALUE. `supercircle effects KEY` says more; docs/effects.md says all.\n");
+                "--effect KEY:NAME=VALUE. `supercircle effects KEY` prints its law and literature; see also "
+                "docs/reference/effects.md.\n");
     return printed() ? kDone : kCannotWrite;
 }
 

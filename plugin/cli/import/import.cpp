@@ -1,5 +1,5 @@
 #include "plugin/cli/output.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/import/template.h"
@@ -23,13 +23,13 @@ std::vector<std::string> splitNames(const std::string& list) {
     return names;
 }
 
-/// The account with what the description still needs.
+/// The report with assumptions and missing values.
 std::string wholeAccount(const importing::Imported& imported, const importing::Description& d) {
     std::string text = importing::account(imported);
     for (const std::string& remark : d.remarks)
-        text += "worked out: " + remark + "\n";
-    text += "supposed in experiment.json (change what is not so):\n";
-    for (const std::string& s : d.supposed)
+        text += "derived: " + remark + "\n";
+    text += "assumed in experiment.json (correct what is wrong):\n";
+    for (const std::string& s : d.assumed)
         text += "  " + s + "\n";
     if (!d.todo.empty())
         text += "null in experiment.json, to be filled in before a replay (or given with --specimen and --protocol):\n";
@@ -38,19 +38,18 @@ std::string wholeAccount(const importing::Imported& imported, const importing::D
     return text;
 }
 
-/// An experiment.json that somebody may have filled in stays, under another name.
+/// Keeps an earlier experiment.json under another name.
 void keepOld(const std::string& folder, std::vector<record::NamedText>& files, const std::string& fresh,
              std::string& account) {
     const auto old = record::readText(folder + "/experiment.json");
     if (!old || old.value == fresh)
         return;
     files.emplace_back("experiment.old.json", old.value);
-    account +=
-        "the experiment.json that was there is kept as experiment.old.json (give it with --specimen to take over "
-        "what it states)\n";
+    account += "the earlier experiment.json is kept as experiment.old.json (give it with --specimen to reuse its "
+               "values)\n";
 }
 
-/// Whether the written experiment can be replayed, if nothing is null.
+/// Reports whether the written experiment can be replayed, if nothing is null.
 void printReady(const importing::Description& d, const std::string& file) {
     if (!d.todo.empty())
         return;
@@ -61,7 +60,7 @@ void printReady(const importing::Description& d, const std::string& file) {
     if (loaded)
         std::printf("ready: supercircle replay %s\n", file.c_str());
     else
-        std::printf("not ready: `supercircle check %s` says the same until this is mended\n", file.c_str());
+        std::printf("not ready: `supercircle check %s` reports the same until this is corrected\n", file.c_str());
 }
 
 } // namespace
@@ -74,7 +73,7 @@ int import(const ImportArguments& a) {
     hints.driveTolerance = 1e-3 * a.tolerance;
     hints.displacementSign = a.displacementSign;
     hints.forceSign = a.forceSign;
-    hints.fromTurn = a.fromTurn;
+    hints.fromTurningPoint = a.fromTurningPoint;
     hints.average = a.average;
     const auto imported = importing::readExports(a.files, hints);
     if (!imported) {
@@ -92,7 +91,7 @@ int import(const ImportArguments& a) {
         return kBadInput;
     }
     std::string account = wholeAccount(imported.value, description.value);
-    Folder folder(a.out);
+    OutputFolder folder(a.out);
     std::string error = folder.prepare();
     if (error.empty()) {
         keepOld(folder.path(), files.value, description.value.json, account);

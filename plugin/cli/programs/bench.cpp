@@ -1,7 +1,7 @@
 // supercircle-bench: speed and memory.
 
 #include "plugin/cli/command_line.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #include <memory>
 

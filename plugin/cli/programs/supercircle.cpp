@@ -1,7 +1,7 @@
 // supercircle: runs and checks scenes, and starts the programs beside it for everything else.
 
 #include "plugin/cli/command_line.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #include <memory>
 
@@ -20,7 +20,7 @@ Subcommand describeRun(CLI::App& app) {
         ->type_name("N")
         ->capture_default_str();
     run->add_option("--out", a.out, "folder for the results (default: out/<name of the scene file>)")->type_name("DIR");
-    run->add_option("--threads", a.threads, "threads, 1 to 256; the digits do not depend on it")
+    run->add_option("--threads", a.threads, "threads, 1 to 256; the results do not depend on it")
         ->check(CLI::Range(1, 256).description(""))
         ->type_name("N")
         ->capture_default_str();
@@ -31,7 +31,7 @@ Subcommand describeRun(CLI::App& app) {
     run->add_flag("--quiet", a.quiet, "print nothing but errors");
     run->add_option("--dump", a.dump, "folder that receives every contact problem as an FCP2D file")->type_name("DIR");
     run->footer("Exit codes: 0 done; 2 bad input; 3 the simulation could not go on; 4 output could not be written;\n"
-                "130 interrupted. After 3 and 130 what is done is written.");
+                "130 interrupted. After 3 and 130 the results so far are written.");
     return {run, [arguments] { return cli::run(*arguments); }};
 }
 
@@ -52,15 +52,15 @@ Subcommand describeCheck(CLI::App& app) {
 
 Subcommand describeEffects(CLI::App& app) {
     auto key = std::make_shared<std::string>();
-    CLI::App* subcommand = app.add_subcommand("effects", "list the extra physics a scene or a replay may switch on");
-    subcommand->add_option("key", *key, "only this one, with all it has to say")->type_name("KEY");
+    CLI::App* subcommand = app.add_subcommand("effects", "list the effects that a scene or a replay may switch on");
+    subcommand->add_option("key", *key, "only this one, in full")->type_name("KEY");
     return {subcommand, [key] { return effects(*key); }};
 }
 
 const std::vector<Sibling> kSiblings = {
-    {"sweep", "supercircle-lab", "play a scene for sets of parameter values and seeds; statistics"},
-    {"validate", "supercircle-lab", "compare the laboratory with every solved reference; writes one page"},
-    {"design", "supercircle-lab", "pairs of parameters that give a wanted number, from a sweep"},
+    {"sweep", "supercircle-lab", "simulate a scene for sets of parameter values and seeds; statistics"},
+    {"validate", "supercircle-lab", "compare simulations with every solved reference; writes one page"},
+    {"design", "supercircle-lab", "pairs of parameters that give a target value, from a sweep"},
     {"import", "supercircle-identify", "testing-machine exports to an experiment, saying what was understood"},
     {"replay", "supercircle-identify", "simulate a recorded experiment and show what differs"},
     {"sensitivity", "supercircle-identify", "how a recorded experiment's readings depend on its parameters"},

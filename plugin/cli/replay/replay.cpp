@@ -1,7 +1,7 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/pages/replay/replay_page.h"
 
 #include "plugin/recording/experiment/load.h"
@@ -18,10 +18,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 using record::NamedText;
 
-/// Parameters with the overrides put in; false after a message.
+/// Sets resolution, parameters and effects; false after a message.
 bool prepare(const ReplayArguments& a, Replay& out) {
     out.parameters = replay::nominal(out.experiment);
-    out.resolution = a.coarse ? replay::Resolution::coarse() : replay::Resolution::full();
+    out.resolution = a.coarse ? replay::Resolution::coarse() : replay::Resolution::fine();
     if (a.elements > 0)
         out.resolution.elements = a.elements;
     std::vector<scene::Override> overrides;
@@ -44,7 +44,7 @@ bool prepare(const ReplayArguments& a, Replay& out) {
     return true;
 }
 
-/// The effects that are on, by key: their parameters.
+/// Parameters of the active effects, by key.
 Json effectsOn(const replay::Parameters& parameters) {
     Json out = Json::object();
     for (const effects::Setting& s : parameters.effects) {
@@ -54,8 +54,8 @@ Json effectsOn(const replay::Parameters& parameters) {
         Json& one = out[effect.name];
         one["shell"] = s.shell;
         for (std::size_t i = 0; i < effect.parameters.size(); ++i)
-            if (const effects::Parameter& p = effect.parameters[i]; !p.words.empty())
-                one[p.name] = p.words[static_cast<std::size_t>(s.values[i])];
+            if (const effects::Parameter& p = effect.parameters[i]; !p.choices.empty())
+                one[p.name] = p.choices[static_cast<std::size_t>(s.values[i])];
             else if (std::isfinite(s.values[i]))
                 one[p.name] = s.values[i];
     }
@@ -68,7 +68,7 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
     return values;
 }
 
-/// NAME_replay.csv, and NAME_replay_markers.csv where markers were tracked.
+/// Adds NAME_replay.csv, and NAME_replay_markers.csv where markers were tracked.
 std::string addTables(const experiment::Experiment& e, const experiment::Run& run, const ReplayedRun& done,
                       std::vector<NamedText>& files) {
     const auto put = [&](const std::string& name, const record::Series& series) {
@@ -109,7 +109,7 @@ Json landmark(const replay::Landmark& l) {
         {"time_s", l.time}, {"displacement_mm", 1e3 * l.displacement}, {"before_N", l.before}, {"after_N", l.after}};
 }
 
-/// Errors of a free scene's run, in the unit of its channel.
+/// Errors of a run of a free scene, in the unit of its channel.
 Json freeSummaryOf(const ReplayedRun& run, const experiment::Channel& channel) {
     const replay::Comparison& c = run.comparison;
     const std::string unit = std::string("_") + channel.unit;
@@ -118,7 +118,7 @@ Json freeSummaryOf(const ReplayedRun& run, const experiment::Channel& channel) {
             {"peak_recorded" + unit, channel.perUnit * c.peakRecorded},
             {"peak_simulated" + unit, channel.perUnit * c.peakSimulated},
             {"rmse" + unit, channel.perUnit * c.rmseAll},
-            {"residual_mean" + unit, channel.perUnit * c.zero},
+            {"residual_mean" + unit, channel.perUnit * c.residualMean},
             {"max_error" + unit, channel.perUnit * c.maxError},
             {"max_error_at_s", c.maxErrorAt},
             {"steps", run.simulated.steps},
@@ -144,12 +144,12 @@ Json summaryOf(const ReplayedRun& run) {
                  {"peak_recorded_N", c.peakRecorded},
                  {"peak_simulated_N", c.peakSimulated},
                  {"rmse_N", c.rmse},
-                 {"residual_mean_N", c.zero},
-                 {"rmse_zeroed_N", c.rmseZeroed},
+                 {"residual_mean_N", c.residualMean},
+                 {"rmse_about_mean_N", c.rmseAboutMean},
                  {"max_error_N", c.maxError},
                  {"max_error_at_s", c.maxErrorAt},
                  {"rmse_with_landmarks_N", c.rmseAll},
-                 {"left_out_share", c.leftOut},
+                 {"excluded_fraction", c.excludedFraction},
                  {"landmarks", pairs},
                  {"landmarks_recorded_only", recordedOnly},
                  {"landmarks_simulated_only", simulatedOnly},
@@ -171,15 +171,15 @@ std::string summary(const Replay& replay) {
     for (const ReplayedRun& run : replay.runs)
         runs.push_back(replay.experiment.scene ? freeSummaryOf(run, experiment::channel(replay.experiment))
                                                : summaryOf(run));
-    const replay::Window w;
+    const replay::ExclusionWindow w;
     const Json json = {{"experiment", replay.experiment.file},
                        {"protocol", experiment::name(replay.experiment.protocol)},
                        {"elements", replay.resolution.elements},
                        {"position_tolerance_m", replay.resolution.positionTolerance},
                        {"parameters", parameters},
                        {"effects", effectsOn(replay.parameters)},
-                       {"window_before_landmark_s", w.before},
-                       {"window_after_landmark_s", w.after},
+                       {"excluded_before_landmark_s", w.before},
+                       {"excluded_after_landmark_s", w.after},
                        {"runs", runs}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -243,7 +243,7 @@ int replay(const ReplayArguments& a) {
     replay.experiment = std::move(*loaded);
     if (!prepare(a, replay))
         return kBadInput;
-    Folder folder(resultsFolder(a.file, a.out, "replay"));
+    OutputFolder folder(resultsFolder(a.file, a.out, "replay"));
     if (const std::string error = folder.prepare(); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

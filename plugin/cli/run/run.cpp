@@ -1,9 +1,9 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
-#include "plugin/lab/session/runner.h"
+#include "plugin/lab/session/run_scene.h"
 #include "plugin/pages/run/report.h"
 #include "plugin/recording/table/writer.h"
 #include "supercircle/coulomb/dump.h"
@@ -23,10 +23,10 @@ int cannotWrite(const std::string& error) {
     return kCannotWrite;
 }
 
-/// Every contact problem of the run as a file. The first one that cannot be written stops the run.
-class Dump {
+/// Writes every contact problem of the run to a file. The first failure stops the run.
+class ProblemDump {
 public:
-    explicit Dump(std::string path) : folder_(std::move(path)) {}
+    explicit ProblemDump(std::string path) : folder_(std::move(path)) {}
 
     std::string prepare() { return folder_.prepare(); }
     [[nodiscard]] const std::string& error() const { return error_; }
@@ -40,13 +40,13 @@ public:
         error_ = coulomb::writeDump(path, problem);
         if (error_.empty())
             return;
-        std::error_code ignored; // half a problem is worse than none
+        std::error_code ignored; // an incomplete file is removed
         fs::remove(path, ignored);
         interrupted = true;
     }
 
 private:
-    Folder folder_;
+    OutputFolder folder_;
     std::string error_;
     unsigned long long count_ = 0;
 };
@@ -65,29 +65,34 @@ std::string text(const record::Value& v) {
 }
 
 void printSummary(const record::Recording& r, const std::string& folder, bool pictures) {
+    const auto line = [](const std::string& key, const record::Value& value) {
+        std::printf("  %-34s %s\n", key.c_str(), text(value).c_str());
+    };
     for (const auto& [key, value] : r.summary)
+        line(key, value);
+    for (const auto& [key, seconds] : r.timing)
         if (key.rfind("stage_", 0) != 0)
-            std::printf("  %-26s %s\n", key.c_str(), text(value).c_str());
+            line(key, seconds);
     std::printf("results: %s/summary.json, series.csv\n", folder.c_str());
     if (pictures)
         std::printf("pictures: %s/report.html (without a browser: overview.png)\n", folder.c_str());
 }
 
-/// All files or none; without a report, that of an earlier run goes.
+/// Writes all files or none; without a report, that of an earlier run is removed.
 std::string writeAll(const record::Recording& recording, const std::string& folder, bool report) {
     auto files = record::recordingFiles(recording);
     if (!files)
         return files.error;
-    std::string noReport;
+    std::string reportError;
     if (report) {
-        auto pictures = report::reportFiles(recording);
-        noReport = pictures.error;
+        auto pictures = pages::reportFiles(recording);
+        reportError = pictures.error;
         std::move(pictures.value.begin(), pictures.value.end(), std::back_inserter(files.value));
     }
     if (const std::string error = record::writeAtomically(folder, files.value); !error.empty())
         return error;
-    const std::string old = report::removeOldReport(folder, files.value);
-    return noReport.empty() ? old : noReport;
+    const std::string old = pages::removeOldReport(folder, files.value);
+    return reportError.empty() ? old : reportError;
 }
 
 } // namespace
@@ -96,25 +101,25 @@ int run(const RunArguments& a) {
     const auto input = loadScene(a.scene, a.parameters, a.quiet);
     if (!input)
         return kBadInput;
-    Folder folder(a.out.empty() ? "out/" + fs::path(a.scene).stem().string() : a.out);
+    OutputFolder folder(a.out.empty() ? "out/" + fs::path(a.scene).stem().string() : a.out);
     if (const std::string error = folder.prepare(); !error.empty())
         return cannotWrite(error);
-    Dump dump(a.dump);
+    ProblemDump dump(a.dump);
     if (!a.dump.empty())
         if (const std::string error = dump.prepare(); !error.empty())
             return cannotWrite(error);
     ProgressLine line(a.quiet);
-    lab::Options options;
+    lab::RunOptions options;
     options.seed = static_cast<std::uint64_t>(a.seed);
     options.threads = a.threads;
     options.fixedDt = a.fixedDt;
     options.interrupt = &interrupted;
-    options.progress = [&](const lab::Progress& p) { line.show(p); };
+    options.progress = [&](const lab::RunProgress& p) { line.show(p); };
     if (!a.dump.empty())
         options.onSolve = [&](const coulomb::Problem& p, const coulomb::SolveReport&) { dump.write(p); };
-    const lab::Outcome out = lab::run(input->scene, input->host, options);
+    const lab::RunResult out = lab::runScene(input->scene, input->host, options);
     line.clear();
-    if (out.end == lab::End::BadScene) {
+    if (out.status == lab::RunStatus::BadScene) {
         std::fprintf(stderr, "%s: %s\n", a.scene.c_str(), out.message.c_str());
         return kBadInput;
     }
@@ -124,17 +129,17 @@ int run(const RunArguments& a) {
         return cannotWrite(dump.error());
     if (!a.quiet)
         printSummary(out.recording, folder.path(), !a.noReport);
-    const bool arrived = printed();
-    if (out.end == lab::End::Failed) {
-        std::fprintf(stderr, "the simulation could not go on: %s; the last good state is in %s\n", out.message.c_str(),
+    const bool wasPrinted = printed();
+    if (out.status == lab::RunStatus::Failed) {
+        std::fprintf(stderr, "the simulation could not go on: %s; the last valid state is in %s\n", out.message.c_str(),
                      folder.path().c_str());
         return kCannotGoOn;
     }
-    if (out.end == lab::End::Interrupted) {
+    if (out.status == lab::RunStatus::Interrupted) {
         std::fprintf(stderr, "interrupted; what is done is in %s\n", folder.path().c_str());
         return kInterrupted;
     }
-    return arrived ? kDone : kCannotWrite;
+    return wasPrinted ? kDone : kCannotWrite;
 }
 
 } // namespace supercircle::cli

@@ -1,7 +1,7 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/pages/sensitivity/sensitivity_page.h"
 
 #include "plugin/recording/experiment/load.h"
@@ -31,8 +31,7 @@ std::vector<double> columnOf(const Eigen::MatrixXd& m, Eigen::Index c, double fa
     return scaled({m.col(c).data(), m.col(c).data() + m.rows()}, factor);
 }
 
-/// d force / d parameter over time, N (of poses degrees or mm) per unit of the parameter; a second column says where it
-/// means something.
+/// d force / d parameter over time, N (of poses degrees or mm) per unit of the parameter, with a column of usable rows.
 record::Series forceTable(const SensitivityStudy& study, const RunSensitivity& run) {
     record::Series s;
     const experiment::Channel& channel = experiment::channel(study.experiment);
@@ -70,7 +69,7 @@ record::Series markerTable(const SensitivityStudy& study, const RunSensitivity& 
     return s;
 }
 
-/// One row per landmark: value, roughness, then derivative and its error per column.
+/// One row per landmark: value, computational noise, then derivative and its error per column.
 std::string landmarkTable(const SensitivityStudy& study) {
     std::string text = "run,landmark,unit,value,solver_noise";
     for (const sensitivity::Column& c : study.result.columns)
@@ -104,10 +103,10 @@ Json qualityOf(const Quality& q) {
             {"marker_signal", q.markerSignal},
             {"two_step_error", q.twoStepError},
             {"noise_error", q.noiseError},
-            {"lost_in_noise", q.weak},
-            {"markers_lost_in_noise", q.markersWeak},
+            {"below_solver_noise", q.belowNoise},
+            {"markers_below_solver_noise", q.markersBelowNoise},
             {"jump_shift_samples", q.jumpShift},
-            {"reorders_events", q.reorders},
+            {"changes_jumps", q.changesJumps},
             {"failure", q.failure.empty() ? Json(nullptr) : Json(q.failure)}};
 }
 
@@ -182,7 +181,8 @@ void print(const SensitivityStudy& study, const std::string& folder) {
             std::printf("  %-40s changes the force by up to %-9.3g N for %.3g %s%s%s\n", s.columns[c].name.c_str(),
                         most * s.columns[c].scale, s.columns[c].scale,
                         s.columns[c].unit == "1" ? "" : s.columns[c].unit.c_str(),
-                        q.weak ? "; lost in the solver's noise" : "", q.reorders ? "; moves or makes jumps" : "");
+                        q.belowNoise ? "; below the solver noise" : "",
+                        q.changesJumps ? "; shifts, adds or removes jumps" : "");
         }
     }
     std::printf("%zu simulations, %.1f s of processor time\n", s.simulations, s.cpuSeconds);
@@ -196,7 +196,7 @@ std::optional<sensitivity::Model> prepare(const SensitivityArguments& a, Sensiti
     if (!loaded)
         return std::nullopt;
     study.experiment = std::move(*loaded);
-    study.resolution = a.full ? replay::Resolution::full() : replay::Resolution::coarse();
+    study.resolution = a.full ? replay::Resolution::fine() : replay::Resolution::coarse();
     if (a.elements > 0)
         study.resolution.elements = a.elements;
     replay::Parameters parameters = replay::nominal(study.experiment);
@@ -237,21 +237,21 @@ int sensitivity(const SensitivityArguments& a) {
     const auto model = prepare(a, study);
     if (!model)
         return kBadInput;
-    Folder folder(resultsFolder(a.file, a.out, "sensitivity"));
+    OutputFolder folder(resultsFolder(a.file, a.out, "sensitivity"));
     if (const std::string error = folder.prepare(); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;
     }
     {
         ProgressLine line(a.quiet);
-        sensitivity::Settings settings;
+        sensitivity::SensitivitySettings settings;
         settings.jobs = a.jobs;
         settings.interrupt = &interrupted;
         settings.progress = [&](double fraction) { line.show(fraction, "simulations"); };
         study.result = sensitivity::differentiate(*model, study.experiment, settings);
     }
     if (interrupted) {
-        std::fprintf(stderr, "interrupted; nothing is written\n");
+        std::fprintf(stderr, "interrupted; nothing was written\n");
         return kInterrupted;
     }
     if (!study.result.failure.empty()) {

@@ -1,15 +1,15 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
-#include "plugin/cli/sweep/sweep_play.h"
+#include "plugin/cli/subcommands.h"
+#include "plugin/cli/sweep/sweep_run.h"
 #include "plugin/cli/sweep/sweep_work.h"
-#include "plugin/cli/verbs.h"
 #include "plugin/pages/sweep/sweep_page.h"
 
 #include "plugin/lab/sweep/definition.h"
+#include "plugin/lab/sweep/result_store.h"
+#include "plugin/lab/sweep/run_table.h"
 #include "plugin/lab/sweep/statistics.h"
-#include "plugin/lab/sweep/store.h"
-#include "plugin/lab/sweep/table.h"
 #include "plugin/lab/sweep/workers.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/scene/loader/document.h"
@@ -27,11 +27,10 @@ namespace supercircle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Work = SweepWork;
-using sweep::Definition;
-using sweep::Finished;
-using sweep::Store;
+using sweep::FinishedTask;
+using sweep::ResultStore;
 using sweep::StoredRun;
+using sweep::SweepDefinition;
 using sweep::Task;
 
 int complain(int code, const std::string& message) {
@@ -50,7 +49,7 @@ std::string hostName() {
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// Version and check sum (FNV-1a) of this program: digits are the same for the same program only.
+/// Version and checksum (FNV-1a) of this program: results are bitwise identical for the same program only.
 std::string buildName() {
     std::uint64_t h = 14695981039346656037ULL;
     if (const auto program = record::readText("/proc/self/exe"))
@@ -61,38 +60,38 @@ std::string buildName() {
     return text;
 }
 
-/// At most one program at a time works in a folder; the lock goes with the process, however it ends.
-class Lock {
+/// Lets at most one program at a time work in a folder. The lock ends with the process.
+class FolderLock {
 public:
-    std::string take(const std::string& folder) {
+    std::string acquire(const std::string& folder) {
         const std::string path = folder + "/.lock";
         file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
         if (file_ < 0)
             return path + ": " + std::strerror(errno);
-        // Workers of a sweep that was killed a moment ago may hold it still.
+        // Workers of a sweep that was just killed may still hold it.
         for (int i = 0; i < 50; ++i) {
             if (::flock(file_, LOCK_EX | LOCK_NB) == 0)
                 return {};
             ::usleep(20'000);
         }
-        return folder + ": another sweep is at work there";
+        return folder + ": another sweep is running there";
     }
-    void letGo() {
+    void release() {
         if (file_ >= 0)
             ::close(file_);
         file_ = -1;
     }
-    Lock() = default;
-    ~Lock() { letGo(); }
-    Lock(const Lock&) = delete;
-    Lock& operator=(const Lock&) = delete;
+    FolderLock() = default;
+    ~FolderLock() { release(); }
+    FolderLock(const FolderLock&) = delete;
+    FolderLock& operator=(const FolderLock&) = delete;
 
 private:
     int file_ = -1;
 };
 
-/// Reads sweep and scene and looks whether every set can be started.
-int prepare(const SweepArguments& a, Work& work) {
+/// Reads sweep and scene and checks whether every set can be started.
+int prepare(const SweepArguments& a, SweepWork& work) {
     auto loaded = loadSweep(a.file);
     if (!loaded)
         return kBadInput;
@@ -102,7 +101,7 @@ int prepare(const SweepArguments& a, Work& work) {
     if (work.sweep.seeds.empty())
         return badInput("--seeds " + a.seeds + ": expected seeds such as 1:20 or 1:5,8");
     if (a.engine == "slurm" && (!a.shard.empty() || !a.merge.empty()))
-        return badInput("--engine slurm makes and merges shards itself; --shard and --merge are for doing it by hand");
+        return badInput("--engine slurm creates and merges the shards; do not give --shard or --merge");
     if (!a.shard.empty()) {
         const auto shard = sweep::parseShard(a.shard);
         if (!shard)
@@ -117,32 +116,32 @@ int prepare(const SweepArguments& a, Work& work) {
         return kBadInput;
     work.sceneText = *text;
     for (std::size_t set = 0; set < work.sweep.sets.size(); ++set)
-        if (!canStart(work.sceneText, work.sweep.scene, work.sweep.settings(set)))
+        if (!canStart(work.sceneText, work.sweep.scene, work.sweep.parameterValues(set)))
             return kBadInput;
     return kDone;
 }
 
 /// A store holds runs of one scene, and of one shard.
-int checkIdentity(const SweepArguments& a, Work& work) {
+int checkIdentity(const SweepArguments& a, SweepWork& work) {
     const std::string shard = std::to_string(work.shard.part) + "/" + std::to_string(work.shard.parts);
+    if (const std::string error = work.store.checkFormat(); !error.empty())
+        return badInput(error);
     const std::vector<std::pair<std::string, std::string>> wanted = {
-        {"format", kSweepFormat}, {"scene", work.sceneText}, {"shard", shard}};
+        {"format", sweep::kStoreFormat}, {"scene", work.sceneText}, {"shard", shard}};
     const auto known = work.store.finished();
     if (!known)
         return cannotWrite(known.error);
     if (!known.value.empty() && !a.resume && a.merge.empty())
         return badInput(a.out + ": holds " + std::to_string(known.value.size()) +
-                        " runs already; go on with --resume, or choose another folder with --out");
+                        " runs already; continue with --resume, or choose another folder with --out");
     for (const auto& [key, value] : wanted) {
         const auto there = work.store.meta(key);
         if (!there)
             return cannotWrite(there.error);
         if (!there.value.empty() && there.value != value && !known.value.empty())
             return badInput(a.out + ": " +
-                            (key == "scene" ? "the scene was another one when these runs were played"
-                             : key == "shard"
-                                 ? "holds shard " + there.value + " of a sweep, give " + value + " a folder of its own"
-                                 : "written by another version, " + there.value) +
+                            (key == "scene" ? "these runs are of another version of the scene"
+                                            : "holds shard " + there.value + " of a sweep, not shard " + value) +
                             "; choose another folder with --out");
         if (const std::string error = work.store.setMeta(key, value); !error.empty())
             return cannotWrite(error);
@@ -150,34 +149,36 @@ int checkIdentity(const SweepArguments& a, Work& work) {
     return kDone;
 }
 
-int mergeAll(const SweepArguments& a, Work& work) {
+int mergeAll(const SweepArguments& a, SweepWork& work) {
     for (const std::string& folder : a.merge) {
-        const std::string path = folder + "/" + kSweepStore;
+        const std::string path = folder + "/" + sweep::kStoreFile;
         std::error_code error;
         if (!fs::is_regular_file(path, error))
             return badInput(path + ": there is no such file; --merge takes folders of shards");
-        Store shard;
+        ResultStore shard;
         if (const std::string why = shard.open(path); !why.empty())
             return badInput(why);
-        const auto format = shard.meta("format"), scene = shard.meta("scene");
-        if (!format || !scene || format.value != kSweepFormat || scene.value != work.sceneText)
-            return badInput(folder + ": holds runs of another scene or of another version");
-        if (const std::string why = work.store.takeOver(shard); !why.empty())
+        if (const std::string why = shard.checkFormat(); !why.empty())
+            return badInput(why);
+        const auto scene = shard.meta("scene");
+        if (!scene || scene.value != work.sceneText)
+            return badInput(folder + ": holds runs of another scene");
+        if (const std::string why = work.store.mergeFrom(shard); !why.empty())
             return cannotWrite(why);
     }
     return kDone;
 }
 
-StoredRun storedRun(const Definition& definition, const Finished& f, const std::string& host,
+StoredRun storedRun(const SweepDefinition& definition, const FinishedTask& f, const std::string& host,
                     const std::string& build) {
     StoredRun run;
-    run.parameters = sweep::keyOf(definition.settings(f.task.set));
+    run.parameters = sweep::keyOf(definition.parameterValues(f.task.set));
     run.seed = f.task.seed;
     run.host = host;
     run.build = build;
     run.wall = f.wall;
     run.cpu = f.cpu;
-    const auto result = f.exitCode == 0 && f.signal == 0 ? sweep::unpacked(f.result) : std::nullopt;
+    const auto result = f.exitCode == 0 && f.signal == 0 ? sweep::deserialise(f.result) : std::nullopt;
     if (result) {
         run.status = result->status;
         run.message = result->message;
@@ -186,57 +187,57 @@ StoredRun storedRun(const Definition& definition, const Finished& f, const std::
     }
     run.status = "crashed";
     run.message = f.signal != 0 ? std::string("its process was ended by signal ") + strsignal(f.signal)
-                  : f.exitCode == sweep::kThrew && !f.result.empty()
+                  : f.exitCode == sweep::kExitException && !f.result.empty()
                       ? f.result
                       : "its process ended with code " + std::to_string(f.exitCode);
     return run;
 }
 
-/// Plays what is missing.
-std::string play(const SweepArguments& a, Work& work, Lock& lock) {
+/// Runs what is missing.
+std::string runMissing(const SweepArguments& a, SweepWork& work, FolderLock& lock) {
     const auto known = work.store.finished();
     if (!known)
         return known.error;
     std::vector<Task> missing;
     for (const Task& task : sweep::tasks(work.sweep, work.shard))
-        if (known.value.count({sweep::keyOf(work.sweep.settings(task.set)), task.seed}) == 0)
+        if (known.value.count({sweep::keyOf(work.sweep.parameterValues(task.set)), task.seed}) == 0)
             missing.push_back(task);
         else
-            ++work.playedBefore;
+            ++work.knownBefore;
     const std::string host = hostName(), build = buildName();
     ProgressLine line(a.quiet);
     std::size_t done = 0;
     std::string last;
-    sweep::Work plan;
+    sweep::WorkPlan plan;
     plan.jobs = a.jobs;
     plan.interrupt = &interrupted;
-    plan.play = [&](const Task& task) {
-        return playOne(work.sceneText, work.sweep.scene, work.sweep.settings(task.set), task.seed);
+    plan.runTask = [&](const Task& task) {
+        return runOne(work.sceneText, work.sweep.scene, work.sweep.parameterValues(task.set), task.seed);
     };
-    plan.finished = [&](const Finished& f) {
+    plan.onFinished = [&](const FinishedTask& f) {
         const StoredRun run = storedRun(work.sweep, f, host, build);
         ++done;
-        work.died += run.status == "crashed" ? 1 : 0;
+        work.crashed += run.status == "crashed" ? 1 : 0;
         work.failed += run.status == "failed" ? 1 : 0;
         last = run.parameters + ", seed " + std::to_string(run.seed);
-        return work.store.keep(run);
+        return work.store.save(run);
     };
     std::size_t shown = 0;
-    plan.turn = [&] {
-        if (done == shown && ::isatty(STDERR_FILENO) == 0) // plain lines: only where there is news
+    plan.onPoll = [&] {
+        if (done == shown && ::isatty(STDERR_FILENO) == 0) // plain lines: only after a change
             return;
         shown = done;
         const std::string bad =
-            work.died + work.failed > 0 ? ", " + std::to_string(work.died + work.failed) + " not good" : "";
+            work.crashed + work.failed > 0 ? ", " + std::to_string(work.crashed + work.failed) + " failed" : "";
         line.show(static_cast<double>(done) / static_cast<double>(missing.size()),
                   "run " + std::to_string(done) + " of " + std::to_string(missing.size()) + bad +
                       (last.empty() ? "" : " (" + last + ")"));
     };
-    plan.child = [&] { lock.letGo(); };
-    return sweep::playAll(missing, plan);
+    plan.onFork = [&] { lock.release(); };
+    return sweep::runTasks(missing, plan);
 }
 
-void say(const SweepArguments& a, Work& work, const sweep::Table& table) {
+void printResults(const SweepArguments& a, SweepWork& work, const sweep::RunTable& table) {
     std::size_t& missing = work.missing;
     for (const Task& task : sweep::tasks(work.sweep, {}))
         missing += std::none_of(table.rows.begin(), table.rows.end(),
@@ -245,19 +246,19 @@ void say(const SweepArguments& a, Work& work, const sweep::Table& table) {
                        : 0;
     if (!a.quiet) {
         std::printf("%zu runs of %zu sets of parameters%s\n", table.rows.size(), work.sweep.sets.size(),
-                    missing > 0 ? (", " + std::to_string(missing) + " still to be played").c_str() : "");
+                    missing > 0 ? (", " + std::to_string(missing) + " still to be run").c_str() : "");
         std::printf("results: %s/results.csv, statistics.csv, timings.csv, failed.csv, %s\n", a.out.c_str(),
-                    kSweepStore);
+                    sweep::kStoreFile);
         std::printf("pictures: %s/report.html\n", a.out.c_str());
     }
     for (const sweep::Row& row : table.rows)
         if (row.status != "done")
-            std::fprintf(stderr, "%s: %s: %s\n  again alone: %s\n", sweep::keyOf(work.sweep.settings(row.set)).c_str(),
-                         row.status.c_str(), row.message.c_str(),
-                         sweep::commandOf(work.sweep, row.set, row.seed).c_str());
+            std::fprintf(stderr, "%s: %s: %s\n  repeat it alone: %s\n",
+                         sweep::keyOf(work.sweep.parameterValues(row.set)).c_str(), row.status.c_str(),
+                         row.message.c_str(), sweep::commandOf(work.sweep, row.set, row.seed).c_str());
 }
 
-int finish(const SweepArguments& a, Work& work) {
+int finish(const SweepArguments& a, SweepWork& work) {
     const auto table = sweep::collect(work.sweep, work.store);
     if (!table)
         return cannotWrite(table.error);
@@ -267,51 +268,51 @@ int finish(const SweepArguments& a, Work& work) {
                                             {"failed.csv", sweep::failedCsv(work.sweep, table.value)}};
     if (std::string cycles = sweep::cyclesCsv(work.sweep, table.value); !cycles.empty())
         files.emplace_back("cycles.csv", std::move(cycles));
-    auto pages = sweepPages(work.sweep, table.value, work.store);
-    if (!pages)
-        return cannotWrite(pages.error);
-    std::move(pages.value.begin(), pages.value.end(), std::back_inserter(files));
+    auto made = pages::sweepPages(work.sweep, table.value, work.store);
+    if (!made)
+        return cannotWrite(made.error);
+    std::move(made.value.begin(), made.value.end(), std::back_inserter(files));
     if (const std::string error = record::writeAtomically(a.out, files); !error.empty())
         return cannotWrite(error);
-    say(a, work, table.value);
-    const bool arrived = printed();
-    const bool good = std::all_of(table.value.rows.begin(), table.value.rows.end(),
-                                  [](const sweep::Row& r) { return r.status == "done"; });
+    printResults(a, work, table.value);
+    const bool wasPrinted = printed();
+    const bool allDone = std::all_of(table.value.rows.begin(), table.value.rows.end(),
+                                     [](const sweep::Row& r) { return r.status == "done"; });
     const bool ended = a.engine != "slurm" || interrupted || work.missing == 0;
     if (!ended)
-        std::fprintf(stderr, "%zu runs did not arrive; what the tasks said is in %s/slurm, --resume plays them\n",
+        std::fprintf(stderr, "%zu runs are missing; the output of the tasks is in %s/slurm, --resume runs them again\n",
                      work.missing, a.out.c_str());
-    return !arrived ? kCannotWrite : good && ended ? kDone : kCannotGoOn;
+    return !wasPrinted ? kCannotWrite : allDone && ended ? kDone : kCannotGoOn;
 }
 
 } // namespace
 
 int sweep(const SweepArguments& a) {
-    Work work;
+    SweepWork work;
     if (const int code = prepare(a, work); code != kDone)
         return code;
-    Folder folder(a.out);
+    OutputFolder folder(a.out);
     if (const std::string error = folder.prepare(); !error.empty())
         return cannotWrite(error);
-    Lock lock;
-    if (const std::string error = lock.take(a.out); !error.empty())
+    FolderLock lock;
+    if (const std::string error = lock.acquire(a.out); !error.empty())
         return cannotWrite(error);
-    if (const std::string error = work.store.open(a.out + "/" + kSweepStore); !error.empty())
+    if (const std::string error = work.store.open(a.out + "/" + sweep::kStoreFile); !error.empty())
         return cannotWrite(error);
     if (const int code = checkIdentity(a, work); code != kDone)
         return code;
     if (const int code = mergeAll(a, work); code != kDone)
         return code;
     if (a.merge.empty() && a.engine == "slurm") {
-        if (const std::string error = playOnCluster(a, work); !error.empty())
+        if (const std::string error = runOnCluster(a, work); !error.empty())
             return complain(kCannotGoOn, error);
     } else if (a.merge.empty()) {
-        if (const std::string error = play(a, work, lock); !error.empty())
+        if (const std::string error = runMissing(a, work, lock); !error.empty())
             return cannotWrite(error);
     }
     const int code = finish(a, work);
     if (interrupted && code != kCannotWrite) {
-        std::fprintf(stderr, "interrupted; what is done is in %s, --resume goes on\n", a.out.c_str());
+        std::fprintf(stderr, "interrupted; what is done is in %s, --resume continues\n", a.out.c_str());
         return kInterrupted;
     }
     return code;

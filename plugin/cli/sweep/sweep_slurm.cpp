@@ -1,7 +1,6 @@
-// The engine `slurm`: shards as tasks of a job array. Every task is the verb `sweep` itself, playing its shard into a
-// folder of its own, so that SQLite's files are never shared between machines (network file systems lock badly), and a
-// task that is killed loses the run it was at and nothing else. The array is found again by its name, which is made of
-// the folder's: a sweep that was killed itself and is resumed waits for the array that is still there.
+// The engine `slurm`: shards as tasks of a job array (decision 0176). Every task is the subcommand `sweep` with its own
+// shard and folder. The name of the array is derived from the folder: a sweep that is resumed finds an array that still
+// runs.
 
 #include "plugin/cli/progress.h"
 #include "plugin/cli/sweep/sweep_work.h"
@@ -22,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using sweep::ArrayJob;
+using sweep::ResultStore;
 using sweep::RunName;
-using sweep::Store;
 using sweep::Task;
 
 std::string shardsOf(const std::string& folder) {
@@ -35,29 +34,29 @@ std::string shardFolder(const std::string& folder, int part, int parts) {
 }
 
 RunName nameOf(const SweepWork& work, const Task& task) {
-    return {sweep::keyOf(work.sweep.settings(task.set)), task.seed};
+    return {sweep::keyOf(work.sweep.parameterValues(task.set)), task.seed};
 }
 
-/// Everything that shards, of this array or of earlier ones, have played.
-std::string takeOverShards(const std::string& folder, SweepWork& work) {
+/// Merges the results of all shards, of this array and of earlier ones.
+std::string mergeShards(const std::string& folder, SweepWork& work) {
     std::error_code error;
     std::vector<std::string> paths;
     for (const auto& entry : fs::directory_iterator(shardsOf(folder), error))
-        paths.push_back(entry.path().string() + "/" + kSweepStore);
+        paths.push_back(entry.path().string() + "/" + sweep::kStoreFile);
     std::sort(paths.begin(), paths.end());
     for (const std::string& path : paths) {
         if (!fs::is_regular_file(path, error))
             continue;
-        Store shard;
+        ResultStore shard;
         if (std::string why = shard.open(path); !why.empty())
             return why;
-        if (std::string why = work.store.takeOver(shard); !why.empty())
+        if (std::string why = work.store.mergeFrom(shard); !why.empty())
             return why;
     }
     return {};
 }
 
-/// Shards do not play again what is known here already.
+/// Gives the shards the runs that are known already, so that they do not repeat them.
 std::string prepareShards(const std::string& folder, int parts, SweepWork& work) {
     const auto known = work.store.finished();
     if (!known)
@@ -72,15 +71,15 @@ std::string prepareShards(const std::string& folder, int parts, SweepWork& work)
         const std::string path = shardFolder(folder, part, parts);
         std::error_code error;
         fs::create_directories(path, error);
-        Store shard;
-        std::string why = shard.open(path + "/" + kSweepStore);
-        for (const auto& [key, value] : {std::pair<std::string, std::string>{"format", kSweepFormat},
+        ResultStore shard;
+        std::string why = shard.open(path + "/" + sweep::kStoreFile);
+        for (const auto& [key, value] : {std::pair<std::string, std::string>{"format", sweep::kStoreFormat},
                                          {"scene", work.sceneText},
                                          {"shard", std::to_string(part) + "/" + std::to_string(parts)}})
             if (why.empty())
                 why = shard.setMeta(key, value);
         if (why.empty())
-            why = shard.takeOver(work.store, theirs);
+            why = shard.mergeFrom(work.store, theirs);
         if (!why.empty())
             return why;
     }
@@ -109,7 +108,8 @@ record::Result<ArrayJob> submit(const SweepArguments& a, const std::string& fold
     return id ? Out{{id.value, name + std::to_string(a.jobs), a.jobs}, {}} : Out::fail(id.error);
 }
 
-/// Runs that the tasks of an array have finished so far, from what they say: their stores are theirs until they end.
+/// Number of runs finished by the tasks of an array, from their progress lines; their stores stay locked until they
+/// end.
 std::size_t finishedRuns(const std::string& folder, int parts) {
     std::size_t all = 0;
     for (int part = 1; part <= parts; ++part) {
@@ -132,19 +132,19 @@ std::string wait(const SweepArguments& a, const std::string& folder, const Array
         const std::size_t done = std::min(missing, finishedRuns(folder, job.parts));
         line.show(static_cast<double>(done) / static_cast<double>(missing),
                   "run " + std::to_string(done) + " of " + std::to_string(missing) + " (array job " + job.id + ")");
-        ::usleep(a.jobs > 16 ? 3'000'000 : 500'000); // spare the controller
+        ::usleep(a.jobs > 16 ? 3'000'000 : 500'000); // limits the load of the Slurm controller
     }
     line.clear();
-    std::fprintf(stderr, "array job %s goes on; `scancel %s` ends it\n", job.id.c_str(), job.id.c_str());
+    std::fprintf(stderr, "array job %s continues; `scancel %s` ends it\n", job.id.c_str(), job.id.c_str());
     return {};
 }
 
 } // namespace
 
-std::string playOnCluster(const SweepArguments& a, SweepWork& work) {
+std::string runOnCluster(const SweepArguments& a, SweepWork& work) {
     const std::string folder = fs::canonical(a.out).string();
     const std::string name = sweep::arrayName(folder);
-    if (std::string error = takeOverShards(folder, work); !error.empty())
+    if (std::string error = mergeShards(folder, work); !error.empty())
         return error;
     const auto known = work.store.finished();
     if (!known)
@@ -168,7 +168,7 @@ std::string playOnCluster(const SweepArguments& a, SweepWork& work) {
     }
     if (std::string error = wait(a, folder, job, missing); !error.empty())
         return error;
-    return takeOverShards(folder, work);
+    return mergeShards(folder, work);
 }
 
 } // namespace supercircle::cli

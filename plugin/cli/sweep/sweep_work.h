@@ -1,28 +1,25 @@
 #pragma once
-// What the engines of the verb `sweep` share.
+// State shared by the engines of the subcommand `sweep`.
 
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 #include "plugin/lab/sweep/definition.h"
-#include "plugin/lab/sweep/store.h"
+#include "plugin/lab/sweep/result_store.h"
 
 #include <string>
 
 namespace supercircle::cli {
 
-inline constexpr const char* kSweepFormat = "supercircle-sweep-store/1";
-inline constexpr const char* kSweepStore = "results.sqlite"; ///< in the folder of a sweep or shard
-
-/// A sweep at work.
+/// A sweep in progress.
 struct SweepWork {
-    sweep::Definition sweep;
+    sweep::SweepDefinition sweep;
     std::string sceneText;
-    sweep::Store store;
+    sweep::ResultStore store;
     sweep::Shard shard;
-    std::size_t playedBefore = 0, died = 0, failed = 0;
+    std::size_t knownBefore = 0, crashed = 0, failed = 0;
     std::size_t missing = 0; ///< runs that are not in the store at the end
 };
 
-/// Plays what is missing as shards on a Slurm cluster, waits for them and takes them over. Empty, or why not.
-[[nodiscard]] std::string playOnCluster(const SweepArguments& arguments, SweepWork& work);
+/// Runs what is missing as shards on a Slurm cluster, waits for them and merges them. Empty, or why not.
+[[nodiscard]] std::string runOnCluster(const SweepArguments& arguments, SweepWork& work);
 
 } // namespace supercircle::cli

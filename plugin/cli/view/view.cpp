@@ -1,7 +1,7 @@
-// The testbed itself is examples/testbed, beside the games whose frame it shares; a build without examples has none.
+// The testbed is in examples/testbed, because it shares the framework of the games. A build without examples has none.
 
 #include "plugin/cli/input.h"
-#include "plugin/cli/verbs.h"
+#include "plugin/cli/subcommands.h"
 
 #ifdef SC_HAS_TESTBED
 #include "examples/testbed/testbed.h"

@@ -1,13 +1,13 @@
 #include "plugin/identification/calibration/curve.h"
 
-#include "plugin/identification/diagnosis/box.h"
+#include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/data.h"
 #include "plugin/identification/diagnosis/evaluator.h"
 #include "plugin/identification/diagnosis/fit.h"
-#include "plugin/identification/diagnosis/misfit.h"
+#include "plugin/identification/diagnosis/likelihood.h"
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/replay_model.h"
-#include "plugin/identification/diagnosis/store.h"
+#include "plugin/identification/diagnosis/simulation_cache.h"
 #include "supercircle/step/parallel.h"
 
 #include <algorithm>
@@ -19,49 +19,51 @@ namespace supercircle::calibration {
 namespace {
 
 using diagnosis::Evaluator;
-using diagnosis::Fineness;
-using diagnosis::Fitted;
-using diagnosis::Misfit;
-using diagnosis::Point;
+using diagnosis::Fidelity;
+using diagnosis::FitResult;
+using diagnosis::Likelihood;
+using diagnosis::ParameterPoint;
 using Eigen::Index;
 
-constexpr double kRise = 2.7055; ///< of the misfit at the ends of a 90 % interval, one degree of freedom
+constexpr double kRise = 2.7055; ///< of chi-squared at the ends of a 90 % interval, one degree of freedom
 
-/// The description with friction uncertain: else it would not be among what is fitted.
-experiment::Experiment withOpenFriction(experiment::Experiment e) {
+/// The description with uncertain friction, so that it is fitted.
+experiment::Experiment withUncertainFriction(experiment::Experiment e) {
     e.friction.halfWidth = std::max(e.friction.halfWidth, 0.05);
     return e;
 }
 
-/// A replay whose friction coefficient may be anything.
-class OpenFriction final : public diagnosis::Model {
+/// A replay with a friction coefficient in [0, largest].
+class UncertainFriction final : public diagnosis::Model {
 public:
-    OpenFriction(const experiment::Experiment& e, double most) : inner_(e), nominal_(inner_.nominal()) {
+    UncertainFriction(const experiment::Experiment& e, double largest) : replay_(e), nominal_(replay_.nominal()) {
         for (std::size_t i = 0; i < nominal_.size(); ++i)
             if (nominal_[i].name == "friction") {
                 friction = static_cast<Index>(i);
                 nominal_[i].lower = 0.0;
-                nominal_[i].upper = most;
+                nominal_[i].upper = largest;
                 nominal_[i].step = 0.05;
             }
     }
     [[nodiscard]] const std::vector<diagnosis::Scalar>& nominal() const override { return nominal_; }
-    [[nodiscard]] const std::vector<diagnosis::Candidate>& candidates() const override { return inner_.candidates(); }
-    [[nodiscard]] diagnosis::Response simulate(std::size_t run, const Point& point, Fineness fineness,
-                                               const std::atomic<bool>* interrupt) const override {
-        return inner_.simulate(run, point, fineness, interrupt);
+    [[nodiscard]] const std::vector<diagnosis::CandidateEffect>& candidates() const override {
+        return replay_.candidates();
     }
-    [[nodiscard]] std::string identity() const override { return "open friction " + inner_.identity(); }
+    [[nodiscard]] diagnosis::Response simulate(std::size_t run, const ParameterPoint& point, Fidelity fidelity,
+                                               const std::atomic<bool>* interrupt) const override {
+        return replay_.simulate(run, point, fidelity, interrupt);
+    }
+    [[nodiscard]] std::string identity() const override { return "uncertain friction " + replay_.identity(); }
 
-    Index friction = -1; ///< which of nominal() it is
+    Index friction = -1; ///< its index in nominal()
 
 private:
-    diagnosis::ReplayModel inner_;
+    diagnosis::ReplayModel replay_;
     std::vector<diagnosis::Scalar> nominal_;
 };
 
-/// Least misfit of the linearised fit with variable `fixed` at `value` and all others inside their box.
-double profile(const Fitted& fit, const diagnosis::Variables& v, Index fixed, double value) {
+/// Smallest chi-squared of the linearised fit with variable `fixed` at `value` and all others inside their bounds.
+double profile(const FitResult& fit, const diagnosis::Variables& v, Index fixed, double value) {
     const Index n = v.size();
     Eigen::MatrixXd others(fit.jacobian.rows(), n - 1);
     Eigen::VectorXd lower(n - 1), upper(n - 1);
@@ -74,12 +76,12 @@ double profile(const Fitted& fit, const diagnosis::Variables& v, Index fixed, do
         }
     const Eigen::VectorXd residual = fit.residual - fit.jacobian.col(fixed) * (value - fit.x[fixed]);
     const Eigen::VectorXd step =
-        diagnosis::boxMinimum(others.transpose() * others, others.transpose() * residual, lower, upper);
+        diagnosis::solveBoxQp(others.transpose() * others, others.transpose() * residual, lower, upper);
     return (residual - others * step).squaredNorm();
 }
 
-/// How far from the fit, in direction `sign`, the misfit has risen by `rise`; at most to the variable's bound.
-double reach(const Fitted& fit, const diagnosis::Variables& v, Index at, double sign, double rise) {
+/// Where chi-squared has risen by `rise` in direction `sign`; at most the variable's bound.
+double reach(const FitResult& fit, const diagnosis::Variables& v, Index at, double sign, double rise) {
     const double bound = sign > 0.0 ? v.upper[at] : v.lower[at];
     const double best = profile(fit, v, at, fit.x[at]);
     double inside = fit.x[at], outside = fit.x[at];
@@ -99,31 +101,31 @@ double reach(const Fitted& fit, const diagnosis::Variables& v, Index at, double 
 } // namespace
 
 CurveResult frictionFromCurve(const experiment::Experiment& stated, const CurveSettings& settings) {
-    const experiment::Experiment e = withOpenFriction(stated);
-    const OpenFriction model(e, settings.most);
+    const experiment::Experiment e = withUncertainFriction(stated);
+    const UncertainFriction model(e, settings.largest);
     CurveResult out;
-    const diagnosis::Data data = diagnosis::dataOf(e);
+    const diagnosis::RecordedData data = diagnosis::recordedDataOf(e);
     const diagnosis::Noise noise = diagnosis::estimateNoise(data);
     out.noise = noise.total();
-    diagnosis::Store memory;
-    Evaluator evaluator(model, e.runs.size(), step::threadLoop(settings.jobs), memory, settings.interrupt);
+    diagnosis::SimulationCache cache;
+    Evaluator evaluator(model, e.runs.size(), step::threadLoop(settings.jobs), cache, settings.interrupt);
     std::size_t done = 0;
     evaluator.onRun = [&] {
         ++done;
-        if (settings.progress) // some sixty simulations a run, more where the first guess is far
+        if (settings.progress) // about sixty simulations a run, more after a poor start
             settings.progress(
                 1.0 - 1.0 / (1.0 + static_cast<double>(done) / (40.0 * static_cast<double>(e.runs.size()))), "fitting");
     };
-    Point at;
+    ParameterPoint at;
     for (const diagnosis::Scalar& s : model.nominal())
         at.nominal.push_back(s.value);
-    Fitted fit;
-    std::unique_ptr<Misfit> misfit;
-    for (int round = 0; round < 2; ++round) { // the second weighs rows by what the simulation is like where it fits
-        const auto fine = evaluator.everywhere({at}, Fineness::Fine).front();
-        const auto finer = evaluator.everywhere({at}, Fineness::Finer).front();
-        misfit = std::make_unique<Misfit>(data, noise, fine, finer);
-        fit = diagnosis::fit(evaluator, *misfit, at);
+    FitResult fit;
+    std::unique_ptr<Likelihood> likelihood;
+    for (int round = 0; round < 2; ++round) { // the second round uses the model error near the fit
+        const auto fine = evaluator.simulateAllRuns({at}, Fidelity::Fine).front();
+        const auto finer = evaluator.simulateAllRuns({at}, Fidelity::Finer).front();
+        likelihood = std::make_unique<Likelihood>(data, noise, fine, finer);
+        fit = diagnosis::fit(evaluator, *likelihood, at);
         out.stopped = evaluator.stopped();
         out.failure = out.stopped ? "" : fit.failure;
         if (out.stopped || !out.failure.empty())
@@ -131,8 +133,8 @@ CurveResult frictionFromCurve(const experiment::Experiment& stated, const CurveS
         at = fit.point;
     }
     const diagnosis::Variables v(model, at);
-    out.misfitPerRow = fit.misfit / std::max(1.0, static_cast<double>(misfit->present()));
-    const double rise = kRise * std::max(1.0, out.misfitPerRow);
+    out.chiSquaredPerReading = fit.chiSquared / std::max(1.0, static_cast<double>(likelihood->countedRows()));
+    const double rise = kRise * std::max(1.0, out.chiSquaredPerReading);
     const auto value = [&](double x) { return v.scalar(model.friction).value + x * v.scalar(model.friction).step; };
     out.friction = value(fit.x[model.friction]);
     out.low = value(reach(fit, v, model.friction, -1.0, rise));
@@ -140,7 +142,7 @@ CurveResult frictionFromCurve(const experiment::Experiment& stated, const CurveS
     for (Index i = 0; i < v.size(); ++i)
         if (i != model.friction)
             out.others.emplace_back(v.scalar(i).name, fit.point.nominal[static_cast<std::size_t>(i)]);
-    out.simulations = evaluator.asked();
+    out.simulations = evaluator.distinctRequests();
     return out;
 }
 

@@ -29,15 +29,15 @@ record::Result<Critical> criticalFriction(double phiBar, const Simulate& simulat
         return Out::fail("the simulation at an opening angle of " + number(phiBar) + " and a friction coefficient of " +
                          number(mu) + " ended in no snap");
     };
-    const auto atMost = smooth(settings.most);
+    const auto atMost = smooth(settings.largest);
     if (!atMost)
-        return fail(settings.most);
+        return fail(settings.largest);
     if (*atMost) {
-        c.below = settings.most;
+        c.below = settings.largest;
         c.above = std::numeric_limits<double>::infinity();
         return {c, {}};
     }
-    c.above = settings.most;
+    c.above = settings.largest;
     const auto atZero = smooth(0.0);
     if (!atZero)
         return fail(0.0);
@@ -71,7 +71,7 @@ record::Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials
         return Out::fail("the trials contradict each other: smooth at " + number(deepestSmooth) +
                          ", abrupt at the shallower " + number(shallowestAbrupt) +
                          "; deeper shells never snap more smoothly");
-    const auto inside = [&](double phiBar) { return std::clamp(phiBar, settings.least, settings.deepest); };
+    const auto inside = [&](double phiBar) { return std::clamp(phiBar, settings.shallowest, settings.deepest); };
     Out out;
     out.value.high = std::numeric_limits<double>::infinity();
     if (std::isfinite(shallowestAbrupt)) {
@@ -80,7 +80,7 @@ record::Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials
             return Out::fail(c.error);
         if (std::isinf(c.value.above))
             return Out::fail("an abrupt snap at an opening angle of " + number(shallowestAbrupt) +
-                             " takes more friction than " + number(settings.most));
+                             " takes more friction than " + number(settings.largest));
         out.value.fromAbrupt = c.value;
         out.value.low = c.value.below;
     }

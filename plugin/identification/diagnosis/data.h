@@ -1,5 +1,5 @@
 #pragma once
-// Recordings as the statistics see them: columns of numbers and what the machine was doing in each row.
+// Recordings as columns of numbers, with what the testing machine does in each row.
 
 #include "plugin/recording/experiment/experiment.h"
 
@@ -13,15 +13,15 @@ namespace supercircle::diagnosis {
 enum class Phase : std::uint8_t { Loading, Unloading, Hold, Free };
 const char* name(Phase phase);
 
-/// A straight piece of the commanded motion.
-struct Leg {
+/// A part of the commanded motion with constant speed.
+struct DriveSegment {
     Phase phase = Phase::Hold;
     double from = 0.0, to = 0.0; ///< s
     double speed = 0.0;          ///< m/s, downwards
-    std::size_t stroke = 0;      ///< which it belongs to (RecordedRun::drivenBy)
+    std::size_t stroke = 0;      ///< index of its stroke (RecordedRun::setDrive)
 };
 
-/// What the drive does from one turning point to the next, in however many legs it is given.
+/// The motion between two turning points, in one or more segments.
 struct Stroke {
     Phase phase = Phase::Hold;
     double from = 0.0, to = 0.0; ///< s
@@ -32,68 +32,70 @@ struct RecordedRun {
     Eigen::VectorXd time;         ///< s
     Eigen::VectorXd displacement; ///< as commanded, m
     Eigen::VectorXd force;        ///< N; NaN: missing
-    std::vector<Leg> legs;
+    std::vector<DriveSegment> segments;
     std::vector<Stroke> strokes;
-    std::vector<int> leg;        ///< of each row
-    Eigen::VectorXd markerTime;  ///< s
-    Eigen::VectorXd markers;     ///< as Response::markers, NaN: not seen
-    std::vector<int> markerLeg;  ///< of each marker row
-    std::size_t markerCount = 0; ///< markers.size() = 2 markerCount markerTime.size()
-    bool turned = false;         ///< its specimens were mounted turned end for end
+    std::vector<int> segmentOfRow;       ///< index of the segment of each row
+    Eigen::VectorXd markerTime;          ///< s
+    Eigen::VectorXd markers;             ///< m, ordered as Response::markers; NaN: not seen
+    std::vector<int> segmentOfMarkerRow; ///< index of the segment of each marker row
+    std::size_t markerCount = 0;         ///< markers.size() = 2 markerCount markerTime.size()
+    bool specimenReversed = false;       ///< its specimens are mounted end for end
 
     [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size(); }
-    /// Of the force's rows, s.
+    /// Sampling interval of the force, s.
     [[nodiscard]] double spacing() const {
         return time.size() > 1 ? (time[time.size() - 1] - time[0]) / static_cast<double>(time.size() - 1) : 1.0;
     }
-    /// The leg of the drive at a time; there must be one.
-    [[nodiscard]] const Leg& legAt(double t) const;
-    [[nodiscard]] const Stroke& strokeAt(double t) const { return strokes[legAt(t).stroke]; }
-    /// Which stroke a row of the force or of the markers belongs to.
-    [[nodiscard]] std::size_t stroke(Eigen::Index row) const { return strokeOf(leg, row); }
-    [[nodiscard]] std::size_t markerStroke(Eigen::Index row) const { return strokeOf(markerLeg, row); }
+    /// The segment of the drive at a time, s. There must be one.
+    [[nodiscard]] const DriveSegment& segmentAt(double t) const;
+    [[nodiscard]] const Stroke& strokeAt(double t) const { return strokes[segmentAt(t).stroke]; }
+    /// Index of the stroke to which a row of the force or of the markers belongs.
+    [[nodiscard]] std::size_t stroke(Eigen::Index row) const { return strokeOf(segmentOfRow, row); }
+    [[nodiscard]] std::size_t markerStroke(Eigen::Index row) const { return strokeOf(segmentOfMarkerRow, row); }
     [[nodiscard]] Phase phase(Eigen::Index row) const {
-        return legs[static_cast<std::size_t>(leg[static_cast<std::size_t>(row)])].phase;
+        return segments[static_cast<std::size_t>(segmentOfRow[static_cast<std::size_t>(row)])].phase;
     }
-    /// Sets legs and strokes, and which leg each row belongs to; times of readings and markers must be there.
-    /// Neighbouring legs of one direction are one stroke, rests among them too that are shorter than three rows. Legs
-    /// of free runs are half swings, each a stroke.
-    void drivenBy(std::vector<Leg> pieces);
+    /// Sets segments and strokes, and the segment of each row. Times of readings and markers must be set before.
+    /// Neighbouring segments of one direction form one stroke, including dwells shorter than three rows. Each half
+    /// oscillation of a free run is a stroke.
+    void setDrive(std::vector<DriveSegment> mustBeat);
 
 private:
     [[nodiscard]] std::size_t strokeOf(const std::vector<int>& rows, Eigen::Index row) const {
-        return legs[static_cast<std::size_t>(rows[static_cast<std::size_t>(row)])].stroke;
+        return segments[static_cast<std::size_t>(rows[static_cast<std::size_t>(row)])].stroke;
     }
 };
 
-/// @param markers how many of its tracks count @param free nothing is driven @param perUnit of what is read
+/// @param markers number of its tracks to use
+/// @param free nothing is driven
+/// @param perUnit unit of the reading per SI unit
 RecordedRun recordedRun(const experiment::Run& run, std::size_t markers, bool free, double perUnit);
 
-/// Whether the machine does the same in both.
+/// Whether the testing machine follows the same motion in both.
 bool sameDrive(const RecordedRun& a, const RecordedRun& b);
 
-struct Data {
+struct RecordedData {
     std::vector<RecordedRun> runs;
-    std::string channel = "force";   ///< what RecordedRun::force holds ...
-    std::string unit = "N";          ///< ... and its unit: degrees and mm for poses of free scenes
-    bool free = false;               ///< nothing is driven, and the simulation is exact
+    std::string channel = "force";   ///< what RecordedRun::force holds
+    std::string unit = "N";          ///< unit of that channel; degrees or mm for poses of free scenes
+    bool free = false;               ///< bodies move freely, and the simulation has no discretisation error
     double statedForceNoise = 0.0;   ///< N, within about 30 %; 0: not stated
     double statedMarkerNoise = 0.0;  ///< m
     double displacementNoise = 0.0;  ///< m
-    double zeroWindow = 0.0;         ///< s, stretch whose mean force was subtracted
+    double zeroWindow = 0.0;         ///< s, interval whose mean force is subtracted from the run
     std::vector<double> arcFraction; ///< of each marker
     std::vector<std::string> markerNames;
     /// Name of a marker coordinate: x and y of the first marker, of the second, ...
     [[nodiscard]] std::string markerChannel(Eigen::Index coordinate) const;
-    /// The first run that does the same as this one, with specimens mounted alike (itself, if none does before it).
+    /// The first run with the same drive and the same mounting; the run itself if there is none before it.
     [[nodiscard]] std::size_t firstOf(std::size_t run) const;
-    /// How many runs have this one's drive, itself included, however specimens are mounted: what simulations are off by
-    /// is the same in them. Of free scenes 1.
+    /// Number of runs with the same drive, this one included, however specimens are mounted. Their simulations share
+    /// one error. 1 in free scenes.
     [[nodiscard]] std::size_t repeatsOf(std::size_t run) const;
     [[nodiscard]] double peakForce() const;
 };
 
-/// The recordings of an experiment. Runs without readings are left out of every sum (all rows missing).
-Data dataOf(const experiment::Experiment& experiment);
+/// The recordings of an experiment. All rows of a run without readings are missing.
+RecordedData recordedDataOf(const experiment::Experiment& experiment);
 
 } // namespace supercircle::diagnosis

@@ -1,21 +1,22 @@
 #include "plugin/identification/diagnosis/diagnose.h"
 
+#include "plugin/identification/diagnosis/estimation/baseline_fit.h"
 #include "plugin/identification/diagnosis/estimation/homogeneity.h"
-#include "plugin/identification/diagnosis/estimation/nominal.h"
 #include "plugin/identification/diagnosis/estimation/profile.h"
 #include "plugin/identification/diagnosis/fit.h"
-#include "plugin/identification/diagnosis/next_experiment/suspects.h"
-#include "plugin/identification/diagnosis/result/conclude.h"
-#include "plugin/identification/diagnosis/result/present.h"
-#include "plugin/identification/diagnosis/screening/hollows.h"
-#include "plugin/identification/diagnosis/selection/heldout.h"
+#include "plugin/identification/diagnosis/next_experiment/competing_hypotheses.h"
+#include "plugin/identification/diagnosis/result/report_values.h"
+#include "plugin/identification/diagnosis/result/verdict.h"
+#include "plugin/identification/diagnosis/screening/local_minima.h"
+#include "plugin/identification/diagnosis/selection/cross_validation.h"
+#include "plugin/identification/diagnosis/selection/hypothesis_search.h"
+#include "plugin/identification/diagnosis/selection/model_weights.h"
 #include "plugin/identification/diagnosis/selection/ranking.h"
-#include "plugin/identification/diagnosis/selection/search.h"
-#include "plugin/identification/diagnosis/selection/weigh.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <map>
 #include <memory>
@@ -27,10 +28,11 @@ namespace {
 
 using Index = Eigen::Index;
 
-class Work {
+class Procedure {
 public:
-    Work(const Data& data, Evaluator& evaluator, const Settings& settings)
-        : data_(data), evaluator_(evaluator), settings_(settings), begin_(std::chrono::steady_clock::now()) {}
+    Procedure(const RecordedData& data, Evaluator& evaluator, const DiagnosisSettings& settings)
+        : data_(data), evaluator_(evaluator), settings_(settings), begin_(std::chrono::steady_clock::now()),
+          cpuBegin_(std::clock()) {}
 
     Diagnosis run() {
         out_.seed = settings_.seed;
@@ -39,9 +41,9 @@ public:
         stage(0.0, "noise");
         out_.noise = estimateNoise(data_);
         if (!(out_.noise.total() > 0.0))
-            withoutNoise();
-        else if (nominal() && !evaluator_.stopped()) {
-            lookAround();
+            reportUnknownNoise();
+        else if (prepareBaseline() && !evaluator_.stopped()) {
+            examineBaseline();
             if (!evaluator_.stopped())
                 summarise();
             if (!evaluator_.stopped())
@@ -50,12 +52,13 @@ public:
                 conclude();
         }
         if (data_.free) // markers sit on bodies, not along a specimen
-            for (Localisation* l : {&out_.mismatch, &out_.left})
-                for (Window& w : l->significant)
+            for (Localisation* l : {&out_.misfit, &out_.residualAfterBest})
+                for (ResidualWindow& w : l->significant)
                     w.arcFraction = -1.0;
         out_.stopped = evaluator_.stopped();
-        out_.forwardRuns = evaluator_.asked();
+        out_.forwardRuns = evaluator_.distinctRequests();
         out_.elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+        out_.cpuSeconds = static_cast<double>(std::clock() - cpuBegin_) / CLOCKS_PER_SEC;
         return std::move(out_);
     }
 
@@ -64,410 +67,427 @@ private:
         if (settings_.progress)
             settings_.progress(fraction, words);
     }
-    [[nodiscard]] const std::vector<Candidate>& candidates() const { return evaluator_.model().candidates(); }
+    [[nodiscard]] const std::vector<CandidateEffect>& candidates() const { return evaluator_.model().candidates(); }
 
-    void lookAround() {
+    void examineBaseline() {
         stage(0.2, "screening the catalogue");
-        look();
-        stage(0.31, "where");
+        screenEffects();
+        stage(0.31, "localisation");
         locate();
-        if (!hardlyStandsOut() && !heldAtAnEdge())
+        if (!isMarginal() && !isHeldAtBranchEdge())
             return;
-        stage(0.33, "nominal fit from all over");
-        if (searchOn(evaluator_, settings_, *misfit_, base_)) {
-            look();
+        stage(0.33, "baseline fit from further starts");
+        if (searchLowerMinimum(evaluator_, settings_, *likelihood_, baseline_)) {
+            screenEffects();
             locate();
         }
     }
-    /// Once more from what the search came upon beside effects, if it is a better nominal fit.
-    void lookAgain(const Point& from) {
-        stage(0.34, "nominal fit once more");
-        if (!searchFrom(evaluator_, *misfit_, from, base_))
+    /// Repeats the baseline fit from a point that the hypothesis search found, if it is better there.
+    void repeatFrom(const ParameterPoint& from) {
+        stage(0.34, "baseline fit, refined");
+        if (!refitFrom(evaluator_, *likelihood_, from, baseline_))
             return;
-        look();
+        screenEffects();
         locate();
         if (evaluator_.stopped())
             return;
         summarise();
         tryHypotheses(false);
     }
-    /// An alarm of so few squares that another fit may have it gone; with larger ones effects are tried anyway.
-    [[nodiscard]] bool hardlyStandsOut() const {
-        constexpr double kPlain = 6.0; // deviations
-        return !evaluator_.stopped() && !data_.free && out_.mismatch.p <= kFamilyWise &&
-               out_.mismatch.signature < kPlain;
+    /// A marginal misfit that a better baseline fit might remove. For larger ones effects are tried anyway.
+    [[nodiscard]] bool isMarginal() const {
+        constexpr double kMarginal = 6.0; // sigma
+        return !evaluator_.stopped() && !data_.free && out_.misfit.p <= kFamilyWise &&
+               out_.misfit.largestSignature < kMarginal;
     }
-    /// Whatever stands out: what nominal numbers would do beyond the edge is absorbed and raises no alarm, but effects
-    /// would be measured against a fit that is none.
-    [[nodiscard]] bool heldAtAnEdge() const { return !evaluator_.stopped() && !data_.free && base_.atEdge; }
+    /// The baseline fit is held at the edge of its branch. Effects would then be compared with a fit that is not a
+    /// minimum.
+    [[nodiscard]] bool isHeldAtBranchEdge() const {
+        return !evaluator_.stopped() && !data_.free && baseline_.atBranchEdge;
+    }
 
-    void withoutNoise();
-    bool nominal();
-    bool fitBy(const Noise& noise);
+    void reportUnknownNoise();
+    bool prepareBaseline();
+    bool fitWith(const Noise& noise);
     void locate();
-    void look();
+    void screenEffects();
     void summarise();
     void tryHypotheses(bool first);
-    std::vector<Interval> profiled(Tried& t, Eigen::MatrixXd& careful);
-    [[nodiscard]] Spread spreadOf(const Entry& entry);
+    std::vector<Interval> profiled(FittedHypothesis& t, Eigen::MatrixXd& careful);
+    [[nodiscard]] ParameterIntervals intervalsOf(const Entry& entry);
     void conclude();
-    void weighAll(Weighed& w);
-    /// What a hypothesis leaves, looked for as the nominal fit's misfit was.
-    const Localisation& leftOf(std::size_t model);
-    void conclusions(const Weighed& w, Evidence& evidence);
-    void suggest();
+    void computeWeights(ModelWeights& w);
+    /// The residual of a hypothesis, localised as the baseline residual is.
+    const Localisation& residualOf(std::size_t model);
+    void summariseEvidence(const ModelWeights& w, Evidence& evidence);
+    void proposeNextExperiment();
     void present();
 
-    const Data& data_;
+    const RecordedData& data_;
     Evaluator& evaluator_;
-    const Settings& settings_;
+    const DiagnosisSettings& settings_;
     std::chrono::steady_clock::time_point begin_;
+    std::clock_t cpuBegin_;
     Diagnosis out_;
-    std::unique_ptr<Misfit> misfit_;
-    Fitted base_;
-    double noiseSquares_ = 1.0; ///< mostSquares()
-    HeldOut baseHeld_;
+    std::unique_ptr<Likelihood> likelihood_;
+    FitResult baseline_;
+    double noiseChiSquared_ = 1.0; ///< mostSquares()
+    PredictiveScore baselineScore_;
     Grouping grouping_;
-    std::vector<Screened> screened_;
-    std::vector<Tried> tried_;
-    std::vector<Entry> entries_;               ///< as out_.effects
-    std::map<std::size_t, Localisation> left_; ///< by what of tried_
+    std::vector<ScreenedProbe> screened_;
+    std::vector<FittedHypothesis> hypotheses_;
+    std::vector<Entry> entries_;                    ///< in the order of out_.effects
+    std::map<std::size_t, Localisation> residuals_; ///< by index into hypotheses_
 };
 
-/// Recorded minus simulated force where it counts, N; elsewhere not a number.
-Eigen::VectorXd forceLeft(const Misfit& misfit, std::size_t run, const Response& simulated) {
-    const Departure d = misfit.departure(run, simulated);
+/// Recorded minus simulated force, N; not a number in rows that do not count.
+Eigen::VectorXd forceResidual(const Likelihood& likelihood, std::size_t run, const Response& simulated) {
+    const RawDifference d = likelihood.rawResidual(run, simulated);
     Eigen::VectorXd left =
-        Eigen::VectorXd::Constant(misfit.data().runs[run].force.size(), std::numeric_limits<double>::quiet_NaN());
+        Eigen::VectorXd::Constant(likelihood.data().runs[run].force.size(), std::numeric_limits<double>::quiet_NaN());
     for (Index k = 0; k < left.size() && d.rows.size() > 0; ++k)
-        if (misfit.counts(run, k))
+        if (likelihood.counts(run, k))
             left[k] = d.rows[k];
     return left;
 }
 
-/// Everything is said in units of the noise: without one nothing is known beyond what was believed before.
-void Work::withoutNoise() {
-    out_.verdict = "not_enough_information";
-    out_.statement = "How noisy the readings are is neither stated nor to be told from them: in each run all are the "
-                     "same, or there are none. State the noise (" +
-                     out_.channel + "_noise_std_" + out_.unit + "_approx), or record with a finer resolution.";
-    out_.noise.source = "not stated, and readings that are all the same do not tell";
-    out_.nothing = kNothing;
-    out_.unknown = kUnknown;
-    out_.baselineTraining = out_.baselineHeldOut = out_.baselinePerRow = std::numeric_limits<double>::quiet_NaN();
+/// All statistics are in units of the noise. Without a noise estimate the priors are the result.
+void Procedure::reportUnknownNoise() {
+    out_.verdict = "inconclusive";
+    out_.statement =
+        "The noise of the readings is not stated and cannot be estimated, because all readings of a run are "
+        "equal or missing. State the noise (" +
+        out_.channel + "_noise_std_" + out_.unit + "_approx), or record with a finer resolution.";
+    out_.noise.source = "not stated, and cannot be estimated from equal readings";
+    out_.adequate = kPriorAdequate;
+    out_.outsideCatalogue = kPriorOutsideCatalogue;
+    out_.baselineTraining = out_.baselineHeldOut = out_.baselineChiSquaredPerReading =
+        std::numeric_limits<double>::quiet_NaN();
     out_.improvedTraining = out_.improvedHeldOut = out_.baselineTraining;
 }
 
-bool Work::nominal() {
-    if (!fitBy(out_.noise))
+bool Procedure::prepareBaseline() {
+    if (!fitWith(out_.noise))
         return false;
-    if (evaluator_.stopped() || data_.free || out_.noise.swing > 0.0)
+    if (evaluator_.stopped() || data_.free || out_.noise.disturbance > 0.0)
         return true;
     std::vector<Eigen::VectorXd> left;
     for (std::size_t r = 0; r < data_.runs.size(); ++r)
-        left.push_back(forceLeft(*misfit_, r, base_.responses[r]));
-    const Swing swing = swingOfMisfit(data_, left);
-    return swing.period <= 0.0 || fitBy(estimateNoise(data_, swing));
+        left.push_back(forceResidual(*likelihood_, r, baseline_.responses[r]));
+    const PeriodicDisturbance disturbance = findDisturbanceInResidual(data_, left);
+    return disturbance.period <= 0.0 || fitWith(estimateNoise(data_, disturbance));
 }
 
-bool Work::fitBy(const Noise& noise) {
+bool Procedure::fitWith(const Noise& noise) {
     out_.noise = settings_.ablation.whitening ? noise.asWhite() : noise;
-    Nominal found = fitNominal(data_, evaluator_, out_.noise, settings_,
-                               [&](double fraction, const std::string& words) { stage(fraction, words); });
-    noiseSquares_ = mostSquares(data_, out_.noise, settings_.seed);
+    BaselineFit found = fitBaseline(data_, evaluator_, out_.noise, settings_,
+                                    [&](double fraction, const std::string& words) { stage(fraction, words); });
+    noiseChiSquared_ = noiseChiSquaredBound(data_, out_.noise, settings_.seed);
     out_.failure = std::move(found.failure);
-    misfit_ = std::move(found.misfit);
-    base_ = std::move(found.fit);
+    likelihood_ = std::move(found.likelihood);
+    baseline_ = std::move(found.fit);
     return out_.failure.empty();
 }
 
-void Work::locate() {
+void Procedure::locate() {
     if (evaluator_.stopped())
         return;
-    grouping_ = groupingOf(*misfit_);
-    std::vector<const Eigen::VectorXd*> seen;
-    for (const Screened& s : screened_)
-        if (s.simulated && s.size > 1e-6)
-            seen.push_back(&s.signature);
-    Eigen::MatrixXd signatures(misfit_->rows(), static_cast<Index>(seen.size()));
-    for (std::size_t i = 0; i < seen.size(); ++i)
-        signatures.col(static_cast<Index>(i)) = *seen[i];
-    out_.mismatch = localise(*misfit_, base_.residual, freeColumns(evaluator_.model(), base_), settings_.seed,
-                             settings_.draws, signatures);
+    grouping_ = groupingOf(*likelihood_);
+    std::vector<const Eigen::VectorXd*> simulated;
+    for (const ScreenedProbe& s : screened_)
+        if (s.simulated && s.norm > 1e-6)
+            simulated.push_back(&s.signature);
+    Eigen::MatrixXd signatures(likelihood_->rows(), static_cast<Index>(simulated.size()));
+    for (std::size_t i = 0; i < simulated.size(); ++i)
+        signatures.col(static_cast<Index>(i)) = *simulated[i];
+    out_.misfit = localise(*likelihood_, baseline_.residual, freeColumns(evaluator_.model(), baseline_), settings_.seed,
+                           settings_.draws, signatures);
 }
 
-void Work::tryHypotheses(bool first) {
-    const Ground ground{data_,     evaluator_, settings_,       *misfit_,         grouping_,    base_,
-                        baseHeld_, screened_,  out_.mismatch.p, out_.noise.tails, noiseSquares_};
-    Searched found = search(ground, [&](double fraction, const std::string& words) { stage(fraction, words); });
-    tried_ = std::move(found.tried);
-    out_.left = std::move(found.left);
+void Procedure::tryHypotheses(bool first) {
+    const SearchInput input{data_,           evaluator_,     settings_, *likelihood_,  grouping_,
+                            baseline_,       baselineScore_, screened_, out_.misfit.p, out_.noise.excessKurtosis,
+                            noiseChiSquared_};
+    SearchResult found = search(input, [&](double fraction, const std::string& words) { stage(fraction, words); });
+    hypotheses_ = std::move(found.hypotheses);
+    out_.residualAfterBest = std::move(found.residualAfterBest);
     if (first && found.elsewhere && !evaluator_.stopped())
-        lookAgain(*found.elsewhere);
+        repeatFrom(*found.elsewhere);
 }
 
-void Work::look() {
-    screened_ = screen(evaluator_, *misfit_, base_, settings_.probeShare());
+void Procedure::screenEffects() {
+    screened_ = screen(evaluator_, *likelihood_, baseline_, settings_.probeShare());
 }
 
-void Work::summarise() {
-    baseHeld_ = heldOutOf(evaluator_, *misfit_, grouping_, base_, settings_);
-    out_.homogeneity = homogeneityOf(*misfit_, base_);
-    out_.seen.clear();
-    std::map<std::string, SeenEffect> byLabel;
+void Procedure::summarise() {
+    baselineScore_ = predictiveScoreOf(evaluator_, *likelihood_, grouping_, baseline_, settings_);
+    out_.homogeneity = homogeneityOf(*likelihood_, baseline_);
+    out_.screening.clear();
+    std::map<std::string, ScreenedEffect> byLabel;
     std::vector<std::string> order;
-    for (const Screened& s : screened_) {
+    for (const ScreenedProbe& s : screened_) {
         const std::string& label = candidates()[s.candidate].label;
-        const auto [at, fresh] = byLabel.emplace(label, SeenEffect{});
-        SeenEffect& seen = at->second;
+        const auto [at, fresh] = byLabel.emplace(label, ScreenedEffect{});
+        ScreenedEffect& effect = at->second;
         if (fresh) {
             order.push_back(label);
-            seen.label = label;
-            seen.visible = std::numeric_limits<double>::infinity();
+            effect.label = label;
+            effect.detectable = std::numeric_limits<double>::infinity();
         }
-        if (!s.simulated || s.size <= 1e-6)
+        if (!s.simulated || s.norm <= 1e-6)
             continue;
-        if (const double visible = s.visible(out_.mismatch.critical); visible < seen.visible) {
-            seen.visible = visible;
-            seen.absorbed = 1.0 - std::min(1.0, s.own / s.size);
-            seen.reading = s.size / s.times;
+        if (const double visible = s.detectable(out_.misfit.critical); visible < effect.detectable) {
+            effect.detectable = visible;
+            effect.absorbedFraction = 1.0 - std::min(1.0, s.independentNorm / s.norm);
+            effect.signatureNorm = s.norm / s.relativeAmplitude;
         }
-        seen.gain = std::max(seen.gain, s.gain);
+        effect.gain = std::max(effect.gain, s.gain);
     }
     for (const std::string& label : order)
-        out_.seen.push_back(byLabel[label]);
+        out_.screening.push_back(byLabel[label]);
 }
 
-const Localisation& Work::leftOf(std::size_t model) {
-    const auto at = left_.find(model);
-    return at != left_.end()
-               ? at->second
-               : left_.emplace(model, leftBy(evaluator_.model(), *misfit_, tried_[model].fit, settings_)).first->second;
+const Localisation& Procedure::residualOf(std::size_t model) {
+    const auto at = residuals_.find(model);
+    return at != residuals_.end() ? at->second
+                                  : residuals_
+                                        .emplace(model, localiseResidual(evaluator_.model(), *likelihood_,
+                                                                         hypotheses_[model].fit, settings_))
+                                        .first->second;
 }
 
-void Work::weighAll(Weighed& w) {
-    std::vector<HeldOut> held;
-    Weighing given;
-    given.catalogue = out_.seen.size();
-    const double share = kCatalogue / static_cast<double>(std::max<std::size_t>(1, given.catalogue));
-    for (const Tried& t : tried_) {
+void Procedure::computeWeights(ModelWeights& w) {
+    std::vector<PredictiveScore> held;
+    WeightingInput given;
+    given.catalogue = out_.screening.size();
+    const double share = kPriorCatalogue / static_cast<double>(std::max<std::size_t>(1, given.catalogue));
+    for (const FittedHypothesis& t : hypotheses_) {
         held.push_back(t.held);
-        given.parts.push_back(t.parts);
+        given.mustBeat.push_back(t.mustBeat);
         given.outside.push_back(t.learned ? 1 : 0);
-        given.pressed.push_back(
+        given.atBound.push_back(
             !t.learned &&
-            !pressedAmplitudes(evaluator_.model(), t.fit, std::max(1.0, misfitPerRow(*misfit_, t.fit))).empty());
-        // Two causes at once are ten times rarer than one; a learned law has half of what "none of these" has.
-        given.prior.push_back(t.learned ? 0.5 * kUnknown : t.candidates.size() > 1 ? 0.1 * share : share);
+            !amplitudesAtBound(evaluator_.model(), t.fit, std::max(1.0, chiSquaredPerReading(*likelihood_, t.fit)))
+                 .empty());
+        // Two simultaneous effects have a tenth of the prior of one; a learned law has half of that of "outside the
+        // catalogue".
+        given.prior.push_back(t.learned ? 0.5 * kPriorOutsideCatalogue : t.candidates.size() > 1 ? 0.1 * share : share);
     }
-    given.p = out_.mismatch.tail;
-    given.tails = out_.noise.tails;
-    given.noiseSquares = noiseSquares_;
-    const double swing = out_.noise.swing, noise = out_.noise.total(), left = baseHeld_.forceRmse;
-    given.swings = swing > 0.0 && 0.5 * swing * swing > 0.5 * (left * left - noise * noise); // mean squares
+    given.p = out_.misfit.extendedP;
+    given.excessKurtosis = out_.noise.excessKurtosis;
+    given.noiseChiSquared = noiseChiSquared_;
+    const double disturbance = out_.noise.disturbance, noise = out_.noise.total(), left = baselineScore_.forceRmse;
+    given.periodicDisturbance = disturbance > 0.0 && 0.5 * disturbance * disturbance >
+                                                         0.5 * (left * left - noise * noise); // mean squared values
     given.seed = settings_.seed + 1;
-    // Of a pair's parts it decides whether the pair is needed, of the best one whether that is believed.
-    given.left.assign(tried_.size(), 0.0);
-    for (const Tried& t : tried_)
-        for (const std::size_t part : t.learned ? std::vector<std::size_t>{} : t.parts)
+    // The residual of a component decides whether a second effect is needed; that of the best one whether it is
+    // believed.
+    given.largestZ.assign(hypotheses_.size(), 0.0);
+    for (const FittedHypothesis& t : hypotheses_)
+        for (const std::size_t part : t.learned ? std::vector<std::size_t>{} : t.mustBeat)
             if (!evaluator_.stopped())
-                given.left[part] = standsOut(leftOf(part));
-    w = weigh(baseHeld_, held, given);
-    if (!tried_.empty() && !evaluator_.stopped()) {
-        given.left[w.best] = standsOut(leftOf(w.best));
-        w = weigh(baseHeld_, held, given);
+                given.largestZ[part] = largestResidualZ(residualOf(part));
+    w = modelWeights(baselineScore_, held, given);
+    if (!hypotheses_.empty() && !evaluator_.stopped()) {
+        given.largestZ[w.best] = largestResidualZ(residualOf(w.best));
+        w = modelWeights(baselineScore_, held, given);
     }
-    if (settings_.ablation.unknown)
-        leaveUnknownOut(w);
+    if (settings_.ablation.openSet)
+        removeOutsideCatalogue(w);
 }
 
-/// Intervals of a hypothesis by profiles. A better fit that they or other places on the arc come upon takes its place.
-/// @param careful its derivatives, out
-std::vector<Interval> Work::profiled(Tried& t, Eigen::MatrixXd& careful) {
+/// Profile-likelihood intervals of a hypothesis. A better fit found by a profile or at another position on the arc
+/// replaces it.
+/// @param careful its derivatives, output
+std::vector<Interval> Procedure::profiled(FittedHypothesis& t, Eigen::MatrixXd& careful) {
     constexpr int kMoves = 2;
-    constexpr double kLower = 1.0; // squares that a move to another place is worth
-    std::vector<Fitted> elsewhere; // along the arc
+    constexpr double kSmallestGain = 1.0; // delta chi-squared that justifies a move to another position
+    std::vector<FitResult> elsewhere;     // at other positions on the arc
     std::vector<Interval> intervals;
-    Fitted& f = t.fit;
+    FitResult& f = t.fit;
     int moves = 0;
     for (;; ++moves) {
-        const bool may = moves < kMoves && !evaluator_.stopped();
+        const bool mayMove = moves < kMoves && !evaluator_.stopped();
         const Variables here(evaluator_.model(), f.point);
-        careful = differentiateCarefully(evaluator_, *misfit_, here, f.x, 0.2);
+        careful = differentiateRobustly(evaluator_, *likelihood_, here, f.x, 0.2);
         const Eigen::VectorXd dispersions =
-            dispersionsOf(*misfit_, here, f.residual, careful, misfitPerRow(*misfit_, f));
-        Profiled p = profileIntervals(evaluator_, *misfit_, f, careful, dispersions, may);
+            dispersionsOf(*likelihood_, here, f.residual, careful, chiSquaredPerReading(*likelihood_, f));
+        Profiled p = profileIntervals(evaluator_, *likelihood_, f, careful, dispersions, mayMove);
         if (p.better && !evaluator_.stopped()) {
-            Fitted further = fit(evaluator_, *misfit_, here.at(p.better->x));
-            if (!further.failure.empty() || further.misfit > p.better->misfit)
+            FitResult further = fit(evaluator_, *likelihood_, here.at(p.better->x));
+            if (!further.failure.empty() || further.chiSquared > p.better->chiSquared)
                 further = std::move(*p.better);
             further.point = here.at(further.x);
             f = std::move(further);
             continue;
         }
         if (elsewhere.empty())
-            elsewhere = otherHollows(evaluator_, *misfit_, f, screened_, base_.misfit);
-        const auto lowest = std::min_element(elsewhere.begin(), elsewhere.end(),
-                                             [](const Fitted& a, const Fitted& b) { return a.misfit < b.misfit; });
-        if (may && lowest != elsewhere.end() && lowest->misfit < f.misfit - kLower) {
+            elsewhere = otherLocalMinima(evaluator_, *likelihood_, f, screened_, baseline_.chiSquared);
+        const auto lowest =
+            std::min_element(elsewhere.begin(), elsewhere.end(),
+                             [](const FitResult& a, const FitResult& b) { return a.chiSquared < b.chiSquared; });
+        if (mayMove && lowest != elsewhere.end() && lowest->chiSquared < f.chiSquared - kSmallestGain) {
             std::swap(f, *lowest);
             continue;
         }
         intervals = std::move(p.intervals);
-        if (const Fitted* image = widenBy(elsewhere, evaluator_.model(), f, dispersions, intervals))
-            t.otherSide = *image;
+        if (const FitResult* image = widenByLocalMinima(elsewhere, evaluator_.model(), f, dispersions, intervals))
+            t.mirrorImage = *image;
         break;
     }
-    if (moves > 0 && !evaluator_.stopped()) // errors on unseen runs are those of the fit that is shown
-        t.held = usable(heldOutOf(evaluator_, *misfit_, grouping_, f, settings_), baseHeld_);
+    if (moves > 0 && !evaluator_.stopped()) // held-out errors belong to the fit that is shown
+        t.held = usable(predictiveScoreOf(evaluator_, *likelihood_, grouping_, f, settings_), baselineScore_);
     return intervals;
 }
 
-/// The first effect and what is probable are worth some runs, what is more probable and stands out of the noise some
-/// more: profiles of a hint took three thousand simulations of a recording that lacks nothing.
-Spread Work::spreadOf(const Entry& entry) {
-    Tried& tried = tried_[entry.model];
-    const Fitted& f = tried.fit;
+/// Intervals by cost: the first effect and probable ones get careful derivatives, those above 0.3 with a significant
+/// misfit get profiles.
+ParameterIntervals Procedure::intervalsOf(const Entry& entry) {
+    FittedHypothesis& hypotheses = hypotheses_[entry.model];
+    const FitResult& f = hypotheses.fit;
     const auto linear = [&](const Eigen::MatrixXd& jacobian) {
         const Variables v(evaluator_.model(), f.point);
-        return linearIntervals(v, f, jacobian,
-                               dispersionsOf(*misfit_, v, f.residual, jacobian, misfitPerRow(*misfit_, f)));
+        return linearIntervals(
+            v, f, jacobian,
+            dispersionsOf(*likelihood_, v, f.residual, jacobian, chiSquaredPerReading(*likelihood_, f)));
     };
     const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
     if (!worth || evaluator_.stopped())
         return {linear(f.jacobian), {}};
-    Spread out;
+    ParameterIntervals out;
     Eigen::MatrixXd careful;
-    if (entry.probability < 0.3 || out_.mismatch.p > kFamilyWise) {
-        careful = differentiateCarefully(evaluator_, *misfit_, Variables(evaluator_.model(), f.point), f.x, 0.2);
+    if (entry.probability < 0.3 || out_.misfit.p > kFamilyWise) {
+        careful = differentiateRobustly(evaluator_, *likelihood_, Variables(evaluator_.model(), f.point), f.x, 0.2);
         out.intervals = linear(careful);
     } else {
-        out.intervals = profiled(tried, careful);
+        out.intervals = profiled(hypotheses, careful);
     }
     const Variables v(evaluator_.model(), f.point);
     Index first = v.nominal;
-    for (const std::size_t c : tried.candidates) {
-        out.products.emplace_back();
-        for (const Product& p : candidates()[c].products)
-            out.products.back().push_back(productInterval(evaluator_, *misfit_, f, careful, p, first));
+    for (const std::size_t c : hypotheses.candidates) {
+        out.derived.emplace_back();
+        for (const DerivedQuantity& p : candidates()[c].derived)
+            out.derived.back().push_back(derivedInterval(evaluator_, *likelihood_, f, careful, p, first));
         first += static_cast<Index>(candidates()[c].parameters.size());
     }
     return out;
 }
 
-void Work::conclude() {
-    stage(0.92, "weighing");
-    Weighed w;
-    weighAll(w);
+void Procedure::conclude() {
+    stage(0.92, "model weights");
+    ModelWeights w;
+    computeWeights(w);
     std::vector<std::string> fitted;
-    for (const Tried& t : tried_)
+    for (const FittedHypothesis& t : hypotheses_)
         for (const std::size_t c : t.candidates)
             fitted.push_back(candidates()[c].label);
-    out_.nothing = shareUnseen(w.nothing, fitted, out_.seen);
-    const Ranking ranking(evaluator_.model(), *misfit_, tried_, w);
+    out_.adequate = splitUndetectable(w.adequate, fitted, out_.screening);
+    const Ranking ranking(evaluator_.model(), *likelihood_, hypotheses_, w);
     out_.learned = ranking.learned();
     entries_ = ranking.entries();
-    out_.unknown = w.unknown;
+    out_.outsideCatalogue = w.outsideCatalogue;
     for (const LearnedLaw& law : out_.learned)
-        out_.unknown += law.probability;
-    std::map<std::size_t, Spread> spreads; // by model
+        out_.outsideCatalogue += law.probability;
+    std::map<std::size_t, ParameterIntervals> intervals; // by model
     for (const Entry& entry : entries_) {
-        if (spreads.count(entry.model) == 0)
-            spreads[entry.model] = spreadOf(entry);
-        FoundEffect f = presentEffect(evaluator_.model(), *misfit_, grouping_, tried_[entry.model], entry.term,
-                                      spreads[entry.model]);
+        if (intervals.count(entry.model) == 0)
+            intervals[entry.model] = intervalsOf(entry);
+        FittedEffect f = presentEffect(evaluator_.model(), *likelihood_, grouping_, hypotheses_[entry.model],
+                                       entry.term, intervals[entry.model], baseline_.chiSquared);
         f.probability = std::min(1.0, entry.probability);
         f.gain = w.gain[entry.model];
         f.gainError = w.gainError[entry.model];
         out_.effects.push_back(std::move(f));
     }
     Evidence e;
-    e.p = out_.mismatch.p;
-    e.nothing = w.nothing; // that shows
-    e.unknown = out_.unknown;
+    e.p = out_.misfit.p;
+    e.adequate = w.adequate; // detectable effects only
+    e.outsideCatalogue = out_.outsideCatalogue;
     e.any = !entries_.empty();
     for (std::size_t a = 0; a < entries_.size(); ++a)
-        out_.effects[a].group = ranking.groupOf(entries_, a, out_.effects[a].with);
+        out_.effects[a].confoundedWith = ranking.groupOf(entries_, a, out_.effects[a].jointWith);
     if (e.any)
-        e.bestGroup = ranking.probabilityOf(out_.effects.front().group);
-    conclusions(w, e);
+        e.groupProbability = ranking.probabilityOf(out_.effects.front().confoundedWith);
+    summariseEvidence(w, e);
     out_.verdict = verdictOf(e);
-    out_.improved = out_.improved && out_.verdict != "nothing_missing"; // what came nearest would only mislead
-    if (!out_.improved) { // the simulation as it is stands: errors and intervals are its own
+    out_.improved = out_.improved && out_.verdict != "adequate"; // the nearest effect would mislead
+    if (!out_.improved) {                                        // errors and intervals are those of the baseline
         out_.improvedTraining = out_.baselineTraining;
         out_.improvedHeldOut = out_.baselineHeldOut;
         out_.improvement = 0.0;
         out_.improvementCi = {};
     }
     present();
-    suggest();
+    proposeNextExperiment();
     out_.statement = statementOf(out_, e);
 }
 
-void Work::conclusions(const Weighed& w, Evidence& e) {
-    out_.baselineTraining = forceRmse(*misfit_, base_.responses);
-    out_.baselineHeldOut = baseHeld_.forceRmse;
-    out_.baselinePerRow = misfitPerRow(*misfit_, base_);
+void Procedure::summariseEvidence(const ModelWeights& w, Evidence& e) {
+    out_.baselineTraining = forceRmse(*likelihood_, baseline_.responses);
+    out_.baselineHeldOut = baselineScore_.forceRmse;
+    out_.baselineChiSquaredPerReading = chiSquaredPerReading(*likelihood_, baseline_);
     if (e.any) {
-        const std::size_t first = entries_.front().model; // what the curves show
-        const Tried& best = tried_[first];
+        const std::size_t first = entries_.front().model; // shown in the figures
+        const FittedHypothesis& best = hypotheses_[first];
         e.gain = w.gain[first];
         e.gainLow = w.gainLow[first];
         out_.improved = true;
-        out_.improvedTraining = forceRmse(*misfit_, best.fit.responses);
+        out_.improvedTraining = forceRmse(*likelihood_, best.fit.responses);
         out_.improvedHeldOut = best.held.forceRmse;
-        improvementOf(baseHeld_, best.held, settings_.seed + 3, out_.improvement, out_.improvementCi);
-        out_.left = leftOf(first);
+        improvementOf(baselineScore_, best.held, settings_.seed + 3, out_.improvement, out_.improvementCi);
+        out_.residualAfterBest = residualOf(first);
     }
-    double matter = 0.0, blind = 0.0; // an effect matters here if a size worth knowing changes readings by 5 units
-    for (const SeenEffect& s : out_.seen)
-        if (s.reading > 5.0) {
-            matter += 1.0;
-            blind += s.visible > 1.0 ? 1.0 : 0.0;
+    double relevant = 0.0,
+           undetectable = 0.0; // an effect counts if a relevant amplitude changes the readings by 5 sigma
+    for (const ScreenedEffect& s : out_.screening)
+        if (s.signatureNorm > 5.0) {
+            relevant += 1.0;
+            undetectable += s.detectable > 1.0 ? 1.0 : 0.0;
         }
-    e.blind = matter > 0.0 ? blind / matter : 1.0;
+    e.undetectable = relevant > 0.0 ? undetectable / relevant : 1.0;
 }
 
-void Work::suggest() {
-    // Where nothing known holds, no run that tells two refuted effects from each other says what does.
-    const bool open = out_.verdict == "ambiguous" || out_.verdict == "not_enough_information" ||
-                      (out_.verdict == "named" &&
-                       (out_.effects.front().group.size() > 1 || tried_[entries_.front().model].otherSide.has_value()));
-    if (!open || !settings_.next || evaluator_.model().designs().empty())
+void Procedure::proposeNextExperiment() {
+    // If every catalogue effect is rejected, no run that discriminates two of them says what acts.
+    const bool open = out_.verdict == "ambiguous" || out_.verdict == "inconclusive" ||
+                      (out_.verdict == "identified" && (out_.effects.front().confoundedWith.size() > 1 ||
+                                                        hypotheses_[entries_.front().model].mirrorImage.has_value()));
+    if (!open || !settings_.nextExperiment || evaluator_.model().candidateRuns().empty())
         return;
     stage(0.96, "next experiment");
-    std::vector<Named> named;
+    std::vector<ReportedEffect> named;
     const std::vector<std::string> group =
-        out_.effects.empty() ? std::vector<std::string>() : out_.effects.front().group;
+        out_.effects.empty() ? std::vector<std::string>() : out_.effects.front().confoundedWith;
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         const std::string& label = out_.effects[i].label;
-        named.push_back({label, entries_[i].probability, &tried_[entries_[i].model],
+        named.push_back({label, entries_[i].probability, &hypotheses_[entries_[i].model],
                          std::find(group.begin(), group.end(), label) != group.end()});
     }
-    const std::vector<Rival> rivals =
-        suspects(evaluator_, *misfit_, base_, named, screened_, out_.nothing + out_.unseen());
-    out_.next = nextExperiment(evaluator_, rivals, out_.noise, data_.zeroWindow);
-    if (!out_.next && rivals.size() > 1 && !evaluator_.stopped())
-        out_.nextTried = evaluator_.model().designs().size();
+    const std::vector<CompetingHypothesis> competing =
+        competingHypotheses(evaluator_, *likelihood_, baseline_, named, screened_, out_.adequate + out_.undetectable());
+    out_.next = nextExperiment(evaluator_, competing, out_.noise, data_.zeroWindow);
+    if (!out_.next && competing.size() > 1 && !evaluator_.stopped())
+        out_.candidateRunsConsidered = evaluator_.model().candidateRuns().size();
 }
 
-void Work::present() {
-    out_.nominal = presentNominal(evaluator_.model(), base_);
-    std::vector<const Fitted*> shown;
+void Procedure::present() {
+    out_.nominal = presentNominal(evaluator_.model(), baseline_);
+    std::vector<const FitResult*> shown;
     for (const Entry& entry : entries_) {
         out_.similarityLabels.push_back(entry.label);
-        shown.push_back(&tried_[entry.model].fit);
+        shown.push_back(&hypotheses_[entry.model].fit);
     }
-    out_.similarity = presentSimilarity(*misfit_, base_, shown);
-    out_.runs = presentCurves(*misfit_, base_, out_.improved ? &tried_[entries_.front().model].fit : nullptr);
-    if (out_.mismatch.p <= kFamilyWise && out_.mismatch.significant.empty())
-        out_.mismatch.significant = windowsOfEffect(data_, out_.runs, out_.mismatch);
+    out_.similarity = presentSimilarity(*likelihood_, baseline_, shown);
+    out_.runs =
+        presentCurves(*likelihood_, baseline_, out_.improved ? &hypotheses_[entries_.front().model].fit : nullptr);
+    if (out_.misfit.p <= kFamilyWise && out_.misfit.significant.empty())
+        out_.misfit.significant = windowsOfEffect(data_, out_.runs, out_.misfit);
 }
 
 } // namespace
 
-Diagnosis diagnose(const Data& data, Evaluator& evaluator, const Settings& settings) {
-    return Work(data, evaluator, settings).run();
+Diagnosis diagnose(const RecordedData& data, Evaluator& evaluator, const DiagnosisSettings& settings) {
+    return Procedure(data, evaluator, settings).run();
 }
 
 } // namespace supercircle::diagnosis

@@ -1,5 +1,6 @@
 #pragma once
-// From recordings and a model to a verdict: noise, nominal fit, where, what, how sure, and what to do next.
+// Diagnosis of recordings with a model: noise, baseline fit, localisation, screening, selection, verdict, next
+// experiment.
 
 #include "plugin/identification/diagnosis/data.h"
 #include "plugin/identification/diagnosis/evaluator.h"
@@ -10,28 +11,28 @@
 
 namespace supercircle::diagnosis {
 
-/// Parts that can be taken out, to show what they are good for (docs/proof.md).
+/// Parts of the method that can be switched off to measure what they contribute (decision 0093).
 struct Ablation {
-    bool whitening = false; ///< noise is taken as white
-    bool heldOut = false;   ///< fits are ranked by the runs they were fitted to
-    bool probes = false;    ///< effects are screened by their derivative where they are absent, not at finite sizes
-    bool unknown = false;   ///< "none of these" is no hypothesis
+    bool whitening = false;       ///< noise is treated as white
+    bool crossValidation = false; ///< hypotheses are ranked by the runs they were fitted to
+    bool screening = false; ///< effects are screened by derivatives at zero amplitude instead of finite amplitudes
+    bool openSet = false;   ///< the hypothesis "outside the catalogue" is left out
 };
 
-struct Settings {
+struct DiagnosisSettings {
     std::uint64_t seed = 1;
-    int draws = 999;      ///< of the null distribution
-    std::size_t fits = 6; ///< effects that are fitted in full
-    /// Choose the next run where the question stays open, which simulates a hundred and more that were not made.
-    bool next = true;
-    MisfitSettings misfit;
+    int draws = 999;      ///< number of draws from the null distribution
+    std::size_t fits = 6; ///< number of effects fitted with all parameters
+    /// Whether to choose the next experiment where the question stays open. It takes a hundred simulations or more.
+    bool nextExperiment = true;
+    LikelihoodSettings likelihood;
     Ablation ablation;
-    /// Share of the probes' sizes at which effects are simulated (screen()).
-    [[nodiscard]] double probeShare() const { return ablation.probes ? 1e-3 : 1.0; }
+    /// Fraction of the probe amplitudes at which effects are simulated (screen()).
+    [[nodiscard]] double probeShare() const { return ablation.screening ? 1e-3 : 1.0; }
     std::function<void(double fraction, const std::string& stage)> progress;
 };
 
-/// @param data must fit the model's runs
-Diagnosis diagnose(const Data& data, Evaluator& evaluator, const Settings& settings = {});
+/// @param data recordings of the runs that the model simulates
+Diagnosis diagnose(const RecordedData& data, Evaluator& evaluator, const DiagnosisSettings& settings = {});
 
 } // namespace supercircle::diagnosis

@@ -1,12 +1,11 @@
 #pragma once
-// Stacks of shells at random cannot be compared curve by curve, only by the statistics of many: heights, largest
-// compression, dissipated share, force drops. An ensemble of recordings is compared with simulated ensembles, one
-// without and one each with an effect, and what shifts them is named.
+// Comparison of recorded and simulated ensembles of random stacks by their statistics: heights, largest compression,
+// dissipation ratio, force drops. Single curves of such stacks are not comparable.
 //
-// Shift of each quantity against the nominal ensemble: Welch's t, p-values by permutation of the pooled stacks with the
-// largest statistic over the quantities (P. H. Westfall, S. S. Young (1993)). Weights: each recorded stack is a block
-// of weigh.h; its score is the predictive density of a normal population whose mean and covariance are those of the
-// simulated ensemble, the covariance pooled over all ensembles and widened by (1 + 1/n) for the mean's own scatter.
+// Shift of each quantity against the baseline ensemble: Welch's t, with p-values by permutation of the pooled stacks
+// and the largest statistic over the quantities (P. H. Westfall, S. S. Young (1993)). Model weights: each recorded
+// stack is one block of model_weights.h. Its score is the log density of a normal population with mean and covariance
+// of the simulated ensemble. The covariance is pooled over all ensembles and widened by (1 + 1/n).
 
 #include "plugin/identification/diagnosis/result.h"
 
@@ -31,11 +30,11 @@ struct EnsembleShift {
 };
 
 struct EnsembleDiagnosis {
-    std::string failure; ///< why nothing can be said
+    std::string failure; ///< why there is no result; empty: there is one
     std::string verdict, statement;
     std::vector<EnsembleShift> shifts;
-    std::vector<FoundEffect> effects; ///< most probable first
-    double nothing = 0.0, unknown = 0.0, p = 1.0;
+    std::vector<FittedEffect> effects; ///< most probable first
+    double adequate = 0.0, outsideCatalogue = 0.0, p = 1.0;
 };
 
 /// @param effects one ensemble each, labels of effects

@@ -1,9 +1,9 @@
 #pragma once
-// Batches of simulations: spread over threads, each known one taken from the store, results in the order of the
-// questions whatever the threads do.
+// Batches of simulations on several threads, with cached results. Results are in the order of the requests, whatever
+// the threads do.
 
 #include "plugin/identification/diagnosis/model/model.h"
-#include "plugin/identification/diagnosis/store.h"
+#include "plugin/identification/diagnosis/simulation_cache.h"
 #include "supercircle/support/parallel.h"
 
 #include <atomic>
@@ -15,47 +15,50 @@
 
 namespace supercircle::diagnosis {
 
-struct Question {
+struct SimulationRequest {
     std::size_t run = 0;
-    Point point;
-    Fineness fineness = Fineness::Coarse;
+    ParameterPoint point;
+    Fidelity fidelity = Fidelity::Coarse;
 };
 
 class Evaluator {
 public:
-    /// @param loop empty: one after the other
-    Evaluator(const Model& model, std::size_t runs, parallel::For loop, Store& store,
+    /// @param loop parallel loop; empty: sequential
+    Evaluator(const Model& model, std::size_t runs, parallel::For loop, SimulationCache& cache,
               const std::atomic<bool>* interrupt = nullptr)
-        : model_(model), runs_(runs), loop_(std::move(loop)), store_(store), interrupt_(interrupt) {}
+        : model_(model), runs_(runs), loop_(std::move(loop)), cache_(cache), interrupt_(interrupt) {}
 
-    std::vector<Response> ask(const std::vector<Question>& questions);
+    std::vector<Response> simulate(const std::vector<SimulationRequest>& requests);
     /// All runs at each point: result[point][run].
-    std::vector<std::vector<Response>> everywhere(const std::vector<Point>& points, Fineness fineness);
+    std::vector<std::vector<Response>> simulateAllRuns(const std::vector<ParameterPoint>& points, Fidelity fidelity);
 
-    /// A run that was not made, at each point; they are not kept. `failure` says "interrupted" where it was.
-    std::vector<DesignResponse> foretell(std::size_t design, const std::vector<Point>& points);
+    /// Predicts a candidate run at each point, without caching. `failure` is "interrupted" where the evaluator was
+    /// stopped.
+    std::vector<CandidateRunResponse> predict(std::size_t candidateRun, const std::vector<ParameterPoint>& points);
 
-    /// Simulates what the store knows of a point once more, each run. Where readings differ the store is of another
-    /// program or experiment, and it is emptied.
-    void checkStore(const Point& point, Fineness fineness);
+    /// Repeats the cached simulations of one point. If readings differ, the cache belongs to another program or
+    /// experiment and is cleared.
+    void checkCache(const ParameterPoint& point, Fidelity fidelity);
 
     [[nodiscard]] const Model& model() const { return model_; }
     [[nodiscard]] std::size_t runs() const { return runs_; }
-    [[nodiscard]] std::size_t asked() const { return asked_.size(); } ///< different runs so far, known ones included
+    [[nodiscard]] std::size_t distinctRequests() const {
+        return distinctRequests_.size();
+    } ///< distinct simulations so far, cached ones included
     [[nodiscard]] bool stopped() const { return interrupt_ != nullptr && interrupt_->load(); }
-    /// Called after each simulation, from any thread, one at a time.
+    /// Called after each simulation, from any thread, never concurrently.
     std::function<void()> onRun;
 
 private:
-    void spread(std::size_t n, const std::function<void(std::size_t)>& work) const;
+    void forEach(std::size_t n, const std::function<void(std::size_t)>& work) const;
 
     const Model& model_;
     std::size_t runs_;
     parallel::For loop_;
-    Store& store_;
+    SimulationCache& cache_;
     const std::atomic<bool>* interrupt_;
-    std::set<std::string> asked_;
-    std::mutex speaking_;
+    std::set<std::string> distinctRequests_;
+    std::mutex callbackMutex_;
 };
 
 } // namespace supercircle::diagnosis

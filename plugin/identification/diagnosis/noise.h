@@ -1,36 +1,18 @@
 #pragma once
-// How noisy the sensors are, learnt where no physics acts: while the head stands still, and from what neighbouring
-// rows do against each other. Never from the misfit, or every missing effect would be called noise.
+// Sensor noise, estimated from dwell intervals and from differences of neighbouring rows, never from the residual
+// (decision 0070).
 //
-// White part s and coloured part c (AR(1), memory tau) maximise the restricted likelihood of the resting stretches
-// (mean, slope and logarithm of time taken out: a rest may relax) times that of the robust scale of second differences
-// over all rows, whose expectation is 6 s^2 + c^2 (6 - 8 phi + 2 phi^2), with two priors: the stated total is right
-// within about 30 % (a normal of 20 % in its logarithm), and c/s lies within a factor of about 1.6 around 0.55. Rests
-// hold few memories of the coloured part, so c is known to some 25 %: what is possible beside the most probable values
-// is kept, for the null of the localisation.
+// Model: white noise plus AR(1). The white and correlated standard deviations maximise the restricted likelihood of the
+// dwell intervals (mean, slope and logarithm of time removed) and of second differences, with two priors: the stated
+// total is right within 20 %, and the ratio of the parts is near 0.55. Quantisation bounds the noise from below. A
+// stated noise that the data contradict is dropped; the source says so.
+// Scatter between repeats and periodic disturbances are estimated apart (decision 0071).
 //
-// Where the most probable size lies 2.2 times above the stated one or 2.7 times below it (which only rests can tell),
-// and fourth differences, of rests where there are any, lie to the same side, what is stated is refuted and no prior
-// any more; the source says so. Nothing is less noisy than the steps in which readings come, evenly distributed around
-// the truth; where nothing is stated and nothing rests, fourth differences of all rows have to do.
-//
-// Runs that repeat another one (same drive, same rows) may differ by more than their sensors: half the variance of
-// their difference, its mean and the sensor's part taken out, is the scatter from run to run, where it is more than
-// three deviations of what noise alone may seem to be (few memories in a pair, a size of the noise that is not quite
-// known). It counts in every row with the simulation's long memory, and hides what is weak and lasts: by a pair of
-// readings in steps of .46 mN, the median of whose differences was two steps and should have been 1.7, a scatter of .56
-// mN that was none made "nothing" of a friction of six deviations. Without repeats it is unknown and taken as zero; the
-// source says so.
-//
-// Where a sine in the rests makes them so much more probable that there is no doubt, it is taken out first: a
-// disturbance that never rests would count as noise, and hide itself. Rests that are too short to show one say that
-// noise is large instead; what a fit leaves of whole runs shows it (swings.h), and the estimate is made once more.
-//
-// Source: restricted likelihood: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320; scale by the median of absolute
-// values: P. J. Huber, E. M. Ronchetti, "Robust Statistics", 2nd ed. (2009), 5.1.
+// Source: restricted likelihood: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320; robust scale: P. J. Huber, E. M.
+// Ronchetti, "Robust Statistics", 2nd ed. (2009), 5.1.
 
 #include "plugin/identification/diagnosis/data.h"
-#include "plugin/identification/diagnosis/recorded/swings.h"
+#include "plugin/identification/diagnosis/recorded/periodic_disturbance.h"
 
 #include <cstdint>
 #include <string>
@@ -39,35 +21,36 @@
 namespace supercircle::diagnosis {
 
 struct Noise {
-    double white = 0.0;    ///< N
-    double coloured = 0.0; ///< N
-    double memory = 0.25;  ///< s
-    double marker = 0.0;   ///< m, per coordinate
-    std::string source;    ///< in words
-    double quietSeconds = 0.0;
-    double runToRun = 0.0;   ///< scatter of repeats beyond the sensor's noise, N; 0: none that shows
-    double tails = 0.0;      ///< excess kurtosis of the white part, 0: not told from a normal distribution
-    std::size_t repeats = 0; ///< runs that repeat another one
-    /// What rests (or whole runs) show beyond noise, a sine of the reading: no part of it. N, s; 0: none.
-    double swing = 0.0, swingPeriod = 0.0;
-    bool swingInMisfit = false; ///< whole runs show it, in what the nominal fit leaves of them; else rests
-    /// What the readings leave open of the first three: equally probable draws of their posterior. Empty: nothing.
-    struct Possible {
-        double white = 0.0, coloured = 0.0, memory = 0.0;
+    double white = 0.0;            ///< N, standard deviation of the white part
+    double correlated = 0.0;       ///< N, standard deviation of the AR(1) part
+    double correlationTime = 0.25; ///< s, decay of the AR(1) part to 1/e
+    double marker = 0.0;           ///< m, per coordinate
+    std::string source;            ///< how it was estimated, in words
+    double dwellSeconds = 0.0;     ///< s, total length of the dwell intervals
+    double runToRun = 0.0;         ///< N, scatter of repeats beyond the sensor noise; 0: none significant
+    double excessKurtosis = 0.0;   ///< of the white part; 0: not significant
+    std::size_t repeats = 0;       ///< runs that repeat another one
+    /// Periodic disturbance found in dwell intervals or whole runs, not part of the noise: amplitude, N, and period, s;
+    /// 0: none.
+    double disturbance = 0.0, disturbancePeriod = 0.0;
+    bool disturbanceInResidual = false; ///< found in the baseline residual of whole runs; else in dwell intervals
+    /// Posterior draws of the first three. Empty: known exactly.
+    struct PosteriorDraw {
+        double white = 0.0, correlated = 0.0, correlationTime = 0.0;
     };
-    std::vector<Possible> possible{};
+    std::vector<PosteriorDraw> posterior{};
     [[nodiscard]] double total() const;
-    /// As large, without memory: what the diagnosis would work with if it did not whiten (an ablation).
+    /// White noise of the same size (ablation of the whitening).
     [[nodiscard]] Noise asWhite() const;
-    /// Standard deviation of the mean over `span` seconds with rows `dt` apart, N.
-    [[nodiscard]] double ofMean(double span, double dt) const;
+    /// Standard deviation of the mean over `span` seconds with sampling interval `dt`, N.
+    [[nodiscard]] double stdOfMean(double span, double dt) const;
 };
 
-/// @param seen a sine that whole runs show (swingOfMisfit()): taken out
-Noise estimateNoise(const Data& data, const Swing& seen = {});
+/// @param known a disturbance found in whole runs (disturbanceInResidual()), which is removed first
+Noise estimateNoise(const RecordedData& data, const PeriodicDisturbance& known = {});
 
-/// Mean square of whitened readings, 1 by the most probable noise, where the noise is larger than thought: a fortieth
-/// of what is possible has more. 1 where nothing is open.
-double mostSquares(const Data& data, const Noise& noise, std::uint64_t seed);
+/// 97.5 % posterior quantile of the mean squared whitened noise, relative to the most probable noise; 1 where the noise
+/// is known exactly.
+double noiseChiSquaredBound(const RecordedData& data, const Noise& noise, std::uint64_t seed);
 
 } // namespace supercircle::diagnosis

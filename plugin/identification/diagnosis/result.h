@@ -1,10 +1,11 @@
 #pragma once
-// What a diagnosis found, as plain data. The JSON file and the page are written from it.
+// Result of a diagnosis as plain data. The JSON file and the page are written from it.
 
 #include "plugin/identification/diagnosis/localisation/localise.h"
 #include "plugin/identification/diagnosis/model/model.h"
 #include "plugin/identification/diagnosis/noise.h"
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,51 +14,52 @@ namespace supercircle::diagnosis {
 
 struct Interval {
     double low = 0.0, high = 0.0;
-    bool eitherSide = false; ///< it holds the mirror image, too: the runs do not tell to which side (hollows.h)
-    double least = 0.0;      ///< then the smallest size to either side; what is nearer to 0 is not held
+    bool signAmbiguous = false;     ///< the runs do not resolve the sign; it contains the mirror image (local_minima.h)
+    double smallestMagnitude = 0.0; ///< smallest magnitude for an ambiguous sign; values nearer to 0 are excluded
 };
 
 struct FittedParameter {
     std::string name, unit;
     double value = 0.0;
     Interval ci90;
-    std::string only = {}; ///< the run, cycle or fifth without which nothing is known of it (HeldOut::only), else empty
-    std::string about = {}; ///< what it is, in words (Scalar::about)
+    std::string identifiedOnlyBy = {}; ///< the run, cycle or fifth without which it is unknown; empty: none
+    std::string about = {};            ///< meaning (Scalar::about)
 };
 
-/// An effect that was fitted to all runs.
-struct FoundEffect {
-    std::string label, slot, form, law;
+/// An effect fitted to all runs.
+struct FittedEffect {
+    std::string label, slot, variant, law;
     double probability = 0.0;
-    std::vector<std::string> group; ///< labels that these runs cannot tell from it, itself first
-    std::vector<std::string> with;  ///< labels that act beside it in its best model
-    /// Names of its sizes that lie at the end of what is plausible while the runs want more (pressedAmplitudes()).
-    std::vector<std::string> pressed;
+    std::vector<std::string> confoundedWith; ///< labels that these runs cannot distinguish from it, itself first
+    std::vector<std::string> jointWith;      ///< labels of the other effects of its best hypothesis
+    /// Names of amplitudes at the end of their plausible range (amplitudesAtBound()).
+    std::vector<std::string> atBound;
     std::vector<FittedParameter> parameters;
-    std::vector<FittedParameter> products;        ///< what the law is worth in all (Candidate::products)
-    double gain = 0.0, gainError = 0.0;           ///< held-out log score over "nothing"
+    std::vector<FittedParameter> derived; ///< derived quantities (CandidateEffect::derived)
+    double gain = 0.0, gainError = 0.0;   ///< gain in held-out log score over the baseline, and its standard error
     double trainingRmse = 0.0, heldOutRmse = 0.0; ///< N
-    double misfitPerRow = 0.0;                    ///< chi^2 / rows, training
+    double deltaChiSquared = 0.0;                 ///< decrease of chi-squared against the baseline, training
+    double chiSquaredPerReading = 0.0;            ///< mean squared residual, training
 };
 
-/// What the screen saw of a label.
-struct SeenEffect {
+/// Screening result of a label.
+struct ScreenedEffect {
     std::string label;
-    double gain = 0.0;     ///< misfit that its best probe explains
-    double absorbed = 0.0; ///< share of its signature that the nominal parameters can imitate
-    double visible = 0.0;  ///< smallest size seen with 80 % power, in units of a size that matters
-    double reading = 0.0;  ///< |signature| of a size that matters, noise units
-    double unseen = 0.0;   ///< probability that it is there and too small to be seen (shareUnseen())
+    double gain = 0.0;             ///< decrease of chi-squared by its best probe, linearised
+    double absorbedFraction = 0.0; ///< fraction of its signature that nominal parameters explain
+    double detectable = 0.0;       ///< amplitude detectable with 80 % power, in relevant amplitudes
+    double signatureNorm = 0.0;    ///< norm of the signature of a relevant amplitude, sigma
+    double undetectable = 0.0;     ///< probability that it acts and is too small to be detected
 };
 
-/// A law that was learned, at 41 places of its state.
+/// A learned law at 41 values of its state.
 struct LearnedLaw {
-    std::string label, slot, law, words;
-    std::string of, ofUnit, over, overUnit; ///< what changes with what
-    bool logarithmic = false;               ///< in the state
-    std::vector<double> at, value, deviation;
-    std::vector<bool> visited;                  ///< elsewhere the runs say nothing
-    double change = 0.0, changeDeviation = 0.0; ///< from one end of what was visited to the other
+    std::string label, slot, law, description;
+    std::string response, responseUnit, state, stateUnit; ///< names and units
+    bool logarithmic = false;                             ///< logarithmic scale of the state
+    std::vector<double> states, value, sigma;
+    std::vector<bool> inStateRange;         ///< whether the runs determine the law there
+    double change = 0.0, changeSigma = 0.0; ///< change across that range, and its standard deviation
     double probability = 0.0, gain = 0.0, gainError = 0.0;
     double heldOutRmse = 0.0; ///< N
 };
@@ -65,36 +67,36 @@ struct LearnedLaw {
 struct NominalResult {
     std::string name, unit;
     double stated = 0.0, uncertainty = 0.0, fitted = 0.0;
-    double tension = 0.0; ///< (fitted - stated) / half-width
+    double standardisedShift = 0.0; ///< (fitted - stated) / half-width
 };
 
 struct FurtherRun {
-    Design design;
-    std::size_t repeats = 1; ///< how often to make it
+    CandidateRun candidateRun;
+    std::size_t repeats = 1; ///< number of repeats
 };
 
 struct NextExperiment {
-    std::vector<FurtherRun> runs;       ///< all of them are to be made; one, or two of different kinds
-    std::vector<std::string> separates; ///< labels
-    bool side = false;                  ///< it tells to which side the first of them acts
+    std::vector<FurtherRun> runs;           ///< all of them are to be made; one kind or two
+    std::vector<std::string> discriminates; ///< labels
+    bool resolvesSign = false;              ///< it resolves the sign of the first of them
     double power = 0.0;
-    bool settles = false; ///< they are expected to tell them apart beyond doubt; else they are what tells most
+    bool expectedConclusive = false; ///< expected to be conclusive; otherwise the best of those considered
 };
 
-/// A stretch of time of a run, s.
-struct Stretch {
+/// An interval of time of a run, s.
+struct TimeInterval {
     double from = 0.0, to = 0.0;
 };
 
-/// What is left of one coordinate of one marker, in rows of its run's `markerTime`.
+/// Residual of one coordinate of one marker, in rows of its run's `markerTime`.
 struct MarkerCurve {
     std::string channel;                            ///< "M1_x", as in windows
-    double arcFraction = -1.0;                      ///< -1: its body has none
+    double arcFraction = -1.0;                      ///< -1: the marker is on a body
     std::vector<double> residual, residualImproved; ///< whitened; improved empty: none
     std::vector<bool> counts;
 };
 
-/// Curves for pictures.
+/// Curves for figures.
 struct RunCurves {
     std::string name;
     std::vector<double> time, displacement, recorded; ///< s, m, N
@@ -103,54 +105,63 @@ struct RunCurves {
     std::vector<bool> counts;
     std::vector<double> markerTime; ///< s
     std::vector<MarkerCurve> markers;
-    /// Where the most probable effect shows in the reading, beyond what nominal parameters can imitate.
-    std::vector<Stretch> shows;
+    /// Intervals in which the most probable effect is visible in the reading, beyond nominal parameters.
+    std::vector<TimeInterval> visibleIntervals;
 };
 
 struct Homogeneity {
-    double q = 0.0, p = 1.0; ///< chi^2 of the parameters of single runs around the common fit
-    double degrees = 0.0;
+    double q = 0.0, p = 1.0; ///< chi-squared of single-run parameters about the common fit, and its p-value
+    double degrees = 0.0;    ///< degrees of freedom
+    /// Root mean square shift of single-run parameters from the common fit, sigma; 0 of a single run.
+    [[nodiscard]] double shift() const { return degrees > 0.0 ? std::sqrt(q / degrees) : 0.0; }
 };
 
 struct Diagnosis {
-    /// Probability that an effect is there which is too small for these runs, of all together; beside `nothing`.
-    [[nodiscard]] double unseen() const {
+    /// Probability of an effect too small to be detected, all labels together.
+    [[nodiscard]] double undetectable() const {
         double sum = 0.0;
-        for (const SeenEffect& s : seen)
-            sum += s.unseen;
+        for (const ScreenedEffect& s : screening)
+            sum += s.undetectable;
         return sum;
     }
-    std::string channel = "force", unit = "N";                ///< of everything that is said to be in N below
-    [[nodiscard]] bool driven() const { return unit == "N"; } ///< else bodies move freely, and poses are read
-    std::string failure;                                      ///< the experiment cannot be simulated: why
-    bool stopped = false;                                     ///< interrupted; what was simulated is kept
+    std::string channel = "force", unit = "N";                ///< channel and unit of everything given in N below
+    [[nodiscard]] bool driven() const { return unit == "N"; } ///< otherwise bodies move freely and poses are read
+    std::string failure;                                      ///< why the experiment cannot be simulated; empty: it can
+    bool stopped = false;                                     ///< interrupted; simulations are kept
     std::string verdict, statement;
     Noise noise;
-    Localisation mismatch, left;      ///< of the nominal fit; of the best effect's
-    std::vector<FoundEffect> effects; ///< most probable first
-    std::vector<SeenEffect> seen;     ///< whole catalogue
-    std::vector<LearnedLaw> learned;  ///< best first
-    double nothing = 0.0, unknown = 0.0;
+    Localisation misfit, residualAfterBest; ///< of the baseline; of the best hypothesis
+    std::vector<FittedEffect> effects;      ///< most probable first
+    std::vector<ScreenedEffect> screening;  ///< of the whole catalogue
+    std::vector<LearnedLaw> learned;        ///< best first
+    double adequate = 0.0, outsideCatalogue = 0.0;
     double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
-    bool improved = false; ///< whether the last two are an effect's; else they are those of the simulation as it is
+    bool improved = false; ///< whether the last two belong to an effect; otherwise to the baseline
     double improvement = 0.0;
     Interval improvementCi{};
-    double baselinePerRow = 0.0; ///< chi^2 / rows
+    double baselineChiSquaredPerReading = 0.0; ///< mean squared residual of the baseline
     std::vector<NominalResult> nominal;
     Homogeneity homogeneity;
     std::optional<NextExperiment> next;
-    std::size_t nextTried =
-        0; ///< further runs that were looked at, none of which would tell; 0: none was, or one would
+    std::size_t candidateRunsConsidered =
+        0; ///< number of candidate runs considered if none discriminates; 0: not considered, or one does
     std::vector<std::string> similarityLabels;
-    std::vector<std::vector<double>> similarity; ///< cosines of the fitted effects' signatures
+    std::vector<std::vector<double>> similarity; ///< cosines between the fitted effects' signatures
     std::vector<RunCurves> runs;
     std::vector<std::string> notes;
     std::uint64_t seed = 1;
-    double elapsed = 0.0; ///< s
+    double elapsed = 0.0;    ///< s
+    double cpuSeconds = 0.0; ///< s, of all threads of the program
     std::size_t forwardRuns = 0;
 };
 
 /// A label as words: "planar drag".
 std::string plainWords(std::string label);
+
+/// A verdict as a sentence: "The simulation is adequate".
+std::string verdictTitle(const std::string& verdict);
+
+/// p-value of a screening gain: chi-squared with one degree of freedom, of one probe, not corrected for the search.
+double screeningP(const ScreenedEffect& effect);
 
 } // namespace supercircle::diagnosis

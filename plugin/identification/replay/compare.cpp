@@ -23,7 +23,7 @@ double peak(const std::vector<double>& force) {
     return most;
 }
 
-/// Where the force passes halfway from row i to row j.
+/// Where the force crosses the middle between rows i and j.
 Landmark halfway(const Readings& r, std::size_t i, std::size_t j) {
     Landmark mark{r.time[j], r.displacement[j], r.force[i], r.force[j]};
     const double half = 0.5 * (mark.before + mark.after);
@@ -39,7 +39,7 @@ Landmark halfway(const Readings& r, std::size_t i, std::size_t j) {
     return mark;
 }
 
-std::vector<Interval> windows(const Comparison& c, const Window& w) {
+std::vector<Interval> windows(const Comparison& c, const ExclusionWindow& w) {
     std::vector<Interval> all;
     std::vector<char> usedA(c.recorded.size(), 0), usedB(c.simulated.size(), 0);
     for (const auto& [i, j] : c.matches) {
@@ -63,18 +63,18 @@ bool inside(const std::vector<Interval>& all, double t) {
 void compareForces(const Run& run, const Readings& simulated, const std::vector<Interval>& windowed, Comparison& c) {
     const std::size_t rows = run.readings.time.size();
     c.residual.assign(rows, std::numeric_limits<double>::quiet_NaN());
-    c.inWindow.assign(rows, false);
+    c.excluded.assign(rows, false);
     double all = 0.0, outside = 0.0, mean = 0.0;
     std::size_t countAll = 0, countOutside = 0, left = 0;
     for (std::size_t k = 0; k < rows; ++k) {
-        c.inWindow[k] = inside(windowed, run.readings.time[k]);
-        left += c.inWindow[k] ? 1U : 0U;
+        c.excluded[k] = inside(windowed, run.readings.time[k]);
+        left += c.excluded[k] ? 1U : 0U;
         if (k >= simulated.force.size() || !std::isfinite(run.readings.force[k]))
             continue;
         const double e = c.residual[k] = simulated.force[k] - run.readings.force[k];
         all += e * e;
         ++countAll;
-        if (c.inWindow[k])
+        if (c.excluded[k])
             continue;
         outside += e * e;
         mean += e;
@@ -86,9 +86,9 @@ void compareForces(const Run& run, const Readings& simulated, const std::vector<
     }
     c.rmseAll = countAll > 0 ? std::sqrt(all / static_cast<double>(countAll)) : 0.0;
     c.rmse = countOutside > 0 ? std::sqrt(outside / static_cast<double>(countOutside)) : 0.0;
-    c.zero = countOutside > 0 ? mean / static_cast<double>(countOutside) : 0.0;
-    c.rmseZeroed = std::sqrt(std::max(0.0, c.rmse * c.rmse - c.zero * c.zero));
-    c.leftOut = rows > 0 ? static_cast<double>(left) / static_cast<double>(rows) : 0.0;
+    c.residualMean = countOutside > 0 ? mean / static_cast<double>(countOutside) : 0.0;
+    c.rmseAboutMean = std::sqrt(std::max(0.0, c.rmse * c.rmse - c.residualMean * c.residualMean));
+    c.excludedFraction = rows > 0 ? static_cast<double>(left) / static_cast<double>(rows) : 0.0;
 }
 
 void compareMarkers(const Run& run, const Simulated& simulated, const std::vector<Interval>& windowed, Comparison& c) {
@@ -124,7 +124,7 @@ std::vector<Landmark> findLandmarks(const Readings& r, double share) {
     for (std::size_t i = 2; i + 4 < n; ++i) {
         const double here = std::abs(jump(i));
         const bool largest = here >= std::abs(jump(i - 1)) && here > std::abs(jump(i + 1));
-        // What the curve does of itself on the quieter side of the jump.
+        // Largest change on the quieter side of the jump.
         const double around = std::min(std::abs(jump(i - 2)), std::abs(jump(i + 2)));
         if (!(here >= share * (hi - lo)) || !largest || here < 3.0 * around)
             continue;
@@ -184,7 +184,7 @@ std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vecto
     return pairs;
 }
 
-Comparison compare(const Run& run, const Simulated& simulated, const Window& window, bool jumps) {
+Comparison compare(const Run& run, const Simulated& simulated, const ExclusionWindow& window, bool jumps) {
     Comparison c;
     c.peakRecorded = peak(run.readings.force);
     c.peakSimulated = peak(simulated.readings.force);

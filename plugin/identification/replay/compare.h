@@ -1,10 +1,9 @@
 #pragma once
-// Recorded and simulated readings side by side: errors, and landmarks where errors of a curve mean nothing.
+// Comparison of recorded and simulated readings: pointwise errors and landmarks.
 //
-// At a snap or where a tip slips off, the force falls within a sample or two. A shift of a few micrometres then makes a
-// pointwise error as large as the force itself, and the height of the spike that follows depends on inertia and on the
-// damping of the integrator. Such jumps are found in both curves and compared by where they happen; a window around
-// them is left out of the pointwise figures.
+// At a snap or slip-off the force falls within a sample or two. A shift of micrometres then gives an error as large as
+// the force, and the following spike depends on inertia and integrator. Such jumps are matched by their displacement,
+// and an interval around them is excluded from pointwise errors.
 
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/experiment.h"
@@ -17,52 +16,52 @@ namespace supercircle::replay {
 
 /// A sudden change of the force.
 struct Landmark {
-    double time = 0.0;         ///< where the force passes half of the jump, s
-    double displacement = 0.0; ///< there, m
-    double before = 0.0;       ///< force, N
-    double after = 0.0;        ///< N
+    double time = 0.0;         ///< s, at half of the jump
+    double displacement = 0.0; ///< m, at that time
+    double before = 0.0;       ///< N, force before
+    double after = 0.0;        ///< N, force after
 };
 
-/// Jumps larger than `share` of the force's range within two samples that stand out from the slopes on either side by a
-/// factor of three. In the order of time.
+/// Jumps larger than `share` of the force's range within two samples, and three times larger than the slopes on either
+/// side. Ordered by time.
 std::vector<Landmark> findLandmarks(const experiment::Readings& readings, double share = 0.15);
 
-/// When a simulation passed the middle of each jump that its readings show, by its own steps, s.
+/// Times at which a simulation passed the middle of each jump, by its own steps, s.
 std::vector<double> jumpTimes(const Simulated& simulated);
 
-/// Pairs (index into a, index into b) of jumps of the same direction, nearest in time first, at most `farthest` seconds
-/// apart; in the order of a.
+/// Pairs of indices into a and b of jumps with equal direction, nearest in time first, at most `farthest` seconds
+/// apart; ordered by a.
 std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vector<Landmark>& a,
                                                                 const std::vector<Landmark>& b, double farthest);
 
 struct Comparison {
-    double peakRecorded = 0.0; ///< largest |force|, N
+    double peakRecorded = 0.0; ///< N, largest |force|
     double peakSimulated = 0.0;
-    double rmse = 0.0;       ///< force, outside the windows, N
-    double zero = 0.0;       ///< mean of the residual there, N: the recording's zero is a mean of noise itself
-    double rmseZeroed = 0.0; ///< rmse with that mean taken off, N
-    double maxError = 0.0;   ///< the same, N
-    double maxErrorAt = 0.0; ///< its time, s
-    double rmseAll = 0.0;    ///< force, windows included, N
-    double leftOut = 0.0;    ///< share of the rows inside windows, 1
-    double markerRmse = 0.0; ///< distance of markers, outside the windows, m
+    double rmse = 0.0;             ///< N, force, without excluded rows
+    double residualMean = 0.0;     ///< N, mean residual of these rows (the zero of a recording is a noisy mean)
+    double rmseAboutMean = 0.0;    ///< N, rmse about that mean
+    double maxError = 0.0;         ///< N, of the same rows
+    double maxErrorAt = 0.0;       ///< s, its time
+    double rmseAll = 0.0;          ///< N, force, all rows
+    double excludedFraction = 0.0; ///< fraction of excluded rows
+    double markerRmse = 0.0;       ///< m, distance of markers, without excluded rows
     double markerMax = 0.0;
     std::vector<Landmark> recorded, simulated;
-    std::vector<std::pair<std::size_t, std::size_t>> matches; ///< recorded, simulated: indices of the same event
-    std::vector<double> residual; ///< simulated minus recorded force of each row, N; NaN where one is missing
-    std::vector<bool> inWindow;   ///< of each row
+    std::vector<std::pair<std::size_t, std::size_t>> matches; ///< indices of the same event in recorded and simulated
+    std::vector<double> residual; ///< N, simulated minus recorded force; NaN where one is missing
+    std::vector<bool> excluded;   ///< whether a row is excluded
 };
 
-/// What is left out around landmarks.
-struct Window {
-    double before = 0.1;   ///< ahead of the earlier of the two, s
-    double after = 0.3;    ///< behind the later of the two, s
-    double farthest = 1.0; ///< landmarks of the two curves farther apart are different events, s
+/// Interval excluded around landmarks.
+struct ExclusionWindow {
+    double before = 0.1;   ///< s, before the earlier of the two
+    double after = 0.3;    ///< s, after the later of the two
+    double farthest = 1.0; ///< s, larger distances mean different events
 };
 
-/// Compares what was recorded in `run` with its simulation. `jumps`: sudden changes are events; without, they are
-/// compared like everything else (poses have none).
-Comparison compare(const experiment::Run& run, const Simulated& simulated, const Window& window = {},
+/// Compares a recorded run with its simulation.
+/// @param jumps whether sudden changes are treated as landmarks (not for poses)
+Comparison compare(const experiment::Run& run, const Simulated& simulated, const ExclusionWindow& window = {},
                    bool jumps = true);
 
 } // namespace supercircle::replay

@@ -1,7 +1,7 @@
 #include "plugin/identification/replay/free_scene.h"
 
 #include "plugin/identification/replay/free_scales.h"
-#include "plugin/identification/replay/linkage.h"
+#include "plugin/identification/replay/multibody.h"
 #include "plugin/scene/loader/loader.h"
 #include "supercircle/effects/sensor.h"
 
@@ -17,7 +17,7 @@ using experiment::Quantity;
 using experiment::Run;
 using step::Vec2;
 
-/// One channel over time with its rate: a cubic between two steps is good to the fourth power of the step.
+/// A channel over time with its rate. Cubic interpolation is accurate to the fourth power of the step.
 struct Track {
     std::vector<double> value, rate;
 
@@ -28,7 +28,7 @@ struct Track {
     }
 };
 
-/// The scene of a run; empty: `why` says what is wrong with the values.
+/// The scene of a run; empty, with the reason in `why`, for invalid values.
 std::optional<scene::Scene> sceneOf(const Experiment& e, std::size_t run, const Parameters& p, std::string& why) {
     std::vector<scene::Override> overrides;
     for (const SceneValue& v : p.scene)
@@ -42,18 +42,18 @@ std::optional<scene::Scene> sceneOf(const Experiment& e, std::size_t run, const 
     return scene;
 }
 
-/// All that is recorded, step by step.
+/// All recorded channels, step by step.
 class Recorder {
 public:
-    Recorder(const Experiment& e, const Linkage& linkage)
-        : e_(e), linkage_(linkage), tracks_(1 + 2 * e.markers.size()), body_(linkage.find(e.scene->body)) {
+    Recorder(const Experiment& e, const Multibody& multibody)
+        : e_(e), linkage_(multibody), tracks_(1 + 2 * e.markers.size()), body_(multibody.find(e.scene->body)) {
         for (const experiment::Marker& m : e.markers)
-            carriers_.push_back(linkage.find(m.body));
+            carriers_.push_back(multibody.find(m.body));
     }
 
     void read() {
         time.push_back(linkage_.time());
-        const Linkage::Pose p = linkage_.pose(body_);
+        const Multibody::Pose p = linkage_.pose(body_);
         const Quantity q = e_.scene->quantity;
         put(0,
             q == Quantity::Angle ? p.angle
@@ -63,7 +63,7 @@ public:
             : q == Quantity::X   ? p.velocity.x()
                                  : p.velocity.y());
         for (std::size_t m = 0; m < e_.markers.size(); ++m) {
-            const Linkage::Pose b = linkage_.pose(carriers_[m]);
+            const Multibody::Pose b = linkage_.pose(carriers_[m]);
             const double c = std::cos(b.angle), s = std::sin(b.angle);
             const Point& l = e_.markers[m].local;
             const Vec2 r(c * l.x - s * l.y, s * l.x + c * l.y);
@@ -71,7 +71,7 @@ public:
             put(2 + 2 * m, b.origin.y() + r.y(), b.velocity.y() + b.spin * r.x());
         }
     }
-    /// Values of a channel at times, which grow; those beyond the last step are left out.
+    /// Values of a channel at increasing times; times after the last step are omitted.
     [[nodiscard]] std::vector<double> sampled(std::size_t channel, const std::vector<double>& times) const {
         std::vector<double> out;
         std::size_t row = 0;
@@ -93,7 +93,7 @@ private:
         tracks_[channel].rate.push_back(rate);
     }
     const Experiment& e_;
-    const Linkage& linkage_;
+    const Multibody& linkage_;
     std::vector<Track> tracks_;
     int body_;
     std::vector<int> carriers_;
@@ -138,12 +138,12 @@ FreeScales freeScales(const Experiment& e) {
     FreeScales out;
     std::string why;
     const auto scene = e.scene && !e.runs.empty() ? sceneOf(e, 0, nominal(e), why) : std::nullopt;
-    const Linkage linkage(scene ? scene->rigid : step::RigidWorldDefinition{}, {});
-    if (!scene || !linkage.failure().empty())
+    const Multibody multibody(scene ? scene->rigid : step::RigidWorldDefinition{}, {});
+    if (!scene || !multibody.failure().empty())
         return out;
-    out.length = linkage.reach();
+    out.length = multibody.reach();
     const double g = std::max(1e-3, scene->rigid.gravity.norm());
-    out.torque = 0.5 * linkage.mass() * g * out.length;
+    out.torque = 0.5 * multibody.mass() * g * out.length;
     out.spin = std::sqrt(g / out.length);
     return out;
 }
@@ -159,27 +159,27 @@ Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters&
         return out;
     const effects::Model extra = effects::modelFor(p.effects, "all");
     scene->rigid.gravity = Vec2(p.gravity.x, p.gravity.y) + extra.gravity;
-    Linkage linkage(scene->rigid, extra.bodies);
-    if (out.failure = linkage.failure(); !out.failure.empty())
+    Multibody multibody(scene->rigid, extra.bodies);
+    if (out.failure = multibody.failure(); !out.failure.empty())
         return out;
-    if (linkage.find(e.scene->body) < 0) {
+    if (multibody.find(e.scene->body) < 0) {
         out.failure = "there is no body \"" + e.scene->body + "\"";
         return out;
     }
-    Recorder recorder(e, linkage);
+    Recorder recorder(e, multibody);
     recorder.read();
     const double end = run.driveTime.back();
-    constexpr double kOpen = 1e-5; // m: joints that come apart so far in one step say that steps are too long
-    while (linkage.time() < end && out.failure.empty() && !out.stopped) {
-        linkage.advance(std::min(resolution.freeStep, end + 1e-6 - linkage.time()));
+    constexpr double kOpen = 1e-5; // m, joint gap per step that means too long steps
+    while (multibody.time() < end && out.failure.empty() && !out.stopped) {
+        multibody.advance(std::min(resolution.freeStep, end + 1e-6 - multibody.time()));
         recorder.read();
-        if (!(linkage.jointGap() < kOpen) || !std::isfinite(linkage.energy()))
-            out.failure = "the joints came apart at t = " + std::to_string(linkage.time()) + " s";
+        if (!(multibody.jointGap() < kOpen) || !std::isfinite(multibody.energy()))
+            out.failure = "the joints separated at t = " + std::to_string(multibody.time()) + " s";
         if (options.progress)
-            options.progress(std::min(1.0, linkage.time() / end));
+            options.progress(std::min(1.0, multibody.time() / end));
         out.stopped = options.interrupt != nullptr && options.interrupt->load();
     }
-    out.steps = linkage.steps();
+    out.steps = multibody.steps();
     readOut(e, run, p, extra.sensor, recorder, out);
     return out;
 }

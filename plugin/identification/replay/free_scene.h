@@ -1,6 +1,6 @@
 #pragma once
-// Runs of a mechanism that moves by itself (private to replay/): the scene with its parameters put in, played by a
-// Linkage, its pose read at the recording's times.
+// Simulation of a freely moving mechanism (private to replay/): the scene with its parameters, simulated as a multibody
+// system, with poses sampled at the recorded times.
 
 #include "plugin/identification/replay/simulate.h"
 

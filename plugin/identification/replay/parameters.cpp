@@ -15,7 +15,7 @@ using experiment::Experiment;
 using experiment::Specimen;
 using experiment::Stated;
 
-/// What a specimen has: how it is called, where it is stored, what the experiment says about it.
+/// A property of specimens: name, storage, stated value.
 struct Property {
     const char* name;
     const char* unit;
@@ -30,7 +30,7 @@ const Property kProperties[] = {
      &Specimen::bendingModulus, true},
     {"natural_curvature", "1/m", "curvature of the unloaded specimen", &SpecimenParameters::naturalCurvature,
      &Specimen::naturalCurvature, false},
-    {"thickness", "m", "thickness as contacts see it", &SpecimenParameters::thickness, &Specimen::thickness, true},
+    {"thickness", "m", "thickness for contacts", &SpecimenParameters::thickness, &Specimen::thickness, true},
     {"linear_mass", "kg/m", "mass per length", &SpecimenParameters::linearMass, &Specimen::linearMass, true},
 };
 
@@ -38,7 +38,7 @@ Stated exact(double value, double halfWidth = 0.0) {
     return {value, halfWidth};
 }
 
-/// A strip pressed lengthwise shortens by this per newton, m/N.
+/// Axial compliance of a strip pressed lengthwise, m/N.
 double stretch(const Experiment& e) {
     if (e.protocol != experiment::Protocol::StripOnRigidFloor || e.specimens.empty() ||
         e.specimens.front().stretchModulus <= 0.0)
@@ -46,7 +46,7 @@ double stretch(const Experiment& e) {
     return e.specimens.front().length / e.specimens.front().stretchModulus;
 }
 
-/// What the surroundings have.
+/// A property of the set-up.
 struct Surrounding {
     const char* name;
     const char* unit;
@@ -60,23 +60,23 @@ struct Surrounding {
 const Surrounding kSurroundings[] = {
     {"friction", "1", "friction coefficient of all contacts", [](Parameters& p) -> double& { return p.friction; },
      [](const Experiment& e) { return e.friction; }, true},
-    {"gap_shift", "m", "the head stands this much higher at displacement 0 than stated",
+    {"gap_shift", "m", "the crosshead stands this much higher at displacement 0 than stated",
      [](Parameters& p) -> double& { return p.gapShift; },
      [](const Experiment& e) { return exact(0.0, e.initialGapHalfWidth); }, false},
-    {"gravity_x", "m/s^2", "gravity to the right", [](Parameters& p) -> double& { return p.gravity.x; },
+    {"gravity_x", "m/s^2", "gravity, positive to the right", [](Parameters& p) -> double& { return p.gravity.x; },
      [](const Experiment& e) { return exact(e.gravity.x); }, false},
-    {"gravity_y", "m/s^2", "gravity upwards", [](Parameters& p) -> double& { return p.gravity.y; },
+    {"gravity_y", "m/s^2", "gravity, positive upwards", [](Parameters& p) -> double& { return p.gravity.y; },
      [](const Experiment& e) { return exact(e.gravity.y); }, false},
-    {"contact_arm", "1", "where obstacles push on the section: 0 centre line, 1 surface",
+    {"contact_arm", "1", "where contact forces act on the section: 0 centre line, 1 surface",
      [](Parameters& p) -> double& { return p.contactArm; }, [](const Experiment&) { return exact(0.0); }, true, 1.0},
-    {"series_compliance", "m/N", "give in series with the specimen",
+    {"series_compliance", "m/N", "compliance in series with the specimen",
      [](Parameters& p) -> double& { return p.seriesCompliance; }, [](const Experiment&) { return exact(0.0); }, true},
-    {"touch_compliance", "m/N", "give of each touch, the stretch of a strip pressed lengthwise included",
+    {"touch_compliance", "m/N", "compliance of each contact, with the axial compliance of a strip pressed lengthwise",
      [](Parameters& p) -> double& { return p.touchCompliance; }, [](const Experiment& e) { return exact(stretch(e)); },
      true},
 };
 
-/// Where a name leads: the values it sets, and whether a value is acceptable.
+/// The values that a name sets, and their valid range.
 struct Target {
     std::vector<double*> values;
     bool positive = false;
@@ -105,7 +105,7 @@ Target findFree(Parameters& p, const std::string& name) {
     return {};
 }
 
-/// Names, units and intervals of what a free scene has; in the order of Parameters::scene.
+/// Names, units and intervals of a free scene, in the order of Parameters::scene.
 std::vector<ParameterInfo> freeList(const Experiment& e) {
     std::vector<ParameterInfo> all;
     const auto add = [&](const experiment::SceneParameter& s, int run) {
@@ -121,7 +121,7 @@ std::vector<ParameterInfo> freeList(const Experiment& e) {
         if (ofGravity(s))
             all.push_back({s.name, s.unit, s.about, s.stated(e)});
     all.push_back({"reading_zero", e.scene->quantity == experiment::Quantity::Angle ? "rad" : "m",
-                   "reading where the scene says 0", exact(0.0, e.scene->zeroHalfWidth)});
+                   "reading at pose zero", exact(0.0, e.scene->zeroHalfWidth)});
     return all;
 }
 
@@ -201,8 +201,8 @@ std::string checkEffects(const Parameters& parameters, const Experiment& experim
     for (const effects::Setting& s : parameters.effects)
         if (!effects::isOff(s) && !acts(experiment, s.key))
             return "effect " + effects::catalog()[static_cast<std::size_t>(s.key)].name +
-                   (experiment.scene ? " has nothing to act on in a free scene of rigid bodies"
-                                     : " acts on the rigid bodies of a free scene; there are none here");
+                   (experiment.scene ? " does not act on a free scene of rigid bodies"
+                                     : " acts only on the rigid bodies of a free scene, which this experiment is not");
     std::vector<std::string> known;
     for (const Specimen& s : experiment.specimens)
         known.push_back(s.id);

@@ -1,6 +1,5 @@
 #pragma once
-// The physical numbers of a replay: the experiment's nominal ones unless set otherwise, reachable by name for command
-// lines and fits.
+// Physical parameters of a replay, nominal unless set otherwise, accessible by name for command lines and fits.
 
 #include "plugin/recording/experiment/experiment.h"
 #include "supercircle/effects/effect.h"
@@ -18,7 +17,7 @@ struct SpecimenParameters {
     double linearMass = 0.0;       ///< kg/m
 };
 
-/// A parameter of a free scene: of all runs, or how one of them was let go.
+/// A parameter of a free scene, common to all runs or the initial state of one.
 struct SceneValue {
     std::string name;
     int run = -1; ///< -1: all
@@ -26,49 +25,49 @@ struct SceneValue {
 };
 
 struct Parameters {
-    std::vector<SpecimenParameters> specimens; ///< as Experiment::specimens
-    double friction = 0.0;                     ///< coefficient of all contacts, 1
-    double gapShift = 0.0;                     ///< the head stands this much higher at displacement 0 than stated, m
-    Point gravity{};                           ///< m/s^2
-    /// Where on the section the force of a rigid obstacle attacks, as a share of half the thickness: 1 is the surface
-    /// (a sticking round end rolls, friction has the arm h/2), 0 the centre line. The gap is the same.
+    std::vector<SpecimenParameters> specimens; ///< in the order of Experiment::specimens
+    double friction = 0.0;                     ///< 1, coefficient of all contacts
+    double gapShift = 0.0; ///< m, the crosshead stands this much higher at displacement 0 than stated
+    Point gravity{};       ///< m/s^2
+    /// Where contact forces act on the section, as a share of half the thickness: 1 surface (a sticking round end
+    /// rolls, friction has the arm h/2), 0 centre line. The gap is the same.
     double contactArm = 0.0;
-    /// Give of everything in series with the specimen, m/N: the head goes this much less far per newton of force.
+    /// Compliance in series with the specimen, m/N: the crosshead moves this much less per newton of force.
     double seriesCompliance = 0.0;
-    /// Give of each touch, m/N. The rods are inextensible, so the stretch L / EA of a strip pressed lengthwise stands
-    /// here (the nominal value): without it meeting the floor is an impact of rigid on inextensible, whose bounce lets
-    /// the tip slip. A machine's give is no help there, its head is too heavy to follow within a millisecond.
+    /// Compliance of each contact, m/N, with the axial compliance L / EA of a strip pressed lengthwise (the nominal
+    /// value). Without it an inextensible strip would meet a rigid floor in an impact and its tip would slip. A machine
+    /// compliance does not help there, because its crosshead cannot follow within a millisecond.
     double touchCompliance = 0.0;
-    std::vector<SceneValue> scene;         ///< free scenes: as described, those of all runs first
-    double readingZero = 0.0;              ///< free scenes: the reading where the scene says 0, rad or m
-    std::vector<effects::Setting> effects; ///< extra physics; specimens go by their ids
+    std::vector<SceneValue> scene;         ///< free scenes: as described, common parameters first
+    double readingZero = 0.0;              ///< rad or m, free scenes: the reading at pose zero
+    std::vector<effects::Setting> effects; ///< effects; specimens are named by their ids
 };
 
-/// What a name stands for.
+/// A parameter and its description.
 struct ParameterInfo {
     std::string name;
     std::string unit;
     std::string about;
-    experiment::Stated stated; ///< nominal value and half-width of its interval (0: taken as exact)
+    experiment::Stated stated; ///< nominal value and half-width of its interval (0: exact)
 };
 
 /// The nominal parameters of an experiment.
 Parameters nominal(const experiment::Experiment& experiment);
 
-/// All names: shared ones ("friction", "bending_modulus", ...: all specimens at once) and, where there are several
-/// specimens, one per specimen ("bending_modulus.B"). The stated interval of a shared name is the first specimen's.
-/// Free scenes have the parameters their description names, those of run 2 as "NAME_run2", and "reading_zero".
+/// All names: shared ones ("friction", "bending_modulus", ...) that set all specimens at once, and with several
+/// specimens one each ("bending_modulus.B"). The stated interval of a shared name is the first specimen's. Free scenes
+/// have the parameters of their description, those of run 2 as "NAME_run2", and "reading_zero".
 std::vector<ParameterInfo> parameterList(const experiment::Experiment& experiment);
 
-/// Sets a parameter by name, "KEY:NAME" for one of an effect's (which comes into being with it); empty, or why not
-/// (unknown name with the nearest known one, value out of physical range).
+/// Sets a parameter by name, "KEY:NAME" for one of an effect, which is added. Returns an error text or nothing: unknown
+/// name with the nearest known one, or value out of range.
 std::string set(Parameters& parameters, const experiment::Experiment& experiment, const std::string& name,
                 double value);
 
 /// Whether an effect has something to act on in this experiment.
 bool acts(const experiment::Experiment& experiment, effects::Key key);
 
-/// Empty, or which effects do not go together or with this experiment.
+/// Error text for effects that exclude each other or this experiment, or nothing.
 std::string checkEffects(const Parameters& parameters, const experiment::Experiment& experiment);
 
 /// Value by name (of the first specimen for shared names); empty: no such name.

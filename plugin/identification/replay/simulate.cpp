@@ -1,26 +1,21 @@
-// Cost and accuracy (measured on six noise-free recordings of another simulator, one core).
+// Cost and accuracy, six noise-free recordings of the reference simulator, one core.
 //
-// | resolution | arcs | CPU a run | force against 121 arcs and finer steps, rms outside of jumps, share of the peak |
+// | fidelity | arcs | CPU per run | force against 121 arcs and finer steps, rms outside jumps, share of the peak |
 // |---|---|---|---|
-// | coarse | 15 | 0.01 - 0.06 s | sliding shells 0.25 %, arch 0.4 %, strips 0.5 - 0.8 %, coiled shell (Type II) 2.1 % |
-// | full | 31 | 0.05 - 0.3 s | sliding shells 0.04 - 0.06 %, arch 0.08 %, strips 0.1 - 0.2 %, coiled shell 0.45 % |
-// | full | 61 | 0.15 - 1.2 s | 0.02 - 0.03 %, 0.04 %, 0.05 - 0.06 %, 0.09 % |
+// | coarse | 15 | 0.01 to 0.06 s | sliding shells 0.25 %, arch 0.4 %, strips 0.5 to 0.8 %, Type II shell 2.1 % |
+// | fine | 31 | 0.05 to 0.3 s | 0.04 to 0.06 %, 0.08 %, 0.1 to 0.2 %, 0.45 % |
+// | fine | 61 | 0.15 to 1.2 s | 0.02 to 0.03 %, 0.04 %, 0.05 to 0.06 %, 0.09 % |
 //
-// Steps are limited by travel, not by time: quasi-static runs at different speeds are cut alike, and dwells take dtMax.
-// Readings are interpolated linearly between steps: with the longest travel a of a step the error is a^2 F'' / 8, below
-// 1e-5 of the peak outside of jumps. Within a jump (snap, slip-off, first touch of a strip) a sample may fall anywhere
-// between the two forces.
-//
-// Extra physics (supercircle/effects) enters at its place: material, load and contact effects in the world and
-// misalignment in the set-up (rig.cpp), compliance and play between the commanded motion and the head (class Player),
-// drift, gain and delay between the trace and the readings.
+// Steps are limited by travel, so runs of different speed have equal steps. Linear interpolation of readings adds 1e-5
+// of the peak outside jumps. Effects act in the world, the set-up (test_rig.cpp), the drive (class Drive), and between
+// trace and readings.
 
 #include "plugin/identification/replay/simulate.h"
 
 #include "plugin/identification/replay/free_scene.h"
-#include "plugin/identification/replay/rig.h"
+#include "plugin/identification/replay/test_rig.h"
 #include "plugin/identification/replay/trace.h"
-#include "supercircle/effects/play.h"
+#include "supercircle/effects/backlash.h"
 #include "supercircle/effects/sensor.h"
 
 #include <algorithm>
@@ -42,7 +37,7 @@ double cpuClock() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Rows of a trace and weights for linear interpolation at given times; times past the end are left out.
+/// Rows and weights of linear interpolation at given times; times after the end are omitted.
 struct Weights {
     std::vector<std::size_t> row; ///< interpolate between row and row + 1
     std::vector<double> share;
@@ -72,37 +67,32 @@ std::vector<double> evenTimes(const Run& run, double rate) {
     return times;
 }
 
-/// Plays the commanded motion. With something soft in series the commanded motion is head plus give, d = x + c F, and
-/// while the drive moves it is d that keeps time: the clock is read off d. That is implicit (stiff specimens do no
-/// harm), and where a snap lets d jump back the clock stands still. The head's speed is that of the drive less what the
-/// spring takes up, as found a twentieth of the leg before, so that what depends on rates sees the right ones.
+/// Follows the commanded motion. With a compliance c in series the commanded displacement is d = x + c F, and time is
+/// read from d while the drive moves. Where a snap lets d jump back, time stands still. The speed of the crosshead is
+/// that of the drive less the rate of the spring.
 ///
-/// Where the drive brakes and while it rests d is given and x follows: a part of what is missing, 1 / (1 + c K), with
-/// the stiffness K of the specimen. Moved by all of it, a specimen that sticks (c K > 1) threw the head to and fro,
-/// farther each time: an arch that was held by a machine of 1000 N/m lost a quarter of its force at once and never
-/// relaxed. While the head follows, K is not what force over way shows (the force falls as the head goes on, because
-/// the specimen relaxes): it is raised where a move went too far, and pieces of a rest are as short as what is missing
-/// after each is small.
-class Player {
-    static constexpr double kBraking = 5e-3; ///< s, in which the drive comes to rest
-    static constexpr double kSettle = 2e-4;  ///< s, see press()
+/// While the drive brakes or rests, d is given and x follows by 1 / (1 + c K) of the difference, K the stiffness of the
+/// specimen. A full correction would oscillate for c K > 1 (decision 0152).
+class Drive {
+    static constexpr double kBraking = 5e-3; ///< s, duration of braking
+    static constexpr double kSettle = 2e-4;  ///< s, see updateSeriesForce()
 
 public:
-    Player(Rig& rig, const Experiment& e, const Run& run, double give, const effects::ApparatusModel& apparatus,
-           const Options& options)
-        : rig_(rig), e_(e), run_(run), give_(give + apparatus.compliance), apparatus_(apparatus), options_(options),
-          clock_(run.driveTime.front()) {}
+    Drive(TestRig& rig, const Experiment& e, const Run& run, double compliance,
+          const effects::ApparatusModel& apparatus, const Options& options)
+        : rig_(rig), e_(e), run_(run), compliance_(compliance + apparatus.compliance), apparatus_(apparatus),
+          options_(options), clock_(run.driveTime.front()) {}
 
     Trace play() {
-        const effects::Motion drive =
-            effects::behindPlay({run_.driveTime, run_.driveDisplacement}, apparatus_.backlash);
-        if (drive.displacement.front() != 0.0) // the head comes from displacement 0 to where the run starts
+        const effects::DriveMotion drive =
+            effects::motionBehindBacklash({run_.driveTime, run_.driveDisplacement}, apparatus_.backlash);
+        if (drive.displacement.front() != 0.0) // the crosshead moves from displacement 0 to the start of the run
             rig_.move(drive.displacement.front(), 1.0, {});
         trace_.forces.push_back({clock_, rig_.force()});
         addMarkers(clock_);
-        lastDisplacement_ = pressedAt_ = rig_.displacement();
-        pressing_ = rig_.force();
-        double late = 0.0; // of the leg before: it came to rest that much behind its end, s
+        lastDisplacement_ = seriesForceAt_ = rig_.displacement();
+        seriesForce_ = rig_.force();
+        double delay = 0.0; // s, delay of the segment before
         for (std::size_t i = 0; i < e_.specimens.size();
              ++i) { // ten times the Euler load of a rod clamped at both ends
             const double turn = 2.0 * M_PI / e_.specimens[i].length;
@@ -113,77 +103,72 @@ public:
             const double from = drive.displacement[i - 1], to = drive.displacement[i];
             const bool rests = i + 1 < drive.time.size() && drive.displacement[i + 1] == to && to != from;
             const double brake = rests ? std::min({kBraking, t1 - t0, drive.time[i + 1] - t1}) : 0.0;
-            leg(t0 + late, t1 - 0.5 * brake, from, to - 0.5 * brake * (to - from) / (t1 - t0));
-            late = 0.5 * brake;
+            leg(t0 + delay, t1 - 0.5 * brake, from, to - 0.5 * brake * (to - from) / (t1 - t0));
+            delay = 0.5 * brake;
             if (rests && rig_.failure().empty() && !stopped_)
                 stop(t1, brake, to, (to - from) / (t1 - t0));
         }
         return std::move(trace_);
     }
     [[nodiscard]] bool stopped() const { return stopped_; }
-    [[nodiscard]] double bendMost() const { return bendMost_; }
+    [[nodiscard]] double largestCurvatureChange() const { return largestCurvatureChange_; }
 
 private:
-    /// What the drive shows: the head and all that gives in series with it.
+    /// Displacement of the drive: crosshead and series compliance.
     [[nodiscard]] double position() const {
-        return rig_.displacement() + give_ * pressing_ +
-               0.5 * apparatus_.slack * pressing_ / std::hypot(pressing_, apparatus_.slackForce);
+        return rig_.displacement() + compliance_ * seriesForce_ +
+               0.5 * apparatus_.slack * seriesForce_ / std::hypot(seriesForce_, apparatus_.slackForce);
     }
-    [[nodiscard]] bool rigid() const { return give_ <= 0.0 && apparatus_.slack <= 0.0; }
+    [[nodiscard]] bool rigid() const { return compliance_ <= 0.0 && apparatus_.slack <= 0.0; }
 
-    /// A mean force is work over way: of a head that follows a resting drive the way is next to none, and what the
-    /// specimen lost meanwhile has other causes.
-    [[nodiscard]] bool meanCounts() const { return rig_.meanForce().known && !following_; }
+    /// A mean force is work over travel. While the crosshead follows a resting drive the travel is almost zero and the
+    /// mean is meaningless.
+    [[nodiscard]] bool meanCounts() const { return rig_.meanForce().known && !followsDrive_; }
 
-    /// The force that compresses what is in series and the place of the head where it does, both smoothed over 2 um of
-    /// travel, without the spikes with which an inextensible strip meets the floor: 60 to 1000 N for a microsecond or
-    /// two, hundreds of times the load under which it buckles. What is in series would have taken them up. Smoothed
-    /// alike they stay points of one curve; the load cell, in series too, reads this force. A strip that touches gains
-    /// a newton within a micrometre of the head's travel but, at 400 N/m, 2.5 mm of the drive's: read unsmoothed, its
-    /// force ran ahead of the clock by a millimetre. Where the head follows a drive that rests it hardly travels: there
-    /// time smooths too.
-    void press() {
+    /// Force in the series compliance and the crosshead position there, smoothed over 2 um of travel and without impact
+    /// spikes of an inextensible strip, which a compliance would absorb.
+    void updateSeriesForce() {
         constexpr double kSmooth = 2e-6; // m
-        const double way = rig_.displacement() - lastDisplacement_;
+        const double travel = rig_.displacement() - lastDisplacement_;
         lastDisplacement_ = rig_.displacement();
         const double time = std::exchange(lastTime_, rig_.time());
         const bool known = meanCounts();
         const double force = known ? rig_.meanForce().force : rig_.force();
         if (std::abs(force) >= impact_)
             return;
-        const double settled = following_ ? (rig_.time() - time) / kSettle : 0.0;
-        const double share = -std::expm1(-std::abs(way) / kSmooth - settled);
-        pressing_ += share * (force - pressing_);
-        pressedAt_ += share * (rig_.displacement() - (known ? 0.5 * way : 0.0) - pressedAt_);
+        const double settled = followsDrive_ ? (rig_.time() - time) / kSettle : 0.0;
+        const double share = -std::expm1(-std::abs(travel) / kSmooth - settled);
+        seriesForce_ += share * (force - seriesForce_);
+        seriesForceAt_ += share * (rig_.displacement() - (known ? 0.5 * travel : 0.0) - seriesForceAt_);
     }
 
-    /// How much farther the drive moves than the head: 1 + c K.
+    /// Ratio of drive motion to crosshead motion, 1 + c K.
     [[nodiscard]] double ratio() const {
-        const double f = std::hypot(pressing_, apparatus_.slackForce);
+        const double f = std::hypot(seriesForce_, apparatus_.slackForce);
         const double play = apparatus_.slack > 0.0
                                 ? 0.5 * apparatus_.slack * apparatus_.slackForce * apparatus_.slackForce / (f * f * f)
                                 : 0.0;
-        return 1.0 + (give_ + play) * stiffness_;
+        return 1.0 + (compliance_ + play) * stiffness_;
     }
 
-    /// Moves the head so that a drive with something in series shows `goal` after `duration`.
+    /// Moves the crosshead so that the drive reaches `goal` after `duration`.
     void followTo(double goal, double duration, const std::function<bool()>& observe) {
-        constexpr double kNear = 1e-7, kFar = 2e-8, kForgets = 0.9; // m of the drive, m of the head, 1
+        constexpr double kNear = 1e-7, kFar = 2e-8, kDecay = 0.9; // m of the drive, m of the crosshead, 1
         const double open = goal - position();
-        const double force = pressing_, displacement = rig_.displacement();
-        following_ = true;
+        const double force = seriesForce_, displacement = rig_.displacement();
+        followsDrive_ = true;
         rig_.move(std::abs(open) > kNear ? open / ratio() : 0.0, duration, observe);
-        following_ = false;
+        followsDrive_ = false;
         const double moved = rig_.displacement() - displacement;
         if (std::abs(moved) <= kFar)
             return;
         if ((goal - position()) * open < 0.0)
-            stiffness_ = std::max(stiffness_, (pressing_ - force) / moved);
+            stiffness_ = std::max(stiffness_, (seriesForce_ - force) / moved);
         else
-            stiffness_ *= kForgets; // one kick must not slow the head for ever
+            stiffness_ *= kDecay; // one spike must not slow the crosshead permanently
     }
 
-    /// The drive rests at `to`; what relaxes takes the head along.
+    /// The drive rests at `to`; relaxation moves the crosshead.
     void rest(double to, double duration, const std::function<bool()>& observe) {
         constexpr double kShortest = 2e-3, kLongest = 0.5, kNear = 5e-7; // s, s, m of the drive
         double done = 0.0;
@@ -197,11 +182,9 @@ private:
         }
     }
 
-    /// Comes to rest around time t1, evenly slower. A drive that stopped at once would shake the specimen: the inertia
-    /// of 10 mm/s carries it on by micrometres, and the recoil loosens whatever dry friction holds. With something in
-    /// series the head goes its share of these micrometres by what is known of the stiffness and is put right while the
-    /// drive rests: led by the force in pieces of half a millisecond it shook a shell in a soft machine instead, whose
-    /// inertia is 2 kN/m to such pieces (spikes of 7 mN where .2 were due).
+    /// Decelerates evenly around time t1. An instant stop would excite the specimen, whose recoil releases friction.
+    /// With a series compliance the crosshead moves by the estimated share and is corrected while the drive rests
+    /// (decision 0152).
     void stop(double t1, double duration, double to, double speed) {
         constexpr int kPieces = 10;
         started_ = true;
@@ -210,26 +193,26 @@ private:
             const double left = duration * (1.0 - static_cast<double>(k) / kPieces); // s
             const double goal = to - 0.5 * speed * left * left / duration;
             const double end = t1 + 0.5 * duration - left;
-            following_ = !rigid();
+            followsDrive_ = !rigid();
             rig_.move((goal - shown) / (rigid() ? 1.0 : ratio()), duration / kPieces, [&] {
-                press();
+                updateSeriesForce();
                 stopped_ = options_.interrupt != nullptr && options_.interrupt->load();
                 return stopped_;
             });
-            following_ = false;
+            followsDrive_ = false;
             shown = rigid() ? position() : goal;
             clock_ = std::max(clock_, end);
-            trace_.forces.push_back({clock_, rigid() ? rig_.force() : pressing_}); // which has no impacts
+            trace_.forces.push_back({clock_, rigid() ? rig_.force() : seriesForce_}); // without impacts
             addMarkers(clock_);
         }
     }
 
-    /// Drives something in series with the specimen to `to`: the way left shrinks as the force grows, so it is gone in
-    /// parts and the head never overshoots. It is never slower than a twentieth of the drive: where a specimen suddenly
-    /// gives way, it would not arrive. Parts are short where the stiffness is not known yet: a leg begins as stiff as
-    /// any part so far, because what slid may stick when the drive turns. An arch that did was taken for as soft as
-    /// before, through all the way its feet stuck, six times too fast, and a viscous one read 20 mN of 290 too little.
-    /// @param length of the whole leg, m @param arrived what `observe` says of the clock
+    /// Drives a series compliance to `to`. The remaining travel shrinks as the force grows, so it is covered in parts
+    /// and never overshoots. The crosshead keeps at least a twentieth of the drive speed, to arrive after a sudden loss
+    /// of force. Parts are short while the stiffness is unknown: a segment starts with the largest stiffness so far,
+    /// because sliding contacts may stick at a reversal (decision 0152).
+    /// @param length of the whole segment, m
+    /// @param arrived what `observe` returns about the clock
     void inParts(double to, double length, double speed, const std::function<bool()>& observe, const bool& arrived) {
         constexpr double kNear = 1e-7, kPart = 0.8, kOfLeg = 0.05, kFirst = 0.005, kSlowest = 20.0; // m, then 1
         constexpr double kAlike = 1.25;                                                             // ratios
@@ -239,12 +222,12 @@ private:
             const double left = to - position();
             if (left * speed <= kNear * std::abs(speed))
                 break;
-            const double way = std::copysign(std::min(kPart * std::abs(left), part * length), left);
-            const double force = pressing_, displacement = rig_.displacement(), expected = ratio();
-            rig_.move(way / std::min(kSlowest, expected), way / speed, observe);
-            const double enough = std::min(kNear, 0.2 * std::abs(way) / kSlowest);
+            const double travel = std::copysign(std::min(kPart * std::abs(left), part * length), left);
+            const double force = seriesForce_, displacement = rig_.displacement(), expected = ratio();
+            rig_.move(travel / std::min(kSlowest, expected), travel / speed, observe);
+            const double enough = std::min(kNear, 0.2 * std::abs(travel) / kSlowest);
             if (const double moved = rig_.displacement() - displacement; std::abs(moved) > enough)
-                stiffness_ = std::max(0.0, (pressing_ - force) / moved);
+                stiffness_ = std::max(0.0, (seriesForce_ - force) / moved);
             stiffest_ = std::max(stiffest_, stiffness_);
             const double change = ratio() / expected;
             part =
@@ -257,16 +240,16 @@ private:
         const double begin = rig_.time();
         bool arrived = false;
         const auto observe = [&] {
-            press();
+            updateSeriesForce();
             const bool byDisplacement = !rigid() && speed != 0.0;
             const double now = byDisplacement ? t0 + (position() - from) / speed : t0 + rig_.time() - begin;
             const double before = std::exchange(clock_, std::clamp(now, clock_, t1));
             if (byDisplacement)
-                readPressing(t0 + (position() - rig_.displacement() + pressedAt_ - from) / speed);
+                readPressing(t0 + (position() - rig_.displacement() + seriesForceAt_ - from) / speed);
             else
                 readForce(before);
             addMarkers(clock_);
-            bendMost_ = std::max(bendMost_, rig_.bend());
+            largestCurvatureChange_ = std::max(largestCurvatureChange_, rig_.bend());
             if (options_.progress)
                 options_.progress((clock_ - run_.driveTime.front()) / (run_.driveTime.back() - run_.driveTime.front()));
             stopped_ = options_.interrupt != nullptr && options_.interrupt->load();
@@ -280,29 +263,29 @@ private:
                 rig_.move(to - from, t1 - t0, observe);
             else
                 rest(to, t1 - t0, observe);
-            finishLeg(rigid() ? rig_.force() : pressing_);
+            finishLeg(rigid() ? rig_.force() : seriesForce_);
             return;
         }
         inParts(to, std::abs(to - from), speed, observe, arrived);
         clock_ = stopped_ ? clock_ : t1;
-        finishLeg(pressing_);
+        finishLeg(seriesForce_);
     }
 
-    /// The first step of a leg changes the velocity at once; its inertia, m v / dt, is a matter of the step size and no
-    /// load cell is that quick, so it is passed over.
+    /// The first step of a segment changes the velocity at once. Its inertia force depends on the step size and is
+    /// skipped.
     void readForce(double before) {
         if (!std::exchange(started_, true))
             return;
         if (meanCounts())
             take(0.5 * (before + clock_), rig_.meanForce().force);
         else
-            take(clock_, following_ ? pressing_ : rig_.force());
+            take(clock_, followsDrive_ ? seriesForce_ : rig_.force());
     }
 
-    /// Of a head that moves with something in series, at the time when it presses so.
+    /// Force of a crosshead with a series compliance, at its own time.
     void readPressing(double at) {
         started_ = true;
-        take(std::clamp(at, trace_.forces.back().time, clock_), pressing_);
+        take(std::clamp(at, trace_.forces.back().time, clock_), seriesForce_);
     }
 
     void addMarkers(double at) {
@@ -312,18 +295,20 @@ private:
             trace_.markers[m].push_back(rig_.point(e_.markers[m].specimen, e_.markers[m].arcFraction));
     }
 
-    /// Takes a step's force down and says what is to be thought of it (see the essay in rig.cpp).
+    /// Records the force of a step and its reliability (decision 0151).
     void take(double at, double force) {
-        constexpr double kShort = 0.5; // of the last step that was steady: on the way to another step size
-        const Rig::MeanForce& mean = rig_.meanForce();
-        const bool known = meanCounts(), brief = std::abs(mean.way) < kShort * steadyWay_;
+        constexpr double kShort = 0.5; // share of the last steady step: the step size is changing
+        const TestRig::MeanForce& mean = rig_.meanForce();
+        const bool known = meanCounts(), brief = std::abs(mean.travel) < kShort * steadyTravel_;
         if (known && mean.steady)
-            steadyWay_ = std::abs(mean.way);
-        const Kind kind = known && mean.steady ? Kind::Steady : known || brief ? Kind::Doubtful : Kind::Other;
-        trace_.forces.push_back({at, force, kind, std::abs(mean.way)});
+            steadyTravel_ = std::abs(mean.travel);
+        const MeanForceKind kind = known && mean.steady ? MeanForceKind::Steady
+                                   : known || brief     ? MeanForceKind::Uncertain
+                                                        : MeanForceKind::Other;
+        trace_.forces.push_back({at, force, kind, std::abs(mean.travel)});
     }
 
-    /// The force at the very end of a leg, where its slope may turn: carried on from the last two steady means.
+    /// Force at the end of a segment, extrapolated from the last two steady means.
     void finishLeg(double end) {
         if (clock_ > trace_.time.back())
             addMarkers(clock_);
@@ -333,41 +318,41 @@ private:
             trace_.forces.push_back({clock_, end});
     }
 
-    Rig& rig_;
+    TestRig& rig_;
     const Experiment& e_;
     const Run& run_;
-    double give_;
+    double compliance_;
     effects::ApparatusModel apparatus_;
     const Options& options_;
-    double clock_;                  ///< of the recording, s
-    bool started_ = false;          ///< the leg has had its first step
-    double pressing_ = 0.0;         ///< N
-    double pressedAt_ = 0.0;        ///< head where it was pressing so, m
+    double clock_;                  ///< s, of the recording
+    bool started_ = false;          ///< the segment has had its first step
+    double seriesForce_ = 0.0;      ///< N, force in the series compliance
+    double seriesForceAt_ = 0.0;    ///< m, crosshead position at that force
     double lastDisplacement_ = 0.0; ///< m
-    double lastTime_ = 0.0;         ///< of the set-up, s
-    double stiffness_ = 0.0;        ///< of the specimen, N/m, as it answered last
-    double stiffest_ = 0.0;         ///< largest of these over a part of a leg, N/m
-    double steadyWay_ = 0.0;        ///< of the head in the last step that was as long as the one before, m
-    bool following_ = false;        ///< the drive brakes or rests
-    double impact_ = 0.0;           ///< N, forces beyond it are impacts
+    double lastTime_ = 0.0;         ///< s, of the set-up
+    double stiffness_ = 0.0;        ///< N/m, latest stiffness of the specimen
+    double stiffest_ = 0.0;         ///< N/m, largest of these over a part of a segment
+    double steadyTravel_ = 0.0;     ///< m, of the crosshead in the last step as long as the one before
+    bool followsDrive_ = false;     ///< the drive brakes or rests
+    double impact_ = 0.0;           ///< N, larger forces are impacts
     bool stopped_ = false;
-    double bendMost_ = 0.0; ///< 1/m
+    double largestCurvatureChange_ = 0.0; ///< 1/m
     Trace trace_;
 };
 
-/// Takes out impacts of rigid on inextensible: steps whose force is ten times what stands on either side of them. Such
-/// a force is an impulse over a step, as large as the step is short, and no load cell would show it.
-void withoutImpacts(std::vector<Reading>& readings) {
+/// Removes impacts between rigid and inextensible parts: forces ten times those on either side, impulses over one step
+/// that no load cell shows.
+void withoutImpacts(std::vector<ForceSample>& readings) {
     constexpr std::ptrdiff_t kNear = 3, kFar = 8;
     constexpr double kShare = 10.0;
     std::vector<double> force, sizes;
-    for (const Reading& r : readings) {
+    for (const ForceSample& r : readings) {
         force.push_back(r.force);
         sizes.push_back(std::abs(r.force));
     }
     const auto n = static_cast<std::ptrdiff_t>(force.size());
     std::nth_element(sizes.begin(), sizes.begin() + n / 2, sizes.end());
-    const double scale = n > 0 ? sizes[static_cast<std::size_t>(n / 2)] : 0.0; // what most steps show
+    const double scale = n > 0 ? sizes[static_cast<std::size_t>(n / 2)] : 0.0; // median size
     for (std::ptrdiff_t i = 0; i < n; ++i) {
         double around = scale, before = 0.0, after = 0.0;
         for (std::ptrdiff_t k = kNear; k <= kFar; ++k) {
@@ -387,7 +372,7 @@ void withoutImpacts(std::vector<Reading>& readings) {
 void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& out) {
     const std::vector<double>& times = run.readings.time.empty() ? evenTimes(run, run.samplingRate) : run.readings.time;
     std::vector<double> forceTimes;
-    for (const Reading& reading : trace.forces)
+    for (const ForceSample& reading : trace.forces)
         forceTimes.push_back(reading.time);
     const Weights at(forceTimes, times);
     experiment::Readings& r = out.readings;
@@ -405,7 +390,7 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
     out.forceZero = count > 0 ? sum / static_cast<double>(count) : 0.0;
     for (double& f : r.force)
         f -= out.forceZero;
-    for (const Reading& reading : trace.forces) {
+    for (const ForceSample& reading : trace.forces) {
         out.trace.time.push_back(reading.time);
         out.trace.displacement.push_back(experiment::commanded(run, reading.time));
         out.trace.force.push_back(reading.force - out.forceZero);
@@ -426,7 +411,7 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
 
 } // namespace
 
-Resolution Resolution::full() {
+Resolution Resolution::fine() {
     return {};
 }
 
@@ -435,7 +420,7 @@ Resolution Resolution::coarse() {
 }
 
 Resolution Resolution::finer() {
-    Resolution r = full();
+    Resolution r = fine();
     r.elements = 61;
     r.freeStep *= 0.5;
     return r;
@@ -454,19 +439,19 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         out.cpuSeconds = cpuClock() - begin;
         return out;
     }
-    Rig rig(e, parameters, resolution, e.runs[run].turned);
+    TestRig rig(e, parameters, resolution, e.runs[run].specimenReversed);
     if (rig.failure().empty()) {
         const effects::Model common = effects::modelFor(parameters.effects, "all");
-        Player player(rig, e, e.runs[run], parameters.seriesCompliance, common.apparatus, options);
+        Drive player(rig, e, e.runs[run], parameters.seriesCompliance, common.apparatus, options);
         Trace trace = player.play();
-        trace.forces = mended(trace.forces);
+        trace.forces = despiked(trace.forces);
         withoutImpacts(trace.forces);
         effects::SensorChain sensor(common.sensor);
         if (common.sensor.on())
-            for (Reading& reading : trace.forces)
+            for (ForceSample& reading : trace.forces)
                 reading.force = sensor.read(reading.time, reading.force);
         out.stopped = player.stopped();
-        out.bendMost = player.bendMost();
+        out.largestCurvatureChange = player.largestCurvatureChange();
         read(trace, e, e.runs[run], out);
     }
     out.failure = rig.failure();

@@ -7,31 +7,32 @@ namespace supercircle::replay {
 
 namespace {
 
-using Forces = std::vector<Reading>;
+using Forces = std::vector<ForceSample>;
 
-bool doubtful(const Reading& r) {
-    return r.kind == Kind::Doubtful;
+bool isUncertain(const ForceSample& r) {
+    return r.kind == MeanForceKind::Uncertain;
 }
 
-/// Through the first two of [from, end) that are not doubtful; none where they are not both steady.
+/// Tangent through the first two certain forces of [from, end); none if they are not both steady.
 template <class Iterator>
-std::optional<Line> tangent(Iterator from, Iterator end) {
-    const Iterator near = std::find_if_not(from, end, doubtful);
-    const Iterator far = near == end ? end : std::find_if_not(near + 1, end, doubtful);
-    if (far == end || near->kind != Kind::Steady || far->kind != Kind::Steady || near->time == far->time)
+std::optional<Tangent> tangent(Iterator from, Iterator end) {
+    const Iterator near = std::find_if_not(from, end, isUncertain);
+    const Iterator far = near == end ? end : std::find_if_not(near + 1, end, isUncertain);
+    if (far == end || near->kind != MeanForceKind::Steady || far->kind != MeanForceKind::Steady ||
+        near->time == far->time)
         return {};
-    return Line{near->time, near->force, (far->force - near->force) / (far->time - near->time)};
+    return Tangent{near->time, near->force, (far->force - near->force) / (far->time - near->time)};
 }
 
-/// What stands between two tangents instead of doubtful forces [from, to): those where nothing better is known.
-Forces between(const std::optional<Line>& before, const std::optional<Line>& behind, Forces::const_iterator from,
+/// Replacement of uncertain forces [from, to) between two tangents; those themselves where nothing better is known.
+Forces between(const std::optional<Tangent>& before, const std::optional<Tangent>& behind, Forces::const_iterator from,
                Forces::const_iterator to) {
-    constexpr double kSoon = 4.0;  // longest steps among them: later ones are no help
-    constexpr double kSame = 1e-4; // of the force: one line
+    constexpr double kSoon = 4.0;  // longest steps among them; later forces do not help
+    constexpr double kSame = 1e-4; // of the force: tangents coincide
     double all = 0.0, longest = 0.0;
-    std::for_each(from, to, [&](const Reading& r) {
-        all += r.way;
-        longest = std::max(longest, r.way);
+    std::for_each(from, to, [&](const ForceSample& r) {
+        all += r.travel;
+        longest = std::max(longest, r.travel);
     });
     if (!before || !behind || all > kSoon * longest)
         return {from, to};
@@ -40,32 +41,33 @@ Forces between(const std::optional<Line>& before, const std::optional<Line>& beh
     const double most = std::max(std::abs(atFront), std::abs(atBack));
     if (atFront * atBack > 0.0 && most > same) {
         const double corner = before->time + gap * atFront / (atFront + atBack);
-        return {{corner, before->at(corner), Kind::Other, 0.0}};
+        return {{corner, before->at(corner), MeanForceKind::Other, 0.0}};
     }
-    const Line chord{before->time, before->force, (behind->force - before->force) / gap};
-    double doubt = same; // how far they are off it
-    std::for_each(from, to, [&](const Reading& r) { doubt = std::max(doubt, std::abs(r.force - chord.at(r.time))); });
+    const Tangent chord{before->time, before->force, (behind->force - before->force) / gap};
+    double doubt = same; // their largest distance from it
+    std::for_each(from, to,
+                  [&](const ForceSample& r) { doubt = std::max(doubt, std::abs(r.force - chord.at(r.time))); });
     return most > doubt ? Forces(from, to) : Forces();
 }
 
 } // namespace
 
-std::optional<Line> endTangent(std::vector<Reading>& forces) {
+std::optional<Tangent> endTangent(std::vector<ForceSample>& forces) {
     const auto line = tangent(forces.rbegin(), forces.rend());
-    while (line && doubtful(forces.back()))
+    while (line && isUncertain(forces.back()))
         forces.pop_back();
     return line;
 }
 
-std::vector<Reading> mended(const std::vector<Reading>& forces) {
+std::vector<ForceSample> despiked(const std::vector<ForceSample>& forces) {
     Forces out;
     out.reserve(forces.size());
     for (auto from = forces.begin(); from != forces.end();) {
-        if (!doubtful(*from)) {
+        if (!isUncertain(*from)) {
             out.push_back(*from++);
             continue;
         }
-        const auto to = std::find_if_not(from, forces.end(), doubtful);
+        const auto to = std::find_if_not(from, forces.end(), isUncertain);
         const Forces better = between(tangent(out.rbegin(), out.rend()), tangent(to, forces.end()), from, to);
         out.insert(out.end(), better.begin(), better.end());
         from = to;

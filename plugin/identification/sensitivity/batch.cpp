@@ -21,8 +21,8 @@ void put(Eigen::VectorXd& to, std::size_t at, const std::vector<double>& from, s
 
 } // namespace
 
-Observed numbersOf(const Simulated& simulated, const Simulated& like) {
-    Observed o;
+SimulatedValues numbersOf(const Simulated& simulated, const Simulated& like) {
+    SimulatedValues o;
     o.failure = simulated.failure;
     const std::size_t rows = like.readings.time.size(), seen = like.markers.time.size();
     o.force.resize(static_cast<Eigen::Index>(rows));
@@ -38,25 +38,25 @@ Observed numbersOf(const Simulated& simulated, const Simulated& like) {
     return o;
 }
 
-Batch::Batch(const Model& model, const experiment::Experiment& experiment, const Settings& settings)
+Batch::Batch(const Model& model, const experiment::Experiment& experiment, const SensitivitySettings& settings)
     : model_(model), experiment_(experiment), settings_(settings) {}
 
 bool Batch::stopped() const {
     return settings_.interrupt != nullptr && settings_.interrupt->load();
 }
 
-Simulated Batch::simulate(const Job& job) {
+Simulated Batch::simulate(const SimulationJob& job) {
     replay::Options options;
     options.interrupt = settings_.interrupt;
     Simulated s = model_.simulate(job.run, job.values, options);
-    const std::lock_guard<std::mutex> lock(speaking_);
+    const std::lock_guard<std::mutex> lock(callbackMutex_);
     ++done_;
     if (settings_.progress)
         settings_.progress(std::min(1.0, static_cast<double>(done_) / static_cast<double>(std::max(expected_, done_))));
     return s;
 }
 
-/// Who works on what is left to the scheduler; each result has its own place, so nothing depends on it.
+/// The scheduler assigns jobs; each result has its own place, so results do not depend on it.
 void Batch::forEach(std::size_t count, const std::function<void(std::size_t)>& work) {
     const int jobs = std::max(1, settings_.jobs);
     const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
@@ -91,8 +91,8 @@ void Batch::runBases(Sensitivities& out) {
     bases_ = &out;
 }
 
-std::vector<Observed> Batch::run(const std::vector<Job>& jobs, Sensitivities& out) {
-    std::vector<Observed> results(jobs.size());
+std::vector<SimulatedValues> Batch::run(const std::vector<SimulationJob>& jobs, Sensitivities& out) {
+    std::vector<SimulatedValues> results(jobs.size());
     std::vector<double> cost(jobs.size(), 0.0);
     forEach(jobs.size(), [&](std::size_t i) {
         if (stopped()) {

@@ -1,5 +1,5 @@
 #pragma once
-// Many simulations at a time, in any order, with results in a fixed one (private to sensitivity/).
+// Parallel simulations with results in a fixed order (private to sensitivity/).
 
 #include "plugin/identification/sensitivity/landmarks.h"
 #include "plugin/identification/sensitivity/sensitivity.h"
@@ -12,44 +12,44 @@
 
 namespace supercircle::sensitivity {
 
-/// One simulation as numbers.
-struct Observed {
+/// Numbers of one simulation.
+struct SimulatedValues {
     std::string failure;
-    Eigen::VectorXd force;   ///< rows that were not reached are NaN
-    Eigen::VectorXd markers; ///< x of marker 0 over time, then y, then marker 1, ...
+    Eigen::VectorXd force;   ///< N; NaN after the end of the simulation
+    Eigen::VectorXd markers; ///< m: x of marker 0 over time, then y, then marker 1, ...
     Landmarks landmarks;
 };
 
-struct Job {
+struct SimulationJob {
     std::size_t run = 0;
     std::vector<double> values;
 };
 
 class Batch {
 public:
-    Batch(const Model& model, const experiment::Experiment& experiment, const Settings& settings);
+    Batch(const Model& model, const experiment::Experiment& experiment, const SensitivitySettings& settings);
 
-    /// Simulates the model as it is; fills base and landmarks of every run.
+    /// Simulates all runs at the base values; sets base and landmarks of every run.
     void runBases(Sensitivities& out);
-    /// Simulates jobs; results in their order. `out` is charged with their cost.
-    std::vector<Observed> run(const std::vector<Job>& jobs, Sensitivities& out);
+    /// Simulates jobs, with results in their order. Adds their cost to `out`.
+    std::vector<SimulatedValues> run(const std::vector<SimulationJob>& jobs, Sensitivities& out);
     [[nodiscard]] bool stopped() const;
-    /// Simulations that are expected in all, for the progress.
+    /// Sets the expected number of simulations, for the progress.
     void expect(std::size_t simulations) { expected_ = simulations; }
 
 private:
-    replay::Simulated simulate(const Job& job);
+    replay::Simulated simulate(const SimulationJob& job);
     void forEach(std::size_t count, const std::function<void(std::size_t)>& work);
 
     const Model& model_;
     const experiment::Experiment& experiment_;
-    const Settings& settings_;
+    const SensitivitySettings& settings_;
     const Sensitivities* bases_ = nullptr;
     std::size_t expected_ = 0, done_ = 0;
-    std::mutex speaking_;
+    std::mutex callbackMutex_;
 };
 
-/// The numbers of a simulation whose shape is that of `like`; landmarks are not filled in.
-Observed numbersOf(const replay::Simulated& simulated, const replay::Simulated& like);
+/// Numbers of a simulation in the shape of `like`, without landmarks.
+SimulatedValues numbersOf(const replay::Simulated& simulated, const replay::Simulated& like);
 
 } // namespace supercircle::sensitivity

@@ -15,9 +15,9 @@ using Eigen::VectorXd;
 using Rows = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFarthest = 1.0;    ///< s, jumps farther apart are different ones
-constexpr double kRingDown = 0.3;    ///< s behind a jump in which the specimen may swing
-constexpr double kLeastNoise = 1e-9; ///< share of the largest force that stands for no noise at all
+constexpr double kFarthest = 1.0;    ///< s, jumps farther apart are different events
+constexpr double kRingDown = 0.3;    ///< s after a jump in which the specimen may oscillate
+constexpr double kLeastNoise = 1e-9; ///< share of the largest force used as zero noise
 
 double rms(const VectorXd& v, const Rows* rows = nullptr) {
     double sum = 0.0, count = 0.0;
@@ -37,19 +37,18 @@ double largest(const VectorXd& v) {
     return most;
 }
 
-void markRows(Rows& good, const std::vector<double>& time, double from, double to) {
+void markRows(Rows& kept, const std::vector<double>& time, double from, double to) {
     for (std::size_t k = 0; k < time.size(); ++k)
         if (time[k] >= from && time[k] <= to)
-            good[static_cast<Index>(k)] = false;
+            kept[static_cast<Index>(k)] = false;
 }
 
-VectorXd landmarkValues(const Observed& o) {
+VectorXd landmarkValues(const SimulatedValues& o) {
     return Eigen::Map<const VectorXd>(o.landmarks.values.data(), static_cast<Index>(o.landmarks.values.size()));
 }
 
-/// The two differences of one observable, and what the solver's noise makes of them and of their difference, in units
-/// of the observable's noise.
-struct Pair {
+/// The two difference quotients of an observable, and the effect of computational noise on them and their difference.
+struct DifferencePair {
     VectorXd whole, half;
 };
 
@@ -58,12 +57,12 @@ struct Noises {
 };
 
 template <class Take>
-Pair differences(const Probes& p, const Observed& base, Take&& take) {
+DifferencePair differences(const Probes& p, const SimulatedValues& base, Take&& take) {
     const double h = p.step;
     if (p.side == 0)
         return {(take(p.wholePlus) - take(p.wholeMinus)) / (2.0 * h), (take(p.halfPlus) - take(p.halfMinus)) / h};
-    const Observed& whole = p.side > 0 ? p.wholePlus : p.wholeMinus;
-    const Observed& half = p.side > 0 ? p.halfPlus : p.halfMinus;
+    const SimulatedValues& whole = p.side > 0 ? p.wholePlus : p.wholeMinus;
+    const SimulatedValues& half = p.side > 0 ? p.halfPlus : p.halfMinus;
     const double s = p.side;
     return {(take(whole) - take(base)) / (s * h), (take(half) - take(base)) / (0.5 * s * h)};
 }
@@ -74,8 +73,8 @@ Noises noises(const Probes& p) {
                        : Noises{std::sqrt(2.0) / h, 2.0 * std::sqrt(2.0) / h, std::sqrt(6.0) / h};
 }
 
-/// Whether the derivative over the whole step is the better one. Truncation errors from the difference d of the two:
-/// two-sided 4/3 d and 1/3 d (second order), one-sided 2 d and d (first order).
+/// Whether the derivative over the whole step is better. Truncation errors from the difference d of both: two-sided 4/3
+/// d and 1/3 d (second order), one-sided 2 d and d (first order).
 bool wholeIsBetter(const Probes& p, double difference, double noise) {
     const Noises n = noises(p);
     const double both = n.difference * noise;
@@ -84,20 +83,20 @@ bool wholeIsBetter(const Probes& p, double difference, double noise) {
                        : 2.0 * true2 + n.whole * noise < true2 + n.half * noise;
 }
 
-/// Largest movement of a jump between the curves, in samples, and whether their numbers agree.
-void judgeJumps(const std::vector<const Observed*>& curves, const Landmarks& base, double sample, Quality& q) {
-    for (const Observed* c : curves) {
+/// Largest shift of a jump between the curves, in samples, and whether their numbers agree.
+void checkJumps(const std::vector<const SimulatedValues*>& curves, const Landmarks& base, double sample, Quality& q) {
+    for (const SimulatedValues* c : curves) {
         const auto pairs = replay::matchLandmarks(base.jumps, c->landmarks.jumps, kFarthest);
         if (pairs.size() != base.jumps.size() || pairs.size() != c->landmarks.jumps.size())
-            q.reorders = true;
+            q.changesJumps = true;
         for (const auto& [i, j] : pairs)
             if (sample > 0.0)
                 q.jumpShift = std::max(q.jumpShift, std::abs(base.jumps[i].time - c->landmarks.jumps[j].time) / sample);
     }
-    q.reorders = q.reorders || q.jumpShift > 1.0;
+    q.changesJumps = q.changesJumps || q.jumpShift > 1.0;
 }
 
-std::vector<const Observed*> used(const Probes& p) {
+std::vector<const SimulatedValues*> used(const Probes& p) {
     if (p.side > 0)
         return {&p.wholePlus, &p.halfPlus};
     if (p.side < 0)
@@ -105,9 +104,9 @@ std::vector<const Observed*> used(const Probes& p) {
     return {&p.wholePlus, &p.halfPlus, &p.wholeMinus, &p.halfMinus};
 }
 
-/// The landmarks' derivatives: each by its own better step, with its own error.
-void differentiateLandmarks(const Probes& p, const Observed& base, const RunNoise& noise, Derivative& d) {
-    const Pair pair = differences(p, base, landmarkValues);
+/// Derivatives of landmarks, each with its better step and its own error.
+void differentiateLandmarks(const Probes& p, const SimulatedValues& base, const RunNoise& noise, Derivative& d) {
+    const DifferencePair pair = differences(p, base, landmarkValues);
     const Noises n = noises(p);
     d.landmarks.resize(pair.whole.size());
     d.landmarkError.resize(pair.whole.size());
@@ -120,8 +119,8 @@ void differentiateLandmarks(const Probes& p, const Observed& base, const RunNois
     }
 }
 
-/// Rows where the two derivatives have nothing to do with each other.
-void refuseRows(const Pair& pair, const Noises& n, const RunNoise& noise, Derivative& d) {
+/// Excludes rows in which the two derivatives disagree.
+void excludeRows(const DifferencePair& pair, const Noises& n, const RunNoise& noise, Derivative& d) {
     const double usual = rms(pair.half, &d.usable);
     for (Index i = 0; i < d.usable.size(); ++i) {
         const double own = std::max(noise.force[i], 0.3 * noise.forceRms);
@@ -132,39 +131,41 @@ void refuseRows(const Pair& pair, const Noises& n, const RunNoise& noise, Deriva
 
 } // namespace
 
-Rows awayFromJumps(const std::vector<const Observed*>& curves, const Landmarks& base, const std::vector<double>& time) {
-    Rows good = Rows::Constant(static_cast<Index>(time.size()), true);
+Rows awayFromJumps(const std::vector<const SimulatedValues*>& curves, const Landmarks& base,
+                   const std::vector<double>& time) {
+    Rows kept = Rows::Constant(static_cast<Index>(time.size()), true);
     const double ahead = 1.5 * experiment::medianStep(time);
     for (const replay::Landmark& jump : base.jumps)
-        markRows(good, time, jump.time - ahead, jump.time + kRingDown);
-    for (const Observed* c : curves) {
+        markRows(kept, time, jump.time - ahead, jump.time + kRingDown);
+    for (const SimulatedValues* c : curves) {
         std::vector<char> matched(c->landmarks.jumps.size(), 0);
         for (const auto& [i, j] : replay::matchLandmarks(base.jumps, c->landmarks.jumps, kFarthest)) {
             const double a = base.jumps[i].time, b = c->landmarks.jumps[j].time;
-            markRows(good, time, std::min(a, b) - ahead, std::max(a, b) + kRingDown);
+            markRows(kept, time, std::min(a, b) - ahead, std::max(a, b) + kRingDown);
             matched[j] = 1;
         }
         for (std::size_t j = 0; j < matched.size(); ++j)
             if (!matched[j])
-                markRows(good, time, c->landmarks.jumps[j].time - ahead, c->landmarks.jumps[j].time + kRingDown);
+                markRows(kept, time, c->landmarks.jumps[j].time - ahead, c->landmarks.jumps[j].time + kRingDown);
     }
-    return good;
+    return kept;
 }
 
-RunNoise noiseOf(const std::vector<const Observed*>& curves, const Landmarks& base, const std::vector<double>& time) {
+RunNoise noiseOf(const std::vector<const SimulatedValues*>& curves, const Landmarks& base,
+                 const std::vector<double>& time) {
     RunNoise n;
     n.quiet = awayFromJumps(curves, base, time);
     const auto rough = [&](auto&& take, Index i) {
         std::vector<double> values;
-        for (const Observed* c : curves)
+        for (const SimulatedValues* c : curves)
             values.push_back(take(*c, i));
-        return roughness(values);
+        return computationalNoise(values);
     };
-    const Observed& first = *curves.front();
+    const SimulatedValues& first = *curves.front();
     std::vector<double> perRow(time.size(), kNone);
     for (std::size_t k = 0; k < time.size(); ++k)
         if (n.quiet[static_cast<Index>(k)])
-            perRow[k] = rough([](const Observed& o, Index i) { return o.force[i]; }, static_cast<Index>(k));
+            perRow[k] = rough([](const SimulatedValues& o, Index i) { return o.force[i]; }, static_cast<Index>(k));
     const double least = kLeastNoise * largest(first.force);
     n.forceRms = std::max(least, rms(Eigen::Map<const VectorXd>(perRow.data(), static_cast<Index>(perRow.size()))));
     const std::vector<double> smooth = smoothedRms(perRow, std::max<std::size_t>(2, time.size() / 40));
@@ -172,8 +173,8 @@ RunNoise noiseOf(const std::vector<const Observed*>& curves, const Landmarks& ba
     n.force = n.force.unaryExpr([&](double v) { return std::isfinite(v) ? std::max(v, least) : n.forceRms; });
     VectorXd markers(first.markers.size());
     for (Index i = 0; i < markers.size(); ++i)
-        markers[i] = rough([](const Observed& o, Index k) { return o.markers[k]; }, i);
-    // Markers jump with the specimen: the median is not moved by the few rows around a snap.
+        markers[i] = rough([](const SimulatedValues& o, Index k) { return o.markers[k]; }, i);
+    // The median is robust against the few rows around a snap.
     std::vector<double> sorted(markers.data(), markers.data() + markers.size());
     sorted.erase(std::remove_if(sorted.begin(), sorted.end(), [](double v) { return !std::isfinite(v); }),
                  sorted.end());
@@ -185,29 +186,31 @@ RunNoise noiseOf(const std::vector<const Observed*>& curves, const Landmarks& ba
     n.landmarks.resize(static_cast<Index>(first.landmarks.values.size()));
     for (Index i = 0; i < n.landmarks.size(); ++i)
         n.landmarks[i] =
-            rough([](const Observed& o, Index k) { return o.landmarks.values[static_cast<std::size_t>(k)]; }, i);
+            rough([](const SimulatedValues& o, Index k) { return o.landmarks.values[static_cast<std::size_t>(k)]; }, i);
     return n;
 }
 
-Derivative derivativeOf(const Probes& p, const Observed& base, const experiment::Readings& readings,
-                        const RunNoise& noise, const Settings& settings) {
+Derivative derivativeOf(const Probes& p, const SimulatedValues& base, const experiment::Readings& readings,
+                        const RunNoise& noise, const SensitivitySettings& settings) {
     Derivative d;
     Quality& q = d.quality;
     q.step = p.step;
     q.oneSided = p.side != 0;
-    const std::vector<const Observed*> curves = used(p);
-    judgeJumps(curves, base.landmarks, experiment::medianStep(readings.time), q);
+    const std::vector<const SimulatedValues*> curves = used(p);
+    checkJumps(curves, base.landmarks, experiment::medianStep(readings.time), q);
     d.usable = noise.quiet && awayFromJumps(curves, base.landmarks, readings.time);
 
-    const Pair force = differences(p, base, [](const Observed& o) -> const VectorXd& { return o.force; });
-    const Pair markers = differences(p, base, [](const Observed& o) -> const VectorXd& { return o.markers; });
+    const DifferencePair force =
+        differences(p, base, [](const SimulatedValues& o) -> const VectorXd& { return o.force; });
+    const DifferencePair markers =
+        differences(p, base, [](const SimulatedValues& o) -> const VectorXd& { return o.markers; });
     const Noises n = noises(p);
     const VectorXd apart = force.whole - force.half;
     const double size = rms(force.half, &d.usable), difference = rms(apart, &d.usable);
     q.signal = size / (n.half * noise.forceRms);
     q.markerSignal = noise.markerRms > 0.0 ? rms(markers.half) / (n.half * noise.markerRms) : 0.0;
-    q.weak = q.signal < settings.leastSignal;
-    q.markersWeak = q.markerSignal < settings.leastSignal;
+    q.belowNoise = q.signal < settings.smallestSignal;
+    q.markersBelowNoise = q.markerSignal < settings.smallestSignal;
     const double both = n.difference * noise.forceRms;
     q.twoStepError = size > 0.0 ? std::sqrt(std::max(0.0, difference * difference - both * both)) / size : 0.0;
     d.forceDisagreement = size > 0.0 ? difference / size : 0.0;
@@ -215,7 +218,7 @@ Derivative derivativeOf(const Probes& p, const Observed& base, const experiment:
     q.noiseError = size > 0.0 ? (whole ? n.whole : n.half) * noise.forceRms / size : 0.0;
     d.force = whole ? force.whole : force.half;
     d.markers = whole ? markers.whole : markers.half;
-    refuseRows(force, n, noise, d);
+    excludeRows(force, n, noise, d);
     differentiateLandmarks(p, base, noise, d);
     return d;
 }

@@ -13,13 +13,13 @@ using experiment::Run;
 using replay::Landmark;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTouchShare = 0.02; ///< of the largest force
+constexpr double kContactShare = 0.02; ///< of the largest force
 
 std::size_t firstAfter(const std::vector<double>& time, double t) {
     return static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), t) - time.begin());
 }
 
-/// Speed of the commanded motion at a time, m/s.
+/// Speed of the drive at a time, m/s.
 double speedAt(const Run& run, double t) {
     for (std::size_t i = 1; i < run.driveTime.size(); ++i)
         if (t <= run.driveTime[i])
@@ -28,7 +28,7 @@ double speedAt(const Run& run, double t) {
     return 0.0;
 }
 
-/// Where the trace first passes half of a jump that was seen between two samples, and the force just ahead of it.
+/// Refines a jump between two samples by the trace: time at half height, and the force before it.
 void refine(Landmark& jump, const Readings& samples, const Readings& trace) {
     const std::size_t row = firstAfter(samples.time, jump.time);
     if (row == 0 || row >= samples.time.size())
@@ -46,7 +46,7 @@ void refine(Landmark& jump, const Readings& samples, const Readings& trace) {
         }
         const double before = trace.force[i - 1];
         if (falls ? before <= half : before >= half)
-            continue; // the stretch begins on the far side
+            continue; // the interval begins on the far side
         const double share = before == f ? 0.0 : (before - half) / (before - f);
         jump.time = trace.time[i - 1] + share * (trace.time[i] - trace.time[i - 1]);
         jump.displacement = trace.displacement[i - 1] + share * (trace.displacement[i] - trace.displacement[i - 1]);
@@ -63,34 +63,34 @@ std::vector<Landmark> jumpsOf(const Readings& readings, const Readings* trace) {
     return jumps;
 }
 
-void add(Landmarks& l, const std::string& name, const char* unit, double value, double grain = 0.0) {
+void add(Landmarks& l, const std::string& name, const char* unit, double value, double samplingError = 0.0) {
     l.names.push_back(name);
     l.units.emplace_back(unit);
     l.values.push_back(value);
-    l.grain.push_back(grain);
+    l.samplingError.push_back(samplingError);
 }
 
-/// Rows of one jump; NaN where there is none.
-void addJump(Landmarks& l, std::size_t number, const Landmark* jump, double grain) {
+/// Landmarks of one jump; NaN without one.
+void addJump(Landmarks& l, std::size_t number, const Landmark* jump, double samplingError) {
     const std::string name = "jump" + std::to_string(number + 1);
-    add(l, name + "_displacement", "m", jump != nullptr ? jump->displacement : kNone, grain);
+    add(l, name + "_displacement", "m", jump != nullptr ? jump->displacement : kNone, samplingError);
     add(l, name + "_before", "N", jump != nullptr ? jump->before : kNone);
     add(l, name + "_after", "N", jump != nullptr ? jump->after : kNone);
     add(l, name + "_drop", "N", jump != nullptr ? jump->before - jump->after : kNone);
 }
 
-double grainOf(const Run& run, const Landmark& jump, bool exact) {
+double samplingErrorOf(const Run& run, const Landmark& jump, bool exact) {
     return exact || run.samplingRate <= 0.0 ? 0.0 : 0.5 * std::abs(speedAt(run, jump.time)) / run.samplingRate;
 }
 
-/// Displacement where |force| passes `level` between rows i and i + 1.
+/// Displacement at which |force| crosses `level` between rows i and i + 1.
 double crossing(const Readings& r, std::size_t i, double level) {
     const double a = std::abs(r.force[i]) - level, b = std::abs(r.force[i + 1]) - level;
     const double share = a == b ? 0.0 : std::clamp(a / (a - b), 0.0, 1.0);
     return r.displacement[i] + share * (r.displacement[i + 1] - r.displacement[i]);
 }
 
-/// Where the parabola through row i and its neighbours has its vertex.
+/// Vertex of the parabola through row i and its neighbours.
 double vertex(const Readings& r, std::size_t i) {
     if (i == 0 || i + 1 >= r.force.size())
         return r.displacement[i];
@@ -117,13 +117,13 @@ void addExtremes(Landmarks& l, const Run& run, const Readings& r) {
         }
     }
     const bool any = std::isfinite(most);
-    const double grain =
+    const double samplingError =
         any && run.samplingRate > 0.0 ? 0.5 * std::abs(speedAt(run, r.time[at])) / run.samplingRate : 0.0;
     add(l, "peak_force", "N", any ? most : kNone);
-    add(l, "peak_displacement", "m", any ? vertex(r, at) : kNone, grain);
-    add(l, "least_force", "N", any ? least : kNone);
+    add(l, "peak_displacement", "m", any ? vertex(r, at) : kNone, samplingError);
+    add(l, "min_force", "N", any ? least : kNone);
 
-    const double level = any ? kTouchShare * std::max(std::abs(most), std::abs(least)) : kNone;
+    const double level = any ? kContactShare * std::max(std::abs(most), std::abs(least)) : kNone;
     double touch = kNone, release = kNone;
     for (std::size_t i = 0; i + 1 < r.force.size(); ++i) {
         const bool here = std::abs(r.force[i]) > level, next = std::abs(r.force[i + 1]) > level;
@@ -134,7 +134,7 @@ void addExtremes(Landmarks& l, const Run& run, const Readings& r) {
         if (here)
             release = crossing(r, i, level);
     }
-    add(l, "touch_displacement", "m", touch);
+    add(l, "first_contact_displacement", "m", touch);
     add(l, "release_displacement", "m", release);
     add(l, "residual_displacement", "m", release - touch);
 }
@@ -155,12 +155,12 @@ void addWork(Landmarks& l, const Run& run, const Readings& r) {
                 work += force * way;
         }
         all += work;
-        add(l, "leg" + std::to_string(++number) + "_work", "J", work);
+        add(l, "segment" + std::to_string(++number) + "_work", "J", work);
     }
     add(l, "loop_area", "J", all);
 }
 
-/// What is no jump. Extremes and work come from the samples, so that both kinds of curve are measured alike.
+/// Landmarks other than jumps. They use samples only, so both kinds of curve are measured alike.
 void addRest(Landmarks& l, const Run& run, const Readings& readings) {
     addExtremes(l, run, readings);
     addWork(l, run, readings);
@@ -172,7 +172,7 @@ Landmarks measure(const Run& run, const Readings& readings, const Readings* trac
     Landmarks l;
     l.jumps = jumpsOf(readings, trace);
     for (std::size_t i = 0; i < l.jumps.size(); ++i)
-        addJump(l, i, &l.jumps[i], grainOf(run, l.jumps[i], trace != nullptr));
+        addJump(l, i, &l.jumps[i], samplingErrorOf(run, l.jumps[i], trace != nullptr));
     addRest(l, run, readings);
     return l;
 }
@@ -186,7 +186,7 @@ Landmarks measureLike(const Landmarks& reference, const Run& run, const Readings
     for (std::size_t i = 0; i < reference.jumps.size(); ++i) {
         const auto pair = std::find_if(pairs.begin(), pairs.end(), [i](const auto& p) { return p.first == i; });
         const Landmark* jump = pair == pairs.end() ? nullptr : &l.jumps[pair->second];
-        addJump(l, i, jump, jump == nullptr ? 0.0 : grainOf(run, *jump, trace != nullptr));
+        addJump(l, i, jump, jump == nullptr ? 0.0 : samplingErrorOf(run, *jump, trace != nullptr));
     }
     addRest(l, run, readings);
     return l;

@@ -1,9 +1,9 @@
 #pragma once
-// Numbers that stand for a whole run where a pointwise comparison means nothing: where it jumps and by how much, what a
-// leg of the motion costs, where the specimen is touched and let go.
+// Landmarks: quantities of a whole run where a pointwise comparison is meaningless. They are displacement and size of
+// jumps, work of each segment, first contact and release.
 //
-// They are measured alike on recorded and on simulated curves. A simulated curve is known between its samples (its
-// trace), so its jumps are placed exactly; in a recording they are known to half a sample (Landmarks::grain).
+// They are measured alike on recorded and simulated curves. A simulated curve is known between its samples, so its
+// jumps are exact; those of a recording are known to half a sample (Landmarks::samplingError).
 
 #include "plugin/identification/replay/compare.h"
 #include "plugin/recording/experiment/experiment.h"
@@ -13,27 +13,27 @@
 
 namespace supercircle::sensitivity {
 
-/// Values of equal length; what could not be measured is NaN.
+/// Vectors of equal length; NaN: could not be measured.
 struct Landmarks {
-    std::vector<std::string> names; ///< "jump1_displacement", "leg2_work", ...
+    std::vector<std::string> names; ///< "jump1_displacement", "segment2_work", ...
     std::vector<std::string> units; ///< "m", "N", "J"
     std::vector<double> values;
-    std::vector<double> grain; ///< half-width of what the samples leave open, 0: nothing
+    std::vector<double> samplingError; ///< half-width left open by the sampling, 0: none
     std::vector<replay::Landmark> jumps;
 };
 
-/// Everything that can be measured on one curve, jumps numbered in the order of time:
-/// - jumpK_displacement (m), jumpK_before, jumpK_after, jumpK_drop (N): force ahead of the jump, behind it, difference;
-/// - peak_force, peak_displacement, least_force: largest and least force and where the largest is;
-/// - touch_displacement, release_displacement: where the force first and last exceeds 2 % of its largest size, between
-///   samples linearly; residual_displacement: their difference (m);
-/// - legK_work (J): integral of force over displacement along each leg of the commanded motion; loop_area (J): sum.
-/// @param trace the same curve between its samples; nullptr: there is none
+/// Measures all landmarks of a curve, jumps numbered by time:
+/// - jumpK_displacement (m), jumpK_before, jumpK_after, jumpK_drop (N): force before and after the jump, difference;
+/// - peak_force, peak_displacement, min_force;
+/// - first_contact_displacement, release_displacement: where the force first and last exceeds 2 % of its largest
+/// magnitude, interpolated; residual_displacement: their difference (m);
+/// - segmentK_work (J): integral of force over displacement along each segment; loop_area (J): sum.
+/// @param trace the same curve between its samples; nullptr: none
 Landmarks measure(const experiment::Run& run, const experiment::Readings& readings,
                   const experiment::Readings* trace = nullptr);
 
-/// The same measured on another curve of the same run, jumps matched to those of `reference` (nearest in time, same
-/// direction, at most `farthest` seconds apart): same names, NaN for a jump without partner.
+/// The same for another curve of the run, with jumps matched to `reference` (nearest in time, same direction, at most
+/// `farthest` seconds apart): same names, NaN for a jump without partner.
 Landmarks measureLike(const Landmarks& reference, const experiment::Run& run, const experiment::Readings& readings,
                       const experiment::Readings* trace = nullptr, double farthest = 1.0);
 

@@ -10,18 +10,18 @@ namespace {
 
 using experiment::Experiment;
 
-/// Change worth looking at of a parameter whose interval is not stated: what a laboratory may be off by.
+/// Relevant change of a parameter without a stated interval: the usual uncertainty of a laboratory.
 double usualScale(const Experiment& e, const std::string& name, double value) {
     if (name == "gravity_x" || name == "gravity_y")
-        return 0.17; // m/s^2: a base that is out of level by one degree
+        return 0.17; // m/s^2: a base tilted by one degree
     if (name == "contact_arm")
-        return 1.0; // all of its range
+        return 1.0; // its whole range
     if (name == "gap_shift")
         return 5e-5; // m
     if (name == "friction")
         return std::max(0.02, 0.1 * value);
     if (name == "series_compliance" || name == "touch_compliance") {
-        // m/N: the give at the largest recorded force is a fiftieth of a percent of the way of the head
+        // m/N: a fiftieth of a percent of the crosshead travel at the largest force
         double force = 0.0, way = 0.0;
         for (const experiment::Run& run : e.runs) {
             for (const double f : run.readings.force)
@@ -58,7 +58,7 @@ std::optional<Column> effectColumn(const Experiment& e, const replay::Parameters
     if (effect == nullptr)
         return std::nullopt;
     for (const effects::Parameter& p : effect->parameters) {
-        if (p.name != name.substr(colon + 1) || !p.words.empty())
+        if (p.name != name.substr(colon + 1) || !p.choices.empty())
             continue;
         Column c;
         c.name = name;
@@ -67,7 +67,7 @@ std::optional<Column> effectColumn(const Experiment& e, const replay::Parameters
         c.value = replay::get(parameters, e, name).value_or(p.off);
         c.lower = p.min;
         c.upper = p.max;
-        c.scale = std::abs(p.typical - (p.switches ? p.off : 0.0));
+        c.scale = std::abs(p.typical - (p.isSwitch ? p.off : 0.0));
         if (std::isinf(c.value)) {
             c.name = effect->name + ":1/" + p.name;
             c.unit = p.unit == "1/m" ? "m" : p.unit == "N/m" ? "m/N" : "1/(" + p.unit + ")";
@@ -97,7 +97,7 @@ std::vector<std::string> effectNames(const Experiment& e) {
     std::vector<std::string> names;
     for (const effects::Effect& effect : effects::catalog())
         for (const effects::Parameter& p : effect.parameters)
-            if (p.switches && replay::acts(e, effect.key) &&
+            if (p.isSwitch && replay::acts(e, effect.key) &&
                 !(effect.key == effects::Key::ViscoelasticBending && p.name == "branch_over_B")) // other law
                 names.push_back(effect.name + ":" + p.name);
     return names;
@@ -126,10 +126,10 @@ Model replayModel(const Experiment& e, const replay::Parameters& parameters, con
             continue;
         }
         replay::Parameters copy = parameters;
-        error = replay::set(copy, e, name, 0.0); // says what is known
+        error = replay::set(copy, e, name, 0.0); // reports the known names
         return {};
     }
-    // A shared name must not undo what its specimens differ by: only what differs from the centre is set.
+    // Only differences from the centre are set, so a shared name keeps differences between specimens.
     model.simulate = [&e, parameters, resolution, columns = model.columns](
                          std::size_t run, const std::vector<double>& values, const replay::Options& options) {
         replay::Parameters p = parameters;

@@ -1,6 +1,6 @@
 #pragma once
-// What can be varied: named scalars and a simulator that takes their values. Whatever has a name and a number (nominal
-// parameters of an experiment, amplitudes of effects, settings of a sensor) becomes a column the same way.
+// Model for derivatives: named scalars, and a simulator that takes their values. Nominal parameters, effect amplitudes
+// and sensor settings become columns alike.
 
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
@@ -18,14 +18,14 @@ struct Column {
     std::string name;
     std::string unit;
     std::string about;
-    double value = 0.0; ///< where the derivative is taken
-    /// A change worth looking at, > 0: the half-width of the stated interval, or what a careful laboratory may be off
-    /// by. Step sizes and pictures are measured in it; a step is never longer.
+    double value = 0.0; ///< value at which the derivative is taken
+    /// A relevant change, > 0: half-width of the stated interval, or the usual uncertainty of a laboratory. Unit of
+    /// steps and figures, and the largest step.
     double scale = 0.0;
-    double lower = -std::numeric_limits<double>::infinity(); ///< least value that can be simulated
+    double lower = -std::numeric_limits<double>::infinity(); ///< smallest value that can be simulated
     double upper = std::numeric_limits<double>::infinity();
-    /// The column is the inverse of what is set: amplitudes of effects that are off at infinity (a yield moment, the
-    /// stiffness of the machine) are differentiated where they are off, at 0.
+    /// The column is the inverse of the parameter: amplitudes that are infinite for an absent effect (a yield moment, a
+    /// machine stiffness) are differentiated at 0.
     bool inverse = false;
 };
 
@@ -41,8 +41,8 @@ struct Model {
 /// Names ("KEY:NAME") of the amplitudes of all effects (supercircle/effects/effect.h), for `names` below.
 std::vector<std::string> effectNames(const experiment::Experiment& e);
 
-/// The replay of an experiment with the parameters called `names` as columns (empty: all that are shared by the
-/// specimens) at `parameters`; "KEY:NAME" is a parameter of an effect. `experiment` must outlive the model.
+/// The replay of an experiment with the parameters `names` as columns (empty: all shared ones) at `parameters`;
+/// "KEY:NAME" is a parameter of an effect. `experiment` must outlive the model.
 /// @return the model, or in `error` the unknown name and the nearest known one
 Model replayModel(const experiment::Experiment& experiment, const replay::Parameters& parameters,
                   const replay::Resolution& resolution, const std::vector<std::string>& names, std::string& error);

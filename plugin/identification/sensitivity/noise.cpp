@@ -6,7 +6,7 @@
 
 namespace supercircle::sensitivity {
 
-double roughness(const std::vector<double>& values) {
+double computationalNoise(const std::vector<double>& values) {
     constexpr double kThird = 36.0 / 720.0; // (3!)^2 / 6!
     if (values.size() < 4)
         return 0.0;

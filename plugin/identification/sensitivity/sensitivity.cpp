@@ -1,10 +1,6 @@
-// Cost and accuracy (three-run cases of 30 to 60 s of machine time, coarse resolution, 10 columns): see
-// docs/recordings.md.
-//
-// Why not derivatives of the simulator itself: the unknown of a step is a complementarity problem, its active set
-// changes hundreds of times in a run (stick to slip, a contact rolling over a joint), and where a tip slips off, the
-// derivative of the curve does not exist. Differences over a step that is large against those events and small against
-// the curve's bending are what a fit needs; they are also the only ones that hold for effects nobody differentiated.
+// Finite differences instead of derivatives of the simulator: a step solves a complementarity problem whose active set
+// changes hundreds of times a run, and at a slip-off the derivative does not exist. Steps must be large against these
+// events and small against the curvature.
 
 #include "plugin/identification/sensitivity/sensitivity.h"
 
@@ -21,28 +17,28 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kNoisePoints = 7;        ///< the centre among them
+constexpr int kNoisePoints = 7;        ///< with the centre
 constexpr double kNoiseSpacing = 0.02; ///< share of the scales
 
-/// One column of one run on its way to a derivative.
-struct Search {
+/// Step search for one column of one run.
+struct ColumnSearch {
     std::size_t run = 0, column = 0;
     double step = 0.0, longest = 0.0;
     int side = 0;
     bool done = false;
-    bool any = false; ///< best holds something
+    bool any = false; ///< `best` is set
     Derivative best;
     double bestError = 0.0;
     std::string failure;
 };
 
-/// Room on either side of the centre, at most the scale.
+/// Distance to the bound on one side, at most the scale.
 double room(const Column& c, int side) {
     return side > 0 ? std::min(c.scale, c.upper - c.value) : std::min(c.scale, c.value - c.lower);
 }
 
-Search begin(const Column& c, std::size_t run, std::size_t column, const Settings& settings) {
-    Search s;
+ColumnSearch begin(const Column& c, std::size_t run, std::size_t column, const SensitivitySettings& settings) {
+    ColumnSearch s;
     s.run = run;
     s.column = column;
     const double up = room(c, 1), down = room(c, -1);
@@ -54,7 +50,7 @@ Search begin(const Column& c, std::size_t run, std::size_t column, const Setting
     }
     s.step = std::min(s.longest, settings.firstStep * c.scale);
     if (!(s.step > 0.0)) {
-        s.failure = "there is no room for a step";
+        s.failure = "the bounds leave no room for a step";
         s.done = true;
     }
     return s;
@@ -62,7 +58,7 @@ Search begin(const Column& c, std::size_t run, std::size_t column, const Setting
 
 class Differentiator {
 public:
-    Differentiator(const Model& model, const experiment::Experiment& experiment, const Settings& settings)
+    Differentiator(const Model& model, const experiment::Experiment& experiment, const SensitivitySettings& settings)
         : model_(model), settings_(settings), batch_(model, experiment, settings) {}
 
     Sensitivities run() {
@@ -80,7 +76,7 @@ public:
             bases_.back().landmarks = run.landmarks;
         }
         measureNoise(out);
-        std::vector<Search> searches;
+        std::vector<ColumnSearch> searches;
         for (std::size_t r = 0; r < model_.runs; ++r)
             for (std::size_t c = 0; c < model_.columns.size(); ++c)
                 searches.push_back(begin(model_.columns[c], r, c, settings_));
@@ -101,40 +97,40 @@ private:
         return values;
     }
 
-    /// All columns move together along a short straight line; a smooth simulator would move smoothly.
+    /// Noise is measured along a short line in all columns at once.
     void measureNoise(Sensitivities& out) {
-        std::vector<Job> jobs;
+        std::vector<SimulationJob> jobs;
         for (std::size_t r = 0; r < model_.runs; ++r)
             for (int k = 1; k < kNoisePoints; ++k) {
-                Job job{r, centre()};
+                SimulationJob job{r, centre()};
                 for (std::size_t c = 0; c < job.values.size(); ++c) {
                     const double up = room(model_.columns[c], 1), down = room(model_.columns[c], -1);
                     job.values[c] += k * kNoiseSpacing * (up >= down ? up : -down);
                 }
                 jobs.push_back(std::move(job));
             }
-        const std::vector<Observed> seen = batch_.run(jobs, out);
+        const std::vector<SimulatedValues> seen = batch_.run(jobs, out);
         for (std::size_t r = 0; r < model_.runs; ++r) {
-            std::vector<const Observed*> curves{&bases_[r]};
+            std::vector<const SimulatedValues*> curves{&bases_[r]};
             for (int k = 1; k < kNoisePoints; ++k) {
-                const Observed& o = seen[r * (kNoisePoints - 1) + static_cast<std::size_t>(k) - 1];
+                const SimulatedValues& o = seen[r * (kNoisePoints - 1) + static_cast<std::size_t>(k) - 1];
                 if (!o.failure.empty())
-                    break; // what lies behind it is no longer equally spaced with what lies before
+                    break; // later points are not equally spaced with earlier ones
                 curves.push_back(&o);
             }
             noise_.push_back(noiseOf(curves, bases_[r].landmarks, out.runs[r].base.readings.time));
         }
     }
 
-    static std::vector<double> offsets(const Search& s) {
+    static std::vector<double> offsets(const ColumnSearch& s) {
         if (s.side == 0)
             return {s.step, 0.5 * s.step, -s.step, -0.5 * s.step};
         return {s.side * s.step, 0.5 * s.side * s.step};
     }
 
-    /// One round: all probes of all searches that go on, in one batch.
-    void probe(std::vector<Search>& searches, bool more, Sensitivities& out) {
-        std::vector<Job> jobs;
+    /// One round: the simulations of all active searches in one batch.
+    void probe(std::vector<ColumnSearch>& searches, bool more, Sensitivities& out) {
+        std::vector<SimulationJob> jobs;
         std::vector<std::size_t> first(searches.size(), 0);
         for (std::size_t i = 0; i < searches.size(); ++i) {
             first[i] = jobs.size();
@@ -145,7 +141,7 @@ private:
                 jobs.back().values[searches[i].column] += offset;
             }
         }
-        std::vector<Observed> seen = batch_.run(jobs, out);
+        std::vector<SimulatedValues> seen = batch_.run(jobs, out);
         if (batch_.stopped())
             return;
         for (std::size_t i = 0; i < searches.size(); ++i)
@@ -153,16 +149,16 @@ private:
                 judge(searches[i], probesOf(searches[i], seen.data() + first[i]), more, out);
     }
 
-    /// Probes of a search; a side that failed is left out.
-    static Probes probesOf(Search& s, Observed* seen) {
+    /// Difference points of a search without a failed side.
+    static Probes probesOf(ColumnSearch& s, SimulatedValues* seen) {
         Probes p;
         p.step = s.step;
         p.side = s.side;
-        Observed* whole[] = {&p.wholePlus, &p.halfPlus, &p.wholeMinus, &p.halfMinus};
+        SimulatedValues* whole[] = {&p.wholePlus, &p.halfPlus, &p.wholeMinus, &p.halfMinus};
         const std::size_t begin = s.side < 0 ? 2 : 0, count = s.side == 0 ? 4 : 2;
         for (std::size_t k = 0; k < count; ++k)
             *whole[begin + k] = std::move(seen[k]);
-        const auto failed = [](const Observed& a, const Observed& b) {
+        const auto failed = [](const SimulatedValues& a, const SimulatedValues& b) {
             return !a.failure.empty() ? a.failure : b.failure;
         };
         const std::string plus = s.side >= 0 ? failed(p.wholePlus, p.halfPlus) : "not probed";
@@ -175,16 +171,16 @@ private:
         return p;
     }
 
-    /// Keeps the better derivative and chooses the next step, if one is worth it.
-    void judge(Search& s, const Probes& p, bool more, const Sensitivities& out) {
-        if (!s.failure.empty()) { // perhaps nearer
+    /// Keeps the better derivative and chooses the next step, if worthwhile.
+    void judge(ColumnSearch& s, const Probes& p, bool more, const Sensitivities& out) {
+        if (!s.failure.empty()) { // retry with a smaller step
             s.step *= 0.25;
             return;
         }
         const RunSensitivity& run = out.runs[s.run];
         Derivative d = derivativeOf(p, bases_[s.run], run.base.readings, noise_[s.run], settings_);
         const Quality q = d.quality;
-        const double error = std::hypot(q.twoStepError, q.noiseError) + (q.weak ? 10.0 : 0.0);
+        const double error = std::hypot(q.twoStepError, q.noiseError) + (q.belowNoise ? 10.0 : 0.0);
         if (!s.any || error < s.bestError) {
             s.best = std::move(d);
             s.bestError = error;
@@ -193,21 +189,22 @@ private:
         s.done = true;
         if (!more)
             return;
-        if (q.weak && s.step < s.longest) {
-            const double factor = std::clamp(2.0 * settings_.leastSignal / std::max(q.signal, 1e-3), 1.5, 16.0);
+        if (q.belowNoise && s.step < s.longest) {
+            const double factor = std::clamp(2.0 * settings_.smallestSignal / std::max(q.signal, 1e-3), 1.5, 16.0);
             s.step = std::min(s.longest, factor * s.step);
             s.done = false;
-        } else if ((q.twoStepError > settings_.disagreement || q.reorders) && q.signal > 4.0 * settings_.leastSignal) {
-            s.step *= std::max(0.25, 1.5 * settings_.leastSignal / q.signal);
+        } else if ((q.twoStepError > settings_.disagreement || q.changesJumps) &&
+                   q.signal > 4.0 * settings_.smallestSignal) {
+            s.step *= std::max(0.25, 1.5 * settings_.smallestSignal / q.signal);
             s.done = false;
         }
     }
 
-    void collect(std::vector<Search>& searches, Sensitivities& out) const {
+    void collect(std::vector<ColumnSearch>& searches, Sensitivities& out) const {
         const Index columns = static_cast<Index>(model_.columns.size());
         for (std::size_t r = 0; r < model_.runs; ++r) {
             RunSensitivity& run = out.runs[r];
-            const Observed& base = bases_[r];
+            const SimulatedValues& base = bases_[r];
             const Index marks = static_cast<Index>(base.landmarks.values.size());
             run.force = Eigen::MatrixXd::Zero(base.force.size(), columns);
             run.usable = Mask::Constant(base.force.size(), columns, false);
@@ -220,7 +217,7 @@ private:
             run.landmarkNoise = noise_[r].landmarks;
             run.quality.resize(model_.columns.size());
         }
-        for (Search& s : searches) {
+        for (ColumnSearch& s : searches) {
             RunSensitivity& run = out.runs[s.run];
             const Index c = static_cast<Index>(s.column);
             Quality& q = run.quality[s.column];
@@ -238,15 +235,16 @@ private:
     }
 
     const Model& model_;
-    const Settings& settings_;
+    const SensitivitySettings& settings_;
     Batch batch_;
-    std::vector<Observed> bases_;
+    std::vector<SimulatedValues> bases_;
     std::vector<RunNoise> noise_;
 };
 
 } // namespace
 
-Sensitivities differentiate(const Model& model, const experiment::Experiment& experiment, const Settings& settings) {
+Sensitivities differentiate(const Model& model, const experiment::Experiment& experiment,
+                            const SensitivitySettings& settings) {
     return Differentiator(model, experiment, settings).run();
 }
 
@@ -259,7 +257,7 @@ Eigen::MatrixXd similarity(const Sensitivities& all) {
             for (const RunSensitivity& run : all.runs) {
                 const Quality &qa = run.quality[static_cast<std::size_t>(a)],
                               &qb = run.quality[static_cast<std::size_t>(b)];
-                if (qa.weak || qb.weak || !qa.failure.empty() || !qb.failure.empty())
+                if (qa.belowNoise || qb.belowNoise || !qa.failure.empty() || !qb.failure.empty())
                     continue;
                 double peak = 1e-300;
                 for (const double f : run.base.readings.force)

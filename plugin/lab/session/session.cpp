@@ -14,18 +14,15 @@ namespace {
 
 using rod::Vec2;
 
-constexpr double kPaperRadius = 0.0192; ///< m; the absolute settings are for shells of this size and grow with it:
-                                        ///< a shell twice as large of the same material is twice as slow
-constexpr double kReleaseWay = 0.05;    ///< R, of travel in which an abrupt snap is over and a smooth one is not
-constexpr double kFreeFrame = 4e-3;     ///< s, longest step where no machine moves
+/// m; the absolute settings are for shells of this radius and scale with it: vibration periods grow with the size.
+constexpr double kPaperRadius = 0.0192;
+/// R, crosshead travel within which an abrupt snap is over and a smooth one is not.
+constexpr double kReleaseWindow = 0.05;
+/// s, longest step while the crosshead does not move.
+constexpr double kFreeFrame = 4e-3;
 
-double wallClock() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// Length of the smallest shell over that of the paper's: its natural radius, or for a flat one that of three quarters
-/// of a circle of its length.
-double sizeOf(const scene::Scene& scene) {
+/// Radius of the smallest shell over that of the paper's. A flat shell counts as three quarters of a circle.
+double sizeRatioOf(const scene::Scene& scene) {
     double smallest = std::numeric_limits<double>::infinity();
     const auto take = [&](const ShellDef& d) {
         const double length = d.length > 0.0 ? d.length : 2.0 * M_PI * d.phi_bar * d.radius;
@@ -42,32 +39,36 @@ double sizeOf(const scene::Scene& scene) {
 
 } // namespace
 
-/// Processor time of the whole process, s.
-double cpuClock() {
+double cpuSeconds() {
     return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const Options& options)
+double wallSeconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const RunOptions& options)
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
-      release_(kReleaseWay * scene.report.R), wallStart_(wallClock()), cpuStart_(cpuClock()) {
+      energyRelease_(kReleaseWindow * scene.report.R), wallStart_(wallSeconds()), cpuStart_(cpuSeconds()) {
     step::Settings& s = shells_.stepper().settings();
-    size_ = sizeOf(scene);
-    s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * size_;
+    sizeRatio_ = sizeRatioOf(scene);
+    s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * sizeRatio_;
     if (scene.numerics.dt_max > 0.0)
         s.dtMin = std::min(s.dtMin, scene.numerics.dt_max);
-    s.contact.absoluteImpulse *= size_ * size_ * size_;
+    s.contact.absoluteImpulse *= sizeRatio_ * sizeRatio_ * sizeRatio_;
     fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
     double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
     for (const ShellDef& d : scene.shells)
         thickness = std::min(thickness, d.thickness);
-    pace(0.0);
+    setStepLimits(0.0);
     if (std::isfinite(thickness) && thickness > 0.0)
         s.localError =
-            (scene.numerics.position_tolerance > 0.0 ? scene.numerics.position_tolerance : 5e-6 * size_) / thickness;
+            (scene.numerics.position_tolerance > 0.0 ? scene.numerics.position_tolerance : 5e-6 * sizeRatio_) /
+            thickness;
     s.threads = options.threads;
     shells_.stepper().loop = options.loop;
-    s.witness = options.witness;
+    s.crossingCheck = options.crossingCheck;
     shells_.stepper().onSolve = options.onSolve;
     shells_.stepper().watchStages(options.onStage);
     out_.scene = scene.name;
@@ -75,31 +76,44 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     out_.R = scene.report.R;
     out_.B = scene.report.B;
     if (out_.B <= 0.0 && !scene.shells.empty())
-        out_.B = bendingModulus(scene.shells.front());
+        out_.B = bending_modulus(scene.shells.front());
     if (out_.B <= 0.0 && scene.drop)
-        out_.B = bendingModulus(scene.drop->shell);
+        out_.B = bending_modulus(scene.drop->shell);
     const effects::Model common = effects::modelFor(scene.effects, "all");
     apparatus_ = common.apparatus;
     sensor_ = effects::SensorChain(common.sensor);
     sensorOn_ = common.sensor.on();
     for (const scene::Parameter& p : scene.parameters)
         out_.parameters.emplace_back(p.name, p.value);
-    out_.series.names = {"time_s",     "displacement_m", "force_N",    "work_in_J", "bending_J",
-                         "gravity_J",  "kinetic_J",      "friction_J", "impact_J",  "numerical_J",
-                         "push_out_J", "effects_J",      "residual_J", "dt_s",      "contact_residual"};
+    out_.series.names = {"time_s",
+                         "displacement_m",
+                         "force_N",
+                         "work_in_J",
+                         "elastic_J",
+                         "gravity_J",
+                         "kinetic_J",
+                         "friction_J",
+                         "impact_J",
+                         "numerical_dissipation_J",
+                         "position_correction_J",
+                         "effects_J",
+                         "residual_J",
+                         "dt_s",
+                         "contact_residual"};
     out_.series.columns.resize(out_.series.names.size());
 }
 
-/// Quasi-static experiments cost what their travel costs, however slow the machine is: the longest step is a length of
-/// travel. It is R / 500, or less where the branch (m of travel, as far as known) is short, because a loading branch is
-/// to have at least 500 samples; accuracy is the controller's business.
-void Session::pace(double speed, double branch) {
+/// The longest step is a length of crosshead travel, so the cost of a quasi-static test does not depend on its speed.
+/// It is R / 500, or less on a short branch, because a loading branch is to have at least 500 samples. The step-size
+/// controller provides the accuracy.
+void Session::setStepLimits(double speed, double branch) {
     step::Settings& s = shells_.stepper().settings();
     s.fixedDt = fixedDt_;
     s.dtMax = scene_.numerics.dt_max;
     const double travel = std::min(scene_.report.R, 0.8 * branch) / 500.0;
     if (s.dtMax <= 0.0)
-        s.dtMax = size_ * (speed == 0.0 ? kFreeFrame : std::clamp(travel / (size_ * std::abs(speed)), 1e-3, 1.0));
+        s.dtMax =
+            sizeRatio_ * (speed == 0.0 ? kFreeFrame : std::clamp(travel / (sizeRatio_ * std::abs(speed)), 1e-3, 1.0));
     frame_ = s.fixedDt > 0.0 ? s.fixedDt : s.dtMax;
 }
 
@@ -122,16 +136,16 @@ std::string Session::populate() {
         const auto it = std::find_if(named.begin(), named.end(), [&](const auto& n) { return n.first == h.shell; });
         if (it == named.end())
             return "hold: there is no shell called \"" + h.shell + "\"";
-        const auto made = shells_.hold(it->second, h.arc_fraction, h.kind, h.on_machine);
+        const auto made = shells_.create_hold(it->second, h.arc_fraction, h.kind, h.base);
         if (!made)
             return "hold on \"" + h.shell + "\": " + made.error();
     }
-    if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.carry(scene_.protocol->body))
+    if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.attach_to_crosshead(scene_.protocol->body))
         return "protocol: the host has no body called \"" + scene_.protocol->body + "\"";
     step::World& w = shells_.world();
     shells_.stepper().readHost(w, *host_, frame_);
     describeOutlines();
-    std::vector<contact::Curve> curves(w.rods.size());
+    std::vector<contact::RodCurve> curves(w.rods.size());
     std::vector<contact::Outline> outlines;
     for (std::size_t i = 0; i < w.rods.size(); ++i)
         step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
@@ -204,7 +218,7 @@ double Session::pileTop() const {
     return player::pileTop(shells_.world());
 }
 
-double Session::machineBottom() const {
+double Session::crossheadBottom() const {
     const step::World& w = shells_.world();
     double bottom = std::numeric_limits<double>::infinity();
     std::vector<step::BodyOutline> all;
@@ -221,32 +235,32 @@ double Session::machineBottom() const {
 double Session::force() const {
     if (!scene_.protocol)
         return 0.0;
-    const Point f = shells_.machine_force();
+    const Point f = shells_.crosshead_force();
     return -(f.x * scene_.protocol->direction.x + f.y * scene_.protocol->direction.y);
 }
 
-/// What the drive shows: the head, what gives between it and the drive, and play.
+/// What the drive shows: travel of the crosshead, compliance of the frame, and backlash.
 double Session::travel() const {
     if (!scene_.protocol)
         return 0.0;
-    const Vec2 t = shells_.world().machineTravel;
-    const double head = t.x() * scene_.protocol->direction.x + t.y() * scene_.protocol->direction.y - zeroTravel_;
+    const Vec2 t = shells_.world().crossheadTravel;
+    const double crosshead = t.x() * scene_.protocol->direction.x + t.y() * scene_.protocol->direction.y - zeroTravel_;
     if (!apparatus_.on())
-        return head;
+        return crosshead;
     const double f = force();
-    return head + apparatus_.compliance * f - (back_ ? apparatus_.backlash : 0.0) +
+    return crosshead + apparatus_.compliance * f - (reversed_ ? apparatus_.backlash : 0.0) +
            (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / std::hypot(f, apparatus_.slackForce) : 0.0);
 }
 
 bool Session::frame(double dt, const std::function<bool()>& stop) {
     if (options_.interrupt && options_.interrupt->load()) {
-        end_ = End::Interrupted;
+        status_ = RunStatus::Interrupted;
         message_ = "interrupted";
         return false;
     }
     const FrameReport r = shells_.pre_step(dt, [&] {
         sample();
-        keep(false);
+        keepFrame(false);
         return (options_.interrupt && options_.interrupt->load()) || (stop && stop());
     });
     if (r.advanced > 0.0) {
@@ -254,12 +268,12 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
         shells_.post_step();
     }
     if (!r.failure.empty()) {
-        end_ = End::Failed;
+        status_ = RunStatus::Failed;
         message_ = r.failure + " (at t = " + std::to_string(shells_.time()) + " s)";
         return false;
     }
-    if (shells_.world().counters.quarantined > 0) { // a game goes on without the shell, an experiment cannot
-        end_ = End::Failed;
+    if (shells_.world().counters.quarantined > 0) { // a game continues without the shell, an experiment cannot
+        status_ = RunStatus::Failed;
         message_ =
             std::string(shells_.world().counters.crossings > 0
                             ? "shells would cross even at the smallest step"
@@ -279,22 +293,22 @@ void Session::sample() {
     nextSampleTime_ = w.time + 0.01;
     if (scene_.protocol && !inProtocol_)
         return;
-    const step::Ledger& l = w.ledger;
+    const step::EnergyBalance& l = w.energyBalance;
     const double row[] = {w.time,
                           travel(),
                           sensorOn_ ? sensor_.read(w.time, force()) : force(),
-                          l.work - atStart_.work,
+                          l.work - energyAtStart_.work,
                           l.bending,
                           l.gravity,
                           l.kinetic,
-                          l.friction - atStart_.friction,
-                          l.impact - atStart_.impact,
-                          l.numerical - atStart_.numerical,
-                          l.pushOut - atStart_.pushOut,
-                          l.effects - atStart_.effects,
-                          l.residual() - atStart_.residual(),
+                          l.friction - energyAtStart_.friction,
+                          l.impact - energyAtStart_.impact,
+                          l.numerical - energyAtStart_.numerical,
+                          l.positionCorrection - energyAtStart_.positionCorrection,
+                          l.effects - energyAtStart_.effects,
+                          l.residual() - energyAtStart_.residual(),
                           w.dt,
-                          w.counters.etaMax};
+                          w.counters.contactResidualMax};
     for (std::size_t i = 0; i < std::size(row); ++i)
         out_.series.columns[i].push_back(row[i]);
     if (!loading_)
@@ -302,12 +316,12 @@ void Session::sample() {
     energies_.clear();
     for (const step::Rod& r : w.rods)
         energies_.push_back(rod::bendingEnergy(r.model, r.q));
-    release_.sample(row[1], energies_);
+    energyRelease_.sample(row[1], energies_);
 }
 
-void Session::keep(bool always) {
+void Session::keepFrame(bool always) {
     const step::World& w = shells_.world();
-    if (!options_.frames || (!always && w.time < nextFrameTime_))
+    if (!options_.keepFrames || (!always && w.time < nextFrameTime_))
         return;
     nextFrameTime_ = w.time + std::max(scene_.report.sample_dt, 1e-4);
     record::Frame f;
@@ -354,7 +368,7 @@ void Session::keep(bool always) {
     out_.frames.push_back(std::move(f));
 }
 
-void Session::report(double fraction) {
+void Session::reportProgress(double fraction) {
     if (options_.progress)
         options_.progress({phase_, std::clamp(fraction, 0.0, 1.0), shells_.time(), inProtocol_ ? force() : 0.0,
                            inProtocol_ ? travel() : 0.0});
@@ -371,7 +385,7 @@ bool Session::settle(double speed, double longest) {
     return true;
 }
 
-/// Drops `count` shells side by side, in rows above the pile. Empty or why it cannot.
+/// Drops `count` shells side by side, in rows above the pile. Empty, or why it cannot.
 std::string Session::dropBatch(int count) {
     const std::size_t before = shells_.size();
     std::vector<ShellHandle> made;
@@ -381,39 +395,39 @@ std::string Session::dropBatch(int count) {
         addEffects(i, {});
         addShellInfo(i);
     }
-    keep(true);
+    keepFrame(true);
     return {};
 }
 
 void Session::drop() {
     const scene::Drop& d = *scene_.drop;
-    // A random start needs no trajectory to the micrometre: while the shells rain down steps may be coarser.
+    // A random start needs no accurate trajectory: steps may be coarser while the shells fall.
     step::Settings& settings = shells_.stepper().settings();
-    const double measured = settings.localError, motion = settings.motionLimit;
-    settings.localError = std::max(measured, 0.3);
-    settings.motionLimit = 2.0 * motion;
+    const double localError = settings.localError, motionLimit = settings.motionLimit;
+    settings.localError = std::max(localError, 0.3);
+    settings.motionLimit = 2.0 * motionLimit;
     if (d.adaptive) {
         settings.fixedDt = 0.0;
         frame_ = settings.dtMax;
     }
-    for (int done = 0; done < d.count && end_ == End::Done;) {
-        const int count = std::min(d.together, d.count - done);
+    for (int done = 0; done < d.count && status_ == RunStatus::Done;) {
+        const int count = std::min(d.batch_size, d.count - done);
         phase_ = "drop " + std::to_string(done + 1);
         if (const std::string error = dropBatch(count); !error.empty()) {
-            end_ = End::BadScene;
+            status_ = RunStatus::BadScene;
             message_ = "drop: " + error;
             return;
         }
-        report(0.3 * done / d.count);
+        reportProgress(0.3 * done / d.count);
         done += count;
         if (done < d.count)
             settle(d.settle_speed, d.settle_time);
         else
             settle(d.final_settle_speed, d.final_settle_time);
     }
-    settings.localError = measured;
-    settings.motionLimit = motion;
-    pace(0.0);
+    settings.localError = localError;
+    settings.motionLimit = motionLimit;
+    setStepLimits(0.0);
 }
 
 } // namespace supercircle::lab

@@ -9,7 +9,7 @@ namespace supercircle::sweep {
 
 namespace {
 
-/// A whole number from 0 that is all of `text`.
+/// A whole number from 0; the whole of `text`.
 std::optional<std::int64_t> whole(std::string_view text) {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -20,25 +20,25 @@ std::optional<std::int64_t> whole(std::string_view text) {
 
 } // namespace
 
-std::vector<Setting> Definition::settings(std::size_t set) const {
-    std::vector<Setting> all = fixed;
+std::vector<ParameterValue> SweepDefinition::parameterValues(std::size_t set) const {
+    std::vector<ParameterValue> all = fixed;
     for (std::size_t i = 0; i < names.size(); ++i)
         all.emplace_back(names[i], sets[set][i]);
     return all;
 }
 
-std::vector<Task> tasks(const Definition& sweep, const Shard& shard) {
+std::vector<Task> tasks(const SweepDefinition& sweep, const Shard& shard) {
     std::vector<Task> all;
-    std::size_t turn = 0;
+    std::size_t index = 0;
     for (const std::int64_t seed : sweep.seeds)
         for (std::size_t set = 0; set < sweep.sets.size(); ++set)
-            if (turn++ % static_cast<std::size_t>(shard.parts) == static_cast<std::size_t>(shard.part - 1))
+            if (index++ % static_cast<std::size_t>(shard.parts) == static_cast<std::size_t>(shard.part - 1))
                 all.push_back({set, seed});
     return all;
 }
 
-std::string keyOf(const std::vector<Setting>& settings) {
-    std::vector<Setting> sorted = settings;
+std::string keyOf(const std::vector<ParameterValue>& values) {
+    std::vector<ParameterValue> sorted = values;
     std::sort(sorted.begin(), sorted.end());
     std::string key;
     for (const auto& [name, value] : sorted) {

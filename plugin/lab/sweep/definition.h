@@ -1,5 +1,5 @@
 #pragma once
-// A sweep as plain data: a scene, sets of parameter values, seeds (docs/sweeps.md; schema sweep.schema.json).
+// A sweep as plain data: a scene, sets of parameter values, seeds (sweep.schema.json).
 
 #include "plugin/scene/loader/problem.h"
 
@@ -12,21 +12,21 @@
 namespace supercircle::sweep {
 
 /// Name and value of a scene's parameter, SI.
-using Setting = std::pair<std::string, double>;
+using ParameterValue = std::pair<std::string, double>;
 
-struct Definition {
+struct SweepDefinition {
     std::string file; ///< as opened
     std::string name;
     std::string about;
     std::string scene;                     ///< path of the scene, as it can be opened from here
     std::vector<std::string> names;        ///< parameters that vary, in the order of the file
-    std::vector<Setting> fixed;            ///< parameters that have one value throughout
+    std::vector<ParameterValue> fixed;     ///< parameters that have one value throughout
     std::vector<std::vector<double>> sets; ///< one value per name; the first name varies slowest
-    std::vector<std::int64_t> seeds;       ///< each set is played once per seed
+    std::vector<std::int64_t> seeds;       ///< each set is run once per seed
     std::string x;                         ///< parameter along the abscissa of pictures; empty: nothing varies
 
     /// All parameters of a set: the fixed ones, then the varied ones.
-    [[nodiscard]] std::vector<Setting> settings(std::size_t set) const;
+    [[nodiscard]] std::vector<ParameterValue> parameterValues(std::size_t set) const;
 };
 
 /// One run of a sweep.
@@ -41,12 +41,12 @@ struct Shard {
     int part = 1, parts = 1;
 };
 
-/// The runs of a shard in the order to be played: seed by seed through all sets, so that every set has as many runs as
-/// any other whenever the sweep is stopped. Shards take turns.
-[[nodiscard]] std::vector<Task> tasks(const Definition& sweep, const Shard& shard);
+/// The runs of a shard in the order of execution: seed by seed through all sets, so that all sets have equally many
+/// runs whenever the sweep is stopped. The runs are dealt to the shards in turn.
+[[nodiscard]] std::vector<Task> tasks(const SweepDefinition& sweep, const Shard& shard);
 
-/// "name=value name=value", sorted by name, shortest digits: what a set is called in files.
-[[nodiscard]] std::string keyOf(const std::vector<Setting>& settings);
+/// "name=value name=value", sorted by name, shortest digits: the name of a set in files.
+[[nodiscard]] std::string keyOf(const std::vector<ParameterValue>& values);
 
 /// Largest number of runs of one sweep.
 inline constexpr std::size_t maxRuns = 10'000'000;
@@ -58,9 +58,9 @@ inline constexpr std::size_t maxRuns = 10'000'000;
 
 /// Reads a sweep file. All problems are appended; the result is empty exactly if one of them is an error. The scene
 /// itself is not opened.
-[[nodiscard]] std::optional<Definition> load(const std::string& path, std::vector<scene::Problem>& problems);
+[[nodiscard]] std::optional<SweepDefinition> load(const std::string& path, std::vector<scene::Problem>& problems);
 /// The same from a text; `file` is what messages call it and what the scene's path is relative to.
-[[nodiscard]] std::optional<Definition> loadText(const std::string& text, const std::string& file,
-                                                 std::vector<scene::Problem>& problems);
+[[nodiscard]] std::optional<SweepDefinition> loadText(const std::string& text, const std::string& file,
+                                                      std::vector<scene::Problem>& problems);
 
 } // namespace supercircle::sweep

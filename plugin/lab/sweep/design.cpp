@@ -9,7 +9,7 @@ namespace supercircle::sweep {
 
 namespace {
 
-std::vector<double> axisOf(const Definition& sweep, std::size_t name) {
+std::vector<double> axisOf(const SweepDefinition& sweep, std::size_t name) {
     std::vector<double> values;
     for (const std::vector<double>& set : sweep.sets)
         values.push_back(set[name]);
@@ -18,8 +18,8 @@ std::vector<double> axisOf(const Definition& sweep, std::size_t name) {
     return values;
 }
 
-/// Index of the interval of `axis` that holds `value`, and the share of the way through it.
-std::pair<std::size_t, double> placeOf(const std::vector<double>& axis, double value) {
+/// Index of the interval of `axis` that holds `value`, and the relative position in it.
+std::pair<std::size_t, double> intervalOf(const std::vector<double>& axis, double value) {
     if (axis.size() < 2)
         return {0, 0.0};
     const auto above = std::upper_bound(axis.begin(), axis.end(), value);
@@ -34,11 +34,12 @@ std::size_t indexOf(const std::vector<double>& axis, double value) {
 
 } // namespace
 
-record::Result<Surface> surfaceOf(const Definition& sweep, const Table& table, const std::string& quantity) {
-    using Out = record::Result<Surface>;
+record::Result<ResponseSurface> responseSurface(const SweepDefinition& sweep, const RunTable& table,
+                                                const std::string& quantity) {
+    using Out = record::Result<ResponseSurface>;
     const std::size_t column = table.column(quantity);
     if (column == table.columns.size())
-        return Out::fail("the runs have no number \"" + quantity + "\"; did you mean \"" +
+        return Out::fail("the runs have no quantity \"" + quantity + "\"; did you mean \"" +
                          scene::nearestName(quantity, table.columns) + "\"?");
     if (sweep.names.empty() || sweep.names.size() > 2)
         return Out::fail("the sweep must vary one or two parameters, this one varies " +
@@ -46,28 +47,28 @@ record::Result<Surface> surfaceOf(const Definition& sweep, const Table& table, c
     const std::size_t xAt = sweep.names[0] == sweep.x ? 0 : 1, yAt = 1 - xAt;
     const bool two = sweep.names.size() == 2;
     Out out;
-    Surface& s = out.value;
+    ResponseSurface& s = out.value;
     s.xName = sweep.names[xAt];
     s.yName = two ? sweep.names[yAt] : "";
     s.x = axisOf(sweep, xAt);
     s.y = two ? axisOf(sweep, yAt) : std::vector<double>{0.0};
     if (s.x.size() * s.y.size() != sweep.sets.size())
-        return Out::fail("the sets of the sweep are no full grid");
+        return Out::fail("the parameter sets of the sweep do not form a full grid");
     s.mean.assign(s.y.size(), std::vector<double>(s.x.size(), 0.0));
     s.error = s.spread = s.mean;
     for (std::size_t set = 0; set < sweep.sets.size(); ++set) {
         const Statistics stat = statisticsOf(valuesOf(table, set, column));
         if (stat.n < 2)
-            return Out::fail("too few runs with " + keyOf(sweep.settings(set)) + ": " + std::to_string(stat.n));
+            return Out::fail("too few runs with " + keyOf(sweep.parameterValues(set)) + ": " + std::to_string(stat.n));
         const std::size_t i = two ? indexOf(s.y, sweep.sets[set][yAt]) : 0, k = indexOf(s.x, sweep.sets[set][xAt]);
         s.mean[i][k] = stat.mean;
         s.error[i][k] = stat.standardError;
-        s.spread[i][k] = stat.sigmaMad;
+        s.spread[i][k] = stat.madSigma;
     }
     return out;
 }
 
-double Surface::share(std::size_t row, double py) const {
+double ResponseSurface::fraction(std::size_t row, double py) const {
     if (row + 1 >= y.size())
         return 0.0;
     const double lo = y[row], hi = y[row + 1];
@@ -76,10 +77,10 @@ double Surface::share(std::size_t row, double py) const {
     return std::clamp(s, 0.0, 1.0);
 }
 
-Surface::Value Surface::at(double px, double py) const {
-    const auto [k, sx] = placeOf(x, px);
-    const std::size_t row = placeOf(y, py).first;
-    const double sy = share(row, py);
+ResponseSurface::Value ResponseSurface::at(double px, double py) const {
+    const auto [k, sx] = intervalOf(x, px);
+    const std::size_t row = intervalOf(y, py).first;
+    const double sy = fraction(row, py);
     const std::size_t k1 = std::min(k + 1, x.size() - 1), row1 = std::min(row + 1, y.size() - 1);
     const double wx = sx; // structured bindings are not captured
     const auto mix = [&, k = k](const std::vector<std::vector<double>>& v) {
@@ -89,18 +90,18 @@ Surface::Value Surface::at(double px, double py) const {
     return {mix(mean), mix(error), mix(spread)};
 }
 
-std::vector<Solution> solve(const Surface& surface, double wanted, double py) {
-    std::vector<Solution> all;
+std::vector<DesignPoint> solveFor(const ResponseSurface& surface, double target, double py) {
+    std::vector<DesignPoint> all;
     for (std::size_t k = 0; k + 1 < surface.x.size(); ++k) {
         const double x0 = surface.x[k], x1 = surface.x[k + 1];
         const double f0 = surface.at(x0, py).mean, f1 = surface.at(x1, py).mean;
         const bool last = k + 2 == surface.x.size();
-        const bool crosses = (f0 <= wanted && wanted < f1) || (f0 >= wanted && wanted > f1) || (last && f1 == wanted);
+        const bool crosses = (f0 <= target && target < f1) || (f0 >= target && target > f1) || (last && f1 == target);
         if (!crosses || f0 == f1)
             continue;
-        Solution s;
+        DesignPoint s;
         s.slope = (f1 - f0) / (x1 - x0);
-        s.x = x0 + (wanted - f0) / s.slope;
+        s.x = x0 + (target - f0) / s.slope;
         s.y = py;
         s.value = surface.at(s.x, py);
         s.xError = s.value.error / std::abs(s.slope);
@@ -109,7 +110,7 @@ std::vector<Solution> solve(const Surface& surface, double wanted, double py) {
     return all;
 }
 
-double spreadAt(double spread, double measuredAt, double shells) {
+double scaledSpread(double spread, double measuredAt, double shells) {
     return spread * std::sqrt(measuredAt / shells);
 }
 

@@ -1,4 +1,4 @@
-// From sweep.json to the list of runs, with every problem placed.
+// From sweep.json to the list of runs; every problem is reported with its place in the file.
 
 #include "plugin/lab/sweep/definition.h"
 #include "plugin/scene/loader/reader.h"
@@ -14,7 +14,6 @@ namespace {
 using scene::Context;
 using scene::Node;
 using scene::ObjectReader;
-using scene::Place;
 
 constexpr const char* schemaName = "supercircle-sweep/1";
 constexpr std::int64_t kMaxSeed = std::int64_t{1} << 53; // larger ones are not whole in a JSON number
@@ -49,7 +48,7 @@ std::vector<double> readAxis(Context& context, const Node& node, const std::stri
         const std::string place = pointer + "/" + std::to_string(i);
         if (const auto value = plainNumber(context, node.children[i], place)) {
             if (std::find(values.begin(), values.end(), *value) != values.end())
-                context.error(node.children[i], place, "this value is there twice");
+                context.error(node.children[i], place, "this value appears twice");
             values.push_back(*value);
         }
     }
@@ -57,46 +56,46 @@ std::vector<double> readAxis(Context& context, const Node& node, const std::stri
 }
 
 /// An object of numbers by name.
-std::vector<Setting> readSettings(Context& context, const Node& node, const std::string& pointer) {
-    std::vector<Setting> settings;
+std::vector<ParameterValue> readParameterValues(Context& context, const Node& node, const std::string& pointer) {
+    std::vector<ParameterValue> values;
     if (node.kind != Node::Kind::Object) {
         context.error(node, pointer, std::string("this is ") + scene::kindName(node.kind),
                       "an object of parameters and their values");
-        return settings;
+        return values;
     }
     for (const Node& child : node.children)
         if (child.key != "about")
             if (const auto value = plainNumber(context, child, pointer + "/" + scene::pointerToken(child.key)))
-                settings.emplace_back(child.key, *value);
-    return settings;
+                values.emplace_back(child.key, *value);
+    return values;
 }
 
-/// Cases: sets of values that belong together; every case names the same parameters.
-void readCases(Context& context, ObjectReader& top, Definition& sweep) {
+/// Cases: combinations of values; every case names the same parameters.
+void readCases(Context& context, ObjectReader& top, SweepDefinition& sweep) {
     std::vector<std::vector<double>> rows;
-    for (const Place& place : top.array("cases")) {
-        const std::vector<Setting> settings = readSettings(context, *place.node, place.pointer);
+    for (const scene::ArrayItem& item : top.array("cases")) {
+        const std::vector<ParameterValue> values = readParameterValues(context, *item.node, item.pointer);
         if (rows.empty())
-            for (const Setting& s : settings)
+            for (const ParameterValue& s : values)
                 sweep.names.push_back(s.first);
         std::vector<double> row;
         for (const std::string& name : sweep.names)
-            for (const Setting& s : settings)
+            for (const ParameterValue& s : values)
                 if (s.first == name)
                     row.push_back(s.second);
-        if (row.size() != sweep.names.size() || row.size() != settings.size()) {
-            context.error(*place.node, place.pointer, "this case does not name the parameters of the first one");
+        if (row.size() != sweep.names.size() || row.size() != values.size()) {
+            context.error(*item.node, item.pointer, "this case does not name the parameters of the first one");
             continue;
         }
         if (std::find(rows.begin(), rows.end(), row) != rows.end())
-            context.error(*place.node, place.pointer, "this case is there twice");
+            context.error(*item.node, item.pointer, "this case appears twice");
         rows.push_back(std::move(row));
     }
     if (!rows.empty())
         sweep.sets = std::move(rows);
 }
 
-void multiply(Definition& sweep, const std::string& name, const std::vector<double>& values) {
+void multiply(SweepDefinition& sweep, const std::string& name, const std::vector<double>& values) {
     std::vector<std::vector<double>> product;
     for (const std::vector<double>& set : sweep.sets)
         for (const double value : values) {
@@ -107,7 +106,7 @@ void multiply(Definition& sweep, const std::string& name, const std::vector<doub
     sweep.sets = std::move(product);
 }
 
-void readGrid(Context& context, ObjectReader& top, Definition& sweep) {
+void readGrid(Context& context, ObjectReader& top, SweepDefinition& sweep) {
     sweep.sets = {{}};
     readCases(context, top, sweep);
     const Node* grid = top.find("grid");
@@ -148,7 +147,7 @@ std::vector<std::int64_t> readSeeds(Context& context, ObjectReader& top) {
         const std::int64_t last = object.integer("last", first, 0, kMaxSeed);
         object.finish();
         if (last < first || last - first >= static_cast<std::int64_t>(maxRuns))
-            context.error(*node, "/seeds", "no good range", "first <= last, at most " + std::to_string(maxRuns));
+            context.error(*node, "/seeds", "not a valid range", "first <= last, at most " + std::to_string(maxRuns));
         else
             for (std::int64_t seed = first; seed <= last; ++seed)
                 seeds.push_back(seed);
@@ -161,13 +160,13 @@ std::vector<std::int64_t> readSeeds(Context& context, ObjectReader& top) {
     }
     std::sort(seeds.begin(), seeds.end());
     if (std::adjacent_find(seeds.begin(), seeds.end()) != seeds.end())
-        context.error(*node, "/seeds", "a seed is there twice");
+        context.error(*node, "/seeds", "a seed appears twice");
     if (seeds.empty())
         context.error(*node, "/seeds", "no seeds", "a list, or {\"first\", \"last\"}");
     return seeds;
 }
 
-void readReport(Context& context, ObjectReader& top, Definition& sweep) {
+void readReport(Context& context, ObjectReader& top, SweepDefinition& sweep) {
     if (!sweep.names.empty())
         sweep.x = sweep.names.front();
     const Node* node = top.find("report");
@@ -181,7 +180,7 @@ void readReport(Context& context, ObjectReader& top, Definition& sweep) {
     object.finish();
 }
 
-void readTop(Context& context, Definition& sweep) {
+void readTop(Context& context, SweepDefinition& sweep) {
     ObjectReader top(context, context.document.root, "");
     if (!top.valid())
         return;
@@ -199,8 +198,8 @@ void readTop(Context& context, Definition& sweep) {
     }
     readGrid(context, top, sweep);
     if (const Node* fixed = top.find("fixed"))
-        sweep.fixed = readSettings(context, *fixed, "/fixed");
-    for (const Setting& s : sweep.fixed)
+        sweep.fixed = readParameterValues(context, *fixed, "/fixed");
+    for (const ParameterValue& s : sweep.fixed)
         if (std::find(sweep.names.begin(), sweep.names.end(), s.first) != sweep.names.end())
             context.error(*top.find("fixed")->find(s.first), "/fixed/" + scene::pointerToken(s.first),
                           "this parameter varies, it cannot be fixed");
@@ -213,10 +212,10 @@ void readTop(Context& context, Definition& sweep) {
 
 } // namespace
 
-std::optional<Definition> loadText(const std::string& text, const std::string& file,
-                                   std::vector<scene::Problem>& problems) {
+std::optional<SweepDefinition> loadText(const std::string& text, const std::string& file,
+                                        std::vector<scene::Problem>& problems) {
     std::vector<scene::Problem> found;
-    std::optional<Definition> sweep;
+    std::optional<SweepDefinition> sweep;
     if (const auto document = scene::parseDocument(text, file, found)) {
         scene::Scope none;
         Context context{*document, found, none};
@@ -230,7 +229,7 @@ std::optional<Definition> loadText(const std::string& text, const std::string& f
     return sweep;
 }
 
-std::optional<Definition> load(const std::string& path, std::vector<scene::Problem>& problems) {
+std::optional<SweepDefinition> load(const std::string& path, std::vector<scene::Problem>& problems) {
     const auto text = scene::readFile(path, problems);
     return text ? loadText(*text, path, problems) : std::nullopt;
 }

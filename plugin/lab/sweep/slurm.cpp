@@ -24,7 +24,7 @@ std::string quoted(const std::string& text) {
     return out + "'";
 }
 
-void readBoth(std::array<int, 2> files, Captured& captured) {
+void readBoth(std::array<int, 2> files, ProgramOutput& captured) {
     std::array<pollfd, 2> polls{pollfd{files[0], POLLIN, 0}, pollfd{files[1], POLLIN, 0}};
     while (polls[0].fd >= 0 || polls[1].fd >= 0) {
         if (::poll(polls.data(), polls.size(), -1) < 0 && errno != EINTR)
@@ -42,7 +42,7 @@ void readBoth(std::array<int, 2> files, Captured& captured) {
     }
 }
 
-std::string whyNot(const std::string& program, const Captured& c) {
+std::string errorOf(const std::string& program, const ProgramOutput& c) {
     if (c.code == 127)
         return program + ": not found; Slurm's commands are in Debian's package slurm-client";
     const std::size_t end = c.err.find('\n');
@@ -51,8 +51,8 @@ std::string whyNot(const std::string& program, const Captured& c) {
 
 } // namespace
 
-Captured capture(const std::vector<std::string>& command) {
-    Captured captured;
+ProgramOutput runCommand(const std::vector<std::string>& command) {
+    ProgramOutput captured;
     std::array<int, 2> out{}, err{};
     if (::pipe2(out.data(), O_CLOEXEC) != 0)
         return captured;
@@ -96,9 +96,9 @@ std::string arrayName(const std::string& folder) {
 
 record::Result<std::optional<ArrayJob>> findArray(const std::string& name) {
     record::Result<std::optional<ArrayJob>> found;
-    const Captured c = capture({"squeue", "--me", "--noheader", "--format=%F %j"});
+    const ProgramOutput c = runCommand({"squeue", "--me", "--noheader", "--format=%F %j"});
     if (c.code != 0) {
-        found.error = whyNot("squeue", c);
+        found.error = errorOf("squeue", c);
         return found;
     }
     std::istringstream lines(c.out);
@@ -133,9 +133,9 @@ record::Result<std::string> submitArray(const std::string& script, const std::st
                                         "--job-name=" + name + std::to_string(parts)};
     command.insert(command.end(), options.begin(), options.end());
     command.push_back(script);
-    const Captured c = capture(command);
+    const ProgramOutput c = runCommand(command);
     if (c.code != 0)
-        return record::Result<std::string>::fail(whyNot("sbatch", c));
+        return record::Result<std::string>::fail(errorOf("sbatch", c));
     return {c.out.substr(0, c.out.find_first_of(";\n")), {}}; // "12" or "12;cluster"
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Runs on a cluster: shards as the tasks of a Slurm job array, each a sweep into a folder of its own.
+// Runs on a cluster: shards are the tasks of a Slurm job array, each a sweep into its own folder.
 
 #include "plugin/recording/table/result.h"
 
@@ -9,23 +9,23 @@
 
 namespace supercircle::sweep {
 
-/// How a program ended that was started and waited for.
-struct Captured {
+/// Result of a program that was started and waited for.
+struct ProgramOutput {
     int code = -1; ///< exit code; 127: could not be started; 128 + signal
     std::string out, err;
 };
 
-/// Starts a program found on PATH. No shell is in between: arguments arrive as they are.
-[[nodiscard]] Captured capture(const std::vector<std::string>& command);
+/// Starts a program found on PATH, without a shell: arguments arrive unchanged.
+[[nodiscard]] ProgramOutput runCommand(const std::vector<std::string>& command);
 
 /// A job array of this user.
 struct ArrayJob {
     std::string id;
     std::string name;
-    int parts = 0; ///< tasks it was submitted with
+    int parts = 0; ///< number of tasks
 };
 
-/// What all arrays of a folder are called: the prefix, to which the number of tasks is appended.
+/// Name prefix of all arrays of a folder; the number of tasks is appended.
 [[nodiscard]] std::string arrayName(const std::string& folder);
 
 /// The array whose name begins with `name`, pending or running; empty if there is none.

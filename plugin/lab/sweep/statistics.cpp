@@ -71,7 +71,7 @@ Statistics statisticsOf(std::vector<double> values) {
                  values.end());
     Statistics s;
     s.n = values.size();
-    s.mean = s.median = s.mad = s.sigmaMad = s.deviation = s.standardError = kNaN;
+    s.mean = s.median = s.mad = s.madSigma = s.deviation = s.standardError = kNaN;
     s.low = s.high = s.skewness = s.kurtosis = s.normality = kNaN;
     if (values.empty())
         return s;
@@ -84,7 +84,7 @@ Statistics statisticsOf(std::vector<double> values) {
         distances.push_back(std::abs(v - s.median));
     std::sort(distances.begin(), distances.end());
     s.mad = medianOf(distances);
-    s.sigmaMad = 1.482602218505602 * s.mad; // 1 / quantile(3/4) of the Gaussian
+    s.madSigma = 1.482602218505602 * s.mad; // 1 / quantile(3/4) of the Gaussian
     if (s.n < 2)
         return s;
     const double second = momentOf(values, s.mean, 2);
@@ -102,7 +102,7 @@ Statistics statisticsOf(std::vector<double> values) {
     return s;
 }
 
-std::vector<double> valuesOf(const Table& table, std::size_t set, std::size_t column) {
+std::vector<double> valuesOf(const RunTable& table, std::size_t set, std::size_t column) {
     std::vector<double> values;
     for (const Row& row : table.rows)
         if (row.set == set && row.status == "done" && std::isfinite(row.number(column)))
@@ -110,9 +110,9 @@ std::vector<double> valuesOf(const Table& table, std::size_t set, std::size_t co
     return values;
 }
 
-std::string statisticsCsv(const Definition& sweep, const Table& table) {
+std::string statisticsCsv(const SweepDefinition& sweep, const RunTable& table) {
     std::string out;
-    for (const Setting& s : sweep.fixed)
+    for (const ParameterValue& s : sweep.fixed)
         out += cell(s.first) + ",";
     for (const std::string& name : sweep.names)
         out += cell(name) + ",";
@@ -120,7 +120,7 @@ std::string statisticsCsv(const Definition& sweep, const Table& table) {
            "normality_p\n";
     for (std::size_t set = 0; set < sweep.sets.size(); ++set) {
         std::string head;
-        for (const Setting& s : sweep.settings(set)) {
+        for (const ParameterValue& s : sweep.parameterValues(set)) {
             record::appendNumber(head, s.second);
             head += ',';
         }
@@ -129,7 +129,7 @@ std::string statisticsCsv(const Definition& sweep, const Table& table) {
             if (s.n == 0)
                 continue;
             out += head + cell(table.columns[c]) + "," + std::to_string(s.n);
-            for (const double v : {s.mean, s.median, s.mad, s.sigmaMad, s.deviation, s.standardError, s.low, s.high,
+            for (const double v : {s.mean, s.median, s.mad, s.madSigma, s.deviation, s.standardError, s.low, s.high,
                                    s.skewness, s.kurtosis, s.normality}) {
                 out += ',';
                 if (std::isfinite(v))

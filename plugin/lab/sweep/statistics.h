@@ -1,7 +1,7 @@
 #pragma once
 // Statistics of one number over the runs of a parameter set.
 
-#include "plugin/lab/sweep/table.h"
+#include "plugin/lab/sweep/run_table.h"
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ struct Statistics {
     std::size_t n = 0;
     double mean = 0.0, median = 0.0;
     double mad = 0.0;       ///< median absolute deviation from the median, as it is (not scaled)
-    double sigmaMad = 0.0;  ///< 1.4826 mad: estimates the standard deviation of a Gaussian (Huber, Robust Statistics)
+    double madSigma = 0.0;  ///< 1.4826 mad: estimates the standard deviation of a Gaussian (Huber, Robust Statistics)
     double deviation = 0.0; ///< standard deviation, n - 1; NaN below two values
     double standardError = 0.0;            ///< of the mean
     double low = 0.0, high = 0.0;          ///< 95 % confidence interval of the mean (Student)
@@ -20,7 +20,7 @@ struct Statistics {
     double normality = 0.0;                ///< p value of normalityTest()
 };
 
-/// Of the finite ones among `values`; numbers that do not exist are NaN.
+/// Of the finite ones among `values`; statistics that are not defined are NaN.
 [[nodiscard]] Statistics statisticsOf(std::vector<double> values);
 
 /// p value of the hypothesis that `values` come from a Gaussian of unknown mean and variance: Anderson-Darling
@@ -28,10 +28,10 @@ struct Statistics {
 /// spread.
 [[nodiscard]] double normalityTest(std::vector<double> values);
 
-/// The finite values of a column over the good runs of a set, in the order of seeds.
-[[nodiscard]] std::vector<double> valuesOf(const Table& table, std::size_t set, std::size_t column);
+/// The finite values of a column over the completed runs of a set, in the order of seeds.
+[[nodiscard]] std::vector<double> valuesOf(const RunTable& table, std::size_t set, std::size_t column);
 
 /// One row per set and number: n, mean, median, mad and so on.
-[[nodiscard]] std::string statisticsCsv(const Definition& sweep, const Table& table);
+[[nodiscard]] std::string statisticsCsv(const SweepDefinition& sweep, const RunTable& table);
 
 } // namespace supercircle::sweep

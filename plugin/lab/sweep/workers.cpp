@@ -1,8 +1,5 @@
-// Processes by fork, not threads and not the program started anew. A thread that crashes, or that the kernel's memory
-// killer picks, takes all others with it, and a crash in one of eighteen hundred runs would end a night's work. A fresh
-// program per run would work as well but reads the scene again and needs files or sockets for its result; a fork has
-// everything in memory and answers through a pipe. PR_SET_PDEATHSIG ends the processes with their parent, so that a
-// sweep that is killed and resumed at once finds no old worker at its side.
+// Processes by fork (decision 0174). A child has the scene in memory and returns its result through a pipe.
+// PR_SET_PDEATHSIG ends the children with their parent: a sweep that is killed and resumed meets no old worker.
 
 #include "plugin/lab/sweep/workers.h"
 
@@ -45,28 +42,28 @@ bool writeAll(int file, const std::string& text) {
     return true;
 }
 
-[[noreturn]] void playInChild(const Work& work, const Task& task, pid_t parent, int pipe) {
+[[noreturn]] void runInChild(const WorkPlan& work, const Task& task, pid_t parent, int pipe) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) // it died before the line above
-        ::_exit(kStopped);
-    if (work.child)
-        work.child();
-    int code = kThrew;
+    if (::getppid() != parent) // the parent died before prctl
+        ::_exit(kExitInterrupted);
+    if (work.onFork)
+        work.onFork();
+    int code = kExitException;
     try {
-        code = writeAll(pipe, work.play(task)) ? 0 : kThrew;
-    } catch (const Stopped&) {
-        code = kStopped;
+        code = writeAll(pipe, work.runTask(task)) ? 0 : kExitException;
+    } catch (const TaskInterrupted&) {
+        code = kExitInterrupted;
     } catch (const std::exception& e) {
         writeAll(pipe, e.what());
     } catch (...) {
-        code = kThrew;
+        code = kExitException;
     }
-    ::_exit(code); // nothing of the parent's is flushed, closed or destroyed twice
+    ::_exit(code); // the parent's buffers and handles must not be flushed or destroyed twice
 }
 
 class Workers {
 public:
-    explicit Workers(const Work& work) : work_(work) {}
+    explicit Workers(const WorkPlan& work) : work_(work) {}
     ~Workers() {
         for (const Process& p : processes_) {
             ::kill(p.id, SIGKILL);
@@ -96,28 +93,28 @@ public:
             ::close(ends[0]);
             for (const Process& p : processes_)
                 ::close(p.pipe);
-            playInChild(work_, task, parent, ends[1]);
+            runInChild(work_, task, parent, ends[1]);
         }
         ::close(ends[1]);
         processes_.push_back({id, ends[0], task, {}, Clock::now()});
         return {};
     }
 
-    /// Reads what the processes say for a moment; keeps those that ended.
-    std::string follow() {
+    /// Reads the output of the processes for 0.1 s; stores those that ended.
+    std::string poll() {
         std::vector<pollfd> polls;
         for (const Process& p : processes_)
             polls.push_back({p.pipe, POLLIN, 0});
         ::poll(polls.data(), polls.size(), 100);
         for (std::size_t i = polls.size(); i-- > 0;)
             if (polls[i].revents != 0 && !read(processes_[i]))
-                if (std::string error = end(i); !error.empty())
+                if (std::string error = finish(i); !error.empty())
                     return error;
         return {};
     }
 
 private:
-    /// False at its end.
+    /// False at the end of the stream.
     static bool read(Process& p) {
         std::array<char, 65536> buffer{};
         const ssize_t n = ::read(p.pipe, buffer.data(), buffer.size());
@@ -126,14 +123,14 @@ private:
         return n > 0 || (n < 0 && errno == EINTR);
     }
 
-    std::string end(std::size_t i) {
+    std::string finish(std::size_t i) {
         Process p = std::move(processes_[i]);
         processes_.erase(processes_.begin() + static_cast<std::ptrdiff_t>(i));
         ::close(p.pipe);
         int status = 0;
         rusage usage{};
         ::wait4(p.id, &status, 0, &usage);
-        Finished f;
+        FinishedTask f;
         f.task = p.task;
         f.result = std::move(p.result);
         f.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
@@ -143,16 +140,16 @@ private:
             return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
         };
         f.cpu = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-        return f.exitCode == kStopped ? std::string() : work_.finished(f);
+        return f.exitCode == kExitInterrupted ? std::string() : work_.onFinished(f);
     }
 
-    const Work& work_;
+    const WorkPlan& work_;
     std::vector<Process> processes_;
 };
 
 } // namespace
 
-std::string playAll(const std::vector<Task>& tasks, const Work& work) {
+std::string runTasks(const std::vector<Task>& tasks, const WorkPlan& work) {
     Workers workers(work);
     std::size_t next = 0;
     while (next < tasks.size() || workers.busy() > 0) {
@@ -161,10 +158,10 @@ std::string playAll(const std::vector<Task>& tasks, const Work& work) {
         while (next < tasks.size() && workers.busy() < static_cast<std::size_t>(std::max(1, work.jobs)))
             if (std::string error = workers.start(tasks[next++]); !error.empty())
                 return error;
-        if (std::string error = workers.follow(); !error.empty())
+        if (std::string error = workers.poll(); !error.empty())
             return error;
-        if (work.turn)
-            work.turn();
+        if (work.onPoll)
+            work.onPoll();
     }
     return {};
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Runs in processes of their own, several at a time: whatever happens to one, the others and the sweep go on.
+// Runs in separate processes, several at a time: a crash of one does not stop the others (decision 0174).
 
 #include "plugin/lab/sweep/definition.h"
 
@@ -11,33 +11,34 @@
 namespace supercircle::sweep {
 
 /// How the process of a run ended.
-struct Finished {
+struct FinishedTask {
     Task task;
-    std::string result;           ///< what it handed over
-    int exitCode = 0;             ///< 0 when it arrived at its end
+    std::string result;           ///< what it returned
+    int exitCode = 0;             ///< 0 on success
     int signal = 0;               ///< that ended it, 0: none
     double wall = 0.0, cpu = 0.0; ///< s
 };
 
-struct Work {
-    int jobs = 1;                                         ///< processes at a time
-    const std::atomic<bool>* interrupt = nullptr;         ///< becomes true: stop the processes and return
-    std::function<std::string(const Task&)> play;         ///< plays one run, in a process of its own
-    std::function<std::string(const Finished&)> finished; ///< keeps one; what it returns, unless empty, ends the work
-    std::function<void()> turn;                           ///< called now and then
-    std::function<void()> child;                          ///< first thing in every process: let go of what is ours
+struct WorkPlan {
+    int jobs = 1;                                    ///< processes at a time
+    const std::atomic<bool>* interrupt = nullptr;    ///< becomes true: stop the processes and return
+    std::function<std::string(const Task&)> runTask; ///< executes one run, in its own process
+    std::function<std::string(const FinishedTask&)>
+        onFinished;               ///< stores one; a text it returns is an error and ends the work
+    std::function<void()> onPoll; ///< called about ten times a second
+    std::function<void()> onFork; ///< first call in every child process: releases the parent's resources
 };
 
-/// Exit code of a process whose play() threw.
-inline constexpr int kThrew = 70;
+/// Exit code of a process whose runTask() threw.
+inline constexpr int kExitException = 70;
 /// Exit code of a process that was interrupted: its run is not finished.
-inline constexpr int kStopped = 130;
-/// To be thrown by play() when it was interrupted.
-struct Stopped {};
+inline constexpr int kExitInterrupted = 130;
+/// To be thrown by runTask() when it was interrupted.
+struct TaskInterrupted {};
 
-/// Plays `tasks` in order. Must be called from a program without other threads (fork). The processes end when this one
-/// does, however it ends.
+/// Runs `tasks` in order. Must be called from a program without other threads (fork). The child processes end with this
+/// one.
 /// @return empty, or why the work ended early (not for an interrupt)
-[[nodiscard]] std::string playAll(const std::vector<Task>& tasks, const Work& work);
+[[nodiscard]] std::string runTasks(const std::vector<Task>& tasks, const WorkPlan& work);
 
 } // namespace supercircle::sweep

@@ -1,5 +1,5 @@
 #pragma once
-// What a comparison of the laboratory with a solved reference consists of: figures, checks, and what it took.
+// A validation experiment: simulations compared with a solved reference, as diagrams and checks.
 
 #include "supercircle/step/port.h"
 #include "supercircle/step/rigid_definition.h"
@@ -13,71 +13,71 @@
 
 namespace supercircle::validation {
 
-/// Builds the rigid world of a scene (the caller brings the adapter: this folder knows no host engine).
+/// Builds the rigid world of a scene; the caller provides the adapter to the host engine.
 using HostFactory = std::function<std::shared_ptr<step::HostWorld>(const step::RigidWorldDefinition&, std::string&)>;
 
-struct Settings {
+struct ValidationSettings {
     HostFactory host;
     std::string scenes; ///< folder of the scene files
     std::string data;   ///< folder of the reference curves
     bool quick = false; ///< a subset, for the tests
-    std::string filter; ///< only experiments whose id or title contains it
-    int jobs = 1;       ///< experiments at a time; the digits do not depend on it
+    std::string filter; ///< an id, or part of ids or titles; empty: all
+    int jobs = 1;       ///< experiments at a time; the results do not depend on it
     const std::atomic<bool>* interrupt = nullptr;
     std::function<void(const std::string&)> progress; ///< called with one line after each experiment
 };
 
 /// One curve of a diagram.
-struct Line {
+struct PlotLine {
     enum class Style { Reference, Points, Dashed, Connected };
-    std::string name; ///< in the legend; empty: not there
+    std::string name; ///< in the legend; empty: no entry
     std::vector<double> x, y;
     Style style = Style::Points;
-    int colour = 0; ///< index into the palette: one colour per case, reference and points alike
+    int colour = 0; ///< index into the palette: one colour per case, for reference and points
 };
 
-/// One diagram.
-struct Panel {
+/// Axes and curves of one picture.
+struct Diagram {
     std::string title, xLabel, yLabel;
     bool logX = false, logY = false;
-    std::optional<double> target; ///< level drawn across as the error aimed at
-    std::vector<Line> lines;
+    std::optional<double> target; ///< horizontal line: largest error allowed
+    std::vector<PlotLine> lines;
 };
 
-/// One figure of error with what is asked of it.
+/// One error with its target.
 struct Check {
-    std::string what;
+    std::string description;
     double measured = 0.0;
-    double wanted = 0.0;
-    double error = 0.0;           ///< relative to the scale `of`; the comparison is |error| <= target
-    std::string of;               ///< what the error is relative to: "peak", "value", ...
-    std::optional<double> target; ///< none: shown, not judged
-    std::string why;              ///< where the target comes from, or why it is missed
-    /// Missed for a reason that is understood and lies outside the comparison; shown as missed, and a test may fail.
-    bool open = false;
+    double reference = 0.0;
+    double error = 0.0;           ///< relative to the scale `relativeTo`; passes if |error| <= target
+    std::string relativeTo;       ///< "peak", "value", ...
+    std::optional<double> target; ///< none: shown without a verdict
+    std::string reason;           ///< where the target comes from, or why it is missed
+    /// Missed for a known reason outside the comparison; shown as missed, and a test may fail.
+    bool knownDeviation = false;
     [[nodiscard]] bool pass() const { return !target || (error == error && (error < 0 ? -error : error) <= *target); }
 };
 
-struct Experiment {
+struct ValidationExperiment {
     std::string id, title;
-    std::string about;                 ///< what is compared with what, for a mechanician
+    std::string about;                 ///< what is compared, for a mechanician
     std::vector<std::string> commands; ///< that produce the curves one by one
-    std::vector<Panel> panels;
+    std::vector<Diagram> diagrams;
     std::vector<Check> checks;
-    std::vector<std::string> remarks; ///< causes found of what is off
-    std::string failure;              ///< not empty: it could not be done
+    std::vector<std::string> remarks; ///< known causes of deviations
+    std::string failure;              ///< not empty: it could not be finished
     double seconds = 0.0;
-    int runs = 0; ///< simulations played
+    int runs = 0; ///< number of simulations
 };
 
 /// An experiment that can be run.
-struct Definition {
+struct ExperimentDefinition {
     std::string id, title;
-    double cost = 1.0; ///< s, about; the dear ones start first
-    std::function<void(const Settings&, Experiment&)> run;
+    double cost = 1.0; ///< s, roughly; expensive ones start first
+    std::function<void(const ValidationSettings&, ValidationExperiment&)> run;
 };
 
 /// All of them, in the order of the page.
-const std::vector<Definition>& experiments();
+const std::vector<ExperimentDefinition>& experiments();
 
 } // namespace supercircle::validation

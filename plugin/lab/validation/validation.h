@@ -1,22 +1,18 @@
 #pragma once
-// The laboratory against every solved reference: runs the experiments and writes one page about them.
+// Runs the validation experiments: simulations against solved references.
 
 #include "plugin/lab/validation/experiment.h"
-#include "plugin/recording/table/files.h"
 
 namespace supercircle::validation {
 
 /// Runs the experiments of `settings.filter`, up to `settings.jobs` at a time; results in the order of the page. An
-/// experiment that cannot be done says why in `failure`.
-std::vector<Experiment> runAll(const Settings& settings);
+/// experiment that cannot be finished says why in `failure`.
+std::vector<ValidationExperiment> runAll(const ValidationSettings& settings);
 
-/// Runs one experiment by its id ("T2"); its failure is in the result. Unknown ids give a failure too.
-Experiment runOne(const Settings& settings, const std::string& id);
+/// Runs one experiment by its id ("two_shells"); its failure is in the result. Unknown ids give a failure too.
+ValidationExperiment runOne(const ValidationSettings& settings, const std::string& id);
 
-/// Checks that were missed and were not expected to be.
-int surprises(const std::vector<Experiment>& all);
-
-/// validation.html (self-contained), validation.json and one validation-ID.png per experiment, drawn but not written.
-record::Result<std::vector<record::NamedText>> files(const std::vector<Experiment>& all, const Settings& settings);
+/// Number of missed checks without a known reason, plus unfinished experiments.
+int unexpectedMisses(const std::vector<ValidationExperiment>& all);
 
 } // namespace supercircle::validation

@@ -20,29 +20,29 @@ using record::rounded;
 
 using diagnosis::Diagnosis;
 using diagnosis::RunCurves;
-using report::Anchor;
-using report::Canvas;
-using report::Colour;
-using report::Plot;
-using report::PlotStyle;
-using report::Point;
-using report::Range;
-using report::SvgCanvas;
-namespace theme = report::theme;
+using graphics::Anchor;
+using graphics::AxisRange;
+using graphics::Canvas;
+using graphics::Colour;
+using graphics::Plot;
+using graphics::PlotStyle;
+using graphics::Point;
+using graphics::SvgCanvas;
+namespace theme = graphics::theme;
 
 constexpr Colour kMarked = Colour::hex(0xf6d9a8);
-constexpr double kBar = 5.0; // height of the bars that say where an effect shows
+constexpr double kBar = 5.0; // height of the bars that mark visible intervals
 
-Range rangeOf(const std::vector<const std::vector<double>*>& columns) {
-    Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+AxisRange rangeOf(const std::vector<const std::vector<double>*>& columns) {
+    AxisRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     for (const std::vector<double>* c : columns)
         for (const double v : *c)
             if (std::isfinite(v))
                 range = {std::min(range.lo, v), std::max(range.hi, v)};
-    return report::padded(range, 0.05);
+    return graphics::padded(range, 0.05);
 }
 
-/// Means over a few rows: white residuals of two thousand rows would be a grey bar.
+/// Means over a few rows, because residuals of thousands of rows would fill the plot.
 std::vector<double> smoothed(const std::vector<double>& u, const std::vector<bool>& counts) {
     const auto reach = static_cast<std::ptrdiff_t>(std::max<std::size_t>(1, u.size() / 160));
     const auto n = static_cast<std::ptrdiff_t>(u.size());
@@ -55,37 +55,37 @@ std::vector<double> smoothed(const std::vector<double>& u, const std::vector<boo
                 rows += 1.0;
             }
         if (counts[static_cast<std::size_t>(k)])
-            out[static_cast<std::size_t>(k)] = sum / std::sqrt(rows); // of unit deviation where only noise is left
+            out[static_cast<std::size_t>(k)] = sum / std::sqrt(rows); // of unit variance for pure noise
     }
     return out;
 }
 
 bool isPair(const Diagnosis& d) {
-    return !d.effects.empty() && !d.effects.front().with.empty();
+    return !d.effects.empty() && !d.effects.front().jointWith.empty();
 }
 
 void legend(Canvas& canvas, double x, double y, const Diagnosis& d, bool improved) {
     const auto entry = [&](const std::string& word, const Colour& colour, double width) {
         canvas.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {colour, width});
         canvas.text({x + 30.0, y}, word, {theme::labelSize, theme::muted});
-        x += 50.0 + report::textWidth(word, theme::labelSize);
+        x += 50.0 + graphics::textWidth(word, theme::labelSize);
     };
     entry("recorded", theme::ink, 2.6);
     entry("best simulation without extra physics", theme::loading, 1.4);
     if (improved)
         entry("with " + improvedBy(d), theme::unloading, 1.4);
     canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kMarked});
-    canvas.text({x + 30.0, y}, "misfit beyond noise", {theme::labelSize, theme::muted});
-    x += 50.0 + report::textWidth("misfit beyond noise", theme::labelSize);
+    canvas.text({x + 30.0, y}, "significant misfit", {theme::labelSize, theme::muted});
+    x += 50.0 + graphics::textWidth("significant misfit", theme::labelSize);
     if (!improved)
         return;
     canvas.rectangle({x, y - 7.0, 24.0, kBar}, {.fill = theme::unloading});
-    canvas.text({x + 30.0, y}, isPair(d) ? "where the effects show" : "where the effect shows",
-                {theme::labelSize, theme::muted});
+    canvas.text({x + 30.0, y}, isPair(d) ? "effects visible" : "effect visible", {theme::labelSize, theme::muted});
 }
 
-void markStretches(Canvas& canvas, const Plot& plot, const std::vector<diagnosis::Stretch>& shows) {
-    for (const diagnosis::Stretch& s : shows) {
+void markVisibleIntervals(Canvas& canvas, const Plot& plot,
+                          const std::vector<diagnosis::TimeInterval>& visibleIntervals) {
+    for (const diagnosis::TimeInterval& s : visibleIntervals) {
         const double left = plot.at(s.from, 0.0).x, right = plot.at(s.to, 0.0).x;
         canvas.rectangle({left, plot.area.y + plot.area.height - kBar, right - left, kBar}, {.fill = theme::unloading});
     }
@@ -93,8 +93,8 @@ void markStretches(Canvas& canvas, const Plot& plot, const std::vector<diagnosis
 
 void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run,
                  const std::string& channel) {
-    for (const diagnosis::Window& w : d.mismatch.significant)
-        if (w.run == run && w.channel == channel && w.by != diagnosis::Seen::Trace) { // those are bars
+    for (const diagnosis::ResidualWindow& w : d.misfit.significant)
+        if (w.run == run && w.channel == channel && w.kind != diagnosis::StatisticKind::Signature) { // drawn as bars
             const double left = plot.at(w.timeFrom, 0.0).x, right = plot.at(w.timeTo, 0.0).x;
             canvas.rectangle({left, plot.area.y, right - left, plot.area.height}, {.fill = kMarked});
         }
@@ -105,11 +105,11 @@ constexpr double kRunWidth = 1180.0, kRunHeight = 560.0, kBarsWidth = 720.0;
 /// Explanations and their probabilities, effects first.
 std::vector<std::pair<std::string, double>> barsOf(const Diagnosis& d) {
     std::vector<std::pair<std::string, double>> bars;
-    for (const diagnosis::FoundEffect& e : d.effects)
+    for (const diagnosis::FittedEffect& e : d.effects)
         bars.emplace_back(diagnosis::plainWords(e.label), e.probability);
-    bars.emplace_back("nothing is missing", d.nothing);
-    bars.emplace_back("too small to be seen here", d.unseen());
-    bars.emplace_back("none of these", d.unknown);
+    bars.emplace_back("no missing effect", d.adequate);
+    bars.emplace_back("too small to be detected", d.undetectable());
+    bars.emplace_back("outside the catalogue", d.outsideCatalogue);
     return bars;
 }
 
@@ -117,9 +117,9 @@ double barsHeight(const Diagnosis& d) {
     return 26.0 * static_cast<double>(barsOf(d).size()) + 20.0;
 }
 
-/// Of what was recorded, and of the simulation that misses it as far as a quarter beyond.
-Range forceRange(const RunCurves& c) {
-    const Range recorded = rangeOf({&c.recorded}), simulated = rangeOf({&c.baseline});
+/// AxisRange of the recorded force, and of the simulated one up to a quarter beyond.
+AxisRange forceRange(const RunCurves& c) {
+    const AxisRange recorded = rangeOf({&c.recorded}), simulated = rangeOf({&c.baseline});
     const double reach = 0.25 * recorded.span();
     return {std::min(recorded.lo, std::max(simulated.lo, recorded.lo - reach)),
             std::max(recorded.hi, std::min(simulated.hi, recorded.hi + reach))};
@@ -129,10 +129,10 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     const RunCurves& c = d.runs[r];
     const bool improved = !c.improved.empty();
     legend(canvas, 80.0, 24.0, d, improved);
-    const Range force = forceRange(c);
+    const AxisRange force = forceRange(c);
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
     const bool driven = d.driven();
-    const report::Unit unit = driven ? report::readableUnit(peak, "N") : report::Unit{1.0, d.unit};
+    const graphics::DisplayUnit unit = driven ? graphics::readableUnit(peak, "N") : graphics::DisplayUnit{1.0, d.unit};
     PlotStyle style;
     style.x = {driven ? "displacement (mm)" : "time (s)", driven ? 1e3 : 1.0};
     style.y = {d.channel + " (" + unit.text + ")", unit.factor};
@@ -147,9 +147,9 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     canvas.popClip();
     const auto residual = [&](double y, const std::vector<double>& u, const Colour& colour, const std::string& words) {
         const std::vector<double> shown = smoothed(u, c.counts);
-        Range range = rangeOf({&shown});
+        AxisRange range = rangeOf({&shown});
         range = {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
-        const Plot plot({640.0, y, 520.0, 180.0}, report::padded({c.time.front(), c.time.back()}, 0.01), range);
+        const Plot plot({640.0, y, 520.0, 180.0}, graphics::padded({c.time.front(), c.time.back()}, 0.01), range);
         if (&u == &c.residual)
             markWindows(canvas, plot, d, c.name, d.channel);
         const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
@@ -163,9 +163,9 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         plot.drawLine(canvas, c.time, shown, {colour, 1.3});
         canvas.popClip();
         if (&u == &c.residual)
-            markStretches(canvas, plot, c.shows);
+            markVisibleIntervals(canvas, plot, c.visibleIntervals);
     };
-    residual(40.0, c.residual, theme::loading, "misfit (noise units)");
+    residual(40.0, c.residual, theme::loading, "residual (sigma)");
     if (improved)
         residual(320.0, c.residualImproved, theme::unloading, isPair(d) ? "with the effects" : "with the effect");
 }
@@ -178,12 +178,12 @@ double markersHeight(const RunCurves& c) {
     return kPanelsTop + (kPanelHeight + kPanelGap) * static_cast<double>((c.markers.size() + kPanels - 1) / kPanels);
 }
 
-/// Limits that all panels of a run share, so that the coordinate that misses most looks it.
-Range markerRange(const std::vector<std::vector<double>>& shown) {
+/// Limits common to all panels of a run, so that coordinates can be compared.
+AxisRange markerRange(const std::vector<std::vector<double>>& shown) {
     std::vector<const std::vector<double>*> columns;
     for (const std::vector<double>& u : shown)
         columns.push_back(&u);
-    const Range range = rangeOf(columns);
+    const AxisRange range = rangeOf(columns);
     return {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
 }
 
@@ -192,9 +192,9 @@ void markerLegend(Canvas& canvas, const Diagnosis& d, bool improved) {
     const auto entry = [&](const std::string& word, const Colour& colour) {
         canvas.line({x, 20.0}, {x + 24.0, 20.0}, {colour, 1.4});
         canvas.text({x + 30.0, 24.0}, word, {theme::labelSize, theme::muted});
-        x += 50.0 + report::textWidth(word, theme::labelSize);
+        x += 50.0 + graphics::textWidth(word, theme::labelSize);
     };
-    entry("markers over time (s): misfit without extra physics (noise units)", theme::loading);
+    entry("markers over time (s): residual without extra physics (sigma)", theme::loading);
     if (improved)
         entry("with " + improvedBy(d), theme::unloading);
 }
@@ -210,12 +210,12 @@ void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         all.push_back(before.back());
         all.push_back(after.back());
     }
-    const Range range = markerRange(all);
+    const AxisRange range = markerRange(all);
     for (std::size_t i = 0; i < c.markers.size(); ++i) {
         const double x = 50.0 + (kPanelWidth + kPanelGap) * static_cast<double>(i % kPanels);
         const double y = kPanelsTop + (kPanelHeight + kPanelGap) * static_cast<double>(i / kPanels);
         const Plot plot({x, y, kPanelWidth, kPanelHeight},
-                        report::padded({c.markerTime.front(), c.markerTime.back()}, 0.01), range);
+                        graphics::padded({c.markerTime.front(), c.markerTime.back()}, 0.01), range);
         markWindows(canvas, plot, d, c.name, c.markers[i].channel);
         const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
         canvas.rectangle({plot.area.x, top, plot.area.width, bottom - top}, {.fill = theme::grid});
@@ -278,25 +278,25 @@ record::Result<std::vector<record::NamedText>> diagnosisPictures(const Diagnosis
     using Files = std::vector<record::NamedText>;
     constexpr double kScale = 1.5;
     Files files;
-    const auto keep = [&](const std::string& name, report::CairoCanvas& canvas) {
+    const auto keep = [&](const std::string& name, graphics::CairoCanvas& canvas) {
         auto picture = canvas.png();
         if (picture)
             files.emplace_back(name, std::move(picture.value));
         return picture ? std::string{} : name + ": " + picture.error;
     };
     for (std::size_t r = 0; r < d.runs.size(); ++r) {
-        report::CairoCanvas canvas(kRunWidth, kRunHeight, kScale);
+        graphics::CairoCanvas canvas(kRunWidth, kRunHeight, kScale);
         drawRun(canvas, d, r);
         if (std::string why = keep("run_" + std::to_string(r + 1) + "_diagnosis.png", canvas); !why.empty())
             return record::Result<Files>::fail(std::move(why));
         if (d.runs[r].markers.empty())
             continue;
-        report::CairoCanvas markers(kRunWidth, markersHeight(d.runs[r]), kScale);
+        graphics::CairoCanvas markers(kRunWidth, markersHeight(d.runs[r]), kScale);
         drawMarkers(markers, d, r);
         if (std::string why = keep("run_" + std::to_string(r + 1) + "_markers.png", markers); !why.empty())
             return record::Result<Files>::fail(std::move(why));
     }
-    report::CairoCanvas canvas(kBarsWidth, barsHeight(d), kScale);
+    graphics::CairoCanvas canvas(kBarsWidth, barsHeight(d), kScale);
     drawProbabilities(canvas, d);
     if (std::string why = keep("probabilities.png", canvas); !why.empty())
         return record::Result<Files>::fail(std::move(why));
@@ -305,32 +305,33 @@ record::Result<std::vector<record::NamedText>> diagnosisPictures(const Diagnosis
 
 namespace {
 
-std::string smallestSeen(double visible) {
-    constexpr double kNeverThatLarge = 10.0;
-    if (!std::isfinite(visible))
-        return "cannot be seen in these runs";
-    if (visible > kNeverThatLarge)
-        return "not visible here: more than ten times a size that matters";
-    return rounded(100.0 * visible, 3) + " % of a size that matters" + (visible > 1.0 ? ": not visible here" : "");
+std::string detectableText(double detectable) {
+    constexpr double kUnrealistic = 10.0;
+    if (!std::isfinite(detectable))
+        return "not detectable in these runs";
+    if (detectable > kUnrealistic)
+        return "not detectable: more than ten times a relevant amplitude";
+    return rounded(100.0 * detectable, 3) + " % of a relevant amplitude" + (detectable > 1.0 ? ": not detectable" : "");
 }
 
 } // namespace
 
 std::string screenFigure(const Diagnosis& d) {
-    std::vector<diagnosis::SeenEffect> seen = d.seen;
-    std::stable_sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
+    std::vector<diagnosis::ScreenedEffect> effects = d.screening;
+    std::stable_sort(effects.begin(), effects.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
     double most = 10.0;
-    for (const diagnosis::SeenEffect& s : seen)
+    for (const diagnosis::ScreenedEffect& s : effects)
         most = std::max(most, s.gain);
-    SvgCanvas canvas(980.0, 22.0 * static_cast<double>(seen.size()) + 36.0, "screen", "what each effect could explain");
-    canvas.text({230.0, 14.0}, "explained misfit (square root scale)", {theme::tickSize, theme::muted});
-    canvas.text({610.0, 14.0}, "smallest size these runs would show", {theme::tickSize, theme::muted});
-    for (std::size_t i = 0; i < seen.size(); ++i) {
+    SvgCanvas canvas(980.0, 22.0 * static_cast<double>(effects.size()) + 36.0, "screen",
+                     "screening gain of each effect");
+    canvas.text({230.0, 14.0}, "explained chi-squared (square root scale)", {theme::tickSize, theme::muted});
+    canvas.text({610.0, 14.0}, "detectable amplitude", {theme::tickSize, theme::muted});
+    for (std::size_t i = 0; i < effects.size(); ++i) {
         const double y = 22.0 + 22.0 * static_cast<double>(i);
-        canvas.text({220.0, y + 13.0}, diagnosis::plainWords(seen[i].label),
+        canvas.text({220.0, y + 13.0}, diagnosis::plainWords(effects[i].label),
                     {theme::labelSize, theme::ink, Anchor::End});
-        canvas.rectangle({230.0, y + 2.0, 360.0 * std::sqrt(seen[i].gain / most), 14.0}, {.fill = theme::unloading});
-        canvas.text({610.0, y + 13.0}, smallestSeen(seen[i].visible), {theme::labelSize, theme::muted});
+        canvas.rectangle({230.0, y + 2.0, 360.0 * std::sqrt(effects[i].gain / most), 14.0}, {.fill = theme::unloading});
+        canvas.text({610.0, y + 13.0}, detectableText(effects[i].detectable), {theme::labelSize, theme::muted});
     }
     return canvas.finish();
 }
@@ -341,14 +342,14 @@ std::string similarityFigure(const Diagnosis& d) {
         return {};
     constexpr double kCell = 54.0, kLeft = 200.0, kTop = 14.0;
     const double side = kCell * static_cast<double>(n);
-    SvgCanvas canvas(kLeft + side + 20.0, kTop + side + 10.0, "similarity", "likeness of the effects' signatures");
+    SvgCanvas canvas(kLeft + side + 20.0, kTop + side + 10.0, "similarity", "similarity of the effects' signatures");
     for (std::size_t i = 0; i < n; ++i) {
         const double y = kTop + kCell * static_cast<double>(i);
         canvas.text({kLeft - 8.0, y + 32.0}, diagnosis::plainWords(d.similarityLabels[i]),
                     {theme::labelSize, theme::ink, Anchor::End});
         for (std::size_t j = 0; j < n; ++j) {
             const double x = kLeft + kCell * static_cast<double>(j), v = d.similarity[i][j];
-            canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = report::signedColour(0.8 * v)});
+            canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = graphics::signedColour(0.8 * v)});
             canvas.text({x + 0.5 * kCell, y + 32.0}, fixed(v, 2), {theme::tickSize, theme::ink, Anchor::Middle});
         }
     }
@@ -372,7 +373,7 @@ std::vector<Point> naturalLine(const experiment::Specimen& s) {
     return points;
 }
 
-/// Arc fraction of the first effect's place, -1: it has none.
+/// Arc fraction of the first effect's position, -1: it has none.
 double placeOf(const Diagnosis& d) {
     if (!d.effects.empty())
         for (const diagnosis::FittedParameter& p : d.effects.front().parameters)
@@ -391,7 +392,7 @@ std::string specimenFigure(const Diagnosis& d, const experiment::Experiment& e) 
     SvgCanvas canvas(width * static_cast<double>(e.specimens.size()), 260.0, "specimen", "where along the specimen");
     for (std::size_t s = 0; s < e.specimens.size(); ++s) {
         std::vector<Point> line = naturalLine(e.specimens[s]);
-        Range x{0.0, 0.0}, y{0.0, 0.0};
+        AxisRange x{0.0, 0.0}, y{0.0, 0.0};
         for (const Point& p : line) {
             x = {std::min(x.lo, p.x), std::max(x.hi, p.x)};
             y = {std::min(y.lo, p.y), std::max(y.hi, p.y)};
@@ -409,7 +410,7 @@ std::string specimenFigure(const Diagnosis& d, const experiment::Experiment& e) 
                 canvas.circle(at(m.arcFraction), 4.0, {.fill = theme::driven});
         const bool here =
             place >= 0.0 && (e.specimens.size() == 1 ||
-                             d.effects.front().form.find("specimen " + e.specimens[s].id) != std::string::npos);
+                             d.effects.front().variant.find("specimen " + e.specimens[s].id) != std::string::npos);
         if (here) {
             canvas.circle(at(place), 11.0, {.stroke = {{theme::loading, 3.0}}});
             canvas.text({at(place).x, at(place).y - 18.0}, "arc fraction " + fixed(place, 2),

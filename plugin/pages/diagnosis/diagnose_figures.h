@@ -1,5 +1,5 @@
 #pragma once
-// The figures of the verb `diagnose`, as SVG for its page and the main ones as PNG.
+// The figures of the subcommand `diagnose`, as SVG for its page and the main ones as PNG.
 
 #include "plugin/identification/diagnosis/result.h"
 #include "plugin/recording/experiment/experiment.h"
@@ -11,23 +11,23 @@
 
 namespace supercircle::cli {
 
-/// What the improved simulation has: "the most probable effect", or that it is two.
+/// Name of the improved simulation: "the most probable effect" or "the most probable pair".
 std::string improvedBy(const diagnosis::Diagnosis& diagnosis);
-/// Force over displacement, recorded and simulated; below over time in noise units what is left, windows marked.
+/// Force over displacement, recorded and simulated; standardised residual over time with significant windows marked.
 std::string runFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run);
-/// What is left of each marker coordinate over time, in noise units, windows marked; empty without markers.
+/// Standardised residual of each marker coordinate over time with significant windows marked; empty without markers.
 std::string markerFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run);
-/// A bar per probability: effects, "nothing", "none of these".
+/// A bar for each explanation: effects, "no missing effect", too small to be detected, outside the catalogue.
 std::string probabilityFigure(const diagnosis::Diagnosis& diagnosis);
 /// The three above as PNG: run_1_diagnosis.png, run_1_markers.png, ..., probabilities.png.
 record::Result<std::vector<record::NamedText>> diagnosisPictures(const diagnosis::Diagnosis& diagnosis);
-/// What the screen explains of the misfit, and the smallest size these runs show.
+/// Screening gain of each effect, and its detectable amplitude.
 std::string screenFigure(const diagnosis::Diagnosis& diagnosis);
-/// A learned law with its band (one and two deviations) where the runs have been.
+/// A learned law with bands of one and two sigma in the range that the runs cover.
 std::string learnedFigure(const diagnosis::Diagnosis& diagnosis, std::size_t law);
 /// Cosines between the fitted effects' signatures; empty with fewer than two.
 std::string similarityFigure(const diagnosis::Diagnosis& diagnosis);
-/// The specimens as described, with what was found marked; empty where no place is known.
+/// The described specimens with markers and the position of the effect; empty without either.
 std::string specimenFigure(const diagnosis::Diagnosis& diagnosis, const experiment::Experiment& experiment);
 
 } // namespace supercircle::cli

@@ -1,6 +1,7 @@
-#include "plugin/identification/diagnosis/next.h"
+#include "plugin/identification/diagnosis/next_experiment.h"
 #include "plugin/pages/diagnosis/diagnose_page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -10,17 +11,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using diagnosis::Diagnosis;
-using diagnosis::FoundEffect;
-using diagnosis::Window;
+using diagnosis::FittedEffect;
+using diagnosis::ResidualWindow;
 
 Json finite(double v) {
     return std::isfinite(v) ? Json(v) : Json(nullptr);
 }
 
 Json windowsOf(const diagnosis::Localisation& l) {
-    static constexpr const char* kKinds[] = {"shift", "energy", "effect"}; // of diagnosis::Seen
+    static constexpr const char* kKinds[] = {"shift", "energy", "effect"}; // of diagnosis::StatisticKind
     Json all = Json::array();
-    for (const Window& w : l.significant)
+    for (const ResidualWindow& w : l.significant)
         all.push_back({{"run", w.run},
                        {"t_start_s", w.timeFrom},
                        {"t_end_s", w.timeTo},
@@ -31,55 +32,80 @@ Json windowsOf(const diagnosis::Localisation& l) {
                        {"z", w.z},
                        {"p_value", w.p},
                        {"arc_fraction", w.ofMarker() ? Json(w.arcFraction) : Json(nullptr)},
-                       {"kind", kKinds[static_cast<std::size_t>(w.by)]}});
+                       {"kind", kKinds[static_cast<std::size_t>(w.kind)]}});
     return all;
 }
 
-/// Of an effect that may act to either side, else null.
-Json sizesOf(const diagnosis::Interval& ci) {
-    if (!ci.eitherSide)
+/// Interval of the magnitude where the sign is ambiguous, else null.
+Json strengthOf(const diagnosis::Interval& ci) {
+    if (!ci.signAmbiguous)
         return nullptr;
-    return {finite(ci.least), finite(std::max(std::abs(ci.low), std::abs(ci.high)))};
+    return {finite(ci.smallestMagnitude), finite(std::max(std::abs(ci.low), std::abs(ci.high)))};
 }
 
-Json parametersOf(const std::vector<diagnosis::FittedParameter>& all) {
+Json parametersOf(const std::vector<diagnosis::FittedParameter>& all, const std::vector<std::string>& atBound) {
     Json out = Json::object();
     for (const diagnosis::FittedParameter& p : all)
         out[p.name] = {{"value", finite(p.value)},
                        {"unit", p.unit},
                        {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}},
-                       {"either_side", p.ci90.eitherSide},
-                       {"size_ci90", sizesOf(p.ci90)},
-                       {"shown_only_by", p.only.empty() ? Json(nullptr) : Json(p.only)}};
+                       {"resolves_sign", !p.ci90.signAmbiguous},
+                       {"strength_ci90", strengthOf(p.ci90)},
+                       {"at_prior_bound", std::find(atBound.begin(), atBound.end(), p.name) != atBound.end()},
+                       {"identified_only_by", p.identifiedOnlyBy.empty() ? Json(nullptr) : Json(p.identifiedOnlyBy)}};
     return out;
 }
 
-Json effectOf(const FoundEffect& e, const std::string& unit) {
-    return {{"label", e.label},
-            {"probability", e.probability},
-            {"group", e.group},
-            {"together_with", e.with},
-            {"pressed_beyond_plausible", e.pressed},
-            {"slot", e.slot},
-            {"law", e.form.empty() ? e.law : e.form + ": " + e.law},
-            {"parameters", parametersOf(e.parameters)},
-            {"products", parametersOf(e.products)},
-            {"heldout_gain", e.gain},
-            {"heldout_gain_error", e.gainError},
-            {"training_rmse" + unit, e.trainingRmse},
-            {"heldout_rmse" + unit, e.heldOutRmse},
-            {"misfit_per_row", e.misfitPerRow}};
+/// Where the most probable effect is visible in the readings.
+Json visibleIntervalsOf(const Diagnosis& d) {
+    Json all = Json::array();
+    for (const diagnosis::RunCurves& run : d.runs)
+        for (const diagnosis::TimeInterval& s : run.visibleIntervals)
+            all.push_back({{"run", run.name}, {"t_start_s", s.from}, {"t_end_s", s.to}});
+    return all;
 }
 
-Json screenOf(const Diagnosis& d) {
+Json effectsOf(const Diagnosis& d) {
+    const std::string unit = "_" + d.unit;
     Json all = Json::array();
-    for (const diagnosis::SeenEffect& s : d.seen)
-        all.push_back({{"label", s.label},
-                       {"explains", s.gain},
-                       {"absorbed_share", s.absorbed},
-                       {"visible_in_relevant_sizes", finite(s.visible)},
-                       {"probability_unseen", s.unseen}});
+    for (const FittedEffect& e : d.effects)
+        all.push_back({{"label", e.label},
+                       {"probability", e.probability},
+                       {"confounded_with", e.confoundedWith},
+                       {"joint_with", e.jointWith},
+                       {"slot", e.slot},
+                       {"law", e.variant.empty() ? e.law : e.variant + ": " + e.law},
+                       {"parameters", parametersOf(e.parameters, e.atBound)},
+                       {"derived", parametersOf(e.derived, e.atBound)},
+                       {"delta_chi2", e.deltaChiSquared},
+                       {"heldout_gain", e.gain},
+                       {"heldout_gain_error", e.gainError},
+                       {"training_rmse" + unit, e.trainingRmse},
+                       {"heldout_rmse" + unit, e.heldOutRmse},
+                       {"chi2_per_reading", e.chiSquaredPerReading},
+                       {"visible_intervals", &e == &d.effects.front() ? visibleIntervalsOf(d) : Json::array()}});
     return all;
+}
+
+Json screeningOf(const Diagnosis& d) {
+    Json all = Json::array();
+    for (const diagnosis::ScreenedEffect& s : d.screening)
+        all.push_back({{"label", s.label},
+                       {"delta_chi2", s.gain},
+                       {"p_value", diagnosis::screeningP(s)},
+                       {"absorbed_fraction", s.absorbedFraction},
+                       {"detectable_at_relevant_size", finite(s.detectable)},
+                       {"probability_undetectable", s.undetectable}});
+    return all;
+}
+
+/// Smallest and largest state that the runs cover, or null.
+Json stateRangeOf(const diagnosis::LearnedLaw& l) {
+    Json range = nullptr;
+    for (std::size_t i = 0; i < l.states.size(); ++i)
+        if (l.inStateRange[i])
+            range = {range.is_null() ? Json(l.states[i]) : range[0], l.states[i]};
+    return range;
 }
 
 Json learnedOf(const Diagnosis& d) {
@@ -88,98 +114,110 @@ Json learnedOf(const Diagnosis& d) {
         all.push_back({{"label", l.label},
                        {"slot", l.slot},
                        {"law", l.law},
-                       {"words", l.words},
+                       {"description", l.description},
                        {"probability", l.probability},
                        {"heldout_gain", l.gain},
                        {"heldout_gain_error", l.gainError},
                        {"heldout_rmse_N", l.heldOutRmse},
-                       {"of", l.of},
-                       {"of_unit", l.ofUnit},
-                       {"over", l.over},
-                       {"over_unit", l.overUnit},
-                       {"at", l.at},
-                       {"value", l.value},
-                       {"std", l.deviation},
-                       {"visited", l.visited}});
+                       {"response", l.response},
+                       {"response_unit", l.responseUnit},
+                       {"state", l.state},
+                       {"state_unit", l.stateUnit},
+                       {"state_range", stateRangeOf(l)},
+                       {"state_values", l.states},
+                       {"response_values", l.value},
+                       {"response_std", l.sigma},
+                       {"in_state_range", l.inStateRange}});
     return all;
 }
 
-Json effectWindowsOf(const Diagnosis& d) {
-    Json all = Json::array();
-    for (const diagnosis::RunCurves& run : d.runs)
-        for (const diagnosis::Stretch& s : run.shows)
-            all.push_back({{"run", run.name}, {"t_start_s", s.from}, {"t_end_s", s.to}});
-    return all;
+Json furtherRunOf(const diagnosis::FurtherRun& r) {
+    return {{"description", r.candidateRun.description},
+            {"repeats", r.repeats},
+            {"drive", {{"time_s", r.candidateRun.time}, {"displacement_m", r.candidateRun.displacement}}},
+            {"specimen_rotation", r.candidateRun.specimenReversed},
+            {"new_markers_arc_fraction", r.candidateRun.markers},
+            {"markers_sampling_Hz", r.candidateRun.markerRate},
+            {"sampling_Hz", r.candidateRun.rate}};
 }
 
+/// The keys of the first run stand at the top level too.
 Json nextOf(const diagnosis::NextExperiment& next) {
+    Json json = {{"description", diagnosis::describeRuns(next.runs)},
+                 {"discriminates", next.discriminates},
+                 {"resolves_sign", next.resolvesSign},
+                 {"expected_power", next.power},
+                 {"expected_conclusive", next.expectedConclusive}};
     Json runs = Json::array();
     for (const diagnosis::FurtherRun& r : next.runs)
-        runs.push_back({{"what", r.design.what},
-                        {"repeats", r.repeats},
-                        {"drive", {{"time_s", r.design.time}, {"displacement_m", r.design.displacement}}},
-                        {"specimen_turned", r.design.turned},
-                        {"new_markers_arc_fraction", r.design.markers},
-                        {"markers_sampling_Hz", r.design.markerRate},
-                        {"sampling_Hz", r.design.rate}});
-    return {{"what", diagnosis::listed(next.runs)}, {"separates", next.separates}, {"tells_side", next.side},
-            {"expected_power", next.power},         {"settles", next.settles},     {"runs", runs}};
+        runs.push_back(furtherRunOf(r));
+    for (const char* key : {"specimen_rotation", "drive", "repeats", "new_markers_arc_fraction"})
+        json[key] = runs.front().at(key);
+    json["runs"] = std::move(runs);
+    return json;
+}
+
+Json noiseOf(const Diagnosis& d) {
+    return {{d.channel + "_std_" + d.unit, d.noise.total()}, {"white_std", d.noise.white},
+            {"correlated_std", d.noise.correlated},          {"correlation_time_s", d.noise.correlationTime},
+            {"excess_kurtosis", d.noise.excessKurtosis},     {"source", d.noise.source},
+            {"marker_std_mm", 1e3 * d.noise.marker}};
+}
+
+Json fitOf(const Diagnosis& d) {
+    const std::string unit = "_" + d.unit;
+    const auto errors = [&](double training, double heldOut) {
+        return Json{{"training_rmse" + unit, finite(training)}, {"heldout_rmse" + unit, finite(heldOut)}};
+    };
+    return {{"baseline", errors(d.baselineTraining, d.baselineHeldOut)},
+            {"improved", errors(d.improvedTraining, d.improvedHeldOut)},
+            {"noise_floor_rmse" + unit, d.noise.total()},
+            {"improvement_ci90", {d.improvementCi.low, d.improvementCi.high}},
+            {"baseline_chi2_per_reading", finite(d.baselineChiSquaredPerReading)}};
+}
+
+Json nominalOf(const Diagnosis& d) {
+    Json out = Json::object();
+    for (const diagnosis::NominalResult& n : d.nominal)
+        out[n.name] = {{"stated", n.stated},
+                       {"uncertainty", n.uncertainty},
+                       {"fitted", n.fitted},
+                       {"standardised_shift", n.standardisedShift},
+                       {"unit", n.unit}};
+    return out;
 }
 
 } // namespace
 
 std::string diagnosisJson(const Diagnosis& d) {
-    const std::string unit = "_" + d.unit;
-    Json effects = Json::array();
-    for (const FoundEffect& e : d.effects)
-        effects.push_back(effectOf(e, unit));
-    Json nominal = Json::object();
-    for (const diagnosis::NominalResult& n : d.nominal)
-        nominal[n.name] = {{"stated", n.stated},
-                           {"uncertainty", n.uncertainty},
-                           {"fitted", n.fitted},
-                           {"tension", n.tension},
-                           {"unit", n.unit}};
-    const auto errors = [&](double training, double heldOut) {
-        return Json{{"training_rmse" + unit, finite(training)}, {"heldout_rmse" + unit, finite(heldOut)}};
-    };
     Json next = nullptr;
     if (d.next)
         next = nextOf(*d.next);
-    const Json json = {
-        {"verdict", d.verdict},
-        {"statement", d.statement},
-        {"noise",
-         {{d.channel + "_std" + unit, d.noise.total()},
-          {"correlation_time_s", d.noise.memory},
-          {"source", d.noise.source},
-          {"white_std" + unit, d.noise.white},
-          {"correlated_std" + unit, d.noise.coloured},
-          {"excess_kurtosis", d.noise.tails},
-          {"marker_std_mm", 1e3 * d.noise.marker}}},
-        {"mismatch", windowsOf(d.mismatch)},
-        {"mismatch_p_value", d.mismatch.p},
-        {"effects", effects},
-        {"effect_windows", effectWindowsOf(d)},
-        {"probability_nothing", d.nothing},
-        {"probability_unseen", d.unseen()},
-        {"probability_unknown", d.unknown},
-        {"fit",
-         {{"baseline", errors(d.baselineTraining, d.baselineHeldOut)},
-          {"improved", errors(d.improvedTraining, d.improvedHeldOut)},
-          {"noise_floor_rmse" + unit, d.noise.total()},
-          {"improvement_ci90", {d.improvementCi.low, d.improvementCi.high}},
-          {"baseline_misfit_per_row", finite(d.baselinePerRow)}}},
-        {"nominal", nominal},
-        {"homogeneity", {{"q", d.homogeneity.q}, {"degrees", d.homogeneity.degrees}, {"p_value", d.homogeneity.p}}},
-        {"left_over", windowsOf(d.left)},
-        {"learned_laws", learnedOf(d)},
-        {"screen", screenOf(d)},
-        {"next_experiment", next},
-        {"notes", d.notes},
-        {"seed", d.seed},
-        {"elapsed_s", d.elapsed},
-        {"forward_runs", d.forwardRuns}};
+    const Json json = {{"schema", "supercircle-diagnosis/2"},
+                       {"verdict", d.verdict},
+                       {"statement", d.statement},
+                       {"probability_adequate", d.adequate},
+                       {"probability_undetectable", d.undetectable()},
+                       {"probability_outside_catalogue", d.outsideCatalogue},
+                       {"misfit_p_value", d.misfit.p},
+                       {"notes", d.notes},
+                       {"noise", noiseOf(d)},
+                       {"misfit_intervals", windowsOf(d.misfit)},
+                       {"effects", effectsOf(d)},
+                       {"screening", screeningOf(d)},
+                       {"residual_after_best", windowsOf(d.residualAfterBest)},
+                       {"learned_laws", learnedOf(d)},
+                       {"fit", fitOf(d)},
+                       {"nominal", nominalOf(d)},
+                       {"homogeneity",
+                        {{"shift", d.homogeneity.shift()},
+                         {"p_value", d.homogeneity.p},
+                         {"chi2", d.homogeneity.q},
+                         {"degrees_of_freedom", d.homogeneity.degrees}}},
+                       {"next_experiment", next},
+                       {"seed", d.seed},
+                       {"forward_runs", d.forwardRuns},
+                       {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

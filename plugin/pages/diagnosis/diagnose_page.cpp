@@ -2,9 +2,9 @@
 
 #include "plugin/pages/diagnosis/diagnose_figures.h"
 
-#include "plugin/graphics/page_parts.h"
+#include "plugin/graphics/page_builder.h"
 #include "plugin/graphics/svg_canvas.h"
-#include "plugin/identification/diagnosis/next.h"
+#include "plugin/identification/diagnosis/next_experiment.h"
 #include "plugin/recording/table/rounded.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ using record::fixed;
 using record::rounded;
 
 using diagnosis::Diagnosis;
-using report::escaped;
+using graphics::escaped;
 
 std::string section(const std::string& title, const std::string& body) {
     return body.empty() ? "" : "<div class=\"grid\"><section><h2>" + title + "</h2>" + body + "</section></div>";
@@ -29,21 +29,10 @@ std::string scroll(const std::string& figure) {
     return figure.empty() ? "" : "<div class=\"scroll wide\">" + figure + "</div>";
 }
 
-std::string verdictWords(const std::string& verdict) {
-    if (verdict == "nothing_missing")
-        return "Nothing is missing";
-    if (verdict == "named")
-        return "The missing physics has a name";
-    if (verdict == "unexplained")
-        return "Something is missing, and it is none of the effects we know";
-    return verdict == "ambiguous" ? "Something is missing, but these runs do not decide what"
-                                  : "These runs do not hold enough information";
-}
-
 std::string errorTable(const Diagnosis& d) {
     const double floor = std::max(1e-300, d.noise.total());
-    std::string html = "<table><tr><th></th><th>error on the runs fitted</th><th>on runs held out</th>"
-                       "<th>held out, in units of the noise</th></tr>";
+    std::string html = "<table><tr><th></th><th>training error</th><th>held-out error</th>"
+                       "<th>held-out error / noise</th></tr>";
     const auto row = [&](const std::string& what, double training, double held) {
         html += "<tr><td>" + what + "</td><td>" + rounded(training, 4) + " " + d.unit + "</td><td>" + rounded(held, 4) +
                 " " + d.unit + "</td><td>" + fixed(held / floor, 2) + "</td></tr>";
@@ -51,15 +40,14 @@ std::string errorTable(const Diagnosis& d) {
     row("without extra physics", d.baselineTraining, d.baselineHeldOut);
     if (d.improved) {
         std::string acting = diagnosis::plainWords(d.effects.front().label);
-        for (const std::string& label : d.effects.front().with)
+        for (const std::string& label : d.effects.front().jointWith)
             acting += " and " + diagnosis::plainWords(label);
         row("with " + escaped(acting), d.improvedTraining, d.improvedHeldOut);
     }
-    html += "</table><p>Sensor noise: " + rounded(floor, 4) + " " + d.unit + ", learnt from " +
+    html += "</table><p>Sensor noise: " + rounded(floor, 4) + " " + d.unit + ", estimated from " +
             escaped(d.noise.source) + ".";
     if (d.improved)
-        html += " Weighed by what a reading is worth (its noise, what that remembers, and the simulation's own error), "
-                "the held-out error falls by " +
+        html += " Weighted by noise, its correlation and the model error, the held-out error falls by " +
                 fixed(100.0 * d.improvement, 0) + " % (90 % interval " + fixed(100.0 * d.improvementCi.low, 0) +
                 " to " + fixed(100.0 * d.improvementCi.high, 0) + " %).";
     return html + "</p>";
@@ -68,58 +56,59 @@ std::string errorTable(const Diagnosis& d) {
 std::string effectTable(const Diagnosis& d) {
     if (d.effects.empty())
         return {};
-    std::string html = "<table><tr><th>effect</th><th>probability</th><th>gain on unseen runs</th><th>law and fitted "
-                       "values (90 % intervals)</th><th>not to be told from</th></tr>";
-    for (const diagnosis::FoundEffect& e : d.effects) {
+    std::string html = "<table><tr><th>effect</th><th>probability</th><th>held-out gain</th><th>law and fitted "
+                       "values (90 % intervals)</th><th>confounded with</th></tr>";
+    for (const diagnosis::FittedEffect& e : d.effects) {
         std::string values;
         const auto write = [&](const diagnosis::FittedParameter& p) {
             values += "<br>" + escaped(p.name) + " = " + rounded(p.value, 4) + " [" + rounded(p.ci90.low, 4) + ", " +
                       rounded(p.ci90.high, 4) + "]" + (p.unit == "1" ? "" : " " + escaped(p.unit));
-            if (std::find(e.pressed.begin(), e.pressed.end(), p.name) != e.pressed.end())
-                values += " (the largest that is plausible; the runs want more)";
-            if (p.ci90.eitherSide)
-                values += " (or to the other side, which these runs do not tell)";
-            if (!p.only.empty())
-                values += " (shown by " + escaped(p.only) + " only)";
+            if (std::find(e.atBound.begin(), e.atBound.end(), p.name) != e.atBound.end())
+                values += " (at the end of its plausible range; the runs require more)";
+            if (p.ci90.signAmbiguous)
+                values += " (or with the opposite sign, which these runs do not resolve)";
+            if (!p.identifiedOnlyBy.empty())
+                values += " (identified by " + escaped(p.identifiedOnlyBy) + " only)";
             if (!p.about.empty())
                 values += " <small>" + escaped(p.about) + "</small>";
         };
         std::for_each(e.parameters.begin(), e.parameters.end(), write);
-        if (!e.products.empty())
-            values += "<br>in all:";
-        std::for_each(e.products.begin(), e.products.end(), write);
+        if (!e.derived.empty())
+            values += "<br>derived:";
+        std::for_each(e.derived.begin(), e.derived.end(), write);
         std::string group;
-        for (std::size_t i = 1; i < e.group.size(); ++i)
-            group += (i > 1 ? ", " : "") + escaped(diagnosis::plainWords(e.group[i]));
+        for (std::size_t i = 1; i < e.confoundedWith.size(); ++i)
+            group += (i > 1 ? ", " : "") + escaped(diagnosis::plainWords(e.confoundedWith[i]));
         std::string with;
-        for (const std::string& label : e.with)
-            with += "<br>together with " + escaped(diagnosis::plainWords(label));
+        for (const std::string& label : e.jointWith)
+            with += "<br>jointly with " + escaped(diagnosis::plainWords(label));
         html += "<tr><td>" + escaped(diagnosis::plainWords(e.label)) +
-                (e.form.empty() ? "" : "<br>(" + escaped(e.form) + ")") + with + "</td><td>" +
+                (e.variant.empty() ? "" : "<br>(" + escaped(e.variant) + ")") + with + "</td><td>" +
                 fixed(100.0 * e.probability, 1) + " %</td><td>" + fixed(e.gain, 0) + " ± " + fixed(e.gainError, 0) +
                 "</td><td>" + escaped(e.law) + values + "</td><td>" + group + "</td></tr>";
     }
     return html + "</table>";
 }
 
-/// @param driven whether a machine moves something, else nothing has a displacement
+/// @param driven whether a drive defines a displacement
 std::string windowTable(const diagnosis::Localisation& l, bool driven) {
-    static constexpr const char* kOf[] = {"", " (energy)", " (of the whole trace)"}; // diagnosis::Seen
-    const bool none = l.significant.empty(), trace = !none && l.significant.front().by == diagnosis::Seen::Trace;
+    static constexpr const char* kOf[] = {"", " (energy)", " (signature of the effect)"}; // diagnosis::Seen
+    const bool none = l.significant.empty(),
+               trace = !none && l.significant.front().kind == diagnosis::StatisticKind::Signature;
     std::string html;
     if (none || trace)
-        html = std::string("<p>No window stands out of the noise") +
-               (l.p <= diagnosis::kFamilyWise ? ", but the trace an effect would leave in all readings does" : "") +
-               " (p = " + fixed(l.p, 3) + " for the largest of " + std::to_string(l.family) + ")." +
-               (trace ? " Where the most probable effect shows (blue bars in the figures):" : "") + "</p>";
+        html = std::string("<p>No single window is significant") +
+               (l.p <= diagnosis::kFamilyWise ? ", but the signature of an effect in all readings is" : "") +
+               " (p = " + fixed(l.p, 3) + " for the largest of " + std::to_string(l.familySize) + ")." +
+               (trace ? " The most probable effect is visible here (blue bars in the figures):" : "") + "</p>";
     if (none)
         return html;
     html += std::string("<table><tr><th>run</th><th>reading</th><th>time</th>") +
             (driven ? "<th>displacement</th>" : "") +
-            "<th>phase</th><th>size (deviations)</th><th>p, over all windows</th></tr>";
-    // The largest of the reading and of the markers, which would fill the table.
+            "<th>phase</th><th>statistic (sigma)</th><th>p, family-wise</th></tr>";
+    // Separate quotas for the reading and for markers.
     std::array<int, 2> count = {};
-    for (const diagnosis::Window& w : l.significant) {
+    for (const diagnosis::ResidualWindow& w : l.significant) {
         if (++count[w.ofMarker() ? 1 : 0] > 12)
             continue;
         html +=
@@ -128,25 +117,28 @@ std::string windowTable(const diagnosis::Localisation& l, bool driven) {
             fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
             (driven ? fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>"
                     : "") +
-            w.phase + "</td><td>" + fixed(w.z, 1) + kOf[static_cast<std::size_t>(w.by)] + "</td><td>" + fixed(w.p, 3) +
-            "</td></tr>";
+            w.phase + "</td><td>" + fixed(w.z, 1) + kOf[static_cast<std::size_t>(w.kind)] + "</td><td>" +
+            fixed(w.p, 3) + "</td></tr>";
     }
     return html + "</table>";
 }
 
 std::string nominalTable(const Diagnosis& d) {
-    std::string html = "<table><tr><th>parameter</th><th>stated</th><th>fitted</th><th>place in its interval (-1 to "
+    std::string html = "<table><tr><th>parameter</th><th>stated</th><th>fitted</th><th>shift in half-widths (-1 to "
                        "1)</th></tr>";
     for (const diagnosis::NominalResult& n : d.nominal)
         html += "<tr><td>" + escaped(diagnosis::plainWords(n.name)) + "</td><td>" + rounded(n.stated, 4) + " ± " +
                 rounded(n.uncertainty, 2) + " " + (n.unit == "1" ? "" : escaped(n.unit)) + "</td><td>" +
-                rounded(n.fitted, 4) + "</td><td>" + fixed(n.tension, 2) + "</td></tr>";
+                rounded(n.fitted, 4) + "</td><td>" + fixed(n.standardisedShift, 2) + "</td></tr>";
     html += "</table>";
     if (d.homogeneity.degrees == 0.0) // one run
         return html;
-    html += "<p>Do single runs ask for the same parameters? Q = " + fixed(d.homogeneity.q, 1) + " with " +
+    html += "<p>Homogeneity of the parameters over the runs: Q = " + fixed(d.homogeneity.q, 1) + " with " +
             fixed(d.homogeneity.degrees, 0) + " degrees of freedom, p = " + rounded(d.homogeneity.p, 2) +
-            (d.homogeneity.p < 0.01 ? ": no. Something that changes from run to run is missing." : ": yes.") + "</p>";
+            (d.homogeneity.p < 0.01
+                 ? ". The runs require different parameters: an effect that changes from run to run is missing."
+                 : ". All runs agree with the same parameters.") +
+            "</p>";
     return html;
 }
 
@@ -154,15 +146,16 @@ std::string learnedText(const Diagnosis& d) {
     std::string html;
     for (std::size_t i = 0; i < d.learned.size(); ++i) {
         const diagnosis::LearnedLaw& l = d.learned[i];
-        html += "<p>" + escaped(diagnosis::plainWords(l.label)) + ": " + escaped(l.words) + ". Gain on unseen runs " +
-                fixed(l.gain, 0) + " ± " + fixed(l.gainError, 0) + ", error there " + rounded(l.heldOutRmse, 4) + " " +
-                d.unit + ", probability " + fixed(100.0 * l.probability, 1) + " %.</p>" + scroll(learnedFigure(d, i));
+        html += "<p>" + escaped(diagnosis::plainWords(l.label)) + ": " + escaped(l.description) + ". Held-out gain " +
+                fixed(l.gain, 0) + " ± " + fixed(l.gainError, 0) + ", held-out error " + rounded(l.heldOutRmse, 4) +
+                " " + d.unit + ", probability " + fixed(100.0 * l.probability, 1) + " %.</p>" +
+                scroll(learnedFigure(d, i));
     }
     return html;
 }
 
-/// What the machine is to do, row by row.
-std::string driveTable(const diagnosis::Design& run) {
+/// Motion of the drive, row by row.
+std::string driveTable(const diagnosis::CandidateRun& run) {
     if (run.time.empty())
         return {};
     std::string html = "<table><tr><th>time, s</th><th>displacement, mm</th></tr>";
@@ -175,30 +168,31 @@ std::string driveTable(const diagnosis::Design& run) {
     return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz" +
            (run.markerRate > 0.0 ? ", markers at " + rounded(run.markerRate, 2) + " Hz." : ".") + markers +
            (markers.empty() ? "" : ".") +
-           (run.turned ? " Its first end where the last one was, bent to the same side as before; the run's entry in "
-                         "experiment.json says \"specimen_turned\": true."
-                       : "") +
+           (run.specimenReversed ? " Exchange the two ends of the specimen without turning it over; the run's entry in "
+                                   "experiment.json has \"specimen_turned\": true."
+                                 : "") +
            "</p>";
 }
 
 std::string nextText(const Diagnosis& d) {
     if (!d.next)
-        return d.nextTried > 0 ? "<p>" + escaped(diagnosis::noneTells(d)) + "</p>" : std::string();
+        return d.candidateRunsConsidered > 0 ? "<p>" + escaped(diagnosis::noRunDiscriminates(d)) + "</p>"
+                                             : std::string();
     std::string all;
-    const std::vector<std::string>& labels = d.next->separates;
+    const std::vector<std::string>& labels = d.next->discriminates;
     for (std::size_t i = 0; i < labels.size(); ++i)
         all += (i == 0 ? "" : i + 1 == labels.size() ? " and " : ", ") + escaped(diagnosis::plainWords(labels[i]));
-    std::string told = labels.size() > 1 ? all + " apart" : "";
-    if (d.next->side)
-        told += (told.empty() ? "" : ", and ") + ("to which side " + escaped(diagnosis::plainWords(labels.front()))) +
-                " acts";
+    std::string told = labels.size() > 1 ? "discriminate " + all : "";
+    if (d.next->resolvesSign)
+        told +=
+            (told.empty() ? "" : " and ") + ("resolve the sign of " + escaped(diagnosis::plainWords(labels.front())));
     const bool several = d.next->runs.size() > 1;
-    std::string html = "<p>" + escaped(diagnosis::inWords(*d.next)) + (several ? ". Together they " : ". It ") +
-                       (d.next->settles ? several ? "tell " : "tells " : "would tell ") + told +
-                       " with a power of at most " + fixed(100.0 * d.next->power, 0) + " %.</p>";
+    std::string html = "<p>" + escaped(diagnosis::describeNext(*d.next)) + (several ? ". Together they " : ". It ") +
+                       (d.next->expectedConclusive ? "should " : "could ") + told + " with a power of at most " +
+                       fixed(100.0 * d.next->power, 0) + " %.</p>";
     for (const diagnosis::FurtherRun& run : d.next->runs)
-        html +=
-            (several ? "<p>" + escaped(diagnosis::listed({run})) + ":</p>" : std::string()) + driveTable(run.design);
+        html += (several ? "<p>" + escaped(diagnosis::describeRuns({run})) + ":</p>" : std::string()) +
+                driveTable(run.candidateRun);
     return html;
 }
 
@@ -207,29 +201,28 @@ std::string nextText(const Diagnosis& d) {
 std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     std::string html =
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Diagnosis</title><style>" +
-        std::string(report::pageStyle()) +
+        std::string(graphics::pageStyle()) +
         "table{border-collapse:collapse;font-size:14px}td,th{padding:3px 14px 3px 0;text-align:left;"
         "vertical-align:top}</style></head><body><main><header><h1>" +
-        verdictWords(d.verdict) + "</h1><p>" + escaped(d.statement) + "</p><p>" + escaped(e.description) +
+        diagnosis::verdictTitle(d.verdict) + "</h1><p>" + escaped(d.statement) + "</p><p>" + escaped(e.description) +
         "</p></header>";
-    html += section("How probable each explanation is", scroll(probabilityFigure(d)) + effectTable(d));
-    const bool looked = d.noise.total() > 0.0; // without noise nothing was simulated
+    html += section("Probability of each explanation", scroll(probabilityFigure(d)) + effectTable(d));
+    const bool looked = d.noise.total() > 0.0; // without a noise estimate nothing is simulated
     html += section("Errors", looked ? errorTable(d) : "");
     for (std::size_t r = 0; r < d.runs.size(); ++r)
         html += section(escaped(d.runs[r].name), scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
-    html +=
-        section("Where the simulation without extra physics misses", looked ? windowTable(d.mismatch, d.driven()) : "");
+    html += section("Misfit of the simulation without extra physics", looked ? windowTable(d.misfit, d.driven()) : "");
     if (d.improved)
-        html += section("Where it still misses with " + improvedBy(d), windowTable(d.left, d.driven()));
-    html += section("Where on the specimen", scroll(specimenFigure(d, e)));
-    html += section("Laws learned from the runs, where no effect of the catalogue explains them", learnedText(d));
-    html += section("A first look at the whole catalogue", looked ? scroll(screenFigure(d)) : "");
-    html += section("How alike the effects look in these runs (cosines; 1: the same)", scroll(similarityFigure(d)));
+        html += section("Misfit with " + improvedBy(d), windowTable(d.residualAfterBest, d.driven()));
+    html += section("Position on the specimen", scroll(specimenFigure(d, e)));
+    html += section("Laws learned from the runs", learnedText(d));
+    html += section("Screening of the catalogue", looked ? scroll(screenFigure(d)) : "");
+    html += section("Similarity of the effects in these runs (cosines; 1: equal)", scroll(similarityFigure(d)));
     html += section("Stated and fitted parameters", looked ? nominalTable(d) : "");
-    html += section("The next experiment", nextText(d));
+    html += section("Next experiment", nextText(d));
     html += section("About this page", "<p>" + std::to_string(d.forwardRuns) + " simulated runs, seed " +
                                            std::to_string(d.seed) +
-                                           ". The method is told in docs/diagnosis.md. All numbers: "
+                                           ". Method: docs/theory/diagnosis.md. All numbers: "
                                            "diagnosis.json.</p>");
     return html + "</main></body></html>\n";
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The verb `diagnose` as a JSON file and a page.
+// Result of the subcommand `diagnose` as a JSON file and a page.
 
 #include "plugin/identification/diagnosis/result.h"
 #include "plugin/recording/experiment/experiment.h"
@@ -8,7 +8,7 @@
 
 namespace supercircle::cli {
 
-/// diagnosis.json (docs/diagnosis.md tells its fields).
+/// diagnosis.json, schema supercircle-diagnosis/2.
 std::string diagnosisJson(const diagnosis::Diagnosis& diagnosis);
 
 /// One self-contained HTML page.

@@ -1,7 +1,7 @@
 #include "plugin/pages/replay/replay_page.h"
 
 #include "plugin/graphics/cairo_canvas.h"
-#include "plugin/graphics/page_parts.h"
+#include "plugin/graphics/page_builder.h"
 #include "plugin/graphics/plot.h"
 #include "plugin/graphics/svg_canvas.h"
 #include "plugin/graphics/theme.h"
@@ -18,28 +18,28 @@ namespace {
 using record::fixed;
 using record::rounded;
 
-using report::Anchor;
-using report::Canvas;
-using report::Plot;
-using report::PlotStyle;
-using report::Range;
-using report::Rect;
-namespace theme = report::theme;
+using graphics::Anchor;
+using graphics::AxisRange;
+using graphics::Canvas;
+using graphics::Plot;
+using graphics::PlotStyle;
+using graphics::Rect;
+namespace theme = graphics::theme;
 
 constexpr double kWidth = 1180.0, kHeight = 560.0; // px
-constexpr report::Colour kRecorded = theme::ink, kSimulated = theme::loading, kResidual = theme::unloading;
+constexpr graphics::Colour kRecorded = theme::ink, kSimulated = theme::loading, kResidual = theme::unloading;
 
-void widen(Range& range, const std::vector<double>& values) {
+void widen(AxisRange& range, const std::vector<double>& values) {
     for (const double v : values)
         if (std::isfinite(v))
             range = {std::min(range.lo, v), std::max(range.hi, v)};
 }
 
-Range rangeOf(std::initializer_list<const std::vector<double>*> columns) {
-    Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+AxisRange rangeOf(std::initializer_list<const std::vector<double>*> columns) {
+    AxisRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     for (const std::vector<double>* c : columns)
         widen(range, *c);
-    return report::padded(range, 0.05);
+    return graphics::padded(range, 0.05);
 }
 
 struct Columns {
@@ -51,10 +51,10 @@ struct Columns {
 void drawWindows(Canvas& canvas, const Plot& plot, const Columns& c) {
     const std::vector<double>& time = c.recorded.time;
     for (std::size_t i = 0; i < time.size(); ++i) {
-        if (!c.comparison.inWindow[i])
+        if (!c.comparison.excluded[i])
             continue;
         std::size_t j = i;
-        while (j + 1 < time.size() && c.comparison.inWindow[j + 1])
+        while (j + 1 < time.size() && c.comparison.excluded[j + 1])
             ++j;
         const double left = plot.at(time[i], 0.0).x, right = plot.at(time[j], 0.0).x;
         canvas.rectangle({left, plot.area.y, right - left, plot.area.height}, {.fill = theme::grid});
@@ -71,39 +71,39 @@ void drawForces(Canvas& canvas, const Plot& plot, const std::vector<double>& x, 
 }
 
 void drawLegend(Canvas& canvas, double x, double y) {
-    const auto entry = [&](const char* word, const report::Colour& colour, double width) {
+    const auto entry = [&](const char* word, const graphics::Colour& colour, double width) {
         canvas.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {colour, width});
         canvas.text({x + 30.0, y}, word, {theme::labelSize, theme::muted});
-        x += 46.0 + report::textWidth(word, theme::labelSize);
+        x += 46.0 + graphics::textWidth(word, theme::labelSize);
     };
     entry("recorded", kRecorded, 2.6);
     entry("simulated", kSimulated, 1.2);
     entry("simulated - recorded", kResidual, 1.2);
     canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = theme::grid});
-    canvas.text({x + 30.0, y}, "left out around jumps", {theme::labelSize, theme::muted});
+    canvas.text({x + 30.0, y}, "excluded around jumps", {theme::labelSize, theme::muted});
 }
 
-/// Forces over displacement on the left; over time on the right, the residual below.
+/// Force over displacement on the left, over time on the right with the residual below.
 void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::Run& run, const ReplayedRun& done) {
     const Columns c{run.readings, done.simulated.readings, done.comparison};
     const experiment::Channel& channel = experiment::channel(e);
     const bool free = e.scene.has_value();
     const auto unitFor = [&](double size) {
-        return free ? report::Unit{channel.perUnit, channel.unit} : report::readableUnit(size, "N");
+        return free ? graphics::DisplayUnit{channel.perUnit, channel.unit} : graphics::readableUnit(size, "N");
     };
-    const report::Unit unit = unitFor(c.comparison.peakRecorded);
+    const graphics::DisplayUnit unit = unitFor(c.comparison.peakRecorded);
     const double worst = *std::max_element(c.comparison.residual.begin(), c.comparison.residual.end(),
                                            [](double a, double b) { return std::abs(a) < std::abs(b); });
-    const report::Unit fine =
+    const graphics::DisplayUnit fine =
         unitFor(std::max(c.comparison.maxError, std::isfinite(worst) ? 0.1 * std::abs(worst) : 0.0));
-    const Range force = rangeOf({&c.recorded.force, &c.simulated.force});
-    const Range time = report::padded({run.driveTime.front(), run.driveTime.back()}, 0.01);
+    const AxisRange force = rangeOf({&c.recorded.force, &c.simulated.force});
+    const AxisRange time = graphics::padded({run.driveTime.front(), run.driveTime.back()}, 0.01);
     drawLegend(canvas, 80.0, 24.0);
 
     const std::string label = std::string(channel.name) + " (" + unit.text + ")";
     PlotStyle style;
     style.y = {label, unit.factor};
-    const double from = free ? 80.0 : 640.0; // without a machine there is nothing to draw over displacement
+    const double from = free ? 80.0 : 640.0; // free scenes have no displacement
     const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&c.recorded.displacement, &c.simulated.displacement}), force);
     style.x = {"displacement (mm)", 1e3};
     if (!free) {
@@ -119,7 +119,7 @@ void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::
 
     std::vector<double> shown = c.comparison.residual;
     for (std::size_t i = 0; i < shown.size(); ++i)
-        if (c.comparison.inWindow[i])
+        if (c.comparison.excluded[i])
             shown[i] = std::numeric_limits<double>::quiet_NaN();
     const Plot lower({from, 345.0, 1160.0 - from, 155.0}, time, rangeOf({&shown}));
     style.x = {"time (s)", 1.0};
@@ -148,11 +148,11 @@ std::string figures(const ReplayedRun& run, const experiment::Channel& channel) 
     row("peak, recorded", rounded(k * c.peakRecorded, 4) + unit + "");
     row("peak, simulated", rounded(k * c.peakSimulated, 4) + unit + "");
     row("rms error", rounded(k * c.rmse, 4) + unit + " (" + percent(c.rmse, c.peakRecorded) + " of the peak)");
-    row("the same about its mean",
-        rounded(k * c.rmseZeroed, 4) + unit + " (mean " + rounded(k * c.zero, 4) + unit + ")");
+    row("rms error about its mean",
+        rounded(k * c.rmseAboutMean, 4) + unit + " (mean " + rounded(k * c.residualMean, 4) + unit + ")");
     row("largest error", rounded(k * c.maxError, 4) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
                              rounded(c.maxErrorAt, 4) + " s");
-    row("left out around jumps", fixed(100.0 * c.leftOut, 1) + " % of the samples");
+    row("excluded around jumps", fixed(100.0 * c.excludedFraction, 1) + " % of the samples");
     if (!run.simulated.markers.time.empty())
         row("markers, rms and largest distance",
             fixed(1e3 * c.markerRmse, 3) + " mm, " + fixed(1e3 * c.markerMax, 3) + " mm");
@@ -167,7 +167,7 @@ std::string parameterTable(const Replay& replay) {
     std::string html = "<table><tr><th>parameter</th><th>stated</th><th>used</th></tr>";
     for (const replay::ParameterInfo& info : replay::parameterList(replay.experiment)) {
         const double used = replay::get(replay.parameters, replay.experiment, info.name).value_or(0.0);
-        html += "<tr><td>" + report::escaped(info.name) + " (" + report::escaped(info.about) + ")</td><td>" +
+        html += "<tr><td>" + graphics::escaped(info.name) + " (" + graphics::escaped(info.about) + ")</td><td>" +
                 rounded(info.stated.value, 6) +
                 (info.stated.halfWidth > 0.0 ? " ± " + rounded(info.stated.halfWidth, 2) : "") + " " + info.unit +
                 "</td><td>" + rounded(used, 6) + "</td></tr>";
@@ -180,27 +180,27 @@ std::string parameterTable(const Replay& replay) {
 record::Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
     using Files = std::vector<record::NamedText>;
     Files files;
-    const std::string title = report::escaped(replay.experiment.file);
+    const std::string title = graphics::escaped(replay.experiment.file);
     std::string html = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Replay of " + title +
-                       "</title><style>" + std::string(report::pageStyle()) +
+                       "</title><style>" + std::string(graphics::pageStyle()) +
                        "table{border-collapse:collapse;font-size:14px}td,th{padding:2px 14px 2px 0;text-align:left}"
                        "</style></head><body><main><header><h1>Replay of " +
-                       title + "</h1><p>" + report::escaped(replay.experiment.description) + "</p></header>";
+                       title + "</h1><p>" + graphics::escaped(replay.experiment.description) + "</p></header>";
     for (std::size_t k = 0; k < replay.runs.size(); ++k) {
         const ReplayedRun& run = replay.runs[k];
         if (run.comparison.residual.empty())
             continue;
-        report::CairoCanvas png(kWidth, kHeight, 1.5);
+        graphics::CairoCanvas png(kWidth, kHeight, 1.5);
         drawRun(png, replay.experiment, replay.experiment.runs[k], run);
         auto picture = png.png();
         if (!picture)
             return record::Result<Files>::fail(run.name + "_replay.png: " + picture.error);
         files.emplace_back(run.name + "_replay.png", std::move(picture.value));
-        report::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1),
-                              "recorded and simulated force of " + run.name);
+        graphics::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1),
+                                "recorded and simulated force of " + run.name);
         drawRun(svg, replay.experiment, replay.experiment.runs[k], run);
-        html += "<div class=\"grid\"><section><h2>" + report::escaped(run.name) + "</h2>" +
-                (run.simulated.failure.empty() ? "" : "<p>" + report::escaped(run.simulated.failure) + "</p>") +
+        html += "<div class=\"grid\"><section><h2>" + graphics::escaped(run.name) + "</h2>" +
+                (run.simulated.failure.empty() ? "" : "<p>" + graphics::escaped(run.simulated.failure) + "</p>") +
                 "<div class=\"scroll wide\">" + svg.finish() + "</div>" +
                 figures(run, experiment::channel(replay.experiment)) + "</section></div>";
     }

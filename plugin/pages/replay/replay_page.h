@@ -1,5 +1,5 @@
 #pragma once
-// The pictures and the page of the verb `replay`.
+// Figures and page of the subcommand `replay`.
 
 #include "plugin/identification/replay/compare.h"
 #include "plugin/identification/replay/parameters.h"
@@ -13,17 +13,17 @@ namespace supercircle::cli {
 
 /// One run, recorded and simulated.
 struct ReplayedRun {
-    std::string name; ///< of its files, "run_1"
+    std::string name; ///< of its files, such as "run_1"
     replay::Simulated simulated;
     replay::Comparison comparison;
 };
 
-/// Everything a replay found out.
+/// Result of a replay.
 struct Replay {
     experiment::Experiment experiment;
     replay::Parameters parameters;
     replay::Resolution resolution;
-    std::vector<ReplayedRun> runs; ///< as many of the experiment's as were simulated
+    std::vector<ReplayedRun> runs; ///< the simulated runs of the experiment
 };
 
 /// NAME_replay.png per run and replay.html, by name and content.

@@ -8,7 +8,9 @@
 #include "plugin/pages/run/figures.h"
 #include "plugin/pages/run/geometry.h"
 
-namespace supercircle::report {
+namespace supercircle::pages {
+
+using namespace graphics;
 
 namespace {
 
@@ -49,21 +51,21 @@ Bounds shellBounds(const Recording& recording, const std::vector<std::size_t>& f
 }
 
 /// World to sheet: uniform scale, centred.
-struct Map {
+struct SheetMap {
     double scale = 1.0;
     Point origin; ///< sheet position of the world's origin
     [[nodiscard]] Point operator()(const Point& p) const { return {origin.x + scale * p.x, origin.y - scale * p.y}; }
 };
 
-Map fit(const View& view, const Rect& area) {
-    Map map;
+SheetMap fit(const View& view, const Rect& area) {
+    SheetMap map;
     map.scale = std::min(area.width / view.x.span(), area.height / view.y.span());
     map.origin = {area.x + 0.5 * area.width - map.scale * 0.5 * (view.x.lo + view.x.hi),
                   area.y + 0.5 * area.height + map.scale * 0.5 * (view.y.lo + view.y.hi)};
     return map;
 }
 
-void drawBodies(Canvas& canvas, const Recording& recording, const Frame& frame, const Map& map) {
+void drawBodies(Canvas& canvas, const Recording& recording, const Frame& frame, const SheetMap& map) {
     const std::vector<bool> driven = drivenBodies(recording);
     for (const OutlineInfo& outline : recording.outlines) {
         const bool dark =
@@ -86,17 +88,17 @@ void drawBodies(Canvas& canvas, const Recording& recording, const Frame& frame, 
     }
 }
 
-/// Length that reads well on a scale bar, at most `room` m.
-double niceLength(double room) {
-    const double power = std::pow(10.0, std::floor(std::log10(room)));
-    return room >= 5.0 * power ? 5.0 * power : room >= 2.0 * power ? 2.0 * power : power;
+/// Round length for a scale bar, at most `limit` m.
+double roundLength(double limit) {
+    const double power = std::pow(10.0, std::floor(std::log10(limit)));
+    return limit >= 5.0 * power ? 5.0 * power : limit >= 2.0 * power ? 2.0 * power : power;
 }
 
-void drawScaleBar(Canvas& canvas, const Map& map, const Rect& area) {
-    const double length = niceLength(0.3 * area.width / map.scale);
+void drawScaleBar(Canvas& canvas, const SheetMap& map, const Rect& area) {
+    const double length = roundLength(0.3 * area.width / map.scale);
     if (!std::isfinite(length) || length <= 0.0)
         return;
-    const Unit unit = length < 1.0 ? Unit{1e3, "mm"} : Unit{1.0, "m"};
+    const DisplayUnit unit = length < 1.0 ? DisplayUnit{1e3, "mm"} : DisplayUnit{1.0, "m"};
     const double x = area.x + 2.0, y = area.bottom() + 12.0, width = length * map.scale;
     const Stroke stroke{theme::muted, 1.4};
     canvas.line({x, y}, {x + width, y}, stroke);
@@ -106,7 +108,7 @@ void drawScaleBar(Canvas& canvas, const Map& map, const Rect& area) {
                 {12.0, theme::muted});
 }
 
-/// Values below a thousandth of the run's largest are noise to a reader: shown as 0.
+/// Displacement and force of a frame; values below a thousandth of the run's largest are shown as 0.
 std::string caption(const Recording& recording, const Frame& frame) {
     if (recording.series.find("force_N") == nullptr || !std::isfinite(frame.displacement) ||
         !std::isfinite(frame.force))
@@ -148,11 +150,11 @@ View viewOf(const Recording& recording, const std::vector<std::size_t>& frames) 
             Bounds o = outlineBounds(outline, recording.frames[index]);
             if (o.empty())
                 continue;
-            if (shells) { // a floor of ten metres must not make the shells invisible; small things nearby are part of
-                          // it
+            if (shells) { // large bodies are cut off, so that the shells stay visible; small bodies nearby are shown
+                          // whole
                 const double away =
                     std::max({o.lo_x - near.hi_x, near.lo_x - o.hi_x, o.lo_y - near.hi_y, near.lo_y - o.hi_y});
-                if (away > 0.25 * near.size()) // a plate parked high above until it is needed
+                if (away > 0.25 * near.size()) // for example a plate that waits high above
                     continue;
                 const bool whole = outline.driven || o.size() < 0.6 * near.size();
                 const double reach = (whole ? 1.0 : 0.05) * near.size();
@@ -183,7 +185,7 @@ double largestBendingEnergy(const Recording& recording) {
 
 std::vector<bool> drivenBodies(const Recording& recording) {
     std::vector<bool> driven;
-    bool told = false;
+    bool marked = false;
     const auto mark = [&driven](std::size_t body) {
         driven.resize(std::max(driven.size(), body + 1));
         driven[body] = true;
@@ -191,11 +193,11 @@ std::vector<bool> drivenBodies(const Recording& recording) {
     for (const OutlineInfo& outline : recording.outlines)
         if (outline.driven && outline.body >= 0) {
             mark(static_cast<std::size_t>(outline.body));
-            told = true;
+            marked = true;
         }
     const auto [before, peak, after] = recording.keyFrames;
     const auto count = static_cast<std::int32_t>(recording.frames.size());
-    if (told || before < 0 || peak < 0 || before >= count || peak >= count)
+    if (marked || before < 0 || peak < 0 || before >= count || peak >= count)
         return driven;
     const Frame& a = recording.frames[static_cast<std::size_t>(before)];
     const Frame& b = recording.frames[static_cast<std::size_t>(peak)];
@@ -212,7 +214,7 @@ void drawConfiguration(Canvas& canvas, const Recording& recording, std::size_t i
     const Frame& frame = recording.frames[index];
     const double head = title.empty() ? 4.0 : 46.0;
     const Rect area{sheet.x + 12.0, sheet.y + head, sheet.width - 24.0, sheet.height - head - 26.0};
-    const Map map = fit(view, area);
+    const SheetMap map = fit(view, area);
     const Point low = map({view.x.lo, view.y.lo}), high = map({view.x.hi, view.y.hi});
     const Rect picture{low.x, high.y, high.x - low.x, low.y - high.y};
     canvas.pushClip(picture);
@@ -226,7 +228,7 @@ void drawConfiguration(Canvas& canvas, const Recording& recording, std::size_t i
         }
         const double energy = frame.shells[i].bending_energy;
         const Colour colour = energyColour(energyScale > 0.0 ? energy / energyScale : 0.0);
-        // Thinner than that and a shell would vanish from pictures of a thousand.
+        // A minimum width keeps the shells visible in pictures of a thousand.
         canvas.path(line, shell.closed, {.stroke = Stroke{colour, std::max(shell.thickness * map.scale, 0.9)}});
     }
     canvas.popClip();
@@ -246,7 +248,7 @@ void drawColourBar(Canvas& canvas, double energyScale, const Rect& sheet) {
         const double width = bar.width / pieces + (i + 1 < pieces ? 0.6 : 0.0);
         canvas.rectangle({x, bar.y, width, bar.height}, {.fill = energyColour((i + 0.5) / pieces)});
     }
-    const Unit unit = {1e3, "mJ"};
+    const DisplayUnit unit = {1e3, "mJ"};
     canvas.text({bar.x, sheet.y + 14.0}, "bending energy stored in a shell (" + unit.text + ")", {12.0, theme::ink});
     const Ticks ticks = niceTicks({0.0, energyScale * unit.factor}, sheet.width > 500.0 ? 9 : 6);
     for (const double value : ticks.values) {
@@ -258,4 +260,4 @@ void drawColourBar(Canvas& canvas, double energyScale, const Rect& sheet) {
         canvas.text({bar.x, bar.bottom() + 18.0}, "0", {theme::tickSize, theme::muted});
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::pages

@@ -7,18 +7,20 @@
 #include "plugin/graphics/plot.h"
 #include "plugin/graphics/theme.h"
 #include "plugin/pages/run/figures.h"
-#include "plugin/pages/run/words.h"
+#include "plugin/pages/run/key_labels.h"
 
-// Lines and not a stack: gravity gives energy back while the pile falls, push-out and residual change sign, and a stack
-// of signed layers cannot be read.
+// Lines, not stacked layers: gravity returns energy while the pile falls, position correction and residual change sign,
+// and stacked signed layers cannot be read.
 
-namespace supercircle::report {
+namespace supercircle::pages {
+
+using namespace graphics;
 
 namespace {
 
 using record::Recording;
 
-struct Book {
+struct EnergyTerm {
     std::string label;
     Colour colour;
     const std::vector<double>* values = nullptr;
@@ -26,7 +28,7 @@ struct Book {
     bool residual = false;
 };
 
-Colour bookColour(const std::string& name, std::size_t index) {
+Colour termColour(const std::string& name, std::size_t index) {
     struct Named {
         std::string_view start;
         unsigned rgb;
@@ -40,7 +42,7 @@ Colour bookColour(const std::string& name, std::size_t index) {
                                                   {"impact", 0x8250a8},
                                                   {"effects", 0xc2457f},
                                                   {"numerical", 0x6e7781},
-                                                  {"push", 0x8a5a2b}}};
+                                                  {"position", 0x8a5a2b}}};
     for (const Named& entry : known)
         if (name.rfind(entry.start, 0) == 0)
             return Colour::hex(entry.rgb);
@@ -48,47 +50,48 @@ Colour bookColour(const std::string& name, std::size_t index) {
     return Colour::hex(others[index % others.size()]);
 }
 
-std::vector<Book> booksOf(const Recording& recording) {
-    std::vector<Book> books;
+std::vector<EnergyTerm> energyTerms(const Recording& recording) {
+    std::vector<EnergyTerm> terms;
     const auto& series = recording.series;
     for (std::size_t i = 0; i < std::min(series.names.size(), series.columns.size()); ++i) {
         const std::string& name = series.names[i];
         if (name.size() < 3 || name.substr(name.size() - 2) != "_J")
             continue;
-        Book book{plainName(name), bookColour(name, i), &series.columns[i]};
-        book.residual = name.find("residual") != std::string::npos;
+        EnergyTerm term{keyLabel(name), termColour(name, i), &series.columns[i]};
+        term.residual = name.find("residual") != std::string::npos;
         for (const double value : series.columns[i])
             if (std::isfinite(value))
-                book.largest = std::max(book.largest, std::abs(value));
-        books.push_back(book);
+                term.largest = std::max(term.largest, std::abs(value));
+        terms.push_back(term);
     }
-    return books;
+    return terms;
 }
 
-Range rangeOf(const std::vector<Book>& books, bool residual) {
-    Range range{0.0, 0.0};
-    for (const Book& book : books)
-        if (book.residual == residual)
-            for (const double value : *book.values)
+AxisRange rangeOf(const std::vector<EnergyTerm>& terms, bool residual) {
+    AxisRange range{0.0, 0.0};
+    for (const EnergyTerm& term : terms)
+        if (term.residual == residual)
+            for (const double value : *term.values)
                 if (std::isfinite(value))
                     range = {std::min(range.lo, value), std::max(range.hi, value)};
     return padded(range, 0.06);
 }
 
-/// Names of the lines at their right ends, pushed apart, with leaders where they had to move.
-void labelEnds(Canvas& canvas, const Plot& plot, const std::vector<double>& time, const std::vector<Book>& books) {
+/// Names of the lines at their right ends, moved apart where they overlap, with leader lines.
+void labelEnds(Canvas& canvas, const Plot& plot, const std::vector<double>& time,
+               const std::vector<EnergyTerm>& terms) {
     struct End {
         double wanted, y;
-        const Book* book;
+        const EnergyTerm* term;
     };
     std::vector<End> ends;
-    for (const Book& book : books) {
-        if (book.residual)
+    for (const EnergyTerm& term : terms) {
+        if (term.residual)
             continue;
-        for (std::size_t i = std::min(time.size(), book.values->size()); i-- > 0;)
-            if (std::isfinite((*book.values)[i]) && std::isfinite(time[i])) {
-                const double y = plot.at(time[i], (*book.values)[i]).y;
-                ends.push_back({y, y, &book});
+        for (std::size_t i = std::min(time.size(), term.values->size()); i-- > 0;)
+            if (std::isfinite((*term.values)[i]) && std::isfinite(time[i])) {
+                const double y = plot.at(time[i], (*term.values)[i]).y;
+                ends.push_back({y, y, &term});
                 break;
             }
     }
@@ -103,12 +106,12 @@ void labelEnds(Canvas& canvas, const Plot& plot, const std::vector<double>& time
     const double x = plot.area.right();
     for (const End& end : ends) {
         canvas.path({{x, end.wanted}, {x + 6.0, end.wanted}, {x + 16.0, end.y}, {x + 20.0, end.y}}, false,
-                    {.stroke = Stroke{end.book->colour.alpha(0.7), 1.0}});
-        canvas.text({x + 24.0, end.y + 4.0}, end.book->label, {12.0, end.book->colour, Anchor::Start, true});
+                    {.stroke = Stroke{end.term->colour.alpha(0.7), 1.0}});
+        canvas.text({x + 24.0, end.y + 4.0}, end.term->label, {12.0, end.term->colour, Anchor::Start, true});
     }
 }
 
-/// Strip above the diagram that names the phases of the run.
+/// Strip above the diagram with the names of the phases.
 void drawPhases(Canvas& canvas, const Plot& plot, const Recording& recording) {
     struct Phase {
         double start, end;
@@ -147,50 +150,50 @@ void drawPhases(Canvas& canvas, const Plot& plot, const Recording& recording) {
 std::optional<PlotFrame> drawEnergy(Canvas& canvas, const Recording& recording, const Rect& sheet,
                                     const std::string& title) {
     const auto* time = recording.series.find("time_s");
-    const std::vector<Book> books = booksOf(recording);
-    if (time == nullptr || time->empty() || books.empty())
+    const std::vector<EnergyTerm> terms = energyTerms(recording);
+    if (time == nullptr || time->empty() || terms.empty())
         return std::nullopt;
     const double huge = std::numeric_limits<double>::infinity();
-    Range span{huge, -huge};
+    AxisRange span{huge, -huge};
     for (const double t : *time)
         if (std::isfinite(t))
             span = {std::min(span.lo, t), std::max(span.hi, t)};
     span = padded(span, 0.0);
 
-    const bool residual = std::any_of(books.begin(), books.end(), [](const Book& b) { return b.residual; });
+    const bool residual = std::any_of(terms.begin(), terms.end(), [](const EnergyTerm& b) { return b.residual; });
     const double head = title.empty() ? 0.0 : 30.0;
     const double top = sheet.y + head + 34.0;
     const double bottom = sheet.bottom() - 52.0;
     const double lower = residual ? std::max(70.0, 0.2 * (bottom - top)) : 0.0;
     const Rect area{sheet.x + 70.0, top, sheet.width - 70.0 - 140.0, bottom - top - (residual ? lower + 26.0 : 0.0)};
-    const Plot plot(area, span, rangeOf(books, false));
-    const Unit unit = readableUnit(std::max(std::abs(plot.y.lo), std::abs(plot.y.hi)), "J");
+    const Plot plot(area, span, rangeOf(terms, false));
+    const DisplayUnit unit = readableUnit(std::max(std::abs(plot.y.lo), std::abs(plot.y.hi)), "J");
     PlotStyle style;
     style.x = {residual ? "" : "time (s)", 1.0};
     style.y = {"energy (" + unit.text + ")", unit.factor};
     plot.drawFrame(canvas, style);
     drawPhases(canvas, plot, recording);
     canvas.pushClip(area);
-    for (const Book& book : books)
-        if (!book.residual)
-            plot.drawLine(canvas, *time, *book.values, {book.colour, 1.7});
+    for (const EnergyTerm& term : terms)
+        if (!term.residual)
+            plot.drawLine(canvas, *time, *term.values, {term.colour, 1.7});
     canvas.popClip();
-    labelEnds(canvas, plot, *time, books);
+    labelEnds(canvas, plot, *time, terms);
 
     Rect whole = area;
     if (residual) {
         const Rect strip{area.x, area.bottom() + 26.0, area.width, lower};
-        const Plot rest(strip, span, rangeOf(books, true));
-        const Unit small = readableUnit(std::max(std::abs(rest.y.lo), std::abs(rest.y.hi)), "J");
+        const Plot rest(strip, span, rangeOf(terms, true));
+        const DisplayUnit small = readableUnit(std::max(std::abs(rest.y.lo), std::abs(rest.y.hi)), "J");
         PlotStyle lowerStyle;
         lowerStyle.x = {"time (s)", 1.0};
         lowerStyle.y = {"(" + small.text + ")", small.factor};
         lowerStyle.yTicks = 3;
         rest.drawFrame(canvas, lowerStyle);
         canvas.pushClip(strip);
-        for (const Book& book : books)
-            if (book.residual)
-                rest.drawLine(canvas, *time, *book.values, {Colour::hex(0x57606a), 1.0});
+        for (const EnergyTerm& term : terms)
+            if (term.residual)
+                rest.drawLine(canvas, *time, *term.values, {Colour::hex(0x57606a), 1.0});
         canvas.popClip();
         canvas.text({strip.right() + 12.0, strip.y + 0.5 * lower + 4.0}, "residual",
                     {12.0, theme::muted, Anchor::Start, true});
@@ -201,4 +204,4 @@ std::optional<PlotFrame> drawEnergy(Canvas& canvas, const Recording& recording, 
     return PlotFrame{whole, plot.x, plot.y};
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::pages

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace supercircle::report {
+namespace supercircle::pages {
+
+using namespace graphics;
 
 std::vector<double> elementLengths(const record::ShellInfo& shell, std::size_t elements) {
     if (shell.element_length.size() == elements)
@@ -48,4 +50,4 @@ std::vector<Point> worldOutline(const record::OutlineInfo& outline, const record
     return points;
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::pages

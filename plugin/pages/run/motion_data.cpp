@@ -12,11 +12,11 @@
 #include "plugin/pages/run/geometry.h"
 #include "plugin/recording/table/text.h"
 
-// Curvatures are the bulk: 16 bits each. Rounding curvatures themselves lets the error of the tip grow with the square
-// of the length and needs a range; rounding the running tangent angle instead (2e-4 rad) keeps every point of a 90 mm
-// shell within 10 micrometres and needs neither. Poses stay 32-bit floats: they are few.
+// Shapes are stored as 16-bit increments of the running tangent angle, poses as 32-bit floats (decision 0177).
 
-namespace supercircle::report {
+namespace supercircle::pages {
+
+using namespace graphics;
 
 namespace {
 
@@ -33,10 +33,10 @@ std::string packed(const std::vector<T>& values) {
     return base64(bytes);
 }
 
-constexpr double finestTurn = 2.0 * 3.14159265358979323846 / 32768.0;
-constexpr std::size_t mostContacts = 400; ///< per frame: more cannot be told apart
+constexpr double kFinestTurn = 2.0 * 3.14159265358979323846 / 32768.0;
+constexpr std::size_t kMostContacts = 400; ///< per frame: more cannot be distinguished
 
-/// Contacts worth an arrow, strongest first cut, in their order.
+/// Contacts drawn as arrows: the strongest ones, in their order.
 std::vector<ContactMark> strongContacts(const Frame& frame) {
     const auto size = [](const ContactMark& c) { return std::hypot(c.fx, c.fy); };
     std::vector<double> sizes;
@@ -46,7 +46,7 @@ std::vector<ContactMark> strongContacts(const Frame& frame) {
     std::sort(sizes.begin(), sizes.end(), std::greater<>());
     if (sizes.empty())
         return {};
-    const double least = std::max(2e-3 * sizes.front(), sizes.size() > mostContacts ? sizes[mostContacts] : 0.0);
+    const double least = std::max(2e-3 * sizes.front(), sizes.size() > kMostContacts ? sizes[kMostContacts] : 0.0);
     std::vector<ContactMark> strong;
     for (const ContactMark& contact : frame.contacts)
         if (size(contact) > least && std::isfinite(contact.x) && std::isfinite(contact.y))
@@ -66,7 +66,7 @@ std::vector<double> drawnElements(const Recording& recording, std::size_t shell)
 }
 
 std::size_t frameBytes(const Frame& frame) {
-    std::size_t bytes = 16 + 12 * frame.bodies.size() + 8 * std::min(frame.contacts.size(), mostContacts) / 2;
+    std::size_t bytes = 16 + 12 * frame.bodies.size() + 8 * std::min(frame.contacts.size(), kMostContacts) / 2;
     for (const auto& shell : frame.shells)
         bytes += 16 + 2 * shell.curvature.size();
     return bytes * 4 / 3;
@@ -80,7 +80,7 @@ struct Columns {
 };
 
 struct Scales {
-    double turn = finestTurn;
+    double turn = kFinestTurn;
     double x0 = 0.0, y0 = 0.0, length = 1.0; ///< of contact points, m
     double force = 0.0;                      ///< largest contact force, N
     double bend = 0.0;                       ///< curvature change that fills the colour scale, 1/m
@@ -106,8 +106,8 @@ Scales scalesOf(const Recording& recording, const std::vector<std::size_t>& fram
             if (const double f = std::hypot(contact.fx, contact.fy); std::isfinite(f))
                 scales.force = std::max(scales.force, f);
     }
-    scales.turn = std::max(finestTurn, std::min(most, 1e4) / 32000.0);
-    if (!changes.empty()) { // one kink in one frame must not make the rest grey
+    scales.turn = std::max(kFinestTurn, std::min(most, 1e4) / 32000.0);
+    if (!changes.empty()) { // a quantile: one kink in one frame must not set the colour scale
         const auto nth = changes.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(changes.size() - 1));
         std::nth_element(changes.begin(), nth, changes.end());
         scales.bend = *nth;
@@ -139,8 +139,8 @@ void addShells(Columns& columns, const Recording& recording, const Frame& frame,
     }
 }
 
-/// Forces are stored as signed square roots of their share of the largest, so that an impact leaves digits for the
-/// rest; the lowest bit of x says "slips".
+/// Forces are stored as signed square roots of their ratio to the largest, so that an impact leaves precision for the
+/// others; the lowest bit of x says "slips".
 void addContacts(Columns& columns, const Frame& frame, const Scales& scales) {
     const std::vector<ContactMark> strong = strongContacts(frame);
     columns.contactCounts.push_back(static_cast<std::uint16_t>(strong.size()));
@@ -337,4 +337,4 @@ std::string motionJson(const Recording& recording, const std::vector<std::size_t
     return safe + "}";
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::pages

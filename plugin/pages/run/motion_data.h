@@ -1,5 +1,5 @@
 #pragma once
-// The motion as compact JSON for the page's player.
+// The motion as compact JSON for the page's player (format: decision 0177).
 
 #include <cstddef>
 #include <span>
@@ -8,7 +8,7 @@
 
 #include "plugin/recording/table/recording.h"
 
-namespace supercircle::report {
+namespace supercircle::pages {
 
 /// Base64 of bytes (RFC 4648, with padding).
 [[nodiscard]] std::string base64(std::span<const unsigned char> bytes);
@@ -17,11 +17,10 @@ namespace supercircle::report {
 /// the tangent angle after any element is right within unit / 2.
 [[nodiscard]] std::vector<int> quantisedTurns(const std::vector<double>& turns, double unit);
 
-/// Frames that fit into about `budget` bytes: all of them, or every k-th, always with the first, the last and the key
-/// frames.
+/// Frames that fit into about `budget` bytes: all, or every k-th, always with the first, the last and the key frames.
 [[nodiscard]] std::vector<std::size_t> keptFrames(const record::Recording& recording, std::size_t budget);
 
 /// JSON object with typed arrays in base64 (little endian). Safe inside <script>.
 [[nodiscard]] std::string motionJson(const record::Recording& recording, const std::vector<std::size_t>& frames);
 
-} // namespace supercircle::report
+} // namespace supercircle::pages

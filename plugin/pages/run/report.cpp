@@ -11,10 +11,12 @@
 #include "plugin/graphics/cairo_canvas.h"
 #include "plugin/graphics/theme.h"
 #include "plugin/pages/run/figures.h"
-#include "plugin/pages/run/page.h"
+#include "plugin/pages/run/run_page.h"
 #include "plugin/recording/table/files.h"
 
-namespace supercircle::report {
+namespace supercircle::pages {
+
+using namespace graphics;
 
 namespace {
 
@@ -25,7 +27,7 @@ std::string titleOf(const Recording& recording, const std::string& what) {
     return recording.scene.empty() ? what : recording.scene + ": " + what;
 }
 
-/// Draws and keeps the picture if there was something to draw.
+/// Draws a picture and adds it if there was something to draw.
 void addPicture(std::vector<NamedText>& files, const std::string& name, double width, double height, double scale,
                 const std::function<bool(Canvas&)>& draw) {
     CairoCanvas canvas(width, height, scale);
@@ -97,12 +99,13 @@ std::vector<NamedText> draw(const Recording& recording) {
             .has_value();
     });
     addPicture(files, "energy.png", 960.0, 600.0, 4.0 / 3.0, [&](Canvas& canvas) {
-        return drawEnergy(canvas, recording, {0.0, 0.0, 960.0, 600.0}, titleOf(recording, "energy books")).has_value();
+        return drawEnergy(canvas, recording, {0.0, 0.0, 960.0, 600.0}, titleOf(recording, "energy balance"))
+            .has_value();
     });
     const Views views = viewsOf(recording);
     addConfigurations(files, recording, views);
     addOverview(files, recording, views);
-    files.emplace_back("report.html", pageHtml(recording));
+    files.emplace_back("report.html", runPage(recording));
     return files;
 }
 
@@ -142,4 +145,4 @@ std::string writeReport(const Recording& recording, const std::string& directory
     return error.empty() ? removeOldReport(directory, files.value) : error;
 }
 
-} // namespace supercircle::report
+} // namespace supercircle::pages

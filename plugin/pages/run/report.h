@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of a run.
+// Report of a run: page and pictures.
 
 #include <string>
 #include <vector>
@@ -7,13 +7,13 @@
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/recording.h"
 
-namespace supercircle::report {
+namespace supercircle::pages {
 
 /// report.html and its pictures by name and content, drawn but not written. Never throws.
 [[nodiscard]] record::Result<std::vector<record::NamedText>> reportFiles(const record::Recording& recording) noexcept;
 
-/// Removes from `directory` what an earlier report left there and `files` did not replace: a force curve of yesterday's
-/// run beside today's page would be believed.
+/// Removes from `directory` the files of an earlier report that `files` does not replace, so that no old picture stays
+/// beside a new page.
 /// @return empty, or what could not be removed. Never throws.
 [[nodiscard]] std::string removeOldReport(const std::string& directory,
                                           const std::vector<record::NamedText>& files) noexcept;
@@ -24,4 +24,4 @@ namespace supercircle::report {
 /// @return empty, or why not. Never throws.
 [[nodiscard]] std::string writeReport(const record::Recording& recording, const std::string& directory) noexcept;
 
-} // namespace supercircle::report
+} // namespace supercircle::pages

@@ -2,7 +2,7 @@
 
 #include "plugin/graphics/cairo_canvas.h"
 #include "plugin/graphics/colour_map.h"
-#include "plugin/graphics/page_parts.h"
+#include "plugin/graphics/page_builder.h"
 #include "plugin/graphics/plot.h"
 #include "plugin/graphics/svg_canvas.h"
 #include "plugin/graphics/theme.h"
@@ -21,19 +21,19 @@ namespace {
 using record::fixed;
 using record::rounded;
 
-using report::Canvas;
-using report::Colour;
-using report::Plot;
-using report::PlotStyle;
-using report::Range;
+using graphics::AxisRange;
+using graphics::Canvas;
+using graphics::Colour;
+using graphics::Plot;
+using graphics::PlotStyle;
 using sensitivity::Quality;
 using sensitivity::RunSensitivity;
 using sensitivity::Sensitivities;
-namespace theme = report::theme;
+namespace theme = graphics::theme;
 
 constexpr double kWidth = 1180.0, kHeight = 520.0; // px
 
-/// Told apart by most eyes (P. Tol's "bright" and "muted" schemes), strongest effect first.
+/// Distinguishable colours (P. Tol's "bright" and "muted" schemes), strongest effect first.
 constexpr std::array kColours = {Colour::hex(0x4477AA), Colour::hex(0xEE6677), Colour::hex(0x228833),
                                  Colour::hex(0xCCBB44), Colour::hex(0xAA3377), Colour::hex(0x66CCEE),
                                  Colour::hex(0x882255), Colour::hex(0x999933), Colour::hex(0x332288),
@@ -45,11 +45,11 @@ struct Curve {
     double most = 0.0;
 };
 
-/// What each column does to the force, strongest first; weak ones are left out.
+/// Effect of each column on the force, strongest first, without those below noise.
 std::vector<Curve> curvesOf(const Sensitivities& s, const RunSensitivity& run) {
     std::vector<Curve> curves;
     for (std::size_t c = 0; c < s.columns.size(); ++c) {
-        if (run.quality[c].weak || !run.quality[c].failure.empty())
+        if (run.quality[c].belowNoise || !run.quality[c].failure.empty())
             continue;
         const auto at = static_cast<Eigen::Index>(c);
         Curve curve{c, {}, 0.0};
@@ -65,12 +65,12 @@ std::vector<Curve> curvesOf(const Sensitivities& s, const RunSensitivity& run) {
     return curves;
 }
 
-/// The force above, below it what each parameter adds when it is changed by its scale.
+/// Force above; below it the change for each parameter by its scale.
 void drawRun(Canvas& canvas, const Sensitivities& s, const RunSensitivity& run) {
     const std::vector<double>& time = run.base.readings.time;
     const std::vector<Curve> curves = curvesOf(s, run);
     double peak = 0.0;
-    Range force{0.0, 0.0}, change{0.0, 0.0};
+    AxisRange force{0.0, 0.0}, change{0.0, 0.0};
     for (const double f : run.base.readings.force) {
         force = {std::min(force.lo, f), std::max(force.hi, f)};
         peak = std::max(peak, std::abs(f));
@@ -79,11 +79,11 @@ void drawRun(Canvas& canvas, const Sensitivities& s, const RunSensitivity& run) 
         for (const double v : c.force)
             if (std::isfinite(v))
                 change = {std::min(change.lo, v), std::max(change.hi, v)};
-    const Range span = report::padded({time.front(), time.back()}, 0.01);
-    const report::Unit unit = report::readableUnit(peak, "N");
-    const report::Unit fine = report::readableUnit(std::max(-change.lo, change.hi), "N");
+    const AxisRange span = graphics::padded({time.front(), time.back()}, 0.01);
+    const graphics::DisplayUnit unit = graphics::readableUnit(peak, "N");
+    const graphics::DisplayUnit fine = graphics::readableUnit(std::max(-change.lo, change.hi), "N");
 
-    const Plot upper({90.0, 20.0, 790.0, 130.0}, span, report::padded(force, 0.05));
+    const Plot upper({90.0, 20.0, 790.0, 130.0}, span, graphics::padded(force, 0.05));
     PlotStyle style;
     style.x = {"", 1.0};
     style.y = {"force (" + unit.text + ")", unit.factor};
@@ -93,7 +93,7 @@ void drawRun(Canvas& canvas, const Sensitivities& s, const RunSensitivity& run) 
     upper.drawLine(canvas, time, run.base.readings.force, {theme::ink, 1.4});
     canvas.popClip();
 
-    const Plot lower({90.0, 190.0, 790.0, 270.0}, span, report::padded(change, 0.05));
+    const Plot lower({90.0, 190.0, 790.0, 270.0}, span, graphics::padded(change, 0.05));
     style.x = {"time (s)", 1.0};
     style.y = {"change (" + fine.text + ")", fine.factor};
     style.yTicks = 7;
@@ -115,44 +115,44 @@ void drawRun(Canvas& canvas, const Sensitivities& s, const RunSensitivity& run) 
     }
 }
 
-/// Cosines between columns as a coloured square; columns that are weak everywhere are left out.
+/// Matrix of cosines between columns, without those below noise everywhere.
 void drawSimilarity(Canvas& canvas, const Sensitivities& s, const Eigen::MatrixXd& cosines,
                     const std::vector<Eigen::Index>& shown) {
     constexpr double kCell = 46.0, kLeft = 190.0, kTop = 20.0;
     for (std::size_t i = 0; i < shown.size(); ++i) {
         const double y = kTop + kCell * static_cast<double>(i);
         canvas.text({kLeft - 10.0, y + 0.62 * kCell}, s.columns[static_cast<std::size_t>(shown[i])].name,
-                    {theme::labelSize, theme::ink, report::Anchor::End});
+                    {theme::labelSize, theme::ink, graphics::Anchor::End});
         canvas.text(
             {kLeft + kCell * (static_cast<double>(i) + 0.62), kTop + kCell * static_cast<double>(shown.size()) + 10.0},
             s.columns[static_cast<std::size_t>(shown[i])].name,
-            {theme::labelSize, theme::ink, report::Anchor::End, false, -60.0});
+            {theme::labelSize, theme::ink, graphics::Anchor::End, false, -60.0});
         for (std::size_t j = 0; j < shown.size(); ++j) {
             const double v = cosines(shown[i], shown[j]);
             const double x = kLeft + kCell * static_cast<double>(j);
-            canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = report::signedColour(v)});
+            canvas.rectangle({x, y, kCell - 2.0, kCell - 2.0}, {.fill = graphics::signedColour(v)});
             canvas.text({x + 0.48 * kCell, y + 0.6 * kCell}, fixed(v, 2),
-                        {theme::tickSize, std::abs(v) > 0.6 ? theme::paper : theme::ink, report::Anchor::Middle});
+                        {theme::tickSize, std::abs(v) > 0.6 ? theme::paper : theme::ink, graphics::Anchor::Middle});
         }
     }
 }
 
 std::string table(const Sensitivities& s, const RunSensitivity& run) {
-    std::string html = "<table><tr><th>parameter</th><th>step</th><th>signal / noise</th><th>two steps differ by</th>"
+    std::string html = "<table><tr><th>parameter</th><th>step</th><th>signal / noise</th><th>two-step error</th>"
                        "<th>remarks</th></tr>";
     for (std::size_t c = 0; c < s.columns.size(); ++c) {
         const Quality& q = run.quality[c];
-        std::string remarks = q.failure.empty() ? "" : report::escaped(q.failure);
+        std::string remarks = q.failure.empty() ? "" : graphics::escaped(q.failure);
         const auto remark = [&](bool is, const std::string& words) {
             if (is)
                 remarks += (remarks.empty() ? "" : "; ") + words;
         };
-        remark(q.weak && q.failure.empty(), "lost in the solver's noise");
+        remark(q.belowNoise && q.failure.empty(), "below the solver noise");
         remark(q.oneSided, "one-sided");
-        remark(q.reorders, "moves jumps by up to " + fixed(q.jumpShift, 1) + " samples, or makes or removes some");
-        html += "<tr><td>" + report::escaped(s.columns[c].name) + "</td><td>" + rounded(q.step, 3) + " " +
-                report::escaped(s.columns[c].unit) + "</td><td>" + fixed(q.signal, 1) + "</td><td>" +
-                (q.weak ? "" : fixed(100.0 * q.twoStepError, 1) + " %") + "</td><td>" + remarks + "</td></tr>";
+        remark(q.changesJumps, "shifts jumps by up to " + fixed(q.jumpShift, 1) + " samples, or adds or removes some");
+        html += "<tr><td>" + graphics::escaped(s.columns[c].name) + "</td><td>" + rounded(q.step, 3) + " " +
+                graphics::escaped(s.columns[c].unit) + "</td><td>" + fixed(q.signal, 1) + "</td><td>" +
+                (q.belowNoise ? "" : fixed(100.0 * q.twoStepError, 1) + " %") + "</td><td>" + remarks + "</td></tr>";
     }
     return html + "</table>";
 }
@@ -160,11 +160,11 @@ std::string table(const Sensitivities& s, const RunSensitivity& run) {
 std::string landmarkRows(const Sensitivities& s, const RunSensitivity& run) {
     std::string html = "<table><tr><th>landmark</th><th>value</th>";
     for (const sensitivity::Column& c : s.columns)
-        html += "<th>" + report::escaped(c.name) + "</th>";
+        html += "<th>" + graphics::escaped(c.name) + "</th>";
     html += "</tr>";
     for (std::size_t i = 0; i < run.landmarks.names.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
-        html += "<tr><td>" + report::escaped(run.landmarks.names[i]) + "</td><td>" +
+        html += "<tr><td>" + graphics::escaped(run.landmarks.names[i]) + "</td><td>" +
                 rounded(run.landmarks.values[i], 4) + " " + run.landmarks.units[i] + "</td>";
         for (std::size_t c = 0; c < s.columns.size(); ++c) {
             const auto at = static_cast<Eigen::Index>(c);
@@ -179,11 +179,11 @@ std::string landmarkRows(const Sensitivities& s, const RunSensitivity& run) {
 
 using Files = std::vector<record::NamedText>;
 
-/// A drawing as SVG text; its PNG twin is added to `files`. Empty after an error, which is in `error`.
+/// A drawing as SVG text; the PNG is added to `files`. Empty after an error, which is in `error`.
 template <class Draw>
 std::string picture(const std::string& name, double width, double height, const std::string& label, Draw&& draw,
                     Files& files, std::string& error) {
-    report::CairoCanvas png(width, height, 1.5);
+    graphics::CairoCanvas png(width, height, 1.5);
     draw(png);
     auto pixels = png.png();
     if (!pixels) {
@@ -191,7 +191,7 @@ std::string picture(const std::string& name, double width, double height, const 
         return {};
     }
     files.emplace_back(name + ".png", std::move(pixels.value));
-    report::SvgCanvas svg(width, height, name, label);
+    graphics::SvgCanvas svg(width, height, name, label);
     draw(svg);
     return "<div class=\"scroll wide\">" + svg.finish() + "</div>";
 }
@@ -202,22 +202,22 @@ record::Result<Files> sensitivityPages(const SensitivityStudy& study) {
     const Sensitivities& s = study.result;
     Files files;
     std::string error;
-    const std::string title = report::escaped(study.experiment.file);
+    const std::string title = graphics::escaped(study.experiment.file);
     std::string html = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Sensitivities of " +
-                       title + "</title><style>" + std::string(report::pageStyle()) +
+                       title + "</title><style>" + std::string(graphics::pageStyle()) +
                        "table{border-collapse:collapse;font-size:14px}td,th{padding:2px 14px 2px 0;text-align:left}"
                        "</style></head><body><main><header><h1>Sensitivities of " +
-                       title + "</h1><p>" + report::escaped(study.experiment.description) + "</p></header>";
+                       title + "</h1><p>" + graphics::escaped(study.experiment.description) + "</p></header>";
     for (std::size_t r = 0; r < s.runs.size() && error.empty(); ++r) {
         const RunSensitivity& run = s.runs[r];
         if (run.base.readings.time.empty())
             continue;
         const std::string name = study.runName(r);
-        html += "<div class=\"grid\"><section><h2>" + report::escaped(name) + "</h2>" +
+        html += "<div class=\"grid\"><section><h2>" + graphics::escaped(name) + "</h2>" +
                 picture(
-                    name + "_sensitivity", kWidth, kHeight, "what each parameter does to the force of " + name,
+                    name + "_sensitivity", kWidth, kHeight, "effect of each parameter on the force of " + name,
                     [&](Canvas& canvas) { drawRun(canvas, s, run); }, files, error) +
-                table(s, run) + "<h3>Landmarks, and what each parameter does to them when changed by its scale</h3>" +
+                table(s, run) + "<h3>Landmarks, and their change for each parameter by its scale</h3>" +
                 "<div class=\"scroll wide\">" + landmarkRows(s, run) + "</div></section></div>";
     }
     std::vector<Eigen::Index> shown;
@@ -226,8 +226,8 @@ record::Result<Files> sensitivityPages(const SensitivityStudy& study) {
         if (cosines(c, c) > 0.0)
             shown.push_back(c);
     const double side = 46.0 * static_cast<double>(shown.size());
-    html += "<div class=\"grid\"><section><h2>Similarity</h2><p>Cosine of the angle between what two parameters do to "
-            "the force: 1 or -1 means that one can undo the other.</p>" +
+    html += "<div class=\"grid\"><section><h2>Similarity</h2><p>Cosine between the effects of two parameters on the "
+            "force: 1 or -1 means that one can compensate the other.</p>" +
             picture(
                 "similarity", 210.0 + side, 170.0 + side, "similarity of parameters",
                 [&](Canvas& canvas) { drawSimilarity(canvas, s, cosines, shown); }, files, error) +

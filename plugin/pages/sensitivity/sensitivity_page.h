@@ -1,5 +1,5 @@
 #pragma once
-// The pictures and the page of the verb `sensitivity`.
+// Figures and page of the subcommand `sensitivity`.
 
 #include "plugin/identification/sensitivity/sensitivity.h"
 #include "plugin/recording/table/files.h"
@@ -10,12 +10,12 @@
 
 namespace supercircle::cli {
 
-/// Everything the verb found out.
+/// Result of a sensitivity study.
 struct SensitivityStudy {
     experiment::Experiment experiment;
     replay::Resolution resolution;
     sensitivity::Sensitivities result;
-    [[nodiscard]] std::string runName(std::size_t run) const; ///< of its files, "run_1"
+    [[nodiscard]] std::string runName(std::size_t run) const; ///< of its files, such as "run_1"
 };
 
 /// NAME_sensitivity.png per run, similarity.png and sensitivity.html, by name and content.

@@ -4,10 +4,10 @@
 #include "plugin/lab/sweep/design.h"
 #include "plugin/pages/sweep/sweep_figures.h"
 
-namespace supercircle::cli {
+namespace supercircle::pages {
 
-/// The surface as colours over its two parameters, the line of the wanted value, thin the lines one standard error
-/// aside, dots where the sweep was played. With one parameter: the curve, its error and the wanted level.
-SweepFigure designChart(const sweep::Surface& surface, const std::string& quantity, double wanted);
+/// The response surface as colours over its two parameters, the contour of the target value, thin contours at one
+/// standard error, dots at the points of the sweep. With one parameter: the curve, its error and the target level.
+SweepFigure designChart(const sweep::ResponseSurface& surface, const std::string& quantity, double target);
 
-} // namespace supercircle::cli
+} // namespace supercircle::pages

@@ -1,37 +1,38 @@
 #pragma once
-// Pictures of a sweep: numbers against a parameter, histograms, force curves, cycles. Each is one drawing that goes
-// into the page (SVG) and into a PNG file.
+// Pictures of a sweep: quantities against a parameter, histograms, force curves, cycles. Each is one drawing for the
+// page (SVG) and a PNG file.
 
 #include "plugin/graphics/canvas.h"
-#include "plugin/lab/sweep/table.h"
+#include "plugin/lab/sweep/run_table.h"
 
 #include <functional>
 #include <string>
 #include <vector>
 
-namespace supercircle::cli {
+namespace supercircle::pages {
 
-/// A drawing that is not yet drawn.
+/// A picture and the function that draws it.
 struct SweepFigure {
     std::string name;    ///< of the PNG file, without its ending
-    std::string title;   ///< for people
-    std::string caption; ///< what is shown
+    std::string title;   ///< shown above the picture
+    std::string caption; ///< what the picture shows
     double width = 0.0, height = 0.0;
-    std::function<void(report::Canvas&)> draw;
+    std::function<void(graphics::Canvas&)> draw;
 };
 
-/// Numbers of the summary worth a picture: in `table`, known to matter, and not the same for all runs.
-std::vector<std::string> headlines(const sweep::Table& table);
+/// Summary quantities with a picture: the main ones that are in `table` and not equal for all runs.
+std::vector<std::string> mainQuantities(const sweep::RunTable& table);
 
-/// One number against the sweep's abscissa, a curve per group: mean, its standard error, and the spread of single runs
-/// (1.4826 MAD). `only`: label of the one group to be shown, empty: all.
-SweepFigure trendFigure(const sweep::Definition& sweep, const sweep::Table& table, const std::string& quantity,
+/// One quantity against the sweep's abscissa, a curve per group: mean, its standard error, and the spread of single
+/// runs (1.4826 MAD). `only`: label of the single group to be shown; empty: all.
+SweepFigure trendFigure(const sweep::SweepDefinition& sweep, const sweep::RunTable& table, const std::string& quantity,
                         const std::string& only = {});
-/// Histograms of a number, one panel per set, with the Gaussian of mean and MAD and the p value of a normality test.
-SweepFigure histogramFigure(const sweep::Definition& sweep, const sweep::Table& table, const std::string& quantity);
+/// Histograms of a quantity, one panel per set, with the Gaussian of mean and MAD and the p value of a normality test.
+SweepFigure histogramFigure(const sweep::SweepDefinition& sweep, const sweep::RunTable& table,
+                            const std::string& quantity);
 /// Force against displacement, one panel per set: some runs thin, the first one bold. `curves`: by set.
-SweepFigure forceFigure(const sweep::Definition& sweep, const std::vector<std::vector<sweep::RunResult>>& curves);
-/// Means of the cycles' numbers against the number of the cycle, a curve per set; nothing to draw below two cycles.
-SweepFigure cyclesFigure(const sweep::Definition& sweep, const sweep::Table& table);
+SweepFigure forceFigure(const sweep::SweepDefinition& sweep, const std::vector<std::vector<sweep::RunRecord>>& curves);
+/// Means of the cycle quantities against the cycle number, a curve per set; no picture below two cycles.
+SweepFigure cyclesFigure(const sweep::SweepDefinition& sweep, const sweep::RunTable& table);
 
-} // namespace supercircle::cli
+} // namespace supercircle::pages

@@ -1,6 +1,6 @@
 #include "plugin/pages/sweep/sweep_layout.h"
 
-#include "plugin/pages/run/words.h"
+#include "plugin/pages/run/key_labels.h"
 
 #include <algorithm>
 #include <array>
@@ -8,13 +8,13 @@
 #include <iterator>
 #include <numeric>
 
-namespace supercircle::cli {
+namespace supercircle::pages {
 
 namespace {
 
-using report::Colour;
+using graphics::Colour;
 
-/// Told apart by most eyes (P. Tol's "bright" scheme), the paper's three coefficients blue, red, green.
+/// Distinct for most readers (P. Tol's "bright" scheme); the paper's three coefficients are blue, red, green.
 constexpr std::array kColours = {Colour::hex(0x4477AA), Colour::hex(0xEE6677), Colour::hex(0x228833),
                                  Colour::hex(0xCCBB44), Colour::hex(0xAA3377), Colour::hex(0x66CCEE),
                                  Colour::hex(0x882255), Colour::hex(0x332288)};
@@ -32,19 +32,19 @@ std::string parameterLabel(const std::string& name) {
         return "Φ / 2π";
     if (name == "mu")
         return "μ";
-    const std::string unit = report::parameterUnit(name);
-    return report::plainName(name) + (unit.empty() ? "" : " (" + unit + ")");
+    const std::string unit = pages::parameterUnit(name);
+    return pages::keyLabel(name) + (unit.empty() ? "" : " (" + unit + ")");
 }
 
 std::string quantityLabel(const std::string& key) {
-    const std::string unit = report::unitOf(key);
-    return report::plainName(key) + (unit.empty() ? "" : " (" + unit + ")");
+    const std::string unit = pages::keyUnit(key);
+    return pages::keyLabel(key) + (unit.empty() ? "" : " (" + unit + ")");
 }
 
 namespace {
 
-/// Whether a parameter follows the abscissa (a box that widens with the number of shells): it makes no groups.
-bool followsAbscissa(const sweep::Definition& sweep, std::size_t parameter) {
+/// Whether a parameter varies with the abscissa only, such as a box that widens with the number of shells.
+bool followsAbscissa(const sweep::SweepDefinition& sweep, std::size_t parameter) {
     const auto x =
         static_cast<std::size_t>(std::find(sweep.names.begin(), sweep.names.end(), sweep.x) - sweep.names.begin());
     if (x == sweep.names.size() || x == parameter)
@@ -59,11 +59,11 @@ bool followsAbscissa(const sweep::Definition& sweep, std::size_t parameter) {
     return varies;
 }
 
-/// What tells a group from the others; of more than two parameters that vary, those that are not the first group's.
-std::string labelOf(const sweep::Definition& sweep, const std::vector<char>& follows,
+/// The parameters that distinguish a group; of more than two, those that differ from the first group.
+std::string labelOf(const sweep::SweepDefinition& sweep, const std::vector<char>& follows,
                     const std::vector<SweepGroup>& groups, std::size_t g) {
     const auto value = [&](std::size_t group, std::size_t i) { return sweep.sets[groups[group].sets.front()][i]; };
-    std::vector<std::size_t> varying, told;
+    std::vector<std::size_t> varying, named;
     for (std::size_t i = 0; i < sweep.names.size(); ++i) {
         bool varies = groups.size() == 1;
         for (std::size_t k = 1; k < groups.size(); ++k)
@@ -74,15 +74,15 @@ std::string labelOf(const sweep::Definition& sweep, const std::vector<char>& fol
     constexpr std::size_t kMost = 2;
     if (varying.size() > kMost && g == 0)
         return "first set";
-    std::copy_if(varying.begin(), varying.end(), std::back_inserter(told),
+    std::copy_if(varying.begin(), varying.end(), std::back_inserter(named),
                  [&](std::size_t i) { return varying.size() <= kMost || value(g, i) != value(0, i); });
     std::string label;
-    for (const std::size_t i : told)
+    for (const std::size_t i : named)
         label += (label.empty() ? "" : ", ") + parameterLabel(sweep.names[i]) + " = " + shortNumber(value(g, i));
-    std::string following; // said once, lest the abscissa gets all the credit
+    std::string following; // named once, because these parameters vary along with the abscissa
     for (std::size_t i = 0; i < sweep.names.size(); ++i)
         if (g == 0 && follows[i] != 0)
-            following += (following.empty() ? "" : ", ") + report::plainName(sweep.names[i]);
+            following += (following.empty() ? "" : ", ") + pages::keyLabel(sweep.names[i]);
     if (!following.empty())
         following += " along with " + parameterLabel(sweep.x);
     return label + (label.empty() || following.empty() ? "" : ", ") + following;
@@ -90,7 +90,7 @@ std::string labelOf(const sweep::Definition& sweep, const std::vector<char>& fol
 
 } // namespace
 
-std::vector<SweepGroup> groupsOf(const sweep::Definition& sweep) {
+std::vector<SweepGroup> groupsOf(const sweep::SweepDefinition& sweep) {
     std::vector<SweepGroup> groups;
     std::vector<std::vector<double>> others; // values of all but the abscissa and what follows it, of each group
     std::vector<char> follows;
@@ -128,4 +128,4 @@ std::vector<SweepGroup> groupsOf(const sweep::Definition& sweep) {
     return groups;
 }
 
-} // namespace supercircle::cli
+} // namespace supercircle::pages

@@ -5,32 +5,33 @@
 #include "plugin/graphics/plot.h"
 #include "plugin/graphics/theme.h"
 #include "plugin/lab/sweep/statistics.h"
-#include "plugin/pages/run/words.h"
+#include "plugin/pages/run/key_labels.h"
 #include "plugin/pages/sweep/sweep_layout.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace supercircle::cli {
+namespace supercircle::pages {
 
 namespace {
 
-using report::Anchor;
-using report::Canvas;
-using report::Colour;
-using report::Plot;
-using report::PlotStyle;
-using report::Point;
-using report::Range;
-using report::Rect;
-namespace theme = report::theme;
+using graphics::Anchor;
+using graphics::AxisRange;
+using graphics::Canvas;
+using graphics::Colour;
+using graphics::Plot;
+using graphics::PlotStyle;
+using graphics::Point;
+using graphics::Rect;
+namespace theme = graphics::theme;
 
-constexpr Colour kWorkingDistance = Colour::hex(0x3f9b5b), kShare = Colour::hex(0x3b76c2); // the paper's green and blue
+constexpr Colour kWorkingDistance = Colour::hex(0x3f9b5b),
+                 kDissipation = Colour::hex(0x3b76c2); // the paper's green and blue
 
 constexpr double kTitleLine = 14.0; ///< px
 
-/// What a panel shows: the abscissa's value, then the group's; broken between values where one line is too short.
+/// Title of a panel: the value of the abscissa, then those of the group; wrapped between values.
 std::vector<std::string> titleOf(const SweepGroup& g, std::size_t i, const std::string& x, double width, double size) {
     std::string rest = (x.empty() ? "" : parameterLabel(x) + " = " + shortNumber(g.x[i]));
     rest += (rest.empty() || g.label.empty() ? "" : ", ") + g.label;
@@ -41,7 +42,7 @@ std::vector<std::string> titleOf(const SweepGroup& g, std::size_t i, const std::
         rest = comma == std::string::npos ? "" : rest.substr(comma + 2);
         std::string& line = lines.back();
         const std::string longer = line.empty() ? value : line + ", " + value;
-        if (line.empty() || report::textWidth(longer, size) <= width)
+        if (line.empty() || graphics::textWidth(longer, size) <= width)
             line = longer;
         else
             lines.push_back(value);
@@ -56,9 +57,9 @@ struct Panels {
     std::size_t columns = 0;
     double width = 0.0, height = 0.0; ///< of a panel, px
     double size = 0.0;                ///< of the titles' letters
-    double head = 0.0;                ///< what titles take of more than a line
+    double head = 0.0;                ///< height of the title lines beyond the first
 
-    Panels(const sweep::Definition& sweep, double cellWidth, double cellHeight, double letters)
+    Panels(const sweep::SweepDefinition& sweep, double cellWidth, double cellHeight, double letters)
         : groups(groupsOf(sweep)), width(cellWidth), height(cellHeight), size(letters) {
         for (const SweepGroup& g : groups) {
             columns = std::max(columns, g.sets.size());
@@ -69,12 +70,12 @@ struct Panels {
             }
         }
     }
-    /// Without the lines of the title above its last one.
+    /// Without the title lines above the last one.
     [[nodiscard]] Rect cell(std::size_t row, std::size_t column) const {
         return {8.0 + width * static_cast<double>(column), 8.0 + head + (height + head) * static_cast<double>(row),
                 width, height};
     }
-    /// Centred on the axes, whose middle lies `aside` of the panel's.
+    /// Centred on the axes, whose middle is shifted by `aside` from that of the panel.
     void drawTitle(Canvas& canvas, std::size_t row, std::size_t column, double aside) const {
         const std::vector<std::string>& lines = titles[row][column];
         const Rect at = cell(row, column);
@@ -95,8 +96,8 @@ void drawHistogram(Canvas& canvas, const Rect& cell, const std::vector<double>& 
         return;
     }
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    const double sigma = s.sigmaMad > 0.0 ? s.sigmaMad : s.deviation;
-    const Range range{std::min(*least, s.mean - 3.2 * sigma), std::max(*most, s.mean + 3.2 * sigma)};
+    const double sigma = s.madSigma > 0.0 ? s.madSigma : s.deviation;
+    const AxisRange range{std::min(*least, s.mean - 3.2 * sigma), std::max(*most, s.mean + 3.2 * sigma)};
     const double bins = std::clamp(std::round(1.5 * std::sqrt(static_cast<double>(s.n))) + 3.0, 6.0, 30.0);
     const double width = range.span() / bins;
     std::vector<double> counts(static_cast<std::size_t>(bins), 0.0);
@@ -108,7 +109,7 @@ void drawHistogram(Canvas& canvas, const Rect& cell, const std::vector<double>& 
     };
     const double top = 1.08 * std::max(unit * *std::max_element(counts.begin(), counts.end()), gauss(s.mean));
     const Plot plot(area, range, {0.0, top});
-    const report::Ticks ticks = report::niceTicks(range, 5);
+    const graphics::Ticks ticks = graphics::niceTicks(range, 5);
     for (const double v : ticks.values) {
         const double x = plot.at(v, 0.0).x;
         canvas.line({x, area.bottom()}, {x, area.bottom() + 4.0}, {theme::axis, 1.0});
@@ -119,30 +120,30 @@ void drawHistogram(Canvas& canvas, const Rect& cell, const std::vector<double>& 
         const Point a = plot.at(from, unit * counts[i]), b = plot.at(from + width, 0.0);
         if (counts[i] > 0.0)
             canvas.rectangle({a.x, a.y, b.x - a.x, b.y - a.y},
-                             {.fill = colour.alpha(0.55), .stroke = report::Stroke{colour, 0.8}});
+                             {.fill = colour.alpha(0.55), .stroke = graphics::Stroke{colour, 0.8}});
     }
     std::vector<Point> curve;
     for (int i = 0; i <= 80; ++i) {
         const double x = range.lo + range.span() * i / 80.0;
         curve.push_back(plot.at(x, gauss(x)));
     }
-    canvas.path(curve, false, {.stroke = report::Stroke{theme::ink, 1.4}});
+    canvas.path(curve, false, {.stroke = graphics::Stroke{theme::ink, 1.4}});
     canvas.line({area.x, area.bottom()}, {area.right(), area.bottom()}, {theme::axis, 1.0});
     const std::string p = std::isfinite(s.normality) ? ", p " + shortNumber(s.normality, "%.2f") : "";
     canvas.text({area.right(), area.y + 4.0}, "n " + std::to_string(s.n) + p, {10.5, theme::muted, Anchor::End});
 }
 
-/// Displacements and forces. Single steps after a snap ring far beyond what the specimen carries: one point in
-/// a thousand may lie outside.
-std::pair<Range, Range> rangesOf(const std::vector<sweep::RunResult>& runs) {
+/// Ranges of displacement and force. Forces ring after a snap, far beyond what the specimen carries: one point in a
+/// thousand may lie outside.
+std::pair<AxisRange, AxisRange> rangesOf(const std::vector<sweep::RunRecord>& runs) {
     double distance = 0.0, turn = 0.0;
     std::vector<double> forces;
-    for (const sweep::RunResult& run : runs)
-        for (const sweep::Leg& leg : run.curve) {
-            for (const double d : leg.displacement)
+    for (const sweep::RunRecord& run : runs)
+        for (const sweep::CurveBranch& branch : run.branches) {
+            for (const double d : branch.displacement)
                 distance = std::max(distance, d);
-            forces.insert(forces.end(), leg.force.begin(), leg.force.end());
-            turn = std::max(turn, leg.force.empty() ? 0.0 : leg.force.back());
+            forces.insert(forces.end(), branch.force.begin(), branch.force.end());
+            turn = std::max(turn, branch.force.empty() ? 0.0 : branch.force.back());
         }
     if (forces.empty())
         return {};
@@ -151,19 +152,20 @@ std::pair<Range, Range> rangesOf(const std::vector<sweep::RunResult>& runs) {
     return {{0.0, distance}, {std::min(0.0, forces[outside]), std::max(turn, forces[forces.size() - 1 - outside])}};
 }
 
-void drawLegs(Canvas& canvas, const Plot& plot, const sweep::RunResult& run, bool bold) {
-    const std::size_t cycles = std::max<std::size_t>(1, run.curve.size() / 2);
-    for (std::size_t i = 0; i < run.curve.size(); ++i) {
+void drawBranches(Canvas& canvas, const Plot& plot, const sweep::RunRecord& run, bool bold) {
+    const std::size_t cycles = std::max<std::size_t>(1, run.branches.size() / 2);
+    for (std::size_t i = 0; i < run.branches.size(); ++i) {
         const double age = cycles > 1 ? static_cast<double>(i / 2) / static_cast<double>(cycles - 1) : 0.0;
         const Colour colour = i % 2 == 0 ? theme::loading : theme::unloading; // later cycles fade
-        plot.drawLine(canvas, run.curve[i].displacement, run.curve[i].force,
+        plot.drawLine(canvas, run.branches[i].displacement, run.branches[i].force,
                       {colour.alpha(bold ? 1.0 - 0.65 * age : 0.16), bold ? 1.7 : 0.9});
     }
 }
 
 } // namespace
 
-SweepFigure histogramFigure(const sweep::Definition& sweep, const sweep::Table& table, const std::string& quantity) {
+SweepFigure histogramFigure(const sweep::SweepDefinition& sweep, const sweep::RunTable& table,
+                            const std::string& quantity) {
     const Panels panels(sweep, 196.0, 156.0, theme::tickSize);
     std::vector<std::vector<std::vector<double>>> values;
     for (const SweepGroup& g : panels.groups) {
@@ -178,7 +180,8 @@ SweepFigure histogramFigure(const sweep::Definition& sweep, const sweep::Table& 
                      "that runs are Gaussian (one panel in twenty falls below 0.05 even if all are).";
     figure.width = panels.totalWidth();
     figure.height = panels.totalHeight();
-    figure.draw = [panels, values, colour = quantity == "eta" ? kShare : kWorkingDistance](Canvas& canvas) {
+    figure.draw = [panels, values,
+                   colour = quantity == "dissipation_ratio" ? kDissipation : kWorkingDistance](Canvas& canvas) {
         for (std::size_t row = 0; row < panels.groups.size(); ++row)
             for (std::size_t i = 0; i < panels.groups[row].sets.size(); ++i) {
                 const Rect cell = panels.cell(row, i);
@@ -189,7 +192,7 @@ SweepFigure histogramFigure(const sweep::Definition& sweep, const sweep::Table& 
     return figure;
 }
 
-SweepFigure forceFigure(const sweep::Definition& sweep, const std::vector<std::vector<sweep::RunResult>>& curves) {
+SweepFigure forceFigure(const sweep::SweepDefinition& sweep, const std::vector<std::vector<sweep::RunRecord>>& curves) {
     const bool few = curves.size() <= 4;
     const Panels panels(sweep, few ? 440.0 : 300.0, few ? 340.0 : 240.0, theme::labelSize);
     SweepFigure figure;
@@ -199,24 +202,24 @@ SweepFigure forceFigure(const sweep::Definition& sweep, const std::vector<std::v
     figure.width = panels.totalWidth();
     figure.height = panels.totalHeight();
     const bool any = std::any_of(curves.begin(), curves.end(), [](const auto& runs) {
-        return std::any_of(runs.begin(), runs.end(), [](const sweep::RunResult& r) { return !r.curve.empty(); });
+        return std::any_of(runs.begin(), runs.end(), [](const sweep::RunRecord& r) { return !r.branches.empty(); });
     });
     if (!any)
         return {};
     figure.draw = [panels, curves](Canvas& canvas) {
         for (std::size_t row = 0; row < panels.groups.size(); ++row)
             for (std::size_t i = 0; i < panels.groups[row].sets.size(); ++i) {
-                const std::vector<sweep::RunResult>& runs = curves[panels.groups[row].sets[i]];
+                const std::vector<sweep::RunRecord>& runs = curves[panels.groups[row].sets[i]];
                 const auto [distance, force] = rangesOf(runs);
                 const Rect cell = panels.cell(row, i);
                 panels.drawTitle(canvas, row, i, 25.0);
                 if (!(distance.hi > 0.0) || !(force.span() > 0.0))
                     continue;
                 const Plot plot({cell.x + 62.0, cell.y + 24.0, cell.width - 74.0, cell.height - 74.0},
-                                {0.0, 1.03 * distance.hi}, report::padded(force, 0.04));
+                                {0.0, 1.03 * distance.hi}, graphics::padded(force, 0.04));
                 PlotStyle style;
-                const report::Unit length = report::readableUnit(distance.hi, "m");
-                const report::Unit newton = report::readableUnit(std::max(-force.lo, force.hi), "N");
+                const graphics::DisplayUnit length = graphics::readableUnit(distance.hi, "m");
+                const graphics::DisplayUnit newton = graphics::readableUnit(std::max(-force.lo, force.hi), "N");
                 style.x = {"displacement (" + length.text + ")", length.factor};
                 style.y = {"force (" + newton.text + ")", newton.factor};
                 style.xTicks = 6;
@@ -224,11 +227,11 @@ SweepFigure forceFigure(const sweep::Definition& sweep, const std::vector<std::v
                 plot.drawFrame(canvas, style);
                 canvas.pushClip(plot.area);
                 for (std::size_t k = runs.size(); k-- > 0;)
-                    drawLegs(canvas, plot, runs[k], k == 0);
+                    drawBranches(canvas, plot, runs[k], k == 0);
                 canvas.popClip();
             }
     };
     return figure;
 }
 
-} // namespace supercircle::cli
+} // namespace supercircle::pages

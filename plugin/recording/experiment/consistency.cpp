@@ -1,6 +1,6 @@
-// Statements of a description against each other.
+// Contradictions within a description.
 
-#include "plugin/recording/experiment/health.h"
+#include "plugin/recording/experiment/recording_quality.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@ namespace supercircle::experiment {
 
 namespace {
 
-/// E w h^3 / 12 and E w h are stated twice where E, w and h are.
-void judgeModuli(const Specimen& s, const std::string& pointer, std::vector<Remark>& out) {
+/// E w h^3 / 12 and E w h are redundant where E, w and h are stated.
+void judgeModuli(const Specimen& s, const std::string& pointer, std::vector<Contradiction>& out) {
     if (s.youngModulus <= 0.0 || s.width <= 0.0)
         return;
     const double h = s.thickness.value, b = s.youngModulus * s.width * h * h * h / 12.0,
@@ -34,8 +34,8 @@ void judgeModuli(const Specimen& s, const std::string& pointer, std::vector<Rema
                        false});
 }
 
-/// Sizes nobody has in a laboratory: millimetres written as metres.
-void judgeSizes(const Specimen& s, const std::string& pointer, std::vector<Remark>& out) {
+/// Implausible sizes: millimetres written as metres.
+void judgeSizes(const Specimen& s, const std::string& pointer, std::vector<Contradiction>& out) {
     if (s.length > 50.0)
         out.push_back({pointer + "/arc_length_m", "a specimen of " + shown(s.length) + " m", "metres", true});
     if (s.thickness.value > 0.25 * s.length)
@@ -55,8 +55,8 @@ void judgeSizes(const Specimen& s, const std::string& pointer, std::vector<Remar
                        false});
 }
 
-/// Intervals that reach zero, and a mass that no material of this cross-section has.
-void judgeIntervals(const Specimen& s, const std::string& pointer, std::vector<Remark>& out) {
+/// Intervals that include zero, and implausible densities.
+void judgeIntervals(const Specimen& s, const std::string& pointer, std::vector<Contradiction>& out) {
     const auto reachesZero = [&](const Stated& v, const char* key) {
         if (v.halfWidth >= std::abs(v.value) && v.value != 0.0)
             out.push_back(
@@ -77,7 +77,7 @@ void judgeIntervals(const Specimen& s, const std::string& pointer, std::vector<R
                        false});
 }
 
-/// Point of the unloaded specimen at arc length s, held where the clamp holds it.
+/// Point of the unloaded clamped specimen at arc length s.
 Point unloaded(const Specimen& specimen, double s) {
     const Clamp& c = specimen.clamp;
     const double k = specimen.naturalCurvature.value, d = s - c.arcPosition, half = 0.5 * k * d;
@@ -92,7 +92,7 @@ double distance(const Obstacle& o, const Point& p) {
     return (p.x - o.point.x) * o.normal.x + (p.y - o.point.y) * o.normal.y;
 }
 
-/// Largest displacement that is commanded in any run.
+/// Largest commanded displacement of all runs.
 double furthest(const Experiment& e) {
     double most = 0.0;
     for (const Run& run : e.runs)
@@ -101,8 +101,8 @@ double furthest(const Experiment& e) {
     return most;
 }
 
-/// A clamped specimen that starts inside an obstacle (sagging and stated uncertainties are granted).
-void judgePlaces(const Experiment& e, std::vector<Remark>& out) {
+/// A clamped specimen that starts inside an obstacle, allowing for sag and stated uncertainties.
+void judgePlaces(const Experiment& e, std::vector<Contradiction>& out) {
     for (std::size_t i = 0; i < e.specimens.size(); ++i) {
         const Specimen& s = e.specimens[i];
         if (s.clamp.where == ClampPlace::None)
@@ -121,15 +121,15 @@ void judgePlaces(const Experiment& e, std::vector<Remark>& out) {
             else if (e.specimens.size() == 1 && e.obstacles.size() == 1 && least > furthest(e) + slack)
                 out.push_back({"/specimens/" + std::to_string(i) + "/clamp/initial_point_m",
                                "at displacement 0 the unloaded specimen is " + shown(1e3 * least) +
-                                   " mm from the obstacle, and the head moves by " + shown(1e3 * furthest(e)) +
-                                   " mm: they never touch",
+                                   " mm from the obstacle, and the crosshead moves by " + shown(1e3 * furthest(e)) +
+                                   " mm: they never come into contact",
                                {},
                                false});
         }
     }
 }
 
-void judgeRuns(const Experiment& e, std::vector<Remark>& out) {
+void judgeRuns(const Experiment& e, std::vector<Contradiction>& out) {
     std::set<std::string> files;
     for (std::size_t i = 0; i < e.runs.size(); ++i) {
         const Run& run = e.runs[i];
@@ -138,14 +138,14 @@ void judgeRuns(const Experiment& e, std::vector<Remark>& out) {
             out.push_back({pointer + "/file", "another run has the same file \"" + run.file + "\"", {}, true});
         const auto [lo, hi] = std::minmax_element(run.driveDisplacement.begin(), run.driveDisplacement.end());
         if (*hi == *lo && !e.scene)
-            out.push_back({pointer + "/drive_displacement_mm", "the head does not move", {}, false});
+            out.push_back({pointer + "/drive_displacement_mm", "the crosshead does not move", {}, false});
         double length = 0.0;
         for (const Specimen& s : e.specimens)
             length = std::max(length, s.length);
         if (*hi - *lo > 20.0 * length && !e.scene)
             out.push_back({pointer + "/drive_displacement_mm",
-                           "the head moves by " + shown(1e3 * (*hi - *lo)) + " mm, " + shown((*hi - *lo) / length) +
-                               " times the length of the specimen",
+                           "the crosshead moves by " + shown(1e3 * (*hi - *lo)) + " mm, " +
+                               shown((*hi - *lo) / length) + " times the length of the specimen",
                            "millimetres", true});
         if (!run.markersFile.empty() && e.markers.empty())
             out.push_back({pointer + "/markers_file", "there is a file of markers but no entry in /markers",
@@ -155,8 +155,8 @@ void judgeRuns(const Experiment& e, std::vector<Remark>& out) {
 
 } // namespace
 
-std::vector<Remark> contradictions(const Experiment& e) {
-    std::vector<Remark> out;
+std::vector<Contradiction> contradictions(const Experiment& e) {
+    std::vector<Contradiction> out;
     for (std::size_t i = 0; i < e.specimens.size(); ++i) {
         const std::string pointer = "/specimens/" + std::to_string(i);
         judgeSizes(e.specimens[i], pointer, out);
@@ -175,7 +175,7 @@ std::vector<Remark> contradictions(const Experiment& e) {
     if (std::hypot(e.gravity.x, e.gravity.y) > 50.0)
         out.push_back({"/gravity_m_s2", "gravity of " + shown(std::hypot(e.gravity.x, e.gravity.y)) + " m/s^2",
                        "m/s^2, 9.81 downwards", true});
-    if (out.empty() || std::none_of(out.begin(), out.end(), [](const Remark& r) { return r.error; }))
+    if (out.empty() || std::none_of(out.begin(), out.end(), [](const Contradiction& r) { return r.error; }))
         judgePlaces(e, out);
     judgeRuns(e, out);
     return out;

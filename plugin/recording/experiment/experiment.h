@@ -1,6 +1,6 @@
 #pragma once
-// A recorded experiment as plain data: what the machine did, what is known about specimens and surroundings and how
-// well, and what was measured. SI units throughout, also where the files use millimetres.
+// A recorded experiment as plain data: motion of the testing machine, specimens and set-up with uncertainties, and
+// readings. SI units throughout, also where files use millimetres.
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 
@@ -12,7 +12,7 @@
 
 namespace supercircle::experiment {
 
-/// A stated value; the true one lies anywhere (uniformly) within `halfWidth` of it.
+/// A stated value; the true one lies within `halfWidth` of it, uniformly distributed.
 struct Stated {
     double value = 0.0;
     double halfWidth = 0.0; ///< same unit as `value`, 0: exact
@@ -26,16 +26,16 @@ enum class Protocol : std::uint8_t {
     StripOnRigidFloor,
     ArchBetweenPlates,
     RingBetweenPlates, ///< a closed ring
-    TetheredStrip,     ///< a bow: strings from both ends to the head
-    FreeScene          ///< rigid bodies of a scene file, left to themselves: there is no machine
+    TetheredStrip,     ///< a bow: strings from both ends to the crosshead
+    FreeScene          ///< freely moving rigid bodies of a scene file, without a testing machine
 };
 
-/// What carries a clamp or an obstacle.
-enum class Carrier : std::uint8_t { Ground, MachineHead };
+/// Part that carries a clamp or an obstacle.
+enum class Carrier : std::uint8_t { Ground, Crosshead };
 
 enum class ClampPlace : std::uint8_t { None, Middle, FirstEnd };
 
-/// Position and tangent of one section imposed.
+/// Imposed position and tangent of one section.
 struct Clamp {
     ClampPlace where = ClampPlace::None;
     double arcPosition = 0.0;   ///< from the first end, m
@@ -43,7 +43,7 @@ struct Clamp {
     Carrier carriedBy = Carrier::Ground;
     Point initialPoint{};             ///< centre line at displacement 0, m
     double initialTangentAngle = 0.0; ///< rad, from +x counter-clockwise, direction of growing arc length
-    std::string initialPlacement;     ///< in words, where nothing is clamped
+    std::string initialPlacement;     ///< placement in words, without a clamp
 };
 
 /// A flexible strip, straight or curved.
@@ -62,10 +62,10 @@ struct Specimen {
 
 enum class ObstacleKind : std::uint8_t { Cylinder, Plane };
 
-/// A rigid surface at its place at displacement 0.
+/// A rigid surface at its position at displacement 0.
 struct Obstacle {
     ObstacleKind kind = ObstacleKind::Plane;
-    Point point{};          ///< cylinder: axis; plane: any point of it, m
+    Point point{};          ///< m, cylinder: axis; plane: any point of it
     double radius = 0.0;    ///< cylinder, m
     Point normal{0.0, 1.0}; ///< plane: unit vector towards the specimen
     Carrier carriedBy = Carrier::Ground;
@@ -80,15 +80,15 @@ struct Marker {
     Point local{};            ///< in its frame, m
 };
 
-/// An inextensible string from the specimen to a point, at displacement 0. Its length is such that it is straight
-/// there and then, together with the other one: the bow is braced.
-struct String {
-    double arcFraction = 0.0; ///< where it is tied to the specimen
+/// An inextensible string from the specimen to a point, at displacement 0. Its length is that of the straight string of
+/// the strung bow.
+struct Bowstring {
+    double arcFraction = 0.0; ///< where it is attached to the specimen
     Point point{};            ///< its other end, m
-    Carrier carriedBy = Carrier::MachineHead;
+    Carrier carriedBy = Carrier::Crosshead;
 };
 
-/// A parameter of a scene and what is known about it.
+/// A parameter of a scene with its uncertainty.
 struct SceneParameter {
     std::string name;
     Stated stated;
@@ -97,91 +97,91 @@ struct SceneParameter {
 
 enum class Quantity : std::uint8_t { Angle, X, Y };
 
-/// A mechanism that moves by itself, and which pose of which body is recorded.
+/// A freely moving mechanism, and the recorded pose of one body.
 struct FreeScene {
-    std::string file;                       ///< of the scene, as named in the description
-    std::string text;                       ///< its content; empty if the description was loaded alone
-    std::vector<SceneParameter> parameters; ///< the same in all runs
+    std::string file;                       ///< scene file, as named in the description
+    std::string text;                       ///< its content; empty if only the description was loaded
+    std::vector<SceneParameter> parameters; ///< common to all runs
     std::string body;
     Quantity quantity = Quantity::Angle;
-    double zeroHalfWidth = 0.0; ///< of the reading where the scene says 0, rad or m
+    double zeroHalfWidth = 0.0; ///< rad or m, of the reading at pose zero
 };
 
-/// The channel that runs are compared by, as files and messages name it.
+/// The channel by which runs are compared, as named in files and messages.
 struct Channel {
     const char* name;   ///< "force", "angle", "x", "y"
     const char* unit;   ///< in files: "N", "deg", "mm"
     const char* column; ///< NAME_UNIT
-    double perUnit;     ///< what one of ours (N, rad, m) is in it
+    double perUnit;     ///< file unit per SI unit (N, rad, m)
 };
 
-/// Where markers were, over time. x[m][k], y[m][k]: marker m of Experiment::markers in row k, m; NaN: not seen.
+/// Marker positions over time. x[m][k], y[m][k]: marker m of Experiment::markers in row k, m; NaN: not seen.
 struct MarkerTracks {
     std::vector<double> time; ///< s
     std::vector<std::vector<double>> x, y;
 };
 
-/// What the machine measured; rows of equal length.
+/// Measured readings; columns of equal length.
 struct Readings {
     std::vector<double> time;         ///< s, increasing
-    std::vector<double> displacement; ///< of the head, positive downwards, m
-    /// Positive while the specimen resists the way down, N; NaN: missing. In free scenes the pose that was recorded
-    /// instead (FreeScene::quantity), rad or m: everything that compares runs compares this column.
+    std::vector<double> displacement; ///< m, of the crosshead, positive downwards
+    /// Positive while the specimen resists loading, N; NaN: missing. In free scenes the recorded pose
+    /// (FreeScene::quantity), rad or m; runs are compared by this column.
     std::vector<double> force;
 };
 
-/// One run of the machine.
+/// One run.
 struct Run {
     std::string file;                      ///< as named in the description
-    std::vector<double> driveTime;         ///< break points of the commanded motion, s, increasing
+    std::vector<double> driveTime;         ///< s, break points of the drive, increasing
     std::vector<double> driveDisplacement; ///< m, positive downwards; linear between the break points
     double samplingRate = 0.0;             ///< Hz
     std::string specimenState;
-    /// The specimens were mounted turned end for end, their markers with them; they bend to the same side as before.
-    bool turned = false;
+    /// The specimens with their markers were mounted end for end; they bend to the same side.
+    bool specimenReversed = false;
     std::string markersFile;                ///< empty: not tracked
     double markersSamplingRate = 0.0;       ///< Hz
-    std::vector<SceneParameter> parameters; ///< of the free scene, of this run alone: how it was let go
-    Readings readings;                      ///< empty if the description was loaded without its runs
+    std::vector<SceneParameter> parameters; ///< parameters of this run of a free scene: its release state
+    Readings readings;                      ///< empty if only the description was loaded
     MarkerTracks markers;                   ///< empty: not tracked
 };
 
-/// Where the head is told to be, m, by a drive of two break points or more.
+/// Commanded displacement of the crosshead, m, by a drive of at least two break points.
 double commanded(const Run& run, double t);
 
 struct Sensors {
-    double forceNoise = 0.0;        ///< standard deviation, N (free scenes: rad or m), rough
-    double forceZeroWindow = 0.0;   ///< the mean of this first stretch of time is subtracted, s; 0: nothing is
+    double forceNoise = 0.0;        ///< N (free scenes: rad or m), standard deviation, approximate
+    double forceZeroWindow = 0.0;   ///< s, the mean of this first interval is subtracted; 0: none
     double displacementNoise = 0.0; ///< m
     double markerNoise = 0.0;       ///< m
     std::string displacementChannel;
 };
 
 struct Experiment {
-    std::string file; ///< where it was read
-    std::string text; ///< what stood there; empty: not from a file
+    std::string file; ///< path of the file
+    std::string text; ///< content of the file; empty: not from a file
     Protocol protocol = Protocol::ShellOnRigidCylinder;
     std::string description;
     Point gravity{0.0, -9.81}; ///< as declared, m/s^2
     std::vector<Specimen> specimens;
     std::vector<Obstacle> obstacles;
     Stated friction;                ///< coefficient of all contacts, 1
-    double initialGapHalfWidth = 0; ///< of the head's height at displacement 0, m
+    double initialGapHalfWidth = 0; ///< m, of the height of the crosshead at displacement 0
     std::vector<Run> runs;
     Sensors sensors;
     std::vector<Marker> markers;
-    std::vector<String> strings;
+    std::vector<Bowstring> strings;
     std::optional<FreeScene> scene; ///< of Protocol::FreeScene
 };
 
 /// Name of a protocol in the files.
 const char* name(Protocol protocol);
 
-/// A name for each run, no two alike: its file's (with `extension`, or without, as results are called); with folders
-/// where two files are called the same, numbered where a file is named twice.
+/// Unique names of the runs from their files (with `extension`, or without, as for results). Folders are added to equal
+/// names, numbers to repeated files.
 std::vector<std::string> runNames(const Experiment& experiment, bool extension);
 
-/// The channel that runs of this experiment are compared by.
+/// The channel by which runs of this experiment are compared.
 const Channel& channel(const Experiment& experiment);
 
 /// Median time between rows, s; 0 with fewer than two rows.

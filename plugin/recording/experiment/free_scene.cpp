@@ -48,7 +48,7 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
     };
     if (!s.shells.empty() || s.drop || s.protocol)
         complain("a free scene has rigid bodies only: no shells, no \"drop\", no \"protocol\"",
-                 "bodies on joints that move by themselves");
+                 "freely moving bodies on joints");
     std::vector<std::string> names;
     for (const step::BodyDefinition& b : s.rigid.bodies)
         names.push_back(b.name);
@@ -117,19 +117,19 @@ FreeScene readFreeScene(Context& context, Object& top) {
     return s;
 }
 
-std::vector<String> readStrings(Context& context, Object& top) {
-    std::vector<String> all;
+std::vector<Bowstring> readStrings(Context& context, Object& top) {
+    std::vector<Bowstring> all;
     if (top.find("strings") == nullptr)
         return all;
-    for (const Place& place : top.array("strings", false)) {
+    for (const ArrayItem& place : top.array("strings", false)) {
         Object object(context, place);
         if (!object.valid())
             continue;
-        String s;
+        Bowstring s;
         s.arcFraction = object.number("arc_fraction", {0.0, 1.0, false});
         s.point = object.pair("to_point_m");
         s.carriedBy =
-            object.choice("carried_by", {"ground", "machine_head"}) == 1 ? Carrier::MachineHead : Carrier::Ground;
+            object.choice("carried_by", {"ground", "machine_head"}) == 1 ? Carrier::Crosshead : Carrier::Ground;
         object.finish();
         all.push_back(s);
     }
@@ -153,7 +153,7 @@ void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
         std::erase_if(found, [](const scene::Problem& p) { return p.severity == scene::Problem::Severity::Note; });
         problems.insert(problems.end(), found.begin(), found.end());
         if (!found.empty())
-            return; // the other runs have the same to say
+            return; // the other runs have the same problem
     }
 }
 

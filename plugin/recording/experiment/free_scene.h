@@ -1,6 +1,5 @@
 #pragma once
-// What a free scene adds to experiment.json (private to experiment/): the scene file, whose pose is recorded, how each
-// run was let go.
+// Free scene in experiment.json (private to experiment/): scene file, recorded pose, release state of each run.
 
 #include "plugin/recording/experiment/experiment.h"
 #include "plugin/recording/experiment/values.h"
@@ -14,12 +13,12 @@ std::vector<SceneParameter> readSceneParameters(Context& context, Object& object
 FreeScene readFreeScene(Context& context, Object& top);
 
 /// /strings
-std::vector<String> readStrings(Context& context, Object& top);
+std::vector<Bowstring> readStrings(Context& context, Object& top);
 
-/// Reads the scene file beside experiment.file and tries it with the nominal values of every run.
+/// Reads the scene file beside experiment.file and checks it with the nominal values of every run.
 void readSceneFile(Experiment& experiment, std::vector<scene::Problem>& problems);
 
-/// Names the readings of this column may have in a CSV file, and what one of ours is in its unit.
+/// Names of the readings in a CSV file, with their unit.
 std::vector<Channel> columnsOf(const Experiment& experiment);
 
 } // namespace supercircle::experiment

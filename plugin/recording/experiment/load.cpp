@@ -1,7 +1,7 @@
 #include "plugin/recording/experiment/load.h"
 
 #include "plugin/recording/experiment/free_scene.h"
-#include "plugin/recording/experiment/health.h"
+#include "plugin/recording/experiment/recording_quality.h"
 #include "plugin/recording/experiment/values.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ const std::vector<std::string> kCarriers = {"ground", "machine_head"};
 constexpr Limits kShare{0.0, 1.0, false};
 
 Carrier readCarrier(Object& object) {
-    return object.choice("carried_by", kCarriers) == 1 ? Carrier::MachineHead : Carrier::Ground;
+    return object.choice("carried_by", kCarriers) == 1 ? Carrier::Crosshead : Carrier::Ground;
 }
 
 /// `NAME` and its relative half-width `REL`.
@@ -64,7 +64,7 @@ Clamp readClamp(Context& context, const Node& node, const std::string& pointer, 
     return clamp;
 }
 
-Specimen readSpecimen(Context& context, const Place& place) {
+Specimen readSpecimen(Context& context, const ArrayItem& place) {
     Object object(context, place);
     Specimen s;
     if (!object.valid())
@@ -88,7 +88,7 @@ Specimen readSpecimen(Context& context, const Place& place) {
 
 std::vector<Specimen> readSpecimens(Context& context, Object& top) {
     std::vector<Specimen> all;
-    for (const Place& place : top.array("specimens", true)) {
+    for (const ArrayItem& place : top.array("specimens", true)) {
         all.push_back(readSpecimen(context, place));
         for (std::size_t i = 0; i + 1 < all.size(); ++i)
             if (all[i].id == all.back().id)
@@ -97,7 +97,7 @@ std::vector<Specimen> readSpecimens(Context& context, Object& top) {
     return all;
 }
 
-Obstacle readObstacle(Context& context, const Place& place) {
+Obstacle readObstacle(Context& context, const ArrayItem& place) {
     Object object(context, place);
     Obstacle o;
     if (!object.valid())
@@ -121,7 +121,7 @@ Obstacle readObstacle(Context& context, const Place& place) {
     return o;
 }
 
-/// The commanded motion; a free scene has none, only a time.
+/// The drive; a free scene has a time only.
 void readDrive(Object& object, bool free, Run& run) {
     if (free) {
         run.driveTime = {0.0, object.number("duration_s", positive)};
@@ -145,7 +145,7 @@ void readDrive(Object& object, bool free, Run& run) {
         }
 }
 
-Run readRun(Context& context, const Place& place, bool free) {
+Run readRun(Context& context, const ArrayItem& place, bool free) {
     Object object(context, place);
     Run run;
     if (!object.valid())
@@ -157,7 +157,7 @@ Run readRun(Context& context, const Place& place, bool free) {
     run.samplingRate = object.number("sampling_hz", positive);
     run.specimenState = object.text("specimen_state_at_start", "");
     if (!free)
-        run.turned = object.flag("specimen_turned", false);
+        run.specimenReversed = object.flag("specimen_turned", false);
     run.markersFile = object.text("markers_file", "");
     run.markersSamplingRate = object.number("markers_sampling_hz", 0.0, notNegative);
     object.finish();
@@ -205,7 +205,7 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
         ids.push_back(s.id);
     if (top.find("markers") == nullptr)
         return all;
-    for (const Place& place : top.array("markers", false)) {
+    for (const ArrayItem& place : top.array("markers", false)) {
         Object object(context, place);
         if (!object.valid())
             continue;
@@ -230,12 +230,12 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
     return all;
 }
 
-bool tiedToBothEnds(const std::vector<String>& s) {
+bool tiedToBothEnds(const std::vector<Bowstring>& s) {
     return s.size() == 2 && std::abs(s[0].arcFraction - s[1].arcFraction) == 1.0 && s[0].point.x == s[1].point.x &&
            s[0].point.y == s[1].point.y && s[0].carriedBy == s[1].carriedBy;
 }
 
-/// What a protocol needs beyond the schema.
+/// Requirements of a protocol beyond the schema.
 void checkProtocol(Context& context, Object& top, const Experiment& e) {
     const auto need = [&](bool good, const char* key, const std::string& expected) {
         if (!good)
@@ -246,14 +246,14 @@ void checkProtocol(Context& context, Object& top, const Experiment& e) {
     const bool moved =
         std::any_of(e.specimens.begin(), e.specimens.end(),
                     [](const Specimen& s) {
-                        return s.clamp.where != ClampPlace::None && s.clamp.carriedBy == Carrier::MachineHead;
+                        return s.clamp.where != ClampPlace::None && s.clamp.carriedBy == Carrier::Crosshead;
                     }) ||
         std::any_of(e.obstacles.begin(), e.obstacles.end(),
-                    [](const Obstacle& o) { return o.carriedBy == Carrier::MachineHead; }) ||
+                    [](const Obstacle& o) { return o.carriedBy == Carrier::Crosshead; }) ||
         std::any_of(e.strings.begin(), e.strings.end(),
-                    [](const String& s) { return s.carriedBy == Carrier::MachineHead; });
+                    [](const Bowstring& s) { return s.carriedBy == Carrier::Crosshead; });
     if (!moved)
-        context.error(context.document.root, "", "the machine head carries nothing",
+        context.error(context.document.root, "", "the crosshead carries nothing",
                       "a clamp, an obstacle or a string carried by \"machine_head\"");
     need(e.specimens.size() == (e.protocol == Protocol::TwoShells ? 2U : 1U), "specimens",
          e.protocol == Protocol::TwoShells ? "two specimens" : "one specimen");
@@ -264,21 +264,21 @@ void checkProtocol(Context& context, Object& top, const Experiment& e) {
          obstacles == 0   ? "no obstacle"
          : obstacles == 1 ? "one obstacle"
                           : "a floor and a plate");
-    need(bow == !e.strings.empty(), "strings", bow ? "strings from the specimen to the head" : "no strings");
+    need(bow == !e.strings.empty(), "strings", bow ? "strings from the specimen to the crosshead" : "no strings");
     need(!bow || (e.specimens.size() == 1 && e.specimens.front().clamp.where == ClampPlace::Middle), "specimens",
          "a strip clamped at its middle");
     need(!bow || tiedToBothEnds(e.strings), "strings", "one string from each end (arc_fraction 0 and 1) to one point");
     need(e.protocol != Protocol::RingBetweenPlates || e.specimens.front().clamp.where == ClampPlace::None, "specimens",
-         "a ring that nothing clamps");
+         "a ring without a clamp");
     const bool standing = std::any_of(e.specimens.begin(), e.specimens.end(),
                                       [](const Specimen& s) { return s.clamp.where == ClampPlace::None; });
     const bool floor = std::any_of(e.obstacles.begin(), e.obstacles.end(), [](const Obstacle& o) {
         return o.kind == ObstacleKind::Plane && o.carriedBy == Carrier::Ground && o.normal.y > 0.5;
     });
-    need(!standing || floor, "obstacles", "a plane on the ground, facing up, for the specimen that is not clamped");
+    need(!standing || floor, "obstacles", "a plane on the ground, facing up, for a specimen without a clamp");
 }
 
-/// Node a JSON pointer leads to; the deepest one that is there.
+/// Node of a JSON pointer; the deepest existing one.
 const Node& nodeAt(const Node& root, const std::string& pointer) {
     const Node* at = &root;
     for (std::size_t from = 1; from <= pointer.size();) {
@@ -315,13 +315,13 @@ void readTop(Context& context, Experiment& e) {
         top.text(words, "");
     const std::string meaning = top.text("uncertainty_meaning", "half-width of a uniform interval");
     if (meaning != "half-width of a uniform interval")
-        top.note("uncertainty_meaning", "taken as the half-width of a uniform interval all the same");
+        top.note("uncertainty_meaning", "interpreted as the half-width of a uniform interval");
     const bool free = e.protocol == Protocol::FreeScene && top.find("protocol") != nullptr;
     if (free) {
         e.scene = readFreeScene(context, top);
     } else {
         e.specimens = readSpecimens(context, top);
-        for (const Place& place : top.array("obstacles", false))
+        for (const ArrayItem& place : top.array("obstacles", false))
             e.obstacles.push_back(readObstacle(context, place));
         e.strings = readStrings(context, top);
     }
@@ -333,7 +333,7 @@ void readTop(Context& context, Experiment& e) {
         friction.finish();
     }
     e.initialGapHalfWidth = top.number("initial_gap_unc_m", 0.0, notNegative);
-    for (const Place& place : top.array("runs", true))
+    for (const ArrayItem& place : top.array("runs", true))
         e.runs.push_back(readRun(context, place, free));
     if (const Node* node = top.find("sensors"))
         e.sensors = readSensors(context, *node, top.pointerTo("sensors"), e);
@@ -343,7 +343,7 @@ void readTop(Context& context, Experiment& e) {
         checkProtocol(context, top, e);
     if (scene::anyError(context.problems))
         return;
-    for (const Remark& r : contradictions(e)) {
+    for (const Contradiction& r : contradictions(e)) {
         const Node& node = nodeAt(context.document.root, r.pointer);
         if (r.error)
             context.error(node, r.pointer, r.what, r.expected);

@@ -1,7 +1,6 @@
 #pragma once
-// From experiment.json (schema "rod-recordings/1", experiment.schema.json) and its CSV files to plain data, with
-// everything checked and every problem placed: file:line:column, JSON pointer, what is wrong, what was expected,
-// nearest known name.
+// Loads experiment.json (schema "rod-recordings/1", experiment.schema.json) and its CSV files. Everything is checked,
+// and every problem has file:line:column, JSON pointer, what is wrong, what was expected, nearest known name.
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "plugin/recording/experiment/experiment.h"
@@ -15,18 +14,17 @@ namespace supercircle::experiment {
 
 inline constexpr const char* schemaName = "rod-recordings/1";
 
-/// Loads description and runs. All problems are appended to `problems`; the result is empty exactly if one of them is
-/// an error. Notes may accompany a good experiment (keys without meaning here, words not understood).
+/// Loads description and runs. All problems are appended to `problems`; the result is empty exactly if one is an error.
 std::optional<Experiment> load(const std::string& path, std::vector<scene::Problem>& problems);
 
-/// The same with all errors in one text, a line each; notes are left out.
+/// The same with all errors in one text, one per line, without notes.
 Result<Experiment> load(const std::string& path);
 
-/// The description alone, from a text; `file` is what messages call it. The runs have no readings.
+/// Loads the description alone from a text; `file` is its name in messages.
 std::optional<Experiment> loadText(const std::string& text, const std::string& file,
                                    std::vector<scene::Problem>& problems);
 
-/// Reads the CSV files of all runs, which stand beside experiment.file.
+/// Reads the CSV files of all runs beside experiment.file.
 void readRuns(Experiment& experiment, std::vector<scene::Problem>& problems);
 
 } // namespace supercircle::experiment

@@ -1,8 +1,8 @@
 // The CSV files of the runs.
 
 #include "plugin/recording/experiment/free_scene.h"
-#include "plugin/recording/experiment/health.h"
 #include "plugin/recording/experiment/load.h"
+#include "plugin/recording/experiment/recording_quality.h"
 #include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/files.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The reader's message begins with file:line:column already.
+/// The message of the reader begins with file:line:column.
 void reportCsv(std::vector<scene::Problem>& problems, const std::string& file, const std::string& message) {
     scene::Problem p;
     p.file = file;
@@ -38,7 +38,7 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
     return out;
 }
 
-/// What a file of another kind is, told before its bytes are taken for names of columns; empty: nothing strange.
+/// Description of a file of another kind; empty: nothing unusual.
 std::string foreign(const std::string& text) {
     const std::string import = "; `supercircle import` reads exports of other forms";
     if (text.find('\0') != std::string::npos)
@@ -77,7 +77,7 @@ void readReadings(const Experiment& e, Run& run, const std::string& path, std::v
     run.readings.time = *csv.value.find("time_s");
     run.readings.displacement = scaled(*csv.value.find("displacement_mm"), 1e-3);
     run.readings.force = *csv.value.find("force_N");
-    judgeReadings(e, run, path, problems);
+    checkReadings(e, run, path, problems);
 }
 
 /// A free scene's run: times and one column of a pose.
@@ -98,7 +98,7 @@ void readPose(const Experiment& e, Run& run, const std::string& path, std::vecto
         run.readings.time = *csv.value.find("time_s");
         run.readings.force = scaled(*column, 1.0 / c.perUnit);
         run.readings.displacement.assign(run.readings.time.size(), 0.0);
-        judgeReadings(e, run, path, problems);
+        checkReadings(e, run, path, problems);
         return;
     }
     reportCsv(problems, path, path + ":1:1: there is no column " + wanted + "; expected what /observed names");
@@ -120,7 +120,7 @@ void readTracks(const Experiment& e, Run& run, const std::string& path, std::vec
         run.markers.x.push_back(scaled(*csv.value.find(m.name + "_x_mm"), 1e-3));
         run.markers.y.push_back(scaled(*csv.value.find(m.name + "_y_mm"), 1e-3));
     }
-    judgeTracks(e, run, path, problems);
+    checkTracks(e, run, path, problems);
 }
 
 } // namespace

@@ -79,11 +79,11 @@ bool Object::flag(const std::string& key, bool fallback) {
     return reader_.boolean(key, fallback);
 }
 
-std::vector<Place> Object::array(const std::string& key, bool mustHaveItems) {
+std::vector<ArrayItem> Object::array(const std::string& key, bool mustHaveItems) {
     const Node* node = required(key, "an array");
     if (node == nullptr)
         return {};
-    std::vector<Place> items = reader_.array(key);
+    std::vector<ArrayItem> items = reader_.array(key);
     if (mustHaveItems && node->kind == Node::Kind::Array && items.empty())
         context_.error(*node, pointerTo(key), "the array is empty", "at least one item");
     return items;
@@ -91,7 +91,7 @@ std::vector<Place> Object::array(const std::string& key, bool mustHaveItems) {
 
 std::vector<double> Object::numbers(const std::string& key, const Limits& limits) {
     std::vector<double> values;
-    for (const Place& item : array(key, true))
+    for (const ArrayItem& item : array(key, true))
         values.push_back(numberAt(context_, *item.node, item.pointer, limits));
     return values;
 }
@@ -141,7 +141,7 @@ void Object::finish() {
             continue;
         const std::string near = scene::nearestName(child.key, absent);
         if (near.empty())
-            context_.note(child, pointerTo(child.key), "key without meaning here: \"" + child.key + "\"");
+            context_.note(child, pointerTo(child.key), "this key has no meaning here: \"" + child.key + "\"");
         else
             context_.keyError(child, pointerTo(child.key), "unknown key \"" + child.key + "\"", {}, near);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Reading members of experiment.json: plain JSON numbers only (a description has no parameters and no formulas).
+// Reading members of experiment.json: plain JSON numbers only, no parameters or formulas.
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 #include "plugin/scene/loader/reader.h"
@@ -9,21 +9,21 @@
 
 namespace supercircle::experiment {
 
+using scene::ArrayItem;
 using scene::Context;
 using scene::Limits;
 using scene::Node;
 using scene::ObjectReader;
-using scene::Place;
 
 /// A number at a place; 0 after a report.
 double numberAt(Context& context, const Node& node, const std::string& pointer, const Limits& limits);
 
-/// One JSON object. Required keys are reported when absent. Unknown ones are errors where they look like a slip for a
-/// key that is absent, else notes: recordings carry remarks of their own.
+/// A JSON object. Absent required keys are reported. Unknown keys are errors if they resemble an absent key, otherwise
+/// notes.
 class Object {
 public:
     Object(Context& context, const Node& node, std::string pointer);
-    Object(Context& context, const Place& place) : Object(context, *place.node, place.pointer) {}
+    Object(Context& context, const ArrayItem& place) : Object(context, *place.node, place.pointer) {}
 
     [[nodiscard]] bool valid() const { return reader_.valid(); }
     [[nodiscard]] std::string pointerTo(const std::string& key) const { return reader_.pointerTo(key); }
@@ -38,7 +38,7 @@ public:
     std::vector<double> numbers(const std::string& key, const Limits& limits);         ///< required
     Point pair(const std::string& key);                                                ///< required, [x, y]
     std::size_t choice(const std::string& key, const std::vector<std::string>& words); ///< required
-    std::vector<Place> array(const std::string& key, bool mustHaveItems);              ///< required
+    std::vector<ArrayItem> array(const std::string& key, bool mustHaveItems);          ///< required
     void error(const std::string& key, const std::string& what, const std::string& expected = {},
                const std::string& nearest = {});
     void note(const std::string& key, const std::string& what);

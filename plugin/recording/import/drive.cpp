@@ -1,9 +1,6 @@
-// Break points of a piecewise linear motion from noisy samples.
-//
-// A line is drawn through as many samples as it can follow within the tolerance (longest first, by doubling and
-// halving); a leg drawn this way always runs a little around the corner, by what the tolerance allows. So the lines are
-// fitted again to the middle parts of their legs, and neighbouring lines are cut: corners are then known far better
-// than to a sample. Where lines hardly differ in slope, the cut says nothing and the boundary stays.
+// Break points of a piecewise linear motion from noisy samples. Each line covers as many samples as the tolerance
+// allows (by doubling and halving). Lines are then fitted to the middle of their segments, and neighbouring lines are
+// intersected, which locates corners better than one sample. Nearly parallel lines keep their boundary.
 
 #include "plugin/recording/import/drive.h"
 
@@ -14,14 +11,14 @@ namespace supercircle::importing {
 
 namespace {
 
-constexpr std::size_t kMost = 500000; ///< samples that are looked at
+constexpr std::size_t kMost = 500000; ///< largest number of samples used
 
 struct Line {
     double t0 = 0.0, value = 0.0, slope = 0.0; ///< value at t0
     [[nodiscard]] double at(double t) const { return value + slope * (t - t0); }
 };
 
-/// Sums over the samples before each one, about the first time: lines through any stretch without a loop.
+/// Prefix sums, for lines through any interval without a loop.
 class Samples {
 public:
     Samples(std::vector<double> times, std::vector<double> values) : t(std::move(times)), d(std::move(values)) {
@@ -66,8 +63,7 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
-/// White noise from second differences, which straight legs do not have (median: corners do not count), and the
-/// smallest step the signal makes.
+/// White noise from second differences (median: corners do not matter), and the smallest step of the signal.
 void roughness(const Samples& s, double& noise, double& resolution) {
     std::vector<double> bends, steps;
     for (std::size_t i = 1; i < s.t.size(); ++i) {
@@ -84,7 +80,7 @@ void roughness(const Samples& s, double& noise, double& resolution) {
     resolution = repeats && !steps.empty() ? *std::min_element(steps.begin(), steps.end()) : 0.0;
 }
 
-/// Last sample (one behind) of the longest leg from `first`.
+/// Last sample (one past) of the longest segment from `first`.
 std::size_t reach(const Samples& s, std::size_t first, double tolerance) {
     const std::size_t n = s.t.size();
     std::size_t good = std::min(first + 2, n), step = 2;
@@ -105,7 +101,7 @@ double valueAt(const Drive& drive, double t) {
     return drive.displacement[i - 1] + share * (drive.displacement[i] - drive.displacement[i - 1]);
 }
 
-double deviation(const std::vector<double>& t, const std::vector<double>& d, const Drive& drive) {
+double largestDistance(const std::vector<double>& t, const std::vector<double>& d, const Drive& drive) {
     double most = 0.0;
     for (std::size_t i = 0; i < t.size(); ++i)
         if (std::isfinite(d[i]))
@@ -113,14 +109,13 @@ double deviation(const std::vector<double>& t, const std::vector<double>& d, con
     return most;
 }
 
-/// The line through the middle part of a leg, where no corner disturbs it.
+/// Line through the middle of a segment, away from corners.
 Line middleLine(const Samples& s, std::size_t first, std::size_t last) {
     const std::size_t off = (last - first) / 8;
     return s.fit(first + off, last - off);
 }
 
-/// Corners where the lines of neighbouring legs cut, between the middles of the legs; lines that do not are joined by
-/// a step.
+/// Corners at the intersections of neighbouring lines; lines without one are joined by a step.
 Drive cut(const Samples& s, const std::vector<std::size_t>& bounds, double tolerance) {
     Drive drive;
     std::vector<Line> lines;
@@ -148,7 +143,7 @@ Drive cut(const Samples& s, const std::vector<std::size_t>& bounds, double toler
     return drive;
 }
 
-/// Corners that make no difference within the tolerance go.
+/// Removes corners that make no difference within the tolerance.
 void dropIdle(Drive& drive, double tolerance) {
     for (std::size_t i = 1; i + 1 < drive.time.size();) {
         const double share = (drive.time[i] - drive.time[i - 1]) / (drive.time[i + 1] - drive.time[i - 1]);
@@ -168,7 +163,7 @@ void dropIdle(Drive& drive, double tolerance) {
 Drive findDrive(const std::vector<double>& time, const std::vector<double>& displacement, double tolerance) {
     const auto known = static_cast<std::size_t>(
         std::count_if(displacement.begin(), displacement.end(), [](double v) { return std::isfinite(v); }));
-    const std::size_t every = known / kMost + 1; // corners are cut from lines: fewer samples find them as well
+    const std::size_t every = known / kMost + 1; // lines locate corners, so fewer samples suffice
     std::vector<double> t, d;
     for (std::size_t i = 0, k = 0; i < time.size(); ++i)
         if (std::isfinite(displacement[i]) && (k++ % every == 0 || k == known)) {
@@ -184,13 +179,13 @@ Drive findDrive(const std::vector<double>& time, const std::vector<double>& disp
     std::vector<std::size_t> bounds{0};
     while (bounds.back() < s.t.size())
         bounds.push_back(reach(s, bounds.back(), wanted));
-    if (bounds.size() > 2 && bounds.back() - bounds[bounds.size() - 2] < 2) // a last leg of one sample is none
+    if (bounds.size() > 2 && bounds.back() - bounds[bounds.size() - 2] < 2) // drops a last segment of one sample
         bounds.erase(bounds.end() - 2);
     Drive drive = cut(s, bounds, wanted);
     dropIdle(drive, wanted);
     drive.tolerance = wanted;
     drive.noise = noise;
-    drive.deviation = deviation(time, displacement, drive);
+    drive.largestDistance = largestDistance(time, displacement, drive);
     return drive;
 }
 

@@ -38,7 +38,7 @@ std::vector<double> smooth(const std::vector<double>& v, std::size_t half) {
     return out;
 }
 
-/// Row of the first turning point: the angle comes back from there by a hundredth of its range. 0: it never turns.
+/// Row of the first turning point, from which the angle returns by a hundredth of its range. 0: none.
 std::size_t firstTurn(const std::vector<double>& v) {
     const auto [lo, hi] = std::minmax_element(v.begin(), v.end());
     const double back = 0.01 * (*hi - *lo);
@@ -64,19 +64,18 @@ double encoderStep(const std::vector<double>& angle) {
     return std::isfinite(least) ? least : 0.0;
 }
 
-Beginning beginningOf(const Track& track) {
-    const std::vector<double>& t = *track.find(Quantity::Time);
-    const std::vector<double>& v = *track.find(Quantity::Angle);
-    constexpr double kSpan = 0.06; // s: short against any swing, long enough for a slope
+ReleaseState releaseStateOf(const Signals& signals) {
+    const std::vector<double>& t = *signals.find(Quantity::Time);
+    const std::vector<double>& v = *signals.find(Quantity::Angle);
+    constexpr double kSpan = 0.06; // s, short against any oscillation, long enough for a slope
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < t.size() && (t[i] - t[0] <= kSpan || rows.size() < 6); ++i)
         if (std::isfinite(v[i]))
             rows.push_back(i);
-    Beginning out;
+    ReleaseState out;
     if (rows.size() < 4)
         return out;
-    // In 60 ms a short rod swings through ten degrees: a parabola would be wrong by .2 rad/s. Powers of t over the
-    // span.
+    // In 60 ms a short rod moves by ten degrees: a parabola would have an error of 0.2 rad/s.
     const Eigen::Index powers = rows.size() >= 9 ? 5 : 3;
     Eigen::MatrixXd basis(static_cast<Eigen::Index>(rows.size()), powers);
     Eigen::VectorXd read(basis.rows());
@@ -93,16 +92,15 @@ Beginning beginningOf(const Track& track) {
     out.angle = c[0];
     out.spin = c[1] / kSpan;
     out.angleHalfWidth = 3.0 * sigma * std::sqrt(inverse(0, 0)) + 0.5 * encoderStep(v);
-    // Within a step of the encoder a turn is not seen: the spin there is anything between the acceleration's work over
-    // it.
+    // A turn within an encoder step is invisible: the spin is uncertain by the acceleration over that time.
     const double unseen = std::sqrt(2.0 * encoderStep(v) * 2.0 * std::abs(c[2])) / kSpan;
     out.spinHalfWidth = unseen + 3.0 * sigma * std::sqrt(inverse(1, 1)) / kSpan + encoderStep(v) / kSpan;
     return out;
 }
 
-void cutToTurn(Track& track, int which, std::vector<Remark>& remarks) {
-    std::vector<double>& t = *track.find(Quantity::Time);
-    const std::vector<double>& v = *track.find(Quantity::Angle);
+void cutToTurningPoint(Signals& signals, int which, std::vector<Remark>& remarks) {
+    std::vector<double>& t = *signals.find(Quantity::Time);
+    const std::vector<double>& v = *signals.find(Quantity::Angle);
     if (v.size() < 10)
         return;
     const double dt = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
@@ -113,30 +111,30 @@ void cutToTurn(Track& track, int which, std::vector<Remark>& remarks) {
         if (next == 0) {
             remarks.push_back({Kind::Assumed, 0,
                                "the angle turns back " + std::to_string(k) + " times, not " + std::to_string(which) +
-                                   ": nothing is cut off its start"});
+                                   ": no rows are removed at its start"});
             return;
         }
         turn += next;
         rest.erase(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(next));
     }
-    const std::size_t line = track.line[turn];
+    const std::size_t line = signals.line[turn];
     const double at = t[turn];
-    std::vector<char> gone(track.rows(), 0);
+    std::vector<char> gone(signals.rows(), 0);
     std::fill(gone.begin(), gone.begin() + static_cast<std::ptrdiff_t>(turn), 1);
-    remarks.push_back({Kind::LeftOut, track.line.front(),
+    remarks.push_back({Kind::Omitted, signals.line.front(),
                        std::to_string(turn) + " rows up to turning point " + std::to_string(which) + ", line " +
                            std::to_string(line) + ", at " + shown(kDegrees * v[turn]) + " deg"});
-    track.erase(gone);
-    for (double& time : *track.find(Quantity::Time))
+    signals.erase(gone);
+    for (double& time : *signals.find(Quantity::Time))
         time -= at;
 }
 
-void average(Track& track, int size, std::vector<Remark>& remarks) {
+void average(Signals& signals, int size, std::vector<Remark>& remarks) {
     const auto n = static_cast<std::size_t>(std::max(1, size));
     if (n == 1)
         return;
-    const std::size_t rows = track.rows() / n;
-    for (Channel& c : track.channels) {
+    const std::size_t rows = signals.rows() / n;
+    for (Channel& c : signals.channels) {
         std::vector<double> means;
         for (std::size_t i = 0; i < rows; ++i) {
             double sum = 0.0, count = 0.0;
@@ -151,17 +149,17 @@ void average(Track& track, int size, std::vector<Remark>& remarks) {
     }
     std::vector<std::size_t> lines;
     for (std::size_t i = 0; i < rows; ++i)
-        lines.push_back(track.line[i * n]);
-    track.line = std::move(lines);
-    std::vector<double>& time = *track.find(Quantity::Time);
+        lines.push_back(signals.line[i * n]);
+    signals.line = std::move(lines);
+    std::vector<double>& time = *signals.find(Quantity::Time);
     for (const double first = time.empty() ? 0.0 : time.front(); double& t : time)
         t -= first;
-    remarks.push_back({Kind::Mended, 0, "rows are means of " + std::to_string(n)});
+    remarks.push_back({Kind::Corrected, 0, "rows are means of " + std::to_string(n)});
 }
 
 namespace {
 
-/// The parameters of a scene as they may be stated; those by which runs are let go are of the runs.
+/// Parameters of a scene; those of the release belong to the runs.
 void addParameters(const scene::Scene& s, const Imported& all, Json& json, std::vector<std::string>& remarks) {
     bool angle = false, spin = false;
     for (const scene::Parameter& p : s.parameters) {
@@ -171,12 +169,12 @@ void addParameters(const scene::Scene& s, const Imported& all, Json& json, std::
             json["scene_parameters"][p.name] = {{"value", p.value}, {"unc", 0.0}};
     }
     for (std::size_t k = 0; k < all.runs.size() && angle; ++k) {
-        const Beginning b = beginningOf(all.runs[k].track);
+        const ReleaseState b = releaseStateOf(all.runs[k].signals);
         Json& run = json["runs"][k]["parameters"];
         run["release_angle"] = {{"value", rounded(b.angle)}, {"unc", rounded(b.angleHalfWidth)}};
         if (spin)
             run["release_spin"] = {{"value", rounded(b.spin)}, {"unc", rounded(b.spinHalfWidth)}};
-        remarks.push_back(all.runs[k].file + " is let go at " + shown(kDegrees * b.angle) + " +- " +
+        remarks.push_back(all.runs[k].file + " is released at " + shown(kDegrees * b.angle) + " +- " +
                           shown(kDegrees * b.angleHalfWidth) + " deg" +
                           (spin
                                ? ", " + shown(kDegrees * b.spin) + " +- " + shown(kDegrees * b.spinHalfWidth) + " deg/s"
@@ -193,13 +191,13 @@ record::Result<Description> describeFree(const Imported& all, const TemplateOpti
     Json runs = Json::array();
     double step = 0.0;
     for (const ImportedRun& run : all.runs) {
-        const std::vector<double>& t = *run.track.find(Quantity::Time);
-        step = std::max(step, encoderStep(*run.track.find(Quantity::Angle)));
+        const std::vector<double>& t = *run.signals.find(Quantity::Time);
+        step = std::max(step, encoderStep(*run.signals.find(Quantity::Angle)));
         runs.push_back({{"file", run.file}, {"duration_s", rounded(t.back())}, {"sampling_hz", rounded(run.rate)}});
     }
     Json json = {{"schema", "rod-recordings/1"},
                  {"protocol", "free_scene"},
-                 {"description", "to be said: the set-up in words"},
+                 {"description", "TODO: describe the set-up"},
                  {"gravity_m_s2", {0.0, -9.81}},
                  {"uncertainty_meaning", "half-width of a uniform interval"},
                  {"scene", nullptr},
@@ -207,8 +205,8 @@ record::Result<Description> describeFree(const Imported& all, const TemplateOpti
                  {"observed", {{"body", nullptr}, {"quantity", "angle"}, {"zero_unc_deg", 0.5}}},
                  {"runs", runs},
                  {"sensors", {{"angle_noise_std_deg_approx", rounded(std::max(0.01, 0.5 * kDegrees * step))}}}};
-    d.supposed = {"/gravity_m_s2: [0.0,-9.81]", "/observed/zero_unc_deg: 0.5",
-                  "/sensors/angle_noise_std_deg_approx: half a step of the encoder"};
+    d.assumed = {"/gravity_m_s2: [0.0,-9.81]", "/observed/zero_unc_deg: 0.5",
+                 "/sensors/angle_noise_std_deg_approx: half a step of the encoder"};
     if (!options.sceneFile.empty()) {
         std::vector<scene::Problem> problems;
         const auto text = scene::readFile(options.sceneFile, problems);
@@ -229,7 +227,7 @@ record::Result<Description> describeFree(const Imported& all, const TemplateOpti
         if (moving.size() == 1)
             json["observed"]["body"] = moving.front();
         addParameters(*scene, all, json, d.remarks);
-        d.supposed.emplace_back("/scene_parameters: the scene's own values, all of them exact");
+        d.assumed.emplace_back("/scene_parameters: the scene's own values, all of them exact");
     }
     d.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     return result;

@@ -1,6 +1,5 @@
 #pragma once
-// Recordings of a mechanism that moves by itself: cut to where it is let go, thinned, and described (private to
-// importing/).
+// Recordings of a freely moving mechanism: cut at the release, averaged, and described (private to import/).
 
 #include "plugin/recording/import/import.h"
 #include "plugin/recording/import/template.h"
@@ -10,22 +9,22 @@
 
 namespace supercircle::importing {
 
-/// How a free run begins, from its first rows: a curve of the fourth degree through the first 60 ms.
-struct Beginning {
+/// Release state of a free run: a polynomial of degree four through the first 60 ms.
+struct ReleaseState {
     double angle = 0.0, spin = 0.0;                 ///< rad, rad/s
-    double angleHalfWidth = 0.0, spinHalfWidth = 0; ///< three standard deviations and half a step of the encoder
+    double angleHalfWidth = 0.0, spinHalfWidth = 0; ///< three sigma and half an encoder step
 };
-Beginning beginningOf(const Track& track);
+ReleaseState releaseStateOf(const Signals& signals);
 
-/// Smallest difference of two readings that differ, rad; 0: none differ.
+/// Smallest nonzero difference of two readings, rad; 0: none.
 double encoderStep(const std::vector<double>& angle);
 
-/// Drops what comes before a turning point of the angle, 1: the first, before which the hand still lifts. A hand that
-/// lets go slowly drags through the first half swing: the second is safe.
-void cutToTurn(Track& track, int which, std::vector<Remark>& remarks);
+/// Removes the rows before a turning point of the angle. 1: the first, which ends the lift by hand. After a slow
+/// release the hand drags through the first half oscillation, so the second is safe.
+void cutToTurningPoint(Signals& signals, int which, std::vector<Remark>& remarks);
 
 /// Means of blocks of `size` rows.
-void average(Track& track, int size, std::vector<Remark>& remarks);
+void average(Signals& signals, int size, std::vector<Remark>& remarks);
 
 /// experiment.json of angle-only runs.
 record::Result<Description> describeFree(const Imported& imported, const TemplateOptions& options);

@@ -1,7 +1,7 @@
 #include "plugin/recording/import/import.h"
 
 #include "plugin/recording/import/free_run.h"
-#include "plugin/recording/import/judge.h"
+#include "plugin/recording/import/plausibility.h"
 
 #include "plugin/recording/table/csv.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 using Kind = Remark::Kind;
 
-constexpr double kZeroWindow = 0.5; ///< s, as the recordings' own convention has it
+constexpr double kZeroWindow = 0.5; ///< s, by the convention of the recordings
 
 double usualStep(const std::vector<double>& time) {
     std::vector<double> steps;
@@ -50,8 +50,7 @@ double meanOf(const std::vector<double>& values, std::size_t n) {
     return count > 0.0 ? sum / count : 0.0;
 }
 
-/// Where the force first leaves its rest for good: beyond 5 standard deviations and 1 % of its range, three rows in a
-/// row.
+/// First contact: the force exceeds 5 sigma and 1 % of its range in three consecutive rows.
 std::size_t touchRow(const ImportedRun& run, const std::vector<double>& f, double rest) {
     double least = 0.0;
     for (const double v : f)
@@ -66,38 +65,38 @@ std::size_t touchRow(const ImportedRun& run, const std::vector<double>& f, doubl
     return f.size();
 }
 
-/// The force before the first touch is the zero, if there is enough of it.
+/// The force before first contact is the zero, if there are enough rows.
 void zeroForce(ImportedRun& run) {
-    std::vector<double>* force = run.track.find(Quantity::Force);
-    const std::vector<double>* time = run.track.find(Quantity::Time);
+    std::vector<double>* force = run.signals.find(Quantity::Force);
+    const std::vector<double>* time = run.signals.find(Quantity::Time);
     if (force == nullptr)
         return;
     std::vector<double>& f = *force;
     run.forceNoise = whiteNoise(f);
     const std::size_t few = std::min<std::size_t>(f.size(), 5);
-    const std::size_t touch = touchRow(run, f, meanOf(f, few));
-    if (const std::vector<double>* d = run.track.find(Quantity::Displacement))
-        run.touch = touch < d->size() ? (*d)[touch] : std::numeric_limits<double>::quiet_NaN();
+    const std::size_t firstContact = touchRow(run, f, meanOf(f, few));
+    if (const std::vector<double>* d = run.signals.find(Quantity::Displacement))
+        run.firstContact = firstContact < d->size() ? (*d)[firstContact] : std::numeric_limits<double>::quiet_NaN();
     std::size_t rows = 0;
-    while (rows < touch && (*time)[rows] < kZeroWindow - 1e-9)
+    while (rows < firstContact && (*time)[rows] < kZeroWindow - 1e-9)
         ++rows;
-    if (rows < 5 || rows == touch) {
+    if (rows < 5 || rows == firstContact) {
         run.remarks.push_back(
-            {Kind::Assumed, run.track.line.front(),
-             "the specimen is touched within the first 0.5 s, or rows are too few there: the force's zero "
-             "is taken as the machine has it"});
+            {Kind::Assumed, run.signals.line.front(),
+             "first contact is within the first 0.5 s, or rows are too few there: the zero of the force "
+             "is that of the machine"});
         return;
     }
     run.forceZeroWindow = kZeroWindow;
     run.forceZero = meanOf(f, rows);
     for (double& v : f)
         v -= run.forceZero;
-    run.remarks.push_back({Kind::Mended, run.track.line.front(),
+    run.remarks.push_back({Kind::Corrected, run.signals.line.front(),
                            "the mean force of the first 0.5 s, " + shown(run.forceZero) + " N, is taken as zero"});
 }
 
 void findMotion(ImportedRun& run, const Hints& hints) {
-    const std::vector<double>& time = *run.track.find(Quantity::Time);
+    const std::vector<double>& time = *run.signals.find(Quantity::Time);
     run.rate = 1.0 / usualStep(time);
     std::size_t gaps = 0, firstGap = 0;
     for (std::size_t i = 1; i < time.size(); ++i)
@@ -105,10 +104,10 @@ void findMotion(ImportedRun& run, const Hints& hints) {
             firstGap = gaps++ == 0 ? i : firstGap;
         }
     if (gaps > 0)
-        run.remarks.push_back({Kind::Understood, run.track.line[firstGap],
+        run.remarks.push_back({Kind::Understood, run.signals.line[firstGap],
                                std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") +
                                    " in the samples, the first after " + shown(time[firstGap - 1]) + " s"});
-    const std::vector<double>* d = run.track.find(Quantity::Displacement);
+    const std::vector<double>* d = run.signals.find(Quantity::Displacement);
     if (d == nullptr)
         return;
     const auto known = std::count_if(d->begin(), d->end(), [](double v) { return std::isfinite(v); });
@@ -116,13 +115,13 @@ void findMotion(ImportedRun& run, const Hints& hints) {
         return;
     run.drive = findDrive(time, *d, hints.driveTolerance);
     run.remarks.push_back({Kind::Understood, 0,
-                           "the head moves along " + std::to_string(run.drive.time.size() - 1) +
-                               (run.drive.time.size() == 2 ? " straight leg" : " straight legs") +
-                               "; samples are at most " + shown(std::max(1e6 * run.drive.deviation, 1e-3)) +
+                           "the crosshead moves along " + std::to_string(run.drive.time.size() - 1) +
+                               (run.drive.time.size() == 2 ? " linear segment" : " linear segments") +
+                               "; samples are at most " + shown(std::max(1e6 * run.drive.largestDistance, 1e-3)) +
                                " um off (tolerance " + shown(1e6 * run.drive.tolerance) + " um)"});
     if (run.drive.time.size() > 200)
         run.remarks.push_back(
-            {Kind::Assumed, 0, "so many legs hardly were commanded: perhaps the displacement is noisy (--tolerance)"});
+            {Kind::Assumed, 0, "this number of segments is unlikely: the displacement may be noisy (--tolerance)"});
 }
 
 /// Channels that a run's own file holds, and those that go to the file of markers.
@@ -130,8 +129,8 @@ bool isMarker(const Channel& c) {
     return c.quantity == Quantity::MarkerX || c.quantity == Quantity::MarkerY;
 }
 
-Track select(const Track& from, bool markers) {
-    Track t = from;
+Signals select(const Signals& from, bool markers) {
+    Signals t = from;
     t.channels.clear();
     for (const Channel& c : from.channels)
         if (c.quantity == Quantity::Time || isMarker(c) == markers)
@@ -139,7 +138,7 @@ Track select(const Track& from, bool markers) {
     return t;
 }
 
-bool measures(const Track& t, Quantity q) {
+bool measures(const Signals& t, Quantity q) {
     return t.find(q) != nullptr;
 }
 
@@ -149,15 +148,15 @@ std::string about(const std::string& file, const std::string& why) {
     return file + (placed ? ":" : ": ") + why;
 }
 
-std::string addMarkers(Track&& part, Imported& all) {
+std::string addMarkers(Signals&& part, Imported& all) {
     const std::string here = std::to_string(part.line.front()) + ":1: ";
     if (all.runs.empty())
         return here + "positions of markers without a force before them; expected the file of the run first";
     if (!all.runs.back().markers.channels.empty())
-        return here + "these are markers again, but the run before them has its markers; expected the file of a run";
+        return here + "these are markers again, but the run before already has markers; expected the file of a run";
     ImportedRun& run = all.runs.back();
     std::vector<double>& time = *part.find(Quantity::Time);
-    const double shift = part.clockStart - run.track.clockStart, end = run.track.find(Quantity::Time)->back();
+    const double shift = part.clockStart - run.signals.clockStart, end = run.signals.find(Quantity::Time)->back();
     const double slack = 1.0 / run.rate;
     if (time.front() + shift >= -slack && time.back() + shift <= end + slack) {
         for (double& t : time)
@@ -165,7 +164,7 @@ std::string addMarkers(Track&& part, Imported& all) {
     } else {
         run.remarks.push_back({Kind::Assumed, 0,
                                "the clock of its markers, from " + shown(part.clockStart) +
-                                   " s on, is not that of the run" + ", from " + shown(run.track.clockStart) +
+                                   " s on, is not that of the run" + ", from " + shown(run.signals.clockStart) +
                                    " s on: both are taken to start together"});
         if (time.back() > end + slack)
             run.remarks.push_back(
@@ -176,22 +175,22 @@ std::string addMarkers(Track&& part, Imported& all) {
 }
 
 /// One run of a file.
-std::string addRun(Track&& part, std::size_t source, const Table& table, std::size_t runsOfFile, const Hints& hints,
+std::string addRun(Signals&& part, std::size_t source, const Table& table, std::size_t runsOfFile, const Hints& hints,
                    Imported& all) {
     ImportedRun run;
     run.source = source;
-    if (const std::string why = refuse(part); !why.empty())
+    if (const std::string why = implausible(part); !why.empty())
         return why;
     const bool clock = measures(part, Quantity::Time);
     if (!clock)
-        mendCounter(part, run.remarks); // a time worked out from the way needs the way as it was
-    if (const std::string why = mendTime(part, hints, table.layout.metadata, run.remarks); !why.empty())
+        repairCounter(part, run.remarks); // times derived from travel need the original travel
+    if (const std::string why = repairTime(part, hints, table.layout.metadata, run.remarks); !why.empty())
         return why;
     if (clock)
-        mendCounter(part, run.remarks);
+        repairCounter(part, run.remarks);
     if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
-        if (hints.fromTurn > 0)
-            cutToTurn(part, hints.fromTurn, run.remarks);
+        if (hints.fromTurningPoint > 0)
+            cutToTurningPoint(part, hints.fromTurningPoint, run.remarks);
         average(part, hints.average, run.remarks);
         if (part.rows() < 10)
             return "1:1: fewer than ten rows are left of a run";
@@ -201,21 +200,21 @@ std::string addRun(Track&& part, std::size_t source, const Table& table, std::si
     if (run.markers.channels.size() < 2)
         run.markers = {};
     part.channels.erase(std::remove_if(part.channels.begin(), part.channels.end(), isMarker), part.channels.end());
-    run.track = std::move(part);
+    run.signals = std::move(part);
     findMotion(run, hints);
     zeroForce(run);
-    doubt(run, table, runsOfFile);
+    addDoubts(run, table, runsOfFile);
     all.runs.push_back(std::move(run));
     return {};
 }
 
-std::string missingColumn(const Track& t, const Layout& l) {
+std::string missingColumn(const Signals& t, const Layout& l) {
     const std::string here = std::to_string(l.namesLine > 0 ? l.namesLine : l.firstDataLine) + ":1: ";
     if (!measures(t, Quantity::Force) && !measures(t, Quantity::Angle))
         return here + "there is neither a force nor an angle; name the columns with --columns " +
                exampleOfColumns(l.columns);
     if (measures(t, Quantity::Force) && !measures(t, Quantity::Displacement))
-        return here + "there is a force but no displacement; expected both, or say which column it is with --columns " +
+        return here + "there is a force but no displacement; expected both, or name the column with --columns " +
                exampleOfColumns(l.columns);
     return {};
 }
@@ -239,7 +238,7 @@ std::string addFile(const std::string& file, const Hints& hints, Imported& all) 
         source.text = {{}, text.value.encoding, text.value.lineEnds};
         source.table = std::move(read.value);
     }
-    Track whole = std::move(source.table.track);
+    Signals whole = std::move(source.table.signals);
     source.rows = whole.rows();
     const std::size_t index = all.sources.size();
     const bool onlyMarkers = !measures(whole, Quantity::Force) && !measures(whole, Quantity::Angle) &&
@@ -247,11 +246,11 @@ std::string addFile(const std::string& file, const Hints& hints, Imported& all) 
     if (!onlyMarkers)
         if (const std::string why = missingColumn(whole, source.table.layout); !why.empty())
             return about(file, why);
-    std::vector<Track> parts = splitRuns(std::move(whole), source.table.remarks);
-    for (Track& part : parts) {
+    std::vector<Signals> parts = splitRuns(std::move(whole), source.table.remarks);
+    for (Signals& part : parts) {
         std::string why;
         if (onlyMarkers) {
-            why = mendTime(part, hints, source.table.layout.metadata, source.table.remarks);
+            why = repairTime(part, hints, source.table.layout.metadata, source.table.remarks);
             why = why.empty() ? addMarkers(std::move(part), all) : why;
         } else {
             why = addRun(std::move(part), index, source.table, parts.size(), hints, all);
@@ -273,9 +272,9 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
 record::Series tableOf(const ImportedRun& run) {
     record::Series s;
     s.names = {"time_s"};
-    s.columns = {*run.track.find(Quantity::Time)};
+    s.columns = {*run.signals.find(Quantity::Time)};
     const auto add = [&](const char* name, Quantity q, double factor) {
-        if (const std::vector<double>* v = run.track.find(q)) {
+        if (const std::vector<double>* v = run.signals.find(q)) {
             s.names.emplace_back(name);
             s.columns.push_back(scaled(*v, factor));
         }
@@ -310,7 +309,7 @@ void nameMarkers(Imported& all) {
             if (c.quantity == Quantity::Time || (xs.count(c.marker) > 0 && ys.count(c.marker) > 0))
                 whole.push_back(std::move(c));
             else
-                run.remarks.push_back({Kind::LeftOut, 0, "marker " + c.marker + " has only one coordinate"});
+                run.remarks.push_back({Kind::Omitted, 0, "marker " + c.marker + " has only one coordinate"});
         run.markers.channels = std::move(whole);
         for (const Channel& c : run.markers.channels)
             if (c.quantity == Quantity::MarkerX && seen.insert(c.marker).second)
@@ -323,7 +322,7 @@ std::string atLine(const Remark& r) {
 }
 
 void write(std::string& out, const std::vector<Remark>& remarks) {
-    for (const Kind kind : {Kind::Understood, Kind::Assumed, Kind::Doubtful, Kind::Mended, Kind::LeftOut})
+    for (const Kind kind : {Kind::Understood, Kind::Assumed, Kind::Doubtful, Kind::Corrected, Kind::Omitted})
         for (const Remark& r : remarks)
             if (r.kind == kind)
                 out += "  " + std::string(word(kind)) + std::string(11 - std::string(word(kind)).size(), ' ') +
@@ -354,13 +353,13 @@ std::string account(const Imported& all) {
         const Source& s = all.sources[i];
         out += s.file + ": " + std::to_string(s.rows) + " rows\n";
         write(out, s.table.remarks);
-        for (const Metadata& m : s.table.layout.metadata)
+        for (const HeaderEntry& m : s.table.layout.metadata)
             out += "  header     line " + std::to_string(m.line) + ": " + m.key +
                    (m.value.empty() ? "" : ": " + m.value) + "\n";
         for (const ImportedRun& run : all.runs) {
             if (run.source != i)
                 continue;
-            const std::vector<double>& t = *run.track.find(Quantity::Time);
+            const std::vector<double>& t = *run.signals.find(Quantity::Time);
             out += " -> " + run.file + ": " + std::to_string(t.size()) + " rows, " + shown(t.back() - t.front()) +
                    " s at " + shown(run.rate) + " Hz\n";
             write(out, run.remarks);

@@ -185,7 +185,7 @@ void findHeadings(const std::vector<std::string_view>& lines, std::size_t first,
 }
 
 /// Key and value of a header line: "key: value", "key;value unit", "# key = value".
-bool readMetadata(std::string_view line, const Layout& l, Metadata& m) {
+bool readMetadata(std::string_view line, const Layout& l, HeaderEntry& m) {
     std::string_view text = trimmed(line);
     while (!text.empty() && (text.front() == '#' || text.front() == '%' || text.front() == '"'))
         text = trimmed(text.substr(1));
@@ -251,7 +251,7 @@ void readHeader(const std::vector<std::string_view>& lines, std::size_t end, Lay
     for (std::size_t i = 0; i < end; ++i) {
         if (i + 1 < end && readPairs(lines[i], lines[i + 1], i + 2, l))
             ++i;
-        else if (Metadata m{i + 1, {}, {}}; readMetadata(lines[i], l, m))
+        else if (HeaderEntry m{i + 1, {}, {}}; readMetadata(lines[i], l, m))
             l.metadata.push_back(m);
     }
 }

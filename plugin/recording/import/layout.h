@@ -1,5 +1,5 @@
 #pragma once
-// Where in an export the table is and how it is written.
+// Position and format of the table in an export.
 
 #include "plugin/recording/import/number.h"
 #include "plugin/recording/table/result.h"
@@ -11,8 +11,8 @@
 
 namespace supercircle::importing {
 
-/// A line of the header that says something: "Test speed: 5 mm/min".
-struct Metadata {
+/// An entry of the header: "Test speed: 5 mm/min".
+struct HeaderEntry {
     std::size_t line = 0; ///< from 1
     std::string key, value;
 };
@@ -26,16 +26,16 @@ struct Layout {
     std::size_t unitsLine = 0;             ///< from 1; 0: there is none
     std::size_t firstDataLine = 0;         ///< from 1
     std::vector<std::string> names, units; ///< per column; empty where there is no such line
-    std::vector<Metadata> metadata;        ///< of the lines above
+    std::vector<HeaderEntry> metadata;     ///< of the lines above
     bool decimalAssumed = false;           ///< "1.234" could be meant with either mark
 };
 
-/// Finds separator, decimal mark, table and headings: of all ways to read the lines the one that gives most rows of
-/// numbers with the same number of cells.
-/// @return the layout, or why there is no table
+/// Finds separator, decimal mark, table and headings, by the largest number of numeric rows with equal numbers of
+/// cells.
+/// @return the layout, or an error
 record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines);
 
-/// Cells of a line as the layout has them; a separator at the end of the line makes no cell.
+/// Cells of a line in this layout; a separator at the end makes no cell.
 std::vector<std::string> cellsOf(std::string_view line, const Layout& layout);
 
 /// "comma", "semicolon", "tab", "blanks"

@@ -1,12 +1,9 @@
-// Clocks that were set back, counters that were zeroed, signs that are turned.
-//
-// All of these are decided by comparing one step of a channel with the usual ones, and all of them are reported: what a
-// machine did between two rows cannot be known, only what is most likely. A jump of the displacement back to zero
-// within one row while the clock goes on is a counter that was zeroed; the same jump with a clock that starts again is
-// another test. A jump to elsewhere is left as it is and named.
+// Corrections of clocks that were set back, counters that were reset, and signs. Each compares one step of a channel
+// with the usual ones and is reported. A jump of the displacement to zero with a continuing clock is a reset counter;
+// with a restarted clock it is another test. Other jumps are kept and reported.
 
-#include "plugin/recording/import/stated.h"
-#include "plugin/recording/import/track.h"
+#include "plugin/recording/import/metadata.h"
+#include "plugin/recording/import/signals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,9 +44,9 @@ double span(const std::vector<double>& values) {
     return hi >= lo ? hi - lo : 0.0;
 }
 
-/// Missing times between known ones; rows before the first and behind the last known time are left out.
-void fillTimes(Track& track, std::vector<double>& time, std::vector<Remark>& remarks) {
-    const std::size_t rows = track.rows();
+/// Interpolates missing times; rows before the first and after the last known time are removed.
+void fillTimes(Signals& signals, std::vector<double>& time, std::vector<Remark>& remarks) {
+    const std::size_t rows = signals.rows();
     std::vector<char> gone(rows, 0);
     std::size_t last = rows, missing = 0;
     for (std::size_t i = 0; i < rows; ++i) {
@@ -69,20 +66,21 @@ void fillTimes(Track& track, std::vector<double>& time, std::vector<Remark>& rem
     if (missing == 0)
         return;
     const auto lost = static_cast<std::size_t>(std::count(gone.begin(), gone.end(), 1));
-    remarks.push_back({Kind::Mended, 0,
+    remarks.push_back({Kind::Corrected, 0,
                        std::to_string(missing) + " rows have no time: " + std::to_string(missing - lost) +
                            " are interpolated, " + std::to_string(lost) + " left out"});
-    track.erase(gone);
+    signals.erase(gone);
 }
 
-/// A clock set back goes on where it was; single rows out of order are left out.
-/// @return empty, or that too much of it runs back
-std::string mendBackwards(Track& track, std::vector<Remark>& remarks) {
-    std::vector<double>& time = *track.find(Quantity::Time);
+/// Continues a clock that was set back; single rows out of order are removed.
+/// @return empty, or an error if too much of it decreases
+std::string mendBackwards(Signals& signals, std::vector<Remark>& remarks) {
+    std::vector<double>& time = *signals.find(Quantity::Time);
     const double step = usualStep(time);
-    std::vector<char> gone(track.rows(), 0);
+    std::vector<char> gone(signals.rows(), 0);
     double offset = 0.0, last = time.empty() ? 0.0 : time[0];
-    Tally resets(Kind::Mended, "such resets of the clock"), dropped(Kind::LeftOut, "rows whose time is out of order");
+    Tally resets(Kind::Corrected, "such resets of the clock"),
+        dropped(Kind::Omitted, "rows whose time is out of order");
     std::size_t first = 0;
     for (std::size_t i = 1; i < time.size(); ++i) {
         const double now = time[i] + offset;
@@ -90,17 +88,18 @@ std::string mendBackwards(Track& track, std::vector<Remark>& remarks) {
             time[i] = last = now;
             continue;
         }
-        first = first == 0 ? track.line[i] : first;
+        first = first == 0 ? signals.line[i] : first;
         const bool resumes = i + 1 < time.size() && time[i + 1] + offset >= last; // one row out of order
         if (last - now <= 10.0 * step && resumes) {
             gone[i] = 1;
-            dropped.add(remarks, track.line[i],
+            dropped.add(remarks, signals.line[i],
                         "a row whose time, " + shown(now) + " s, is before that of the row above, " + shown(last) +
                             " s");
             continue;
         }
-        resets.add(remarks, track.line[i],
-                   "the clock goes back from " + shown(last) + " s to " + shown(now) + " s: it is taken as going on");
+        resets.add(remarks, signals.line[i],
+                   "the clock jumps back from " + shown(last) + " s to " + shown(now) +
+                       " s: it is taken as continuing");
         offset += last + step - now;
         time[i] = last = time[i] + offset;
     }
@@ -110,13 +109,13 @@ std::string mendBackwards(Track& track, std::vector<Remark>& remarks) {
                " rows, here first; expected a clock that runs on (is this column the time?)";
     resets.finish(remarks);
     dropped.finish(remarks);
-    track.erase(gone);
+    signals.erase(gone);
     return {};
 }
 
 /// Rows of equal time (a clock that ticks more slowly than the rows come) are spread to the next tick.
-void spreadEqual(Track& track, std::vector<Remark>& remarks) {
-    std::vector<double>& time = *track.find(Quantity::Time);
+void spreadEqual(Signals& signals, std::vector<Remark>& remarks) {
+    std::vector<double>& time = *signals.find(Quantity::Time);
     std::size_t equal = 0, first = 0;
     for (std::size_t i = 0; i < time.size();) {
         std::size_t end = i + 1;
@@ -124,7 +123,7 @@ void spreadEqual(Track& track, std::vector<Remark>& remarks) {
             ++end;
         const std::size_t count = end - i;
         if (count > 1) {
-            first = equal == 0 ? track.line[i] : first;
+            first = equal == 0 ? signals.line[i] : first;
             equal += count - 1;
             const double before = i > 0 ? time[i] - time[i - 1] : 1.0;
             const double tick = end < time.size() ? (time[end] - time[i]) / static_cast<double>(count) : before;
@@ -135,86 +134,86 @@ void spreadEqual(Track& track, std::vector<Remark>& remarks) {
         i = end;
     }
     if (equal > 0)
-        remarks.push_back({Kind::Mended, first,
+        remarks.push_back({Kind::Corrected, first,
                            std::to_string(equal) +
                                " rows have the time of the row before them: they are spread evenly to the next time"});
 }
 
-void timeFromRate(Track& track, double rate) {
+void timeFromRate(Signals& signals, double rate) {
     Channel time{Quantity::Time, {}, {}};
-    for (std::size_t i = 0; i < track.rows(); ++i)
+    for (std::size_t i = 0; i < signals.rows(); ++i)
         time.values.push_back(static_cast<double>(i) / rate);
-    track.channels.push_back(std::move(time));
+    signals.channels.push_back(std::move(time));
 }
 
-void timeFromSpeed(Track& track, double speed) {
+void timeFromSpeed(Signals& signals, double speed) {
     Channel time{Quantity::Time, {}, {}};
-    const std::vector<double>& d = *track.find(Quantity::Displacement);
+    const std::vector<double>& d = *signals.find(Quantity::Displacement);
     double way = 0.0, last = d.front();
-    std::vector<char> gone(track.rows(), 0);
+    std::vector<char> gone(signals.rows(), 0);
     for (std::size_t i = 0; i < d.size(); ++i) {
         const double step = std::isfinite(d[i]) && std::isfinite(last) ? std::abs(d[i] - last) : 0.0;
-        gone[i] = !std::isfinite(d[i]) || (i > 0 && step == 0.0) ? 1 : 0; // rests cannot be timed
+        gone[i] = !std::isfinite(d[i]) || (i > 0 && step == 0.0) ? 1 : 0; // dwells cannot be timed
         way += step;
         last = std::isfinite(d[i]) ? d[i] : last;
         time.values.push_back(way / speed);
     }
-    track.channels.push_back(std::move(time));
-    track.erase(gone);
+    signals.channels.push_back(std::move(time));
+    signals.erase(gone);
 }
 
 /// Where a clock starts again at the beginning of another test.
-bool startsAgain(const Track& track, std::size_t begin, std::size_t i, double step) {
-    const std::vector<double>& time = *track.find(Quantity::Time);
+bool startsAgain(const Signals& signals, std::size_t begin, std::size_t i, double step) {
+    const std::vector<double>& time = *signals.find(Quantity::Time);
     if (!(time[i] < time[i - 1] - 10.0 * step))
         return false;
-    if (std::binary_search(track.breaks.begin(), track.breaks.end(), i))
+    if (std::binary_search(signals.breaks.begin(), signals.breaks.end(), i))
         return true;
     const bool atStart = std::abs(time[i] - time[begin]) <= 3.0 * step || std::abs(time[i]) <= 3.0 * step;
-    const std::vector<double>* d = track.find(Quantity::Displacement);
+    const std::vector<double>* d = signals.find(Quantity::Displacement);
     if (!atStart || d == nullptr)
         return atStart;
     const double travel = span(*d);
     return std::abs((*d)[i] - (*d)[begin]) <= 0.02 * travel;
 }
 
-std::string timeWithoutClock(Track& track, const Hints& hints, const std::vector<Metadata>& metadata,
+std::string timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
                              std::vector<Remark>& remarks) {
-    const auto rate = stated(metadata, Stated::Rate), speed = stated(metadata, Stated::Speed);
+    const auto rate = metadataValue(metadata, MetadataKey::Rate), speed = metadataValue(metadata, MetadataKey::Speed);
     if (hints.rate > 0.0 || rate) {
         const double hz = hints.rate > 0.0 ? hints.rate : rate->value;
-        timeFromRate(track, hz);
+        timeFromRate(signals, hz);
         remarks.push_back({hints.rate > 0.0 || rate->unitStated ? Kind::Understood : Kind::Assumed,
                            hints.rate > 0.0 ? 0 : rate->line,
                            "there is no time; rows come at " + shown(hz) + " Hz" +
-                               (hints.rate > 0.0   ? " as you say"
-                                : rate->unitStated ? " as the header says"
-                                                   : ": the header says so without a unit")});
+                               (hints.rate > 0.0   ? " as given"
+                                : rate->unitStated ? " as stated in the header"
+                                                   : ": the header states it without a unit")});
         return {};
     }
-    if (track.find(Quantity::Displacement) == nullptr)
-        return std::to_string(track.line.front()) +
+    if (signals.find(Quantity::Displacement) == nullptr)
+        return std::to_string(signals.line.front()) +
                ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ";
     const bool known = hints.speed > 0.0 || speed;
     const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
-    timeFromSpeed(track, metresPerSecond);
-    if (track.rows() < 2)
+    timeFromSpeed(signals, metresPerSecond);
+    if (signals.rows() < 2)
         return "there is no time, and the displacement never changes; expected one of them to";
     remarks.push_back(
         {known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
-         known ? "there is no time; the head moves at " + shown(1e3 * metresPerSecond) + " mm/s as " +
-                     (hints.speed > 0.0 ? "you say" : "the header says")
-               : "there is no time; the head is taken to move at 1 mm/s: nothing about rates can be learned (say "
+         known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) + " mm/s as " +
+                     (hints.speed > 0.0 ? "given" : "stated in the header")
+               : "there is no time; the crosshead is assumed to move at 1 mm/s: rates are not known (state them "
                  "better with --speed or --rate)"});
     return {};
 }
 
 } // namespace
 
-std::string mendTime(Track& track, const Hints& hints, const std::vector<Metadata>& metadata,
-                     std::vector<Remark>& remarks) {
-    if (std::vector<double>* time = track.find(Quantity::Time)) {
-        const std::string here = std::to_string(track.line.front()) + ":1: ";
+std::string repairTime(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
+                       std::vector<Remark>& remarks) {
+    if (std::vector<double>* time = signals.find(Quantity::Time)) {
+        const std::string here = std::to_string(signals.line.front()) + ":1: ";
         const auto known = static_cast<std::size_t>(
             std::count_if(time->begin(), time->end(), [](double v) { return std::isfinite(v); }));
         if (known < 2 || 2 * known < time->size())
@@ -223,51 +222,51 @@ std::string mendTime(Track& track, const Hints& hints, const std::vector<Metadat
         if (span(*time) == 0.0)
             return here + "the time never changes from here on; expected a clock that runs (without a column of times, "
                           "--rate or --speed gives them)";
-        fillTimes(track, *time, remarks);
-        if (const std::string why = mendBackwards(track, remarks); !why.empty())
+        fillTimes(signals, *time, remarks);
+        if (const std::string why = mendBackwards(signals, remarks); !why.empty())
             return why;
-        spreadEqual(track, remarks);
-        std::vector<double>& t = *track.find(Quantity::Time);
+        spreadEqual(signals, remarks);
+        std::vector<double>& t = *signals.find(Quantity::Time);
         if (t.front() != 0.0) {
-            remarks.push_back({Kind::Understood, track.line.front(),
+            remarks.push_back({Kind::Understood, signals.line.front(),
                                "the clock starts at " + shown(t.front()) + " s, which becomes 0"});
-            track.clockStart = t.front();
+            signals.clockStart = t.front();
             for (double& v : t)
-                v -= track.clockStart;
+                v -= signals.clockStart;
         }
         return {};
     }
-    return timeWithoutClock(track, hints, metadata, remarks);
+    return timeWithoutClock(signals, hints, metadata, remarks);
 }
 
-std::vector<Track> splitRuns(Track&& track, std::vector<Remark>& remarks) {
-    const std::vector<double>* time = track.find(Quantity::Time);
+std::vector<Signals> splitRuns(Signals&& signals, std::vector<Remark>& remarks) {
+    const std::vector<double>* time = signals.find(Quantity::Time);
     std::vector<std::size_t> starts{0};
     if (time != nullptr) {
         const double step = usualStep(*time);
-        for (std::size_t i = 1; i < track.rows(); ++i)
-            if (startsAgain(track, starts.back(), i, step))
+        for (std::size_t i = 1; i < signals.rows(); ++i)
+            if (startsAgain(signals, starts.back(), i, step))
                 starts.push_back(i);
     } else {
-        starts.insert(starts.end(), track.breaks.begin(), track.breaks.end());
+        starts.insert(starts.end(), signals.breaks.begin(), signals.breaks.end());
     }
-    std::vector<Track> runs;
+    std::vector<Signals> runs;
     for (std::size_t k = 1; k < starts.size(); ++k)
-        remarks.push_back({Kind::Understood, track.line[starts[k]],
+        remarks.push_back({Kind::Understood, signals.line[starts[k]],
                            time != nullptr ? "another run begins: the clock starts again"
                                            : "another run begins: the header is repeated"});
     if (starts.size() == 1) {
-        runs.push_back(std::move(track));
+        runs.push_back(std::move(signals));
         return runs;
     }
     for (std::size_t k = 0; k < starts.size(); ++k)
-        runs.push_back(track.part(starts[k], k + 1 < starts.size() ? starts[k + 1] : track.rows()));
+        runs.push_back(signals.part(starts[k], k + 1 < starts.size() ? starts[k + 1] : signals.rows()));
     return runs;
 }
 
-void mendCounter(Track& track, std::vector<Remark>& remarks) {
-    std::vector<double>* displacement = track.find(Quantity::Displacement);
-    const std::vector<double>* time = track.find(Quantity::Time);
+void repairCounter(Signals& signals, std::vector<Remark>& remarks) {
+    std::vector<double>* displacement = signals.find(Quantity::Displacement);
+    const std::vector<double>* time = signals.find(Quantity::Time);
     if (displacement == nullptr || displacement->size() < 10)
         return;
     std::vector<double>& d = *displacement;
@@ -280,7 +279,7 @@ void mendCounter(Track& track, std::vector<Remark>& remarks) {
     double offset = 0.0;
     std::size_t last = 0;
     double lastRaw = d[0];
-    Tally zeroed(Kind::Mended, "resets of the counter"), jumps(Kind::Doubtful, "jumps of the displacement");
+    Tally zeroed(Kind::Corrected, "resets of the counter"), jumps(Kind::Doubtful, "jumps of the displacement");
     for (std::size_t i = 1; i < d.size(); ++i) {
         const double raw = d[i];
         if (!std::isfinite(raw))
@@ -290,13 +289,13 @@ void mendCounter(Track& track, std::vector<Remark>& remarks) {
         if (sudden && std::abs(raw) < 0.02 * travel && std::abs(lastRaw) > std::abs(raw)) {
             const double going = last > 0 ? (d[last] - d[last - 1]) / (clock(last) - clock(last - 1)) : 0.0;
             offset = d[last] + (std::isfinite(going) ? going * gap : 0.0) - raw;
-            zeroed.add(remarks, track.line[i],
+            zeroed.add(remarks, signals.line[i],
                        "the displacement falls from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
-                           " mm within a row: the counter was zeroed, and is taken as going on");
+                           " mm within a row: the counter was reset and is taken as continuing");
         } else if (sudden) {
-            jumps.add(remarks, track.line[i],
+            jumps.add(remarks, signals.line[i],
                       "the displacement jumps from " + shown(1e3 * lastRaw) + " mm to " + shown(1e3 * raw) +
-                          " mm within a row; it is left as it is");
+                          " mm within a row; it is kept");
         }
         lastRaw = raw;
         d[i] = raw + offset;
@@ -306,9 +305,9 @@ void mendCounter(Track& track, std::vector<Remark>& remarks) {
     jumps.finish(remarks);
 }
 
-void orient(Track& track, const Hints& hints, std::vector<Remark>& remarks) {
-    std::vector<double>* d = track.find(Quantity::Displacement);
-    std::vector<double>* f = track.find(Quantity::Force);
+void orient(Signals& signals, const Hints& hints, std::vector<Remark>& remarks) {
+    std::vector<double>* d = signals.find(Quantity::Displacement);
+    std::vector<double>* f = signals.find(Quantity::Force);
     const auto turn = [](std::vector<double>& values) {
         for (double& v : values)
             v = v == 0.0 ? v : -v;
@@ -319,7 +318,7 @@ void orient(Track& track, const Hints& hints, std::vector<Remark>& remarks) {
         for (double& v : *d)
             v -= start;
         if (start != 0.0)
-            remarks.push_back({Kind::Understood, track.line.front(),
+            remarks.push_back({Kind::Understood, signals.line.front(),
                                "the displacement starts at " + shown(1e3 * start) + " mm, which becomes 0"});
         double lo = 0.0, hi = 0.0;
         for (const double v : *d)
@@ -333,25 +332,26 @@ void orient(Track& track, const Hints& hints, std::vector<Remark>& remarks) {
         if (hints.displacementSign == 0)
             remarks.push_back({Kind::Understood, 0,
                                std::string("the displacement ") + (down ? "falls" : "rises") +
-                                   " from its start: this is taken as the way towards the specimen" +
-                                   (down ? ", signs are turned" : "")});
+                                   " from its start: this direction is taken as towards the specimen" +
+                                   (down ? ", signs are reversed" : "")});
     }
     if (f == nullptr)
         return;
-    // At the first touch a specimen resists, whatever it does later.
+    // At first contact a specimen resists.
     const double level = 0.2 * span(*f),
                  rest = quantile({f->begin(), f->begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(
                                                                1, std::min<std::size_t>(f->size() / 50, 50)))},
                                  0.5);
-    const auto touch = std::find_if(f->begin(), f->end(), [&](double v) { return std::abs(v - rest) > level; });
-    const bool negative = hints.forceSign != 0 ? hints.forceSign < 0 : touch != f->end() && *touch < rest;
+    const auto firstContact = std::find_if(f->begin(), f->end(), [&](double v) { return std::abs(v - rest) > level; });
+    const bool negative = hints.forceSign != 0 ? hints.forceSign < 0 : firstContact != f->end() && *firstContact < rest;
     if (negative)
         turn(*f);
     if (hints.forceSign == 0)
         remarks.push_back(
-            {Kind::Understood, touch == f->end() ? 0 : track.line[static_cast<std::size_t>(touch - f->begin())],
+            {Kind::Understood,
+             firstContact == f->end() ? 0 : signals.line[static_cast<std::size_t>(firstContact - f->begin())],
              std::string("the force ") + (negative ? "falls" : "rises") +
-                 " at first: this is taken as the specimen's resistance" + (negative ? ", signs are turned" : "")});
+                 " at first: this is taken as the specimen's resistance" + (negative ? ", signs are reversed" : "")});
 }
 
 } // namespace supercircle::importing

@@ -1,6 +1,6 @@
 // From lines to channels.
 
-#include "plugin/recording/import/track.h"
+#include "plugin/recording/import/signals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -75,7 +75,7 @@ void guessColumns(Table& t, const std::vector<std::string_view>& lines) {
         h.rank = 1;
         remark(t, Remark::Kind::Assumed, l.firstDataLine,
                "there are no headings: column " + std::to_string(numeric[k] + 1) + " is taken as " + name(guess[k]) +
-                   " in " + h.unit.name + " (say better with --columns)");
+                   " in " + h.unit.name + " (name them with --columns if this is wrong)");
     }
 }
 
@@ -86,7 +86,7 @@ const char* unitsFor(Quantity q) {
                                   : "mm, m, in, um";
 }
 
-/// Which column is what, for the account; many markers are one line.
+/// Reports the columns; many markers in one line.
 void tellColumns(Table& t) {
     const Layout& l = t.layout;
     const auto isMarker = [&](std::size_t c) {
@@ -122,7 +122,7 @@ void tellColumns(Table& t) {
             remark(t, Remark::Kind::Assumed, l.namesLine, what + ": no unit is stated");
     }
     if (!idle.empty())
-        remark(t, Remark::Kind::LeftOut, l.namesLine, idle + ": not needed here");
+        remark(t, Remark::Kind::Omitted, l.namesLine, idle + ": not needed here");
 }
 
 /// The best column of every quantity becomes a channel. An error is about column `wrong`.
@@ -134,7 +134,7 @@ std::string chooseColumns(Table& t, std::size_t& wrong) {
         if (h.quantity == Quantity::None)
             continue;
         if (!l.numeric[c]) {
-            remark(t, Remark::Kind::LeftOut, l.namesLine, columnText(t, c) + " holds no numbers");
+            remark(t, Remark::Kind::Omitted, l.namesLine, columnText(t, c) + " holds no numbers");
             continue;
         }
         if (!h.unknownUnit.empty()) {
@@ -142,21 +142,21 @@ std::string chooseColumns(Table& t, std::size_t& wrong) {
             return columnText(t, c) + ": \"" + h.unknownUnit + "\" is no unit of " + name(h.quantity) +
                    "; expected one of " + unitsFor(h.quantity);
         }
-        const auto same = std::find_if(t.track.channels.begin(), t.track.channels.end(), [&](const Channel& ch) {
+        const auto same = std::find_if(t.signals.channels.begin(), t.signals.channels.end(), [&](const Channel& ch) {
             return ch.quantity == h.quantity && ch.marker == h.marker;
         });
-        if (same == t.track.channels.end()) {
-            t.channelOf[c] = static_cast<int>(t.track.channels.size());
-            t.track.channels.push_back({h.quantity, h.marker, {}});
+        if (same == t.signals.channels.end()) {
+            t.channelOf[c] = static_cast<int>(t.signals.channels.size());
+            t.signals.channels.push_back({h.quantity, h.marker, {}});
             continue;
         }
-        const int channel = static_cast<int>(same - t.track.channels.begin());
+        const int channel = static_cast<int>(same - t.signals.channels.begin());
         const std::size_t other =
             static_cast<std::size_t>(std::find(t.channelOf.begin(), t.channelOf.end(), channel) - t.channelOf.begin());
         const bool wins = h.rank > t.headings[other].rank;
         if (wins)
             std::swap(t.channelOf[c], t.channelOf[other]);
-        remark(t, Remark::Kind::LeftOut, l.namesLine,
+        remark(t, Remark::Kind::Omitted, l.namesLine,
                columnText(t, wins ? other : c) + " is also a " + name(h.quantity) + "; " +
                    columnText(t, wins ? c : other) + " is taken (choose with --columns)");
     }
@@ -167,13 +167,13 @@ std::string chooseColumns(Table& t, std::size_t& wrong) {
 /// Rows as they are read: cells are views of the line wherever it has no quotes.
 class RowReader {
 public:
-    explicit RowReader(Table& t) : t_(t), row_(t.track.channels.size(), kNone) {}
+    explicit RowReader(Table& t) : t_(t), row_(t.signals.channels.size(), kNone) {}
     void read(std::string_view line, std::size_t number) {
         const Layout& l = t_.layout;
         split(line);
         if (isHeader()) {
             if (!again_)
-                remark(t_, Remark::Kind::LeftOut, number, "the header is repeated");
+                remark(t_, Remark::Kind::Omitted, number, "the header is repeated");
             again_ = true;
             return;
         }
@@ -195,12 +195,12 @@ public:
             return;
         }
         grouped_ += group ? 1 : 0;
-        if (again_ && t_.track.rows() > 0)
-            t_.track.breaks.push_back(t_.track.rows());
+        if (again_ && t_.signals.rows() > 0)
+            t_.signals.breaks.push_back(t_.signals.rows());
         again_ = false;
         for (std::size_t k = 0; k < row_.size(); ++k)
-            t_.track.channels[k].values.push_back(row_[k]);
-        t_.track.line.push_back(number);
+            t_.signals.channels[k].values.push_back(row_[k]);
+        t_.signals.line.push_back(number);
     }
     void finish() {
         odd_.finish(t_.remarks);
@@ -232,7 +232,7 @@ private:
         std::string shownLine(line.substr(0, 40));
         while (line.size() > 40 && !shownLine.empty() &&
                (static_cast<unsigned char>(line[shownLine.size()]) & 0xC0) == 0x80)
-            shownLine.pop_back(); // no half of a character
+            shownLine.pop_back(); // not within a character
         shownLine = "\"" + shownLine + (line.size() > 40 ? "..." : "") + "\"";
         if (cells_.size() != columns)
             return shownLine + " has " + std::to_string(cells_.size()) + (cells_.size() == 1 ? " cell" : " cells") +
@@ -244,7 +244,7 @@ private:
     std::vector<std::string_view> cells_;
     std::vector<std::string> quoted_;
     std::vector<double> row_;
-    Tally odd_{Remark::Kind::LeftOut, "lines that are no rows of numbers"};
+    Tally odd_{Remark::Kind::Omitted, "lines that are no rows of numbers"};
     std::size_t grouped_ = 0;
     bool again_ = false;
 };
@@ -252,9 +252,9 @@ private:
 void readRows(const std::vector<std::string_view>& lines, Table& t) {
     RowReader reader(t);
     const std::size_t most = lines.size() - (t.layout.firstDataLine - 1);
-    for (Channel& c : t.track.channels)
+    for (Channel& c : t.signals.channels)
         c.values.reserve(most);
-    t.track.line.reserve(most);
+    t.signals.line.reserve(most);
     for (std::size_t i = t.layout.firstDataLine - 1; i < lines.size(); ++i)
         if (!trimmed(lines[i]).empty())
             reader.read(lines[i], i + 1);
@@ -288,27 +288,27 @@ const char* word(Remark::Kind kind) {
         return "assumed";
     case Remark::Kind::Doubtful:
         return "doubtful";
-    case Remark::Kind::Mended:
-        return "mended";
-    case Remark::Kind::LeftOut:
+    case Remark::Kind::Corrected:
+        return "corrected";
+    case Remark::Kind::Omitted:
         break;
     }
     return "left out";
 }
 
-std::vector<double>* Track::find(Quantity quantity) {
+std::vector<double>* Signals::find(Quantity quantity) {
     for (Channel& c : channels)
         if (c.quantity == quantity)
             return &c.values;
     return nullptr;
 }
 
-const std::vector<double>* Track::find(Quantity quantity) const {
-    return const_cast<Track*>(this)->find(quantity);
+const std::vector<double>* Signals::find(Quantity quantity) const {
+    return const_cast<Signals*>(this)->find(quantity);
 }
 
-Track Track::part(std::size_t first, std::size_t last) const {
-    Track t;
+Signals Signals::part(std::size_t first, std::size_t last) const {
+    Signals t;
     const auto cut = [&](const auto& from) {
         return std::decay_t<decltype(from)>(from.begin() + static_cast<std::ptrdiff_t>(first),
                                             from.begin() + static_cast<std::ptrdiff_t>(last));
@@ -322,7 +322,7 @@ Track Track::part(std::size_t first, std::size_t last) const {
     return t;
 }
 
-void Track::erase(const std::vector<char>& gone) {
+void Signals::erase(const std::vector<char>& gone) {
     std::size_t to = 0;
     std::vector<std::size_t> place(rows() + 1, 0);
     for (std::size_t i = 0; i < rows(); ++i) {
@@ -363,7 +363,7 @@ record::Result<Table> readTable(const Text& text, const Hints& hints) {
     std::size_t wrong = 0;
     const auto failed = [&](const std::string& why) {
         return Tables::fail(std::to_string(heading) + ":" +
-                            std::to_string(placeOf(lines[heading - 1], t.layout.separator, wrong)) + ": " + why);
+                            std::to_string(columnOf(lines[heading - 1], t.layout.separator, wrong)) + ": " + why);
     };
     describe(text, t);
     if (const std::string why = readHeadings(t, hints); !why.empty())
@@ -371,16 +371,16 @@ record::Result<Table> readTable(const Text& text, const Hints& hints) {
     guessColumns(t, lines);
     if (const std::string why = chooseColumns(t, wrong); !why.empty())
         return failed(why);
-    if (t.track.channels.empty()) {
+    if (t.signals.channels.empty()) {
         std::string names;
         for (const std::string& n : t.layout.names)
             names += (names.empty() ? "\"" : ", \"") + n + "\"";
         return failed((t.layout.namesLine == 0 ? "there are no headings" : "no column is recognised among " + names) +
-                      "; expected time, displacement and force, or say which is which with --columns " +
+                      "; expected time, displacement and force, or name them with --columns " +
                       exampleOfColumns(t.layout.columns));
     }
     readRows(lines, t);
-    if (t.track.rows() < 2)
+    if (t.signals.rows() < 2)
         return failed("fewer than two rows of numbers");
     return result;
 }

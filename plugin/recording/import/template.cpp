@@ -1,7 +1,7 @@
 #include "plugin/recording/import/template.h"
 
+#include "plugin/recording/import/derive.h"
 #include "plugin/recording/import/free_run.h"
-#include "plugin/recording/import/work_out.h"
 #include "plugin/scene/loader/problem.h"
 
 #include <algorithm>
@@ -68,13 +68,13 @@ Json obstaclesOf(const std::string& protocol) {
     return all;
 }
 
-/// To a millionth: shorter to read, and far below what a machine resolves.
+/// To 1e-6, below the resolution of a machine.
 double rounded(double value) {
     const double r = std::round(value * 1e6) / 1e6;
     return r == 0.0 ? 0.0 : r;
 }
 
-/// Break points as they are written: rests are exact rests, the first and the last one hold all samples.
+/// Break points as written: exact dwells; first and last include all samples.
 Json runOf(const ImportedRun& run) {
     Json times = Json::array(), ways = Json::array();
     std::vector<double> d = run.drive.displacement;
@@ -91,7 +91,7 @@ Json runOf(const ImportedRun& run) {
                  {"drive_time_s", times},
                  {"drive_displacement_mm", ways},
                  {"sampling_hz", rounded(run.rate)},
-                 {"specimen_state_at_start", "to be said: fresh or used, rested or not"}};
+                 {"specimen_state_at_start", "TODO: fresh or used, stillTime or not"}};
     if (!run.markersFile.empty()) {
         const std::vector<double>& t = *run.markers.find(Quantity::Time);
         json["markers_file"] = run.markersFile;
@@ -118,7 +118,7 @@ Json frameOf(const Imported& all, const std::string& protocol) {
     Json json = {
         {"schema", "rod-recordings/1"},
         {"protocol", protocol.empty() ? kNull : Json(protocol)},
-        {"description", "to be said: the set-up in words"},
+        {"description", "TODO: describe the set-up"},
         {"gravity_m_s2", {0.0, -9.81}},
         {"uncertainty_meaning", "half-width of a uniform interval"},
         {"specimens", specimens},
@@ -139,8 +139,8 @@ Json frameOf(const Imported& all, const std::string& protocol) {
     return json;
 }
 
-/// What `from` states replaces what `into` has; lists of objects of equal length are merged item by item, and a list of
-/// one specimen stands for all.
+/// Values of `from` replace those of `into`. Lists of objects of equal length are merged by item, and a list of one
+/// specimen applies to all.
 void merge(Json& into, const Json& from) {
     if (into.is_object() && from.is_object()) {
         for (const auto& [key, value] : from.items())
@@ -159,7 +159,7 @@ void merge(Json& into, const Json& from) {
     }
 }
 
-/// The file of the user's own statements.
+/// The file given by the user.
 std::string readOwn(const std::string& file, Json& own) {
     const auto text = record::readText(file);
     if (!text)
@@ -193,8 +193,8 @@ bool states(const Json& own, const std::string& pointer) {
     return own.contains(at) && !own[at].is_null();
 }
 
-/// What the template supposes where the user's own file says nothing.
-std::vector<std::string> supposed(const Json& json, const Json& own) {
+/// Assumptions of the template that the user did not replace.
+std::vector<std::string> assumed(const Json& json, const Json& own) {
     std::vector<std::string> all;
     const auto look = [&](const std::string& pointer, const std::string& inOwn) {
         if (!states(own, inOwn))
@@ -230,14 +230,14 @@ const char* expectedAt(const std::string& key) {
         {"width_m", "m (take the line out if unknown)"},
         {"young_modulus_Pa",
          "Pa (with width and thickness it gives the bending modulus; take the line out if unknown)"},
-        {"bending_modulus_N_m2", "E w h^3 / 12, N m^2; import works it out if --specimen gives E, w and h"},
+        {"bending_modulus_N_m2", "E w h^3 / 12, N m^2; import computes it if --specimen gives E, w and h"},
         {"linear_mass_kg_m", "mass / length, kg/m"},
-        {"clamp", "how the specimen is held; --protocol NAME fills it in"},
-        {"obstacles", "what it is pushed against; --protocol NAME fills it in"},
+        {"clamp", "how the specimen is clamped; set by --protocol NAME"},
+        {"obstacles", "obstacles; set by --protocol NAME"},
         {"radius_m", "m"},
         {"coefficient", "friction coefficient"},
         {"arc_fraction", "where on the specimen: 0 first end, 1 last end"},
-        {"1", "height at displacement 0, m (worked out from the first touch once the specimen is known)"}};
+        {"1", "height at displacement 0, m (derived from first contact once the specimen is known)"}};
     for (const auto& [name, words] : kWords)
         if (key == name)
             return words;
@@ -276,7 +276,7 @@ Json sourceJson(const Source& s) {
                            {"unit_stated", used && h.unitStated},
                            {"factor_to_SI", used ? Json(h.unit.factor) : kNull}});
     }
-    for (const Metadata& m : l.metadata)
+    for (const HeaderEntry& m : l.metadata)
         metadata.push_back({{"line", m.line}, {"key", m.key}, {"value", m.value}});
     return {{"file", s.file},
             {"encoding", s.text.encoding},
@@ -303,9 +303,9 @@ record::Result<Description> fillIn(const Imported& all, const std::string& proto
                                        std::to_string(all.runs.size()));
     }
     addOwn(json, taken);
-    json = Json::parse(workedOut(text(json), all, result.value.remarks));
+    json = Json::parse(withDerivedValues(text(json), all, result.value.remarks));
     collectTodo(json, "", result.value.todo);
-    result.value.supposed = supposed(json, own);
+    result.value.assumed = assumed(json, own);
     result.value.json = text(json) + "\n";
     return result;
 }
@@ -316,7 +316,7 @@ record::Result<Description> fillInFree(const Imported& all, const TemplateOption
         return result;
     Json json = Json::parse(result.value.json);
     merge(json, own);
-    std::erase_if(result.value.supposed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
+    std::erase_if(result.value.assumed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
     collectTodo(json, "", result.value.todo);
     result.value.json = text(json) + "\n";
     return result;
@@ -356,14 +356,14 @@ record::Result<Description> describe(const Imported& all, const TemplateOptions&
             protocol = said;
     }
     const bool angles = std::all_of(all.runs.begin(), all.runs.end(),
-                                    [](const ImportedRun& r) { return r.track.find(Quantity::Force) == nullptr; });
+                                    [](const ImportedRun& r) { return r.signals.find(Quantity::Force) == nullptr; });
     if (const bool free = protocol == "free_scene"; free != angles || all.runs.empty()) {
         if (free || !protocol.empty())
             return Result::fail(free ? "the protocol free_scene is about angles, and there are forces"
                                      : "there are angles only; protocol " + protocol +
                                            " is about forces, expected free_scene");
         for (const ImportedRun& r : all.runs)
-            if (!angles && r.track.find(Quantity::Force) == nullptr)
+            if (!angles && r.signals.find(Quantity::Force) == nullptr)
                 return Result::fail(r.file +
                                     " has an angle and no force, others have forces; expected one kind of run");
     }
@@ -371,7 +371,7 @@ record::Result<Description> describe(const Imported& all, const TemplateOptions&
         if (angles)
             return fillInFree(all, options, own);
         return fillIn(all, protocol, own);
-    } catch (const Json::exception& e) { // a list where a number belongs, and the like
+    } catch (const Json::exception& e) { // wrong types
         const std::string what = e.what();
         return Result::fail(options.specimenFile + ": this is no part of an experiment: " +
                             what.substr(std::min(what.size(), what.find("] ") + 2)));
@@ -385,23 +385,23 @@ std::string accountJson(const Imported& all, const Description& description) {
     for (const ImportedRun& run : all.runs)
         runs.push_back({{"file", run.file},
                         {"from", all.sources[run.source].file},
-                        {"first_line", run.track.line.front()},
-                        {"last_line", run.track.line.back()},
-                        {"rows", run.track.rows()},
+                        {"first_line", run.signals.line.front()},
+                        {"last_line", run.signals.line.back()},
+                        {"rows", run.signals.rows()},
                         {"sampling_hz", run.rate},
                         {"drive",
                          {{"tolerance_mm", 1e3 * run.drive.tolerance},
-                          {"largest_deviation_mm", 1e3 * run.drive.deviation},
+                          {"largest_deviation_mm", 1e3 * run.drive.largestDistance},
                           {"noise_mm", 1e3 * run.drive.noise},
-                          {"legs", run.drive.time.empty() ? 0 : run.drive.time.size() - 1}}},
+                          {"segments", run.drive.time.empty() ? 0 : run.drive.time.size() - 1}}},
                         {"force_noise_N", run.forceNoise},
                         {"force_zero_subtracted_N", run.forceZero},
-                        {"first_touch_mm", std::isfinite(run.touch) ? Json(1e3 * run.touch) : kNull},
+                        {"first_contact_mm", std::isfinite(run.firstContact) ? Json(1e3 * run.firstContact) : kNull},
                         {"remarks", remarksJson(run.remarks)}});
     const Json json = {{"sources", sources},
                        {"runs", runs},
-                       {"worked_out", description.remarks},
-                       {"supposed", description.supposed},
+                       {"derived", description.remarks},
+                       {"assumed", description.assumed},
                        {"to_be_filled_in", description.todo}};
     return text(json) + "\n";
 }

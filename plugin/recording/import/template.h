@@ -1,6 +1,5 @@
 #pragma once
-// The description beside the imported runs: what the files say is filled in, what only the experimenter knows is null
-// and named.
+// Description of the imported runs: known values are filled in, the others are null and listed.
 
 #include "plugin/recording/import/import.h"
 
@@ -18,19 +17,19 @@ struct TemplateOptions {
 
 struct Description {
     std::string json;                     ///< experiment.json
-    std::vector<std::string> todo;        ///< JSON pointers of what is null, with what is expected there
-    std::vector<std::string> remarks;     ///< what was worked out: moduli, heights
-    std::vector<std::string> supposed;    ///< JSON pointers and values nobody stated: gravity, uncertainties
-    std::vector<record::NamedText> files; ///< to lie beside it: the scene
+    std::vector<std::string> todo;        ///< JSON pointers of null values, with what is expected
+    std::vector<std::string> remarks;     ///< derived values: moduli, heights
+    std::vector<std::string> assumed;     ///< JSON pointers and values that are assumed: gravity, uncertainties
+    std::vector<record::NamedText> files; ///< further files: the scene
 };
 
 /// Protocols that have a template.
 const std::vector<std::string>& protocols();
 
-/// An error if the protocol or the specimen file is not understood.
+/// Returns an error if the protocol or the specimen file is invalid.
 record::Result<Description> describe(const Imported& imported, const TemplateOptions& options);
 
-/// import.json: the account for programs.
+/// import.json: the report in JSON.
 std::string accountJson(const Imported& imported, const Description& description);
 
 } // namespace supercircle::importing

@@ -243,7 +243,7 @@ void splitCells(std::string_view line, char separator, std::vector<std::string_v
     }
 }
 
-std::size_t placeOf(std::string_view line, char separator, std::size_t cell) {
+std::size_t columnOf(std::string_view line, char separator, std::size_t cell) {
     if (separator == ' ') {
         std::vector<std::string_view> cells;
         splitCells(line, separator, cells);

@@ -37,7 +37,7 @@ std::vector<std::string> cellsOf(std::string_view line, char separator);
 void splitCells(std::string_view line, char separator, std::vector<std::string_view>& cells);
 
 /// Column, from 1, at which a cell (from 0) of a line begins; 1 if there is no such cell.
-std::size_t placeOf(std::string_view line, char separator, std::size_t cell);
+std::size_t columnOf(std::string_view line, char separator, std::size_t cell);
 
 /// Lower case without accents, for comparing words: "Prüf-Kraft" gives "pruf-kraft".
 std::string folded(std::string_view utf8);

@@ -190,11 +190,13 @@ void readSummary(const Node& root, Recording& recording) {
         const Node node(value, "/" + name);
         if (name == "parameters")
             readNumbers(node, recording.parameters);
+        else if (name == "timing")
+            readNumbers(node, recording.timing);
         else if (name == "energy")
             readNumbers(node, recording.energy);
         else if (name == "cycles")
             each(node, [&](const Node& n) {
-                recording.cycles.push_back({n.at("delta_max_over_R").number(), n.at("eta").number(),
+                recording.cycles.push_back({n.at("delta_max_over_R").number(), n.at("dissipation_ratio").number(),
                                             static_cast<int>(n.at("snap_fits").integer()),
                                             n.at("dissipated_J").number()});
             });

@@ -1,6 +1,5 @@
 #pragma once
-// What a run leaves behind: series of named columns, frames of the motion, marked events and the flat summary. Made by
-// the laboratory runner, written and drawn by record/ and report/.
+// Recording of a run: series of named columns, frames of the motion, events and the flat summary.
 
 #include <array>
 #include <cstdint>
@@ -42,7 +41,7 @@ struct OutlineInfo {
     std::vector<std::array<double, 2>> points; ///< m
     double radius = 0.0;                       ///< m, circle
     std::int32_t body = 0;                     ///< index into Frame::bodies
-    bool driven = false;                       ///< moved by the machine: drawn darker than the rest
+    bool driven = false;                       ///< carried by the crosshead: drawn darker
 };
 
 struct ShellPose {
@@ -76,13 +75,13 @@ struct Event {
     double time = 0.0;
     double displacement = 0.0; ///< m
     double force = 0.0;        ///< N
-    std::string kind;          ///< "snap_fit", "peak", "touch", "reversal", "unconverged", ...
+    std::string kind;          ///< "snap_fit", "peak", "first_contact", "reversal", "unconverged", ...
     std::string text;
 };
 
 struct Cycle {
     double delta_max_over_R = 0.0;
-    double eta = 0.0;
+    double dissipation_ratio = 0.0; ///< dissipated work over peak force times delta_max
     int snap_fits = 0;
     double dissipated_J = 0.0;
 };
@@ -94,10 +93,10 @@ struct Recording {
     std::string about;
     std::vector<std::pair<std::string, Value>> summary; ///< flat, in the order to be written
     std::vector<std::pair<std::string, double>> parameters;
-    std::vector<std::string> parameterUnits;            ///< beside `parameters`, for the report; may be empty
-    std::vector<std::pair<std::string, double>> energy; ///< work_in_J, elastic_J, ... final books
+    std::vector<std::string> parameterUnits;                    ///< beside `parameters`, for the report; may be empty
+    std::vector<std::pair<std::string, double>> timing, energy; ///< work_in_J, elastic_J, ... final balance
     std::vector<Cycle> cycles;
-    Series series; ///< time_s, displacement_m, force_N, then the energy books over time (J), step size, ...
+    Series series; ///< time_s, displacement_m, force_N, then the energy balance over time (J), step size, ...
     std::vector<ShellInfo> shells;
     std::vector<OutlineInfo> outlines;
     std::vector<Frame> frames;

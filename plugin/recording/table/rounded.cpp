@@ -1,10 +1,7 @@
 #include "plugin/recording/table/rounded.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <cstdio>
 
 namespace supercircle::record {
 
@@ -24,18 +21,6 @@ std::string rounded(double value, int digits) {
 
 std::string fixed(double value, int decimals) {
     return text(value, std::chars_format::fixed, decimals);
-}
-
-std::string duration(double seconds) {
-    const long long s = std::llround(std::min(std::max(0.0, seconds), 1e9));
-    char text[64];
-    if (s < 100)
-        std::snprintf(text, sizeof text, "%lld s", s);
-    else if (s < 3600)
-        std::snprintf(text, sizeof text, "%lld min %02lld s", s / 60, s % 60);
-    else
-        std::snprintf(text, sizeof text, "%lld h %02lld min", s / 3600, s % 3600 / 60);
-    return text;
 }
 
 } // namespace supercircle::record

@@ -11,7 +11,4 @@ namespace supercircle::record {
 /// `decimals` digits behind the point (%.Nf).
 [[nodiscard]] std::string fixed(double value, int decimals);
 
-/// "12 s", "3 min 20 s", "2 h 05 min".
-[[nodiscard]] std::string duration(double seconds);
-
 } // namespace supercircle::record

@@ -135,7 +135,7 @@ void appendCycles(std::string& out, const std::vector<Cycle>& cycles) {
         out += i == 0 ? "\n    " : ",\n    ";
         out += "{\"delta_max_over_R\": ";
         appendJsonNumber(out, cycles[i].delta_max_over_R);
-        appendJsonNumber(out += ", \"eta\": ", cycles[i].eta);
+        appendJsonNumber(out += ", \"dissipation_ratio\": ", cycles[i].dissipation_ratio);
         out += ", \"snap_fits\": " + std::to_string(cycles[i].snap_fits);
         appendJsonNumber(out += ", \"dissipated_J\": ", cycles[i].dissipated_J);
         out += '}';
@@ -215,7 +215,7 @@ void writeEvents(Json& json, const Recording& recording) {
 Result<std::string> summaryJson(const Recording& recording) {
     Result<std::string> result;
     Members members(result.value, "");
-    std::set<std::string> seen{"parameters", "energy", "cycles"};
+    std::set<std::string> seen{"parameters", "timing", "energy", "cycles"};
     for (const auto& [name, value] : recording.summary) {
         if (!seen.insert(name).second)
             return Result<std::string>::fail("summary: the key '" + name + "' appears twice");
@@ -225,6 +225,8 @@ Result<std::string> summaryJson(const Recording& recording) {
         appendJsonString(members.key("scene"), recording.scene);
     if (!recording.parameters.empty())
         appendNumbers(members.key("parameters"), recording.parameters);
+    if (!recording.timing.empty())
+        appendNumbers(members.key("timing"), recording.timing);
     if (!recording.energy.empty())
         appendNumbers(members.key("energy"), recording.energy);
     if (!recording.cycles.empty())

@@ -9,8 +9,9 @@
 
 namespace supercircle::record {
 
-/// One flat object: the summary in its order, then `parameters`, `energy` and `cycles` (left out when empty). Numbers
-/// are the shortest text that reads back exactly; what is not finite is `null`. An error if a key appears twice.
+/// One flat object: the summary in its order, then `parameters`, `timing`, `energy` and `cycles` (left out when empty).
+/// Numbers are the shortest text that reads back exactly; what is not finite is `null`. An error if a key appears
+/// twice.
 [[nodiscard]] Result<std::string> summaryJson(const Recording& recording);
 
 /// Everything needed to play the motion again: shells, outlines, phases, frames, events, key frames, scales. Times,

@@ -1,8 +1,6 @@
-// Positions without a parser of our own. nlohmann-json checks the grammar, the numbers and the UTF-8, but its events do
-// not say where they happened. What was considered: counting in a custom input iterator (the lexer looks one character
-// ahead after numbers only, so the count is off by one there, and starts of tokens are lost); a hand-written parser (a
-// second grammar to keep right). Instead a scanner walks the text in lockstep with the events: an event arrives only
-// for text already known to be valid, and there finding the next token takes a few lines that cannot go wrong.
+// nlohmann-json checks the grammar, the numbers and the UTF-8, but its events have no positions. A scanner therefore
+// walks the text in step with the events. An event arrives only for text that is known to be valid, so finding the
+// start of the next token is simple (decision 0141).
 
 #include "plugin/scene/loader/document.h"
 
@@ -144,7 +142,7 @@ private:
                                                     "at most " + std::to_string(maxDepth) + " levels"));
             return false;
         }
-        // A parent gets no further children while a child is open, so these pointers stay good.
+        // A parent gets no further children while a child is open, so these pointers stay valid.
         stack_.push_back(node);
         keys_.emplace_back();
         return true;
@@ -167,7 +165,7 @@ private:
         return result;
     }
 
-    /// A wrong token is pointed at by its start; a broken token by the character that broke it.
+    /// Start of an unexpected token; of a malformed token the first wrong character.
     [[nodiscard]] std::size_t errorOffset(std::size_t position, const std::string& token,
                                           const std::string& what) const {
         const std::size_t size = document_.text.size();
@@ -267,7 +265,7 @@ std::optional<Document> parseDocument(std::string text, const std::string& file,
         problems.push_back(document.problemAt(0, {}, "the file is empty", "a JSON object"));
         return std::nullopt;
     }
-    // nlohmann-json takes a zero byte for the end of the text and would ignore what follows.
+    // nlohmann-json takes a zero byte as the end of the text and would ignore what follows.
     if (const std::size_t zero = document.text.find('\0'); zero != std::string::npos) {
         problems.push_back(document.problemAt(zero, {}, "zero byte in the text", "JSON text in UTF-8"));
         return std::nullopt;

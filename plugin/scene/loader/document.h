@@ -1,5 +1,5 @@
 #pragma once
-// A JSON text as a tree that remembers where everything stood, so that every message can point at its line and column.
+// A JSON text as a tree with the position of every key and value, for the line and column in messages.
 
 #include "plugin/scene/loader/problem.h"
 
@@ -44,7 +44,7 @@ struct Document {
                                     std::string expected = {}) const;
 };
 
-/// Deepest nesting accepted; more is a problem, not a crash.
+/// Deepest nesting accepted.
 inline constexpr int maxDepth = 100;
 /// Largest file accepted, bytes.
 inline constexpr std::size_t maxFileSize = std::size_t{64} << 20;

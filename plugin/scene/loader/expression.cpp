@@ -1,7 +1,6 @@
-// Formulas are muParser's. Names are found by our own scan before muParser sees the text, for three reasons: a name can
-// then be resolved on demand (formulas of formulas), an unknown one gets a suggestion at its very column, and names
-// enter as constants, which muParser refuses to assign to (`R = 3` would otherwise silently change R for the rest of
-// the file).
+// muParser evaluates the formulas. A scan finds their names first, for three reasons. A name can be resolved on demand
+// (formulas of formulas). An unknown name gets a suggestion at its column. And names become constants, which muParser
+// does not let a formula assign to (`R = 3` would change R for the rest of the file).
 
 #include "plugin/scene/loader/expression.h"
 
@@ -18,9 +17,9 @@ namespace supercircle::scene {
 
 namespace {
 
-constexpr std::size_t maxFormula = 2000; // characters; enough for any closed form, too little to exhaust a stack
+constexpr std::size_t maxFormula = 2000; // characters; deeper formulas would exhaust the stack
 constexpr std::size_t maxNames = 1000;
-constexpr int maxChain = 50; // formulas of formulas not yet worked out; each level costs stack
+constexpr int maxChain = 50; // formulas of formulas not yet evaluated; each level needs stack
 
 double sincFunction(double x) {
     return rod::sinc(x);
@@ -93,13 +92,14 @@ struct Scope::Entry {
     const Node* node = nullptr;      ///< whole declaration
     const Node* valueNode = nullptr; ///< the value, null if missing
     std::string pointer;
-    Parameter parameter; ///< name and value also for constants
+    Parameter parameter;    ///< name and value also for constants
+    std::string formerName; ///< of a parameter, accepted from outside; empty: none
     std::optional<double> overridden;
     State state = State::Open;
 };
 
 struct Scope::Calculator {
-    mu::Parser functions; ///< only to ask which functions there are
+    mu::Parser functions; ///< only for the list of functions
 };
 
 Scope::Scope() : calculator_(std::make_unique<Calculator>()) {
@@ -121,12 +121,12 @@ std::vector<std::string> Scope::names() const {
 
 bool Scope::acceptName(Context& context, const Node& node, const std::string& pointer) {
     if (!isIdentifier(node.key)) {
-        context.keyError(node, pointer, "\"" + node.key + "\" cannot be a name",
+        context.keyError(node, pointer, "\"" + node.key + "\" is not a valid name",
                          "a letter, then letters, digits and underscores, at most 64");
         return false;
     }
     if (node.key == "pi" || isFunction(node.key)) {
-        context.keyError(node, pointer, "the name \"" + node.key + "\" is taken by the formulas", "another name");
+        context.keyError(node, pointer, "the name \"" + node.key + "\" is reserved for formulas", "another name");
         return false;
     }
     if (byName_.count(node.key) > 0) {
@@ -157,7 +157,8 @@ void Scope::declareParameter(Context& context, const Node& node, const std::stri
         p.unit = reader.string("unit", p.unit);
         p.about = reader.string("about", p.about);
         p.integer = reader.boolean("integer", false);
-        reader.find("min"); // read when the value is checked: they may be formulas
+        entry->formerName = reader.string("formerly", "");
+        reader.find("min"); // read when the value is checked; they may be formulas
         reader.find("max");
         reader.finish();
     }
@@ -184,6 +185,17 @@ void Scope::declareConstant(Context& context, const Node& node, const std::strin
     entries_.push_back(std::move(entry));
 }
 
+std::string Scope::presentName(Context& context, const std::string& name, const Node& at) const {
+    if (byName_.count(name) > 0)
+        return name;
+    for (const auto& entry : entries_)
+        if (entry->formerName == name && !name.empty()) {
+            context.noteRenamed(at, "/parameters", name, "\"" + entry->parameter.name + "\"");
+            return entry->parameter.name;
+        }
+    return name;
+}
+
 void Scope::override(Context& context, const std::vector<Override>& overrides, const Node* parameters) {
     const Node& at = parameters != nullptr ? *parameters : context.document.root;
     std::vector<std::string> known;
@@ -191,7 +203,7 @@ void Scope::override(Context& context, const std::vector<Override>& overrides, c
         if (entry->isParameter)
             known.push_back(entry->parameter.name);
     for (const Override& o : overrides) {
-        const auto found = byName_.find(o.name);
+        const auto found = byName_.find(presentName(context, o.name, at));
         if (found == byName_.end() || !found->second->isParameter) {
             std::string all;
             for (const std::string& name : known)
@@ -231,11 +243,11 @@ bool Scope::resolve(Context& context, Entry& entry, const Node& at, const std::s
         return entry.state == Entry::State::Done; // a failure was reported when it happened
     if (entry.state == Entry::State::Busy) {
         context.error(at, pointer, "\"" + entry.parameter.name + "\" is defined in terms of itself",
-                      "formulas without a circle");
+                      "formulas without circular references");
         return false;
     }
     if (depth_ >= maxChain) {
-        context.error(at, pointer, "too long a chain of definitions still to be worked out",
+        context.error(at, pointer, "the chain of unevaluated definitions is too long",
                       "at most " + std::to_string(maxChain) + ", or declarations in the order of use");
         return false;
     }
@@ -250,7 +262,7 @@ bool Scope::resolve(Context& context, Entry& entry, const Node& at, const std::s
     --depth_;
     entry.state = value ? Entry::State::Done : Entry::State::Failed;
     entry.parameter.value = value.value_or(0.0);
-    // Whatever depends on a value out of range would only repeat the complaint in other words: it stays silent.
+    // A value out of range is reported once: what depends on it gives no further error.
     if (value && entry.isParameter && !checkParameter(context, entry))
         entry.state = Entry::State::Failed;
     return entry.state == Entry::State::Done;

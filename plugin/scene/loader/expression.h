@@ -14,14 +14,14 @@ namespace supercircle::scene {
 
 struct Context;
 
-/// A value given from outside (`--param NAME=VALUE`) for a parameter.
+/// A value for a parameter from the command line or the caller (`--param NAME=VALUE`).
 struct Override {
     std::string name;
     double value = 0.0;
 };
 
-/// Parameters and constants by name. A parameter's value, and every constant, may be a formula of others: they are
-/// worked out on demand, so the order in the file does not matter, and a circle is reported.
+/// Parameters and constants by name. The value of a parameter and every constant may be a formula of others. They are
+/// evaluated on demand: the order in the file does not matter, and circular definitions are reported.
 class Scope {
 public:
     Scope();
@@ -29,7 +29,7 @@ public:
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
 
-    /// Takes the blocks `parameters` and `constants` (either may be null) and the overrides; reports all that is wrong.
+    /// Reads the blocks `parameters` and `constants` (either may be null) and the overrides; reports all errors.
     void declare(Context& context, const Node* parameters, const Node* constants,
                  const std::vector<Override>& overrides);
 
@@ -49,6 +49,7 @@ private:
     bool acceptName(Context& context, const Node& node, const std::string& pointer);
     void declareParameter(Context& context, const Node& node, const std::string& pointer);
     void declareConstant(Context& context, const Node& node, const std::string& pointer);
+    std::string presentName(Context& context, const std::string& name, const Node& at) const;
     void override(Context& context, const std::vector<Override>& overrides, const Node* parameters);
     bool resolve(Context& context, Entry& entry, const Node& at, const std::string& pointer);
     bool checkParameter(Context& context, Entry& entry);
@@ -57,7 +58,7 @@ private:
     std::vector<std::unique_ptr<Entry>> entries_;
     std::map<std::string, Entry*> byName_;
     std::unique_ptr<Calculator> calculator_;
-    int depth_ = 0; ///< names being worked out
+    int depth_ = 0; ///< names being evaluated
 };
 
 } // namespace supercircle::scene

@@ -43,7 +43,7 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     scene.duration = top.number("duration", scene.duration, notNegative);
     top.finish();
     if (!scene.protocol && !scene.game && scene.duration == 0.0)
-        context.note(context.document.root, "", "neither \"protocol\" nor \"duration\": nothing is simulated");
+        context.note(context.document.root, "", "neither \"protocol\" nor \"duration\": no time is simulated");
     scene.parameters = context.scope.parameters();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// From a scene file (docs/scenes.md) to plain data, with everything checked and every problem placed.
+// Loads a scene file (docs/reference/scene_format.md) into plain data; every problem is reported with its position.
 
 #include "plugin/scene/loader/expression.h"
 #include "plugin/scene/loader/problem.h"
@@ -11,12 +11,12 @@
 
 namespace supercircle::scene {
 
-/// Loads a scene and puts the overrides in. All problems are appended to `problems` (of syntax errors the first); the
-/// result is empty exactly if one of them is an error. Notes (Problem::Severity::Note) may accompany a good scene.
+/// Loads a scene with the given parameter values. All problems are appended to `problems` (of syntax errors the first);
+/// the result is empty exactly if one of them is an error. Notes (Problem::Severity::Note) may accompany a valid scene.
 std::optional<Scene> load(const std::string& path, const std::vector<Override>& overrides,
                           std::vector<Problem>& problems);
 
-/// The same from a text; `file` is what messages call it.
+/// The same from a text; `file` is its name in messages.
 std::optional<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
                               std::vector<Problem>& problems);
 

@@ -54,7 +54,7 @@ bool anyError(const std::vector<Problem>& problems) {
 }
 
 std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
-    // A name as long as a page is no slip of the pen, and the distance is quadratic in the length.
+    // The distance takes time quadratic in the length.
     if (name.empty() || name.size() > 64)
         return {};
     const int limit = std::max(2, static_cast<int>(name.size()) * 2 / 3);

@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with a file, said so that a stranger can mend it.
+// Problems of input files: what is wrong, where, and how to correct it.
 
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ struct Problem {
 bool anyError(const std::vector<Problem>& problems);
 
 /// The known name nearest to `name` by edit distance (insert, delete, replace, swap neighbours; case counts half of a
-/// replacement); empty if none is near enough to be a likely slip of the pen. Ties go to the first.
+/// replacement); empty if none is near enough to be a likely typing error. Ties go to the first.
 std::string nearestName(const std::string& name, const std::vector<std::string>& known);
 
 } // namespace supercircle::scene

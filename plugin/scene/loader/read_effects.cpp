@@ -6,10 +6,10 @@ namespace supercircle::scene {
 
 namespace {
 
-/// One entry of "effects"; false where it is not to be used.
-bool readEffect(Context& context, const Place& place, const Scene& scene, effects::Setting& out) {
+/// One entry of "effects"; false after a report.
+bool readEffect(Context& context, const ArrayItem& place, const Scene& scene, effects::Setting& out) {
     ObjectReader reader(context, *place.node, place.pointer);
-    const std::size_t before = context.problems.size();
+    const std::size_t start = context.errors();
     std::vector<std::string> names;
     for (const effects::Effect& e : effects::catalog())
         names.push_back(e.name);
@@ -22,7 +22,7 @@ bool readEffect(Context& context, const Place& place, const Scene& scene, effect
     if (effect.key == effects::Key::BearingFriction || effect.key == effects::Key::AirDrag) {
         context.error(*reader.find("key"), reader.pointerTo("key"),
                       effect.name + " acts on the rigid bodies of a free scene (replay, sensitivity, diagnose)",
-                      "an effect on shells, contacts, machine or sensor");
+                      "an effect on shells, contacts, apparatus or sensor");
         return false;
     }
     out = effects::off(effect);
@@ -44,28 +44,28 @@ bool readEffect(Context& context, const Place& place, const Scene& scene, effect
         const Node* node = reader.find(p.name);
         if (node == nullptr)
             continue;
-        const std::size_t sofar = context.problems.size();
+        const std::size_t before = context.errors();
         if (node->kind == Node::Kind::String) {
-            const std::string word = reader.string(p.name, "");
-            if (context.problems.size() == sofar)
-                complain(p.name, effects::set(out, p.name, word));
+            const std::string value = reader.string(p.name, "");
+            if (context.errors() == before)
+                complain(p.name, effects::set(out, p.name, value));
         } else {
             const double value = reader.number(p.name, p.off);
-            if (context.problems.size() == sofar)
+            if (context.errors() == before)
                 complain(p.name, effects::set(out, p.name, value));
         }
     }
     reader.finish();
-    return context.problems.size() == before;
+    return context.errors() == start;
 }
 
-/// What the machine carries is put off axis.
+/// Displaces and tilts what is attached to the crosshead.
 void misalign(const effects::ApparatusModel& a, Scene& scene) {
     if (a.offset == 0.0 && a.tilt == 0.0)
         return;
     std::vector<std::string> moved;
     for (const HoldDef& h : scene.holds)
-        if (h.on_machine && std::find(moved.begin(), moved.end(), h.shell) == moved.end())
+        if (h.base == HoldBase::Moving && std::find(moved.begin(), moved.end(), h.shell) == moved.end())
             moved.push_back(h.shell);
     for (ShellDef& d : scene.shells)
         if (std::find(moved.begin(), moved.end(), d.name) != moved.end()) {
@@ -84,7 +84,7 @@ void misalign(const effects::ApparatusModel& a, Scene& scene) {
 } // namespace
 
 void readEffects(Context& context, ObjectReader& top, Scene& scene) {
-    for (const Place& place : top.array("effects")) {
+    for (const ArrayItem& place : top.array("effects")) {
         effects::Setting setting;
         if (readEffect(context, place, scene, setting))
             scene.effects.push_back(std::move(setting));

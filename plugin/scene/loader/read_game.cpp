@@ -1,4 +1,4 @@
-// The section that makes a scene a level of a game (docs/levels.md).
+// The section "game" of a level (docs/how-to/levels.md).
 
 #include "plugin/scene/loader/sections.h"
 
@@ -21,11 +21,11 @@ std::uint32_t readColour(Context& context, ObjectReader& reader, std::uint32_t f
                      std::all_of(t.begin() + 1, t.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
     if (hex)
         return static_cast<std::uint32_t>(std::stoul(t.substr(1), nullptr, 16));
-    context.error(*node, reader.pointerTo("colour"), "this is no colour", "\"#rrggbb\", six hex digits");
+    context.error(*node, reader.pointerTo("colour"), "this is not a colour", "\"#rrggbb\", six hex digits");
     return fallback;
 }
 
-GamePart readPart(Context& context, const Place& place) {
+GamePart readPart(Context& context, const ArrayItem& place) {
     ObjectReader reader(context, *place.node, place.pointer);
     GamePart p;
     reader.require("name", "a text");
@@ -51,13 +51,13 @@ void readArea(Context& context, ObjectReader& game, const std::string& key, Poin
     if (node == nullptr)
         return;
     ObjectReader area(context, *node, game.pointerTo(key));
-    const std::size_t before = context.problems.size();
+    const std::size_t before = context.errors();
     area.require("lower", "the lower left corner, m");
     area.require("upper", "the upper right corner, m");
     const Eigen::Vector2d a = area.vector("lower", Eigen::Vector2d::Zero());
     const Eigen::Vector2d b = area.vector("upper", Eigen::Vector2d::Ones());
     area.finish();
-    if (context.problems.size() == before && !(a.x() < b.x() && a.y() < b.y()))
+    if (context.errors() == before && !(a.x() < b.x() && a.y() < b.y()))
         context.error(*node, area.pointer(), "the area is empty", "lower below and left of upper");
     lower = {a.x(), a.y()};
     upper = {b.x(), b.y()};
@@ -88,7 +88,7 @@ std::string readBody(Context& context, ObjectReader& game, const std::string& ke
 
 void requireForKind(ObjectReader& game, const std::string& kind) {
     game.require("actor", "the name of a dynamic body");
-    game.require("part", "the shells the game hands out");
+    game.require("part", "the kinds of shells of the level");
     if (kind == "egg_drop")
         game.require("heights", "an array of heights, m");
     else
@@ -128,7 +128,7 @@ void readGame(Context& context, ObjectReader& top, const Scene& scene, std::opti
     g.thrust = game.number("thrust", g.thrust, positive);
     g.wind = game.number("wind", g.wind);
     g.speed = game.number("speed", g.speed, positive);
-    for (const Place& place : game.array("part"))
+    for (const ArrayItem& place : game.array("part"))
         g.parts.push_back(readPart(context, place));
     if (const Node* parts = game.find("part"); parts != nullptr && (g.parts.empty() || g.parts.size() > 9))
         context.error(*parts, "/game/part", std::to_string(g.parts.size()) + " parts", "1 to 9");

@@ -7,34 +7,37 @@ namespace supercircle::scene {
 
 namespace {
 
-constexpr std::size_t maxMoves = 100000;
+constexpr std::size_t maxSegments = 100000;
 
-/// Unrolls the moves. `cycle` is the number given to the moves inside a repeat that counts cycles.
-class MoveReader {
+/// Unrolls the segments of a protocol. `cycle` is the number of those inside a repeat that counts cycles.
+class SegmentReader {
 public:
-    MoveReader(Context& context, std::vector<Move>& out) : context_(context), out_(out) {}
+    SegmentReader(Context& context, std::vector<ProtocolSegment>& out) : context_(context), out_(out) {}
 
     void read(ObjectReader& parent, int cycle) {
-        for (const Place& place : parent.array("moves"))
-            readOne(place, cycle);
+        for (const ArrayItem& item : parent.array("segments"))
+            readOne(item, cycle);
     }
 
 private:
-    void readOne(const Place& place, int cycle) {
-        ObjectReader reader(context_, *place.node, place.pointer);
+    void readOne(const ArrayItem& item, int cycle) {
+        ObjectReader reader(context_, *item.node, item.pointer);
         if (!reader.valid())
             return;
+        reader.renamed("travel", "speed_m_s");
+        reader.renamed("until", "stop_when");
+        reader.renamed("moves", "segments");
         int kinds = 0;
-        for (const char* key : {"travel", "hold", "settle", "repeat"})
+        for (const char* key : {"speed_m_s", "hold", "settle", "repeat"})
             kinds += reader.find(key) != nullptr ? 1 : 0;
         if (kinds != 1) {
-            context_.error(*place.node, place.pointer, kinds == 0 ? "not a move" : "several moves in one",
-                           "one of \"travel\", \"hold\", \"settle\", \"repeat\"");
-            reader.ignore({"until", "loading", "cycle", "moves"});
+            context_.error(*item.node, item.pointer, kinds == 0 ? "a segment of no kind" : "a segment of several kinds",
+                           "one of \"speed_m_s\", \"hold\", \"settle\", \"repeat\"");
+            reader.ignore({"stop_when", "loading", "cycle", "segments"});
             reader.finish();
             return;
         }
-        if (reader.find("travel") != nullptr)
+        if (reader.find("speed_m_s") != nullptr)
             travel(reader, cycle);
         else if (reader.find("repeat") != nullptr)
             repeat(reader, cycle);
@@ -43,46 +46,47 @@ private:
     }
 
     void travel(ObjectReader& reader, int cycle) {
-        Move move;
-        move.kind = Move::Kind::Travel;
-        move.cycle = cycle;
-        const std::size_t before = context_.problems.size();
-        move.speed = reader.number("travel", 0.0);
-        if (context_.problems.size() == before && move.speed == 0.0)
-            context_.error(*reader.find("travel"), reader.pointerTo("travel"), "a travel that does not move",
+        ProtocolSegment segment;
+        segment.kind = ProtocolSegment::Kind::Travel;
+        segment.cycle = cycle;
+        const std::size_t before = context_.errors();
+        segment.speed = reader.number("speed_m_s", 0.0);
+        if (context_.errors() == before && segment.speed == 0.0)
+            context_.error(*reader.find("speed_m_s"), reader.pointerTo("speed_m_s"), "a segment that does not move",
                            "a speed other than 0, m/s (or \"hold\")");
-        move.loading = reader.boolean("loading", move.speed > 0.0);
-        if (reader.require("until", "{\"force\": N}, {\"displacement\": m} or {\"time\": s}: what ends the travel"))
-            readUntil(reader, move.until);
+        segment.loading = reader.boolean("loading", segment.speed > 0.0);
+        if (reader.require("stop_when",
+                           "{\"force\": N}, {\"displacement\": m} or {\"time\": s}: the end of the segment"))
+            readStop(reader, segment.stop_when);
         reader.finish();
-        push(reader, move);
+        push(reader, segment);
     }
 
-    void readUntil(ObjectReader& reader, Until& until) {
-        const Node* node = reader.find("until");
+    void readStop(ObjectReader& reader, StopCondition& stop) {
+        const Node* node = reader.find("stop_when");
         if (node == nullptr)
             return;
-        ObjectReader u(context_, *node, reader.pointerTo("until"));
-        if (!u.valid())
+        ObjectReader conditions(context_, *node, reader.pointerTo("stop_when"));
+        if (!conditions.valid())
             return;
-        const bool any = u.find("force") || u.find("displacement") || u.find("time");
-        until.force = u.number("force", until.force);
-        until.displacement = u.number("displacement", until.displacement);
-        until.time = u.number("time", until.time, positive);
-        u.finish();
+        const bool any = conditions.find("force") || conditions.find("displacement") || conditions.find("time");
+        stop.force = conditions.number("force", stop.force);
+        stop.displacement = conditions.number("displacement", stop.displacement);
+        stop.time = conditions.number("time", stop.time, positive);
+        conditions.finish();
         if (!any)
-            context_.error(*node, u.pointer(), "the travel would never end",
+            context_.error(*node, conditions.pointer(), "the segment would never end",
                            "at least one of \"force\", \"displacement\", \"time\"");
     }
 
     void wait(ObjectReader& reader, int cycle) {
-        Move move;
+        ProtocolSegment segment;
         const bool hold = reader.find("hold") != nullptr;
-        move.kind = hold ? Move::Kind::Hold : Move::Kind::Settle;
-        move.cycle = cycle;
-        move.until.time = reader.number(hold ? "hold" : "settle", 0.0, notNegative);
+        segment.kind = hold ? ProtocolSegment::Kind::Hold : ProtocolSegment::Kind::Settle;
+        segment.cycle = cycle;
+        segment.stop_when.time = reader.number(hold ? "hold" : "settle", 0.0, notNegative);
         reader.finish();
-        push(reader, move);
+        push(reader, segment);
     }
 
     void repeat(ObjectReader& reader, int cycle) {
@@ -90,47 +94,47 @@ private:
         if (counts && cycle != 0)
             context_.error(*reader.find("cycle"), reader.pointerTo("cycle"), "cycles inside a cycle",
                            "\"cycle\": true in one level only");
-        const std::size_t before = context_.problems.size();
-        const auto times = reader.integer("repeat", 1, 0, static_cast<std::int64_t>(maxMoves));
-        reader.require("moves", "an array of moves");
-        reader.find("moves");
+        const std::size_t before = context_.errors();
+        const auto times = reader.integer("repeat", 1, 0, static_cast<std::int64_t>(maxSegments));
+        reader.require("segments", "an array of segments");
+        reader.find("segments");
         reader.finish();
         for (std::int64_t i = 0; i < times; ++i) {
-            const std::size_t moves = out_.size();
+            const std::size_t segments = out_.size();
             read(reader, counts ? nextCycle_++ : cycle);
-            // Once is enough to report what is wrong, and nothing repeated stays nothing (nested, it would take for
-            // ever).
-            if (context_.problems.size() != before || tooMany_ || out_.size() == moves)
+            // An error is reported once, and repeats of nothing end at once (nested ones would take very long).
+            if (context_.errors() != before || tooMany_ || out_.size() == segments)
                 return;
         }
     }
 
-    void push(const ObjectReader& reader, const Move& move) {
-        if (out_.size() < maxMoves) {
-            out_.push_back(move);
+    void push(const ObjectReader& reader, const ProtocolSegment& segment) {
+        if (out_.size() < maxSegments) {
+            out_.push_back(segment);
         } else if (!tooMany_) {
             tooMany_ = true;
-            context_.error(reader.node(), reader.pointer(), "too many moves",
-                           "at most " + std::to_string(maxMoves) + " after unrolling");
+            context_.error(reader.node(), reader.pointer(), "too many segments",
+                           "at most " + std::to_string(maxSegments) + " after unrolling");
         }
     }
 
     Context& context_;
-    std::vector<Move>& out_;
+    std::vector<ProtocolSegment>& out_;
     int nextCycle_ = 1;
     bool tooMany_ = false;
 };
 
-void checkMachine(Context& context, ObjectReader& reader, const Scene& scene, const Protocol& protocol) {
-    const bool holds =
-        std::any_of(scene.holds.begin(), scene.holds.end(), [](const HoldDef& h) { return h.on_machine; });
+void checkCrosshead(Context& context, ObjectReader& reader, const Scene& scene, const Protocol& protocol) {
+    const bool holds = std::any_of(scene.holds.begin(), scene.holds.end(),
+                                   [](const HoldDef& h) { return h.base == HoldBase::Moving; });
     const Node* body = reader.find("body");
     if (body == nullptr) {
-        const bool travels = std::any_of(protocol.moves.begin(), protocol.moves.end(),
-                                         [](const Move& m) { return m.kind == Move::Kind::Travel; });
+        const bool travels =
+            std::any_of(protocol.segments.begin(), protocol.segments.end(),
+                        [](const ProtocolSegment& s) { return s.kind == ProtocolSegment::Kind::Travel; });
         if (travels && !holds)
-            context.error(reader.node(), reader.pointer(), "the machine travels but carries nothing",
-                          "\"body\" (a kinematic body), or a hold with \"on_machine\": true");
+            context.error(reader.node(), reader.pointer(), "nothing is attached to the moving crosshead",
+                          "\"body\" (a kinematic body), or a hold with \"base\": \"moving\"");
         return;
     }
     if (body->kind != Node::Kind::String)
@@ -155,8 +159,8 @@ void checkMachine(Context& context, ObjectReader& reader, const Scene& scene, co
                       std::to_string(count) + " bodies are named \"" + protocol.body + "\"",
                       "a name that only one body has");
     if (holds)
-        context.error(*body, reader.pointerTo("body"), "both a body and holds are on the machine",
-                      "either \"body\" or holds with \"on_machine\": true");
+        context.error(*body, reader.pointerTo("body"), "both a body and holds are attached to the crosshead",
+                      "either \"body\" or holds with \"base\": \"moving\"");
 }
 
 } // namespace
@@ -165,11 +169,15 @@ void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::
     const Node* node = top.find("protocol");
     if (node == nullptr) {
         for (const HoldDef& h : scene.holds)
-            if (h.on_machine)
-                context.note(context.document.root, "/hold", "a hold is on the machine, but no \"protocol\" drives it");
+            if (h.base == HoldBase::Moving)
+                context.note(context.document.root, "/hold",
+                             "a hold is attached to the crosshead, but no \"protocol\" moves it");
         return;
     }
     ObjectReader reader(context, *node, "/protocol");
+    reader.renamed("moves", "segments");
+    reader.renamed("zero_at_touch", "zero_at_first_contact");
+    reader.renamed("touch_gap", "approach_gap");
     Protocol protocol;
     protocol.body = reader.string("body", "");
     const Eigen::Vector2d direction = reader.vector("direction", {protocol.direction.x, protocol.direction.y});
@@ -177,12 +185,12 @@ void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::
         protocol.direction = {direction.x() / direction.norm(), direction.y() / direction.norm()};
     else
         context.error(*reader.find("direction"), "/protocol/direction", "no direction", "a vector other than 0");
-    protocol.zero_at_touch = reader.boolean("zero_at_touch", protocol.zero_at_touch);
+    protocol.zero_at_first_contact = reader.boolean("zero_at_first_contact", protocol.zero_at_first_contact);
     protocol.approach_speed = reader.number("approach_speed", protocol.approach_speed, notNegative);
-    protocol.touch_gap = reader.number("touch_gap", protocol.touch_gap, positive);
-    reader.require("moves", "an array of moves");
-    MoveReader(context, protocol.moves).read(reader, 0);
-    checkMachine(context, reader, scene, protocol);
+    protocol.approach_gap = reader.number("approach_gap", protocol.approach_gap, positive);
+    reader.require("segments", "an array of segments");
+    SegmentReader(context, protocol.segments).read(reader, 0);
+    checkCrosshead(context, reader, scene, protocol);
     reader.finish();
     out = std::move(protocol);
 }

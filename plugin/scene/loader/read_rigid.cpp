@@ -17,10 +17,10 @@ using step::JointDefinition;
 using step::JointKind;
 using step::ShapeKind;
 
-// Box2D 2.4 welds polygon vertices nearer than half its slop and refuses chains with edges shorter than the slop; both
-// end in assertions there (the process dies), so they are caught here. In host units, that is, after scaling.
+// Box2D 2.4 merges polygon vertices closer than half its slop and refuses chains with edges shorter than the slop. Both
+// abort the process, so they are refused here. Units of the host, after scaling.
 constexpr double box2dSlop = 0.005;
-constexpr double farthest = 1e4;   // where single precision resolves a fifth of the slop
+constexpr double farthest = 1e4;   // single precision resolves a fifth of the slop there
 constexpr double box2dArea = 1e-5; // it asserts on less than 1.2e-7
 constexpr std::size_t box2dPolygonVertices = 8;
 
@@ -47,7 +47,7 @@ std::vector<Vec2> readVertices(Context& context, ObjectReader& shape) {
     return vertices;
 }
 
-/// Nearest two neighbours, m.
+/// Length of the shortest edge, m.
 double shortestEdge(const std::vector<Vec2>& v, bool closed) {
     double shortest = INFINITY;
     for (std::size_t i = 0; i + (closed ? 0 : 1) < v.size(); ++i)
@@ -65,7 +65,7 @@ bool checkEdges(Context& context, const Node& at, const std::string& pointer, co
     return false;
 }
 
-/// Reports what is too far from the origin for single precision.
+/// Reports a distance from the origin that is too large for single precision.
 void checkReach(Context& context, const Node& at, const std::string& pointer, double reach, double scale) {
     if (reach * scale <= farthest)
         return;
@@ -80,8 +80,8 @@ double reachOf(const std::vector<Vec2>& vertices) {
     return reach;
 }
 
-/// Removes corners that are straight to the precision of exports (seven digits): they would come out now convex, now
-/// concave.
+/// Removes corners that are straight within the precision of exports (seven digits): rounding decides whether they are
+/// convex.
 void dropStraightCorners(std::vector<Vec2>& v) {
     constexpr double straight = 1e-6; // rad
     for (std::size_t i = 0; i < v.size() && v.size() > 3;) {
@@ -94,7 +94,7 @@ void dropStraightCorners(std::vector<Vec2>& v) {
     }
 }
 
-/// Convex, once around, counter-clockwise in the end.
+/// Checks that the polygon is convex and simple, and orders it counter-clockwise.
 void checkPolygon(Context& context, const Node& at, const std::string& pointer, std::vector<Vec2>& v, double scale) {
     if (v.size() < 3 || v.size() > box2dPolygonVertices) {
         context.error(at, pointer, "a polygon of " + std::to_string(v.size()) + " vertices",
@@ -119,12 +119,12 @@ void checkPolygon(Context& context, const Node& at, const std::string& pointer, 
     }
     if (turned < 0.0)
         std::reverse(v.begin(), v.end());
-    const double sharpest = M_PI - 1e-6; // a corner that goes back on itself
+    const double sharpest = M_PI - 1e-6; // a corner that reverses the direction
     const bool oneWay = turned < 0.0 ? most < 0.0 && least > -sharpest : least > 0.0 && most < sharpest;
     if (!oneWay || std::abs(std::abs(turned) - 2.0 * M_PI) > 1e-3)
         context.error(at, pointer, "the polygon is not convex", "vertices in order around a convex outline");
     else if (std::abs(area) * scale * scale < box2dArea)
-        context.error(at, pointer, "the polygon has next to no area", "more area, or a larger \"lengthScale\"");
+        context.error(at, pointer, "the polygon has almost no area", "more area, or a larger \"lengthScale\"");
     checkReach(context, at, pointer, reachOf(v), scale);
 }
 
@@ -146,7 +146,7 @@ void readEdge(Context& context, const Node& node, const std::string& pointer, Fi
     edge.require("vertex2", "{\"x\": ..., \"y\": ...}");
     f.vertices = {edge.vector("vertex1", Vec2::Zero()), edge.vector("vertex2", Vec2::UnitX())};
     edge.ignore(
-        {"hasVertex0", "hasVertex3", "vertex0", "vertex3"}); // ghosts for smooth sliding; our contact needs none
+        {"hasVertex0", "hasVertex3", "vertex0", "vertex3"}); // ghost vertices of Box2D; contact of shells needs none
     edge.finish();
     checkEdges(context, node, pointer, f.vertices, false, box2dSlop / scale);
     checkReach(context, node, pointer, reachOf(f.vertices), scale);
@@ -156,11 +156,11 @@ void readChain(Context& context, const Node& node, const std::string& pointer, F
                double scale) {
     ObjectReader chain(context, node, pointer, true);
     f.shape = loop ? ShapeKind::Loop : ShapeKind::Chain;
-    const std::size_t before = context.problems.size();
+    const std::size_t before = context.errors();
     f.vertices = readVertices(context, chain);
     chain.ignore({"hasNextVertex", "hasPrevVertex", "nextVertex", "prevVertex"});
     chain.finish();
-    if (context.problems.size() != before)
+    if (context.errors() != before)
         return;
     // R.U.B.E. writes a loop as a chain that comes back to its first vertex.
     if (f.vertices.size() >= 4 && f.vertices.front() == f.vertices.back()) {
@@ -201,17 +201,17 @@ void readShape(Context& context, ObjectReader& reader, FixtureDefinition& f, dou
         readEdge(context, *shape, pointer, f, scale);
     } else if (shape->key == "polygon") {
         ObjectReader polygon(context, *shape, pointer, true);
-        const std::size_t before = context.problems.size();
+        const std::size_t before = context.errors();
         f.vertices = readVertices(context, polygon);
         polygon.finish();
-        if (context.problems.size() == before)
+        if (context.errors() == before)
             checkPolygon(context, *shape, pointer, f.vertices, scale);
     } else {
         readChain(context, *shape, pointer, f, shape->key == "loop", scale);
     }
 }
 
-FixtureDefinition readFixture(Context& context, const Place& place, double scale) {
+FixtureDefinition readFixture(Context& context, const ArrayItem& place, double scale) {
     ObjectReader reader(context, *place.node, place.pointer, true);
     FixtureDefinition f;
     f.name = reader.string("name", "");
@@ -238,7 +238,7 @@ void readMassData(ObjectReader& reader, BodyDefinition& body) {
         body.massData = data;
 }
 
-BodyDefinition readBody(Context& context, const Place& place, double scale) {
+BodyDefinition readBody(Context& context, const ArrayItem& place, double scale) {
     ObjectReader reader(context, *place.node, place.pointer, true);
     BodyDefinition b;
     b.name = reader.string("name", "");
@@ -258,7 +258,7 @@ BodyDefinition readBody(Context& context, const Place& place, double scale) {
     b.awake = reader.boolean("awake", b.awake);
     b.active = reader.boolean("active", b.active);
     readMassData(reader, b);
-    for (const Place& fixture : reader.array("fixture"))
+    for (const ArrayItem& fixture : reader.array("fixture"))
         b.fixtures.push_back(readFixture(context, fixture, scale));
     reader.ignore({"customProperties"});
     reader.finish();
@@ -281,7 +281,7 @@ void readJointMotor(ObjectReader& reader, JointDefinition& j) {
     }
 }
 
-JointDefinition readJoint(Context& context, const Place& place, std::size_t bodies) {
+JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t bodies) {
     static const std::vector<std::string> kinds = {"revolute", "prismatic", "distance", "weld",
                                                    "wheel",    "friction",  "motor"};
     ObjectReader reader(context, *place.node, place.pointer, true);
@@ -289,14 +289,14 @@ JointDefinition readJoint(Context& context, const Place& place, std::size_t bodi
     j.name = reader.string("name", "");
     reader.require("type", "a kind of joint");
     j.kind = static_cast<JointKind>(reader.choice("type", kinds, 0));
-    const std::size_t before = context.problems.size();
+    const std::size_t before = context.errors();
     const auto last = static_cast<std::int64_t>(bodies) - 1;
     for (const char* key : {"bodyA", "bodyB"}) {
         reader.require(key, "the index of a body");
         const auto index = static_cast<std::int32_t>(reader.integer(key, 0, 0, std::max<std::int64_t>(last, 0)));
         (key[4] == 'A' ? j.bodyA : j.bodyB) = index;
     }
-    if (reader.valid() && context.problems.size() == before && (bodies < 2 || j.bodyA == j.bodyB))
+    if (reader.valid() && context.errors() == before && (bodies < 2 || j.bodyA == j.bodyB))
         context.error(*place.node, place.pointer, "the joint does not join two bodies", "two different body indices");
     j.anchorA = reader.vector("anchorA", j.anchorA);
     j.anchorB = reader.vector("anchorB", j.anchorB);
@@ -324,9 +324,9 @@ void readRigid(Context& context, ObjectReader& top, step::RigidWorldDefinition& 
     if (const Node* gravity = top.find("gravity"))
         out.gravity = readVector(context, *gravity, "/gravity", true).value_or(out.gravity);
     const auto bodies = top.array("body");
-    for (const Place& place : bodies)
+    for (const ArrayItem& place : bodies)
         out.bodies.push_back(readBody(context, place, out.lengthScale));
-    for (const Place& place : top.array("joint"))
+    for (const ArrayItem& place : top.array("joint"))
         out.joints.push_back(readJoint(context, place, bodies.size()));
     for (const char* key :
          {"velocityIterations", "positionIterations", "stepsPerSecond", "allowSleep", "autoClearForces", "warmStarting",

@@ -26,13 +26,13 @@ std::vector<double> readCurvatures(Context& context, ObjectReader& reader, const
     return values;
 }
 
-/// Natural radius, m; the word "infinite" is a straight strip.
+/// Natural radius, m; "infinite" means a straight strip.
 double readRadius(Context& context, ObjectReader& reader, double fallback) {
     const Node* node = reader.find("radius");
     if (node != nullptr && node->kind == Node::Kind::String) {
         if (node->text == "infinite")
             return std::numeric_limits<double>::infinity();
-        context.error(*node, reader.pointerTo("radius"), "unknown word \"" + node->text + "\"",
+        context.error(*node, reader.pointerTo("radius"), "unknown value \"" + node->text + "\"",
                       "a number > 0 in m, or \"infinite\"", nearestName(node->text, {"infinite"}));
         return fallback;
     }
@@ -59,9 +59,8 @@ std::vector<Eigen::Vector2d> nodesOf(const ShellDef& d) {
     return nodes;
 }
 
-/// A shell whose two ends overlap at the start can only explode. (Other self-overlaps need odd curvatures; the run's
-/// own check of the start state finds those.) A ring is made round, unless its curvatures are given: then they must
-/// close.
+/// Refuses a shell whose two ends overlap at the start. Other self-overlaps are found by the check of the start state.
+/// A ring without curvatures is made round; given curvatures must close it.
 void checkEnds(Context& context, const ObjectReader& reader, const ShellDef& d) {
     if (d.closed && d.curvature.empty())
         return;
@@ -99,7 +98,7 @@ void readPose(ObjectReader& reader, ShellDef& d) {
 
 ShellDef readShell(Context& context, const Node& node, const std::string& pointer, bool isTemplate) {
     ObjectReader reader(context, node, pointer);
-    const std::size_t before = context.problems.size();
+    const std::size_t before = context.errors();
     ShellDef d;
     if (!isTemplate)
         readPose(reader, d);
@@ -117,7 +116,7 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
     d.user_data = static_cast<std::uint64_t>(reader.integer("user_data", 0, 0, std::int64_t{1} << 53));
     d.name = reader.string("name", "");
     reader.finish();
-    if (!reader.valid() || context.problems.size() != before)
+    if (!reader.valid() || context.errors() != before)
         return d;
     if (std::isinf(d.radius) && d.length == 0.0)
         context.error(node, pointer, "a straight strip without \"length\"", "a number > 0, m");
@@ -131,29 +130,40 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
 }
 
 void readShells(Context& context, ObjectReader& top, std::vector<ShellDef>& out) {
-    for (const Place& place : top.array("shell")) {
+    for (const ArrayItem& place : top.array("shell")) {
         ShellDef d = readShell(context, *place.node, place.pointer, false);
         const bool taken = std::any_of(out.begin(), out.end(), [&](const ShellDef& o) { return o.name == d.name; });
         if (!d.name.empty() && taken)
             context.error(*place.node->find("name"), place.pointer + "/name",
-                          "there is already a shell named \"" + d.name + "\"", "names of their own");
+                          "there is already a shell named \"" + d.name + "\"", "a different name for each shell");
         out.push_back(std::move(d));
     }
 }
+
+namespace {
+
+HoldBase readBase(ObjectReader& reader) {
+    const Node* old = reader.superseded("on_machine", "\"base\": \"moving\"", "base");
+    const bool moving =
+        old != nullptr ? reader.boolean("on_machine", false) : reader.choice("base", {"fixed", "moving"}, 0) == 1;
+    return moving ? HoldBase::Moving : HoldBase::Fixed;
+}
+
+} // namespace
 
 void readHolds(Context& context, ObjectReader& top, const std::vector<ShellDef>& shells, std::vector<HoldDef>& out) {
     std::vector<std::string> names;
     for (const ShellDef& d : shells)
         if (!d.name.empty())
             names.push_back(d.name);
-    for (const Place& place : top.array("hold")) {
+    for (const ArrayItem& place : top.array("hold")) {
         ObjectReader reader(context, *place.node, place.pointer);
         HoldDef h;
         reader.require("shell", "the name of a shell");
         h.shell = reader.string("shell", "");
         h.arc_fraction = reader.number("arc_fraction", h.arc_fraction, {0.0, 1.0});
         h.kind = reader.choice("kind", {"clamp", "pin"}, 0) == 0 ? HoldKind::Clamp : HoldKind::Pin;
-        h.on_machine = reader.boolean("on_machine", false);
+        h.base = readBase(reader);
         reader.finish();
         const Node* shell = reader.find("shell");
         if (shell != nullptr && shell->kind == Node::Kind::String &&
@@ -169,19 +179,21 @@ void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out) {
     if (node == nullptr)
         return;
     ObjectReader reader(context, *node, "/drop");
+    reader.renamed("together", "batch_size");
     Drop drop;
     if (reader.require("shell", "the shell to drop"))
         if (const Node* shell = reader.find("shell"))
             drop.shell = readShell(context, *shell, "/drop/shell", true);
     drop.count = static_cast<int>(reader.integer("count", drop.count, 1, 100000));
-    const std::size_t before = context.problems.size();
+    const std::size_t before = context.errors();
     reader.require("x_min", "a number, m");
     reader.require("x_max", "a number, m");
-    drop.together = static_cast<int>(reader.integer("together", drop.together, 1, 100000));
+    drop.batch_size = static_cast<int>(reader.integer("batch_size", drop.batch_size, 1, 100000));
     drop.x_min = reader.number("x_min", drop.x_min);
     drop.x_max = reader.number("x_max", drop.x_max);
-    if (context.problems.size() == before && drop.x_min > drop.x_max)
-        context.error(*reader.find("x_min"), "/drop/x_min", "the range to drop in is empty", "x_min <= x_max");
+    if (context.errors() == before && drop.x_min > drop.x_max)
+        context.error(*reader.find("x_min"), "/drop/x_min", "the horizontal range of the drop is empty",
+                      "x_min <= x_max");
     drop.clearance = reader.number("clearance", drop.clearance, notNegative);
     drop.settle_speed = reader.number("settle_speed", drop.settle_speed, positive);
     drop.settle_time = reader.number("settle_time", drop.settle_time, positive);

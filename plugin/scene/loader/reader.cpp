@@ -71,6 +71,7 @@ void Context::error(const Node& at, const std::string& pointer, const std::strin
     Problem p = document.problemAt(at.offset, pointer, what, expected);
     p.nearest = nearest;
     problems.push_back(std::move(p));
+    ++errorCount;
 }
 
 void Context::keyError(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected,
@@ -78,12 +79,21 @@ void Context::keyError(const Node& at, const std::string& pointer, const std::st
     Problem p = document.problemAt(at.keyOffset, pointer, what, expected);
     p.nearest = nearest;
     problems.push_back(std::move(p));
+    ++errorCount;
 }
 
 void Context::note(const Node& at, const std::string& pointer, const std::string& what) {
     Problem p = document.problemAt(at.keyOffset, pointer, what);
     p.severity = Problem::Severity::Note;
     problems.push_back(std::move(p));
+}
+
+void Context::noteRenamed(const Node& at, const std::string& pointer, const std::string& old,
+                          const std::string& successor) {
+    if (std::find(renamedNoted.begin(), renamedNoted.end(), old) != renamedNoted.end())
+        return;
+    renamedNoted.push_back(old);
+    note(at, pointer, "\"" + old + "\" is called " + successor + " since 0.2");
 }
 
 std::optional<double> readNumber(Context& context, const Node& node, const std::string& pointer, const Limits& limits,
@@ -124,12 +134,12 @@ std::optional<Eigen::Vector2d> readVector(Context& context, const Node& node, co
         return std::nullopt;
     }
     ObjectReader reader(context, node, pointer, hex);
-    const std::size_t before = context.problems.size();
+    const std::size_t before = context.errors();
     reader.require("x", "a number");
     reader.require("y", "a number");
     const Eigen::Vector2d v(reader.number("x", 0.0), reader.number("y", 0.0));
     reader.finish();
-    if (context.problems.size() != before)
+    if (context.errors() != before)
         return std::nullopt;
     return v;
 }
@@ -142,12 +152,45 @@ ObjectReader::ObjectReader(Context& context, const Node& node, std::string point
 }
 
 std::string ObjectReader::pointerTo(const std::string& key) const {
+    for (const auto& [now, old] : aliases_)
+        if (now == key)
+            return pointer_ + "/" + pointerToken(old);
     return pointer_ + "/" + pointerToken(key);
 }
 
-const Node* ObjectReader::find(const std::string& key) {
-    if (std::find(known_.begin(), known_.end(), key) == known_.end())
+void ObjectReader::renamed(const std::string& old, const std::string& now) {
+    if (superseded(old, "\"" + now + "\"", now) != nullptr && node_.find(now) == nullptr)
+        aliases_.emplace_back(now, old);
+}
+
+const Node* ObjectReader::superseded(const std::string& old, const std::string& successor, const std::string& now) {
+    oldNames_.push_back(old);
+    makeKnown(now);
+    const Node* node = node_.find(old);
+    if (node == nullptr)
+        return nullptr;
+    const std::string where = pointer_ + "/" + pointerToken(old);
+    if (node_.find(now) != nullptr)
+        context_.keyError(*node, where, "both \"" + old + "\" and \"" + now + "\"",
+                          "\"" + now + "\" alone: \"" + old + "\" is its name before 0.2");
+    else
+        context_.noteRenamed(*node, where, old, successor);
+    return node;
+}
+
+void ObjectReader::makeKnown(const std::string& key) {
+    const auto in = [&](const std::vector<std::string>& list) {
+        return std::find(list.begin(), list.end(), key) != list.end();
+    };
+    if (!in(known_) && !in(oldNames_))
         known_.push_back(key);
+}
+
+const Node* ObjectReader::find(const std::string& key) {
+    makeKnown(key);
+    for (const auto& [now, old] : aliases_)
+        if (now == key)
+            return node_.find(old);
     return node_.find(key);
 }
 
@@ -211,15 +254,15 @@ std::size_t ObjectReader::choice(const std::string& key, const std::vector<std::
     }
     const auto found = std::find(words.begin(), words.end(), node->text);
     if (found == words.end()) {
-        context_.error(*node, pointerTo(key), "unknown word \"" + node->text + "\"", "one of " + all,
+        context_.error(*node, pointerTo(key), "unknown value \"" + node->text + "\"", "one of " + all,
                        nearestName(node->text, words));
         return fallback;
     }
     return static_cast<std::size_t>(found - words.begin());
 }
 
-std::vector<Place> ObjectReader::array(const std::string& key) {
-    std::vector<Place> items;
+std::vector<ArrayItem> ObjectReader::array(const std::string& key) {
+    std::vector<ArrayItem> items;
     const Node* node = find(key);
     if (node == nullptr)
         return items;
@@ -234,7 +277,7 @@ std::vector<Place> ObjectReader::array(const std::string& key) {
 
 std::vector<double> ObjectReader::numbers(const std::string& key, const Limits& limits) {
     std::vector<double> values;
-    for (const Place& item : array(key))
+    for (const ArrayItem& item : array(key))
         values.push_back(readNumber(context_, *item.node, item.pointer, limits, hex_).value_or(0.0));
     return values;
 }
@@ -255,7 +298,8 @@ void ObjectReader::finish() {
     if (!valid())
         return;
     for (const Node& child : node_.children) {
-        if (std::find(known_.begin(), known_.end(), child.key) != known_.end())
+        if (std::find(known_.begin(), known_.end(), child.key) != known_.end() ||
+            std::find(oldNames_.begin(), oldNames_.end(), child.key) != oldNames_.end())
             continue;
         std::string all;
         if (known_.size() <= 12)

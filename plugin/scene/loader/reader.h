@@ -1,6 +1,6 @@
 #pragma once
-// Reading one JSON object key by key: every key asked for becomes known, everything else is reported with the nearest
-// known name, and a wrong value is reported and replaced by the default so that the rest of the file is still checked.
+// Reads one JSON object key by key. Every key that is asked for becomes known; other keys are reported with the nearest
+// known name. A wrong value is reported and replaced by the default, so that the rest of the file is still checked.
 
 #include "plugin/scene/loader/document.h"
 #include "plugin/scene/loader/expression.h"
@@ -14,7 +14,7 @@
 
 namespace supercircle::scene {
 
-/// What every reading function needs: the text (for positions), the names, and where to report.
+/// What every reading function needs: the text (for positions), the parameters, and the list of problems.
 struct Context {
     const Document& document;
     std::vector<Problem>& problems;
@@ -26,6 +26,13 @@ struct Context {
     void keyError(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected = {},
                   const std::string& nearest = {});
     void note(const Node& at, const std::string& pointer, const std::string& what);
+    /// A note that a key or name has a successor; once per old name and file.
+    void noteRenamed(const Node& at, const std::string& pointer, const std::string& old, const std::string& successor);
+    /// Errors so far. Notes do not count.
+    [[nodiscard]] std::size_t errors() const { return errorCount; }
+
+    std::size_t errorCount = 0;
+    std::vector<std::string> renamedNoted{}; ///< old names that have their note
 };
 
 /// Accepted values: min <= value <= max, strictly above min if `above`.
@@ -38,14 +45,14 @@ inline constexpr Limits anyNumber{};
 inline constexpr Limits positive{0.0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Limits notNegative{0.0, std::numeric_limits<double>::infinity(), false};
 
-/// A child value and its JSON pointer.
-struct Place {
+/// An item of an array and its JSON pointer.
+struct ArrayItem {
     const Node* node = nullptr;
     std::string pointer;
 };
 
-/// A number: JSON number, {"param": name}, {"expr": formula}, or, if `hex`, the eight hex digits b2dJson writes for the
-/// bits of a float. Empty after a report.
+/// A number: JSON number, {"param": name}, {"expr": formula}, or, if `hex`, the eight hex digits that b2dJson writes
+/// for the bits of a float. Empty after a report.
 std::optional<double> readNumber(Context& context, const Node& node, const std::string& pointer, const Limits& limits,
                                  bool hex = false);
 
@@ -55,13 +62,21 @@ std::optional<Eigen::Vector2d> readVector(Context& context, const Node& node, co
 
 class ObjectReader {
 public:
-    /// Reports if `node` is not an object; then nothing is found in it. `hex`: numbers may be b2dJson hex floats.
+    /// Reports if `node` is not an object; then no key is found in it. `hex`: numbers may be b2dJson hex floats.
     ObjectReader(Context& context, const Node& node, std::string pointer, bool hex = false);
 
     [[nodiscard]] bool valid() const { return node_.kind == Node::Kind::Object; }
     [[nodiscard]] const std::string& pointer() const { return pointer_; }
     [[nodiscard]] const Node& node() const { return node_; }
+    /// JSON pointer of a key as it stands in the file.
     [[nodiscard]] std::string pointerTo(const std::string& key) const;
+
+    /// `now` was called `old` before. Call it before `now` is read: reading functions then find the member under either
+    /// name. The old name gets a note; both names in one object are an error.
+    void renamed(const std::string& old, const std::string& now);
+    /// A key whose successor also has other values: its member, nullptr if absent. It gets a note that names the
+    /// `successor`; the keys `old` and `now` in one object are an error.
+    const Node* superseded(const std::string& old, const std::string& successor, const std::string& now);
 
     /// The member, nullptr if absent; the key is known from now on.
     const Node* find(const std::string& key);
@@ -73,22 +88,26 @@ public:
     /// Index of a word in `words`, `fallback` if absent or (reported) none of them.
     std::size_t choice(const std::string& key, const std::vector<std::string>& words, std::size_t fallback);
     /// Items of an array; empty if absent.
-    std::vector<Place> array(const std::string& key);
+    std::vector<ArrayItem> array(const std::string& key);
     /// Array of numbers; empty if absent.
     std::vector<double> numbers(const std::string& key, const Limits& limits = anyNumber);
     /// Reports the absence of a key.
     bool require(const std::string& key, const std::string& expected);
-    /// Known, and silently without effect.
+    /// Makes keys known that have no effect.
     void ignore(std::initializer_list<const char*> keys);
-    /// Reports every key that nobody asked for.
+    /// Reports every unknown key.
     void finish();
 
 private:
+    void makeKnown(const std::string& key);
+
     Context& context_;
     const Node& node_;
     std::string pointer_;
     bool hex_;
     std::vector<std::string> known_;
+    std::vector<std::string> oldNames_;                        ///< known, but never suggested
+    std::vector<std::pair<std::string, std::string>> aliases_; ///< present name, old name that stands in the file
 };
 
 } // namespace supercircle::scene

@@ -6,11 +6,10 @@
 
 namespace supercircle::scene {
 
-/// R.U.B.E. / b2dJson part of the top level: gravity, body[], joint[]; the keys of R.U.B.E. without meaning here are
-/// noted.
+/// The R.U.B.E. / b2dJson part of the top level: gravity, body[], joint[]. Keys of R.U.B.E. without effect get a note.
 void readRigid(Context& context, ObjectReader& top, step::RigidWorldDefinition& out);
 
-/// One shell; `template_` is true for the shell of a drop, which has no place of its own.
+/// One shell; `isTemplate` is true for the shell of a drop, which has no position.
 ShellDef readShell(Context& context, const Node& node, const std::string& pointer, bool isTemplate);
 void readShells(Context& context, ObjectReader& top, std::vector<ShellDef>& out);
 /// hold[]; the shells must have been read.
@@ -19,7 +18,7 @@ void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out);
 
 /// protocol; bodies and holds must have been read.
 void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::optional<Protocol>& out);
-/// effects[]; all that they act on must have been read.
+/// effects[]; call it after shells, holds, bodies and protocol.
 void readEffects(Context& context, ObjectReader& top, Scene& scene);
 void readNumerics(Context& context, ObjectReader& top, Numerics& out);
 void readReport(Context& context, ObjectReader& top, Report& out);
@@ -27,7 +26,7 @@ void readReport(Context& context, ObjectReader& top, Report& out);
 /// game; bodies must have been read.
 void readGame(Context& context, ObjectReader& top, const Scene& scene, std::optional<Game>& out);
 
-/// Names of the scene's pictures and summaries.
+/// Values of report.kind.
 const std::vector<std::string>& reportKinds();
 
 } // namespace supercircle::scene

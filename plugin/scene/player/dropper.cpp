@@ -22,7 +22,7 @@ void walk(const step::Rod& rod, Visit&& visit) {
     }
 }
 
-/// Room that shells of one batch take while they fall: circles in rows, none above another one's row before its turn.
+/// Places of the shells of one batch: circles in rows, so that they do not overlap while they fall.
 class Rows {
 public:
     Rows(double bottom, double height) : bottom_(bottom), height_(height) {}
@@ -56,7 +56,7 @@ std::string dropBatch(Shells& shells, const scene::Drop& d, int count, Random& r
         ShellDef def = d.shell;
         def.angle = random.uniform(-M_PI, M_PI);
         def.position = {0.0, 0.0};
-        const auto probe = shells.create(def); // built at the origin to learn its extent, then put in place
+        const auto probe = shells.create(def); // created at the origin for its extent, then in its place
         if (!probe)
             return probe.error();
         Vec2 lower = Vec2::Constant(1e300), upper = -lower;

@@ -1,5 +1,5 @@
 #pragma once
-// Shells that fall at random places and angles (paper, Methods): where the next ones enter.
+// Creates shells at random positions and angles above the pile, from where they fall (paper, Methods).
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "plugin/scene/loader/scene.h"
@@ -10,8 +10,8 @@
 
 namespace supercircle::player {
 
-/// Puts `count` more shells of `drop` into the world, side by side in rows above the pile, and appends their handles.
-/// @return empty, or why it could not be done
+/// Creates `count` shells of `drop`, side by side in rows above the pile, and appends their handles. Empty, or the
+/// error.
 std::string dropBatch(Shells& shells, const scene::Drop& drop, int count, Random& random,
                       std::vector<ShellHandle>& made);
 

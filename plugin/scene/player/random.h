@@ -1,5 +1,5 @@
 #pragma once
-// Random numbers that are the same everywhere (the standard's distributions differ between libraries).
+// Random numbers that are equal on all systems (the standard's distributions differ between libraries).
 
 #include <cstdint>
 #include <random>

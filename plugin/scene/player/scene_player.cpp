@@ -1,5 +1,5 @@
-// A scene in somebody else's loop. The laboratory (plugin/lab) plays the same scenes in frames of its own choosing and
-// records them; here the caller's frame rules and nothing is recorded. Drop, touch and moves mean the same in both.
+// Plays a scene in the caller's loop and frames, without recording. The laboratory (plugin/lab) plays the same scenes
+// in frames of its own and records them. Drop, approach and protocol are the same in both.
 
 #include "plugin/api/include/supercircle/scene.hpp"
 
@@ -17,16 +17,16 @@ namespace {
 
 using rod::Vec2;
 
-constexpr double kHuge = 1e5;    ///< m, a box around everything that a host can hold
-constexpr double kCreep = 1e-3;  ///< m/s, approach when the scene names no speed
-constexpr double kAtRest = 1e-4; ///< m/s, nothing moves
-constexpr double kNotYet = 0.05; ///< s, a shell just released is slow without being at rest
+constexpr double kHuge = 1e5;    ///< m, half the size of a box around the whole host world
+constexpr double kCreep = 1e-3;  ///< m/s, approach without approach_speed
+constexpr double kAtRest = 1e-4; ///< m/s, slower than this is at rest
+constexpr double kNotYet = 0.05; ///< s, before this a shell may be slow because it has just been created
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 } // namespace
 
 struct ScenePlayer::Impl {
-    enum class Stage : std::uint8_t { Drop, Settle, Touch, Moves, Free, Done };
+    enum class Phase : std::uint8_t { Drop, Settle, Approach, Protocol, Free, Done };
 
     Impl(scene::Scene s, Shells& host, std::uint64_t seed) : scene(std::move(s)), shells(&host), random(seed) {}
 
@@ -34,51 +34,52 @@ struct ScenePlayer::Impl {
     Shells* shells;
     player::Random random;
     std::vector<ShellHandle> made;
-    Stage stage = Stage::Free;
+    Phase current = Phase::Free;
     std::string failure;
     int dropped = 0;
-    std::size_t move = 0;
-    double since = 0.0;      ///< s, when the present stage, move or batch began
+    std::size_t segment = 0;
+    double since = 0.0;      ///< s, start of the present phase, segment or batch
     double zeroTravel = 0.0; ///< m
-    bool jumped = false;
+    bool atSpecimen = false;
 
     [[nodiscard]] double elapsed() const { return shells->time() - since; }
     [[nodiscard]] Vec2 direction() const { return {scene.protocol->direction.x, scene.protocol->direction.y}; }
     [[nodiscard]] double rawTravel() const {
-        return scene.protocol ? shells->world().machineTravel.dot(direction()) : 0.0;
+        return scene.protocol ? shells->world().crossheadTravel.dot(direction()) : 0.0;
     }
     [[nodiscard]] double force() const {
-        return scene.protocol ? -shells->world().machineForce().dot(direction()) : 0.0;
+        return scene.protocol ? -shells->world().crossheadForce().dot(direction()) : 0.0;
     }
-    void drive(double speed) {
+    void setSpeed(double speed) {
         const Vec2 v = scene.protocol ? Vec2(speed * direction()) : Vec2::Zero();
-        shells->set_machine_velocity({v.x(), v.y()});
+        shells->set_crosshead_velocity({v.x(), v.y()});
     }
-    void enter(Stage next) {
-        stage = next;
+    void enter(Phase next) {
+        current = next;
         since = shells->time();
     }
 
     std::string populate();
     void start();
     void prepare();
-    void passOver(double dt);
-    void dropNext();
-    void jumpToPile();
-    void nextMove();
+    void skipFinished(double dt);
+    void dropNextBatch();
+    void jumpToSpecimen();
+    void nextSegment();
     double limit(double dt);
     bool reached();
     void addEffects(std::size_t rod, const std::string& name);
     std::string phase() const;
 };
 
-/// Effects of the material, of loads and of contact; what the laboratory's machine and load cell do is not played.
+/// Effects of the material, of loads and of contact; those of apparatus and sensor are left out.
 void ScenePlayer::Impl::addEffects(std::size_t rod, const std::string& name) {
     if (!scene.effects.empty())
         step::setEffects(shells->world(), rod, effects::modelFor(scene.effects, name.empty() ? "all" : name));
 }
 
-/// Bodies, shells, holds and the machine. Empty or why not; what was added by then is taken back by the caller.
+/// Creates bodies, shells and holds and attaches the crosshead. Empty, or the error; the caller destroys the shells
+/// then.
 std::string ScenePlayer::Impl::populate() {
     const std::shared_ptr<step::Port> port = shells->host();
     if (!port && !scene.rigid.bodies.empty())
@@ -96,29 +97,29 @@ std::string ScenePlayer::Impl::populate() {
         const auto it = std::find_if(named.begin(), named.end(), [&](const auto& n) { return n.first == h.shell; });
         if (it == named.end())
             return "hold: there is no shell called \"" + h.shell + "\"";
-        if (const auto hold = shells->hold(it->second, h.arc_fraction, h.kind, h.on_machine); !hold)
+        if (const auto hold = shells->create_hold(it->second, h.arc_fraction, h.kind, h.base); !hold)
             return "hold on \"" + h.shell + "\": " + hold.error();
     }
-    if (port) // last, because bodies cannot be taken back
+    if (port) // last, because bodies are not destroyed after an error
         if (std::string why = port->build(scene.rigid); !why.empty())
             return why;
-    if (scene.protocol && !scene.protocol->body.empty() && !shells->carry(scene.protocol->body))
+    if (scene.protocol && !scene.protocol->body.empty() && !shells->attach_to_crosshead(scene.protocol->body))
         return "protocol: the host has no body called \"" + scene.protocol->body + "\"";
     return {};
 }
 
 void ScenePlayer::Impl::start() {
     if (scene.drop && scene.drop->count > 0)
-        enter(Stage::Drop);
+        enter(Phase::Drop);
     else if (scene.protocol)
-        enter(Stage::Touch);
+        enter(Phase::Approach);
     else
-        enter(Stage::Free);
-    if (stage == Stage::Touch && !scene.protocol->zero_at_touch)
+        enter(Phase::Free);
+    if (current == Phase::Approach && !scene.protocol->zero_at_first_contact)
         prepare();
 }
 
-void ScenePlayer::Impl::dropNext() {
+void ScenePlayer::Impl::dropNextBatch() {
     const scene::Drop& d = *scene.drop;
     if (dropped > 0) {
         const bool last = dropped >= d.count;
@@ -128,9 +129,9 @@ void ScenePlayer::Impl::dropNext() {
         if (!still && elapsed() < longest * (1.0 - 1e-9))
             return;
         if (last)
-            return enter(scene.protocol ? Stage::Touch : Stage::Free);
+            return enter(scene.protocol ? Phase::Approach : Phase::Free);
     }
-    const int count = std::min(d.together, d.count - dropped);
+    const int count = std::min(d.batch_size, d.count - dropped);
     const std::size_t before = shells->world().rods.size();
     failure = player::dropBatch(*shells, d, count, random, made);
     for (std::size_t i = before; i < shells->world().rods.size(); ++i)
@@ -139,9 +140,9 @@ void ScenePlayer::Impl::dropNext() {
     since = shells->time();
 }
 
-/// Puts the machine just above the pile: nothing is in the way.
-void ScenePlayer::Impl::jumpToPile() {
-    jumped = true;
+/// Moves the crosshead to the approach gap above the specimen: nothing is in between.
+void ScenePlayer::Impl::jumpToSpecimen() {
+    atSpecimen = true;
     const scene::Protocol& p = *scene.protocol;
     const std::shared_ptr<step::Port> port = shells->host();
     if (!port)
@@ -152,108 +153,108 @@ void ScenePlayer::Impl::jumpToPile() {
     double bottom = kNever;
     for (const step::BodyOutline& o : all) {
         step::BodyState s;
-        const bool machine = std::count(w.machineBodies.begin(), w.machineBodies.end(), o.body) > 0;
-        if (!machine || !port->state(o.body, s))
+        const bool attached = std::count(w.crossheadBodies.begin(), w.crossheadBodies.end(), o.body) > 0;
+        if (!attached || !port->state(o.body, s))
             continue;
         for (const Vec2& at : step::placed(o, s.centre, s.angle).points)
             bottom = std::min(bottom, at.y() - o.local.radius);
     }
     const double free = bottom - player::pileTop(w);
-    if (!(free > p.touch_gap) || !std::isfinite(free))
+    if (!(free > p.approach_gap) || !std::isfinite(free))
         return;
-    for (const step::BodyId id : w.machineBodies) {
+    for (const step::BodyId id : w.crossheadBodies) {
         step::BodyState s;
         if (port->state(id, s))
-            port->drive(id, s.centre - Vec2(0.0, free - p.touch_gap), s.angle, Vec2::Zero(), 0.0);
-        if (const int known = step::bodyIndex(w, id); known >= 0) // our pose of the machine rules over the host's
-            w.bodies[static_cast<std::size_t>(known)].state.centre.y() -= free - p.touch_gap;
+            port->drive(id, s.centre - Vec2(0.0, free - p.approach_gap), s.angle, Vec2::Zero(), 0.0);
+        if (const int known = step::bodyIndex(w, id); known >= 0) // the pose of driven bodies is kept here
+            w.bodies[static_cast<std::size_t>(known)].state.centre.y() -= free - p.approach_gap;
     }
     w.range.clear();
 }
 
-void ScenePlayer::Impl::nextMove() {
-    drive(0.0);
-    ++move;
+void ScenePlayer::Impl::nextSegment() {
+    setSpeed(0.0);
+    ++segment;
     since = shells->time();
-    if (move >= scene.protocol->moves.size())
-        enter(Stage::Done);
+    if (segment >= scene.protocol->segments.size())
+        enter(Phase::Done);
 }
 
-/// What is due at the start of a frame.
+/// Starts what is due at the beginning of a frame.
 void ScenePlayer::Impl::prepare() {
-    if (stage == Stage::Drop)
-        dropNext();
-    if (stage == Stage::Touch) {
+    if (current == Phase::Drop)
+        dropNextBatch();
+    if (current == Phase::Approach) {
         const scene::Protocol& p = *scene.protocol;
-        if (p.zero_at_touch && !jumped)
-            jumpToPile();
-        drive(p.approach_speed > 0.0 ? p.approach_speed : kCreep);
-        const double longest = 1.0 + (p.touch_gap + 1e-3) / (p.approach_speed > 0.0 ? p.approach_speed : kCreep);
-        if (!p.zero_at_touch || force() > 0.0 || elapsed() > longest) {
-            zeroTravel = p.zero_at_touch ? rawTravel() : 0.0;
-            drive(0.0);
-            enter(p.moves.empty() ? Stage::Done : Stage::Moves);
+        if (p.zero_at_first_contact && !atSpecimen)
+            jumpToSpecimen();
+        setSpeed(p.approach_speed > 0.0 ? p.approach_speed : kCreep);
+        const double longest = 1.0 + (p.approach_gap + 1e-3) / (p.approach_speed > 0.0 ? p.approach_speed : kCreep);
+        if (!p.zero_at_first_contact || force() > 0.0 || elapsed() > longest) {
+            zeroTravel = p.zero_at_first_contact ? rawTravel() : 0.0;
+            setSpeed(0.0);
+            enter(p.segments.empty() ? Phase::Done : Phase::Protocol);
         }
     }
-    if (stage == Stage::Moves) {
-        const scene::Move& m = scene.protocol->moves[move];
-        drive(m.kind == scene::Move::Kind::Travel ? m.speed : 0.0);
+    if (current == Phase::Protocol) {
+        const scene::ProtocolSegment& m = scene.protocol->segments[segment];
+        setSpeed(m.kind == scene::ProtocolSegment::Kind::Travel ? m.speed : 0.0);
     }
 }
 
-/// How much of the frame the present stage may use.
+/// Time that the present phase may take of a frame, s.
 double ScenePlayer::Impl::limit(double dt) {
     double left = kNever;
-    if (stage == Stage::Moves) {
-        const scene::Move& m = scene.protocol->moves[move];
-        left = m.until.time - elapsed();
-        if (m.kind == scene::Move::Kind::Travel && m.speed != 0.0 && std::isfinite(m.until.displacement))
-            left = std::min(left, (m.until.displacement - (rawTravel() - zeroTravel)) / m.speed);
-    } else if (stage == Stage::Free) {
+    if (current == Phase::Protocol) {
+        const scene::ProtocolSegment& m = scene.protocol->segments[segment];
+        left = m.stop_when.time - elapsed();
+        if (m.kind == scene::ProtocolSegment::Kind::Travel && m.speed != 0.0 && std::isfinite(m.stop_when.displacement))
+            left = std::min(left, (m.stop_when.displacement - (rawTravel() - zeroTravel)) / m.speed);
+    } else if (current == Phase::Free) {
         left = scene.duration - elapsed();
     }
     return std::clamp(left, 0.0, dt);
 }
 
-/// Inside a frame, after each inner step: the stage is over.
+/// Inside a frame, after each inner step: whether the phase ends here.
 bool ScenePlayer::Impl::reached() {
-    if (stage == Stage::Touch)
+    if (current == Phase::Approach)
         return force() > 0.0;
-    return stage == Stage::Moves && force() >= scene.protocol->moves[move].until.force;
+    return current == Phase::Protocol && force() >= scene.protocol->segments[segment].stop_when.force;
 }
 
 std::string ScenePlayer::Impl::phase() const {
-    switch (stage) {
-    case Stage::Drop:
+    switch (current) {
+    case Phase::Drop:
         return dropped >= scene.drop->count ? "settle" : "drop " + std::to_string(dropped);
-    case Stage::Settle:
+    case Phase::Settle:
         return "settle";
-    case Stage::Touch:
+    case Phase::Approach:
         return "approach";
-    case Stage::Moves: {
-        const scene::Move& m = scene.protocol->moves[move];
-        if (m.kind == scene::Move::Kind::Travel)
+    case Phase::Protocol: {
+        const scene::ProtocolSegment& m = scene.protocol->segments[segment];
+        if (m.kind == scene::ProtocolSegment::Kind::Travel)
             return (m.speed > 0.0 ? "load " : "unload ") + std::to_string(std::max(1, m.cycle));
-        return m.kind == scene::Move::Kind::Hold ? "hold" : "settle";
+        return m.kind == scene::ProtocolSegment::Kind::Hold ? "hold" : "settle";
     }
-    case Stage::Free:
+    case Phase::Free:
         return "free";
-    case Stage::Done:
+    case Phase::Done:
         break;
     }
     return "done";
 }
 
-/// Makes what is due, and leaves stages and moves that have no time left behind.
-void ScenePlayer::Impl::passOver(double dt) {
+/// Starts what is due, and ends phases and segments without time left.
+void ScenePlayer::Impl::skipFinished(double dt) {
     for (int skipped = 0; failure.empty() && skipped < 100000; ++skipped) {
         prepare();
-        if (stage == Stage::Done || !failure.empty() || limit(dt) > 1e-9 * dt)
+        if (current == Phase::Done || !failure.empty() || limit(dt) > 1e-9 * dt)
             return;
-        if (stage == Stage::Moves)
-            nextMove();
+        if (current == Phase::Protocol)
+            nextSegment();
         else
-            enter(Stage::Done);
+            enter(Phase::Done);
     }
 }
 
@@ -261,27 +262,27 @@ FrameReport ScenePlayer::pre_step(double dt) {
     Impl& s = *impl_;
     FrameReport report;
     try {
-        s.passOver(dt);
-    } catch (const std::exception& e) { // the host program never dies of us
+        s.skipFinished(dt);
+    } catch (const std::exception& e) { // no exception leaves Shells or ScenePlayer
         s.failure = e.what();
     }
     if (!s.failure.empty()) {
         report.failure = s.failure;
         return report;
     }
-    const bool done = s.stage == Impl::Stage::Done;
+    const bool done = s.current == Impl::Phase::Done;
     bool over = false;
     report = s.shells->pre_step(done ? dt : s.limit(dt), [&] { return over = s.reached(); });
     s.failure = report.failure;
-    if (s.stage == Impl::Stage::Moves) {
-        const scene::Move& m = s.scene.protocol->moves[s.move];
-        const bool still = m.kind == scene::Move::Kind::Settle && s.elapsed() > kNotYet &&
+    if (s.current == Impl::Phase::Protocol) {
+        const scene::ProtocolSegment& m = s.scene.protocol->segments[s.segment];
+        const bool still = m.kind == scene::ProtocolSegment::Kind::Settle && s.elapsed() > kNotYet &&
                            player::fastest(s.shells->world()) < kAtRest;
         if (over || still)
-            s.nextMove();
+            s.nextSegment();
     }
-    if (s.failure.empty() && (s.stage == Impl::Stage::Moves || s.stage == Impl::Stage::Free))
-        s.passOver(dt); // so that finished() is true with the last frame, not after it
+    if (s.failure.empty() && (s.current == Impl::Phase::Protocol || s.current == Impl::Phase::Free))
+        s.skipFinished(dt); // so that finished() is true with the last frame, not after it
     return report;
 }
 
@@ -289,7 +290,7 @@ void ScenePlayer::post_step() {
     impl_->shells->post_step();
 }
 bool ScenePlayer::finished() const {
-    return impl_->stage == Impl::Stage::Done || !impl_->failure.empty();
+    return impl_->current == Impl::Phase::Done || !impl_->failure.empty();
 }
 std::string ScenePlayer::phase() const {
     return impl_->phase();

@@ -1,26 +1,16 @@
-// The witness. Every element, wall segment and solid face becomes pieces of circles; pairs whose boxes meet are tested
-// by exact intersection. Between two configurations the pieces' middles, angles and curvatures are interpolated.
+// Elements, wall segments and solid faces become circular arcs. Pairs whose boxes overlap are tested by exact
+// intersection. Between two configurations, middles, angles and curvatures of the arcs are interpolated. Even sampling
+// of the motion is not enough: two parallel centre lines that pass through each other sideways intersect at one instant
+// only. Conservative advancement is used instead (decision 0122): at distance d, nothing can meet before the arcs have
+// moved by d relative to each other, so the next sample is taken there. A distance below a thousandth of the thickness
+// counts as a crossing.
 //
-// Sampling the way evenly is not enough: two parallel centre lines that pass through each other sideways intersect at
-// one instant only, between any two samples. So the way is walked by conservative advancement: from a moment at
-// distance d nothing can meet before the pieces have moved by d relative to each other; the next sample is there. Near
-// contact the samples get finer by themselves, and a walk whose distance falls below a thousandth of the thickness is a
-// crossing.
-//
-// What is not seen or counted more strictly than the eye would:
-// - Neighbouring elements of a rod are not tested against each other: circles that touch at a common tangent meet
-//   nowhere else. An element that turns by 2 pi overlaps itself and counts.
-// - One-sided edges count from either side when a centre line crosses them; element ends and middles also count when
-//   they lie behind an edge's own stretch by less than the rod's thickness (deeper, a rod is taken to live behind the
-//   edge). Two antiparallel edges closer than that thickness would accuse each other's visitors.
-// - Pairs whose filters exclude each other may cross as they like.
-// - A pair of rods, or rod and outline, is reported once a configuration pair by the swept test.
-// - Two rods marked as resting that are the same in both configurations are not tested by the swept test, nor one with
-//   an outline that is.
+// Limits of the check are listed in decision 0122: neighbouring elements, one-sided edges, filters, resting rods. The
+// motion of a pair of rods, or of rod and outline, is reported at most once.
 
 #include "supercircle/contact/crossing.h"
 
-#include "supercircle/contact/crossing/crossing_way.h"
+#include "supercircle/contact/crossing/swept_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,86 +21,86 @@ namespace supercircle::contact {
 
 namespace {
 
-using witness::AlignedBox;
-using witness::ElementBoxes;
-using witness::Meeting;
-using witness::Moving;
-using witness::Piece;
-using witness::Pieces;
-using witness::RodWay;
-using witness::Ways;
+using crossing_check::AlignedBox;
+using crossing_check::CircularArc;
+using crossing_check::ElementBoxes;
+using crossing_check::Intersection;
+using crossing_check::MovingArc;
+using crossing_check::MovingArcs;
+using crossing_check::RodMotion;
+using crossing_check::SweptMotion;
 
-bool seesItself(const Curve& c) {
+bool mayTouchItself(const RodCurve& c) {
     return (c.category & c.mask) != 0;
 }
 
 template <class A, class B>
-bool filtersAgree(const A& a, const B& b) {
+bool mayTouch(const A& a, const B& b) {
     if (a.group == b.group && a.group != 0)
         return a.group > 0;
     return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
-bool neighbours(std::size_t a, std::size_t b, const Curve& c) {
+bool neighbours(std::size_t a, std::size_t b, const RodCurve& c) {
     const std::size_t apart = a < b ? b - a : a - b;
     return apart <= 1 || (c.closed && apart + 1 == c.arcs.size());
 }
 
-/// Rods by the lower ends of their boxes, in the direction in which they are spread widest.
-struct Sweep {
+/// Rods sorted by the lower ends of their boxes, along the axis of their widest spread.
+struct SortedRods {
     struct Item {
         double low, high;
         std::uint32_t rod;
         bool operator<(const Item& o) const { return low != o.low ? low < o.low : rod < o.rod; }
     };
     std::vector<Item> items;
-    int across = 1; ///< the other direction
+    int across = 1; ///< the other axis
 
-    void prepare(const Ways& ways);
+    void prepare(const SweptMotion& motion);
 };
 
-/// Work space of one search; storage is kept.
+/// Workspace of one search; storage is kept.
 struct Scratch {
-    Pieces pieces;
+    MovingArcs arcs;
     std::vector<std::uint32_t> elements;
     ElementBoxes boxes;
     std::vector<double> gaps;
 };
 
-/// The search for pairs whose boxes meet: rods by a sweep, their elements all against all.
+/// The search for pairs whose boxes overlap: rods along the sorted axis, their elements all against all.
 class PairSearch {
 public:
-    PairSearch(const Ways& ways, const std::vector<Curve>& curves, bool skipStill, Scratch& scratch)
-        : ways_(ways), curves_(curves), skipStill_(skipStill), scratch_(scratch) {
-        scratch_.pieces.begin(ways);
+    PairSearch(const SweptMotion& motion, const std::vector<RodCurve>& curves, bool skipStill, Scratch& scratch)
+        : motion_(motion), curves_(curves), skipStill_(skipStill), scratch_(scratch) {
+        scratch_.arcs.begin(motion);
     }
 
-    /// Calls test(a, b) for all pairs of a rod of [begin, end) in the sweep with itself and those after it; order
-    /// depends on geometry only.
+    /// Calls test(a, b) for all pairs of a rod of [begin, end) in sorted order with itself and the rods after it. The
+    /// order depends on geometry only.
     template <class Test>
-    void rodPairs(const Sweep& sweep, std::size_t begin, std::size_t end, Test test);
-    /// The same with outlines (as b). `outlineMoves[o]` tells whether an outline moves; a rod at rest meets only those.
+    void rodPairs(const SortedRods& sorted, std::size_t begin, std::size_t end, Test test);
+    /// The same with outlines (as b). `outlineMoves[o]`: the outline moves; a rod at rest is tested against those only.
     template <class Test>
     void outlinePairs(const std::vector<Outline>& outlines, const std::vector<char>& outlineMoves, Test test);
 
 private:
-    /// Elements of a rod whose boxes meet `box`, into `elements`.
-    void near(const RodWay& rod, const AlignedBox& box, std::vector<std::uint32_t>& elements) const;
+    /// Collects the elements of a rod whose boxes overlap `box`.
+    void near(const RodMotion& rod, const AlignedBox& box, std::vector<std::uint32_t>& elements) const;
     template <class Test>
     void elementPairs(std::size_t a, std::size_t b, Test test);
     template <class Test>
-    void piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test);
+    void arcPairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test);
 
-    const Ways& ways_;
-    const std::vector<Curve>& curves_;
+    const SweptMotion& motion_;
+    const std::vector<RodCurve>& curves_;
     bool skipStill_;
     Scratch& scratch_;
 };
 
-void Sweep::prepare(const Ways& ways) {
+void SortedRods::prepare(const SweptMotion& motion) {
     Vec2 spread = Vec2::Zero(), sizes = Vec2::Zero();
     AlignedBox all;
-    for (const RodWay& rod : ways.rods) {
+    for (const RodMotion& rod : motion.rods) {
         if (rod.count == 0)
             continue;
         all.include(rod.box.lower);
@@ -121,8 +111,8 @@ void Sweep::prepare(const Ways& ways) {
     const int axis = spread.x() * sizes.y() >= spread.y() * sizes.x() ? 0 : 1;
     across = 1 - axis;
     items.clear();
-    for (std::size_t r = 0; r < ways.rods.size(); ++r) {
-        const RodWay& rod = ways.rods[r];
+    for (std::size_t r = 0; r < motion.rods.size(); ++r) {
+        const RodMotion& rod = motion.rods[r];
         if (rod.count > 0)
             items.push_back({rod.box.lower[axis], rod.box.upper[axis], static_cast<std::uint32_t>(r)});
     }
@@ -130,29 +120,29 @@ void Sweep::prepare(const Ways& ways) {
 }
 
 template <class Test>
-void PairSearch::rodPairs(const Sweep& sweep, std::size_t begin, std::size_t end, Test test) {
-    const std::vector<Sweep::Item>& items = sweep.items;
-    const int across = sweep.across;
+void PairSearch::rodPairs(const SortedRods& sorted, std::size_t begin, std::size_t end, Test test) {
+    const std::vector<SortedRods::Item>& items = sorted.items;
+    const int across = sorted.across;
     for (std::size_t i = begin; i < end; ++i) {
         const std::size_t a = items[i].rod;
-        const RodWay& rodA = ways_.rods[a];
+        const RodMotion& rodA = motion_.rods[a];
         const bool still = skipStill_ && rodA.still;
-        if (!still && seesItself(curves_[a]))
+        if (!still && mayTouchItself(curves_[a]))
             elementPairs(a, a, test);
         for (std::size_t j = i + 1; j < items.size() && items[j].low <= items[i].high; ++j) {
             const std::size_t b = items[j].rod;
-            const RodWay& rodB = ways_.rods[b];
+            const RodMotion& rodB = motion_.rods[b];
             if (rodB.box.lower[across] > rodA.box.upper[across] || rodB.box.upper[across] < rodA.box.lower[across])
                 continue;
-            if ((still && rodB.still) || !filtersAgree(curves_[a], curves_[b]))
+            if ((still && rodB.still) || !mayTouch(curves_[a], curves_[b]))
                 continue;
             elementPairs(std::min(a, b), std::max(a, b), test);
         }
     }
 }
 
-void PairSearch::near(const RodWay& rod, const AlignedBox& box, std::vector<std::uint32_t>& elements) const {
-    const ElementBoxes& all = ways_.boxes;
+void PairSearch::near(const RodMotion& rod, const AlignedBox& box, std::vector<std::uint32_t>& elements) const {
+    const ElementBoxes& all = motion_.boxes;
     elements.clear();
     for (std::size_t e = 0; e < rod.count; ++e) {
         const std::size_t i = rod.first + e;
@@ -164,9 +154,9 @@ void PairSearch::near(const RodWay& rod, const AlignedBox& box, std::vector<std:
 
 template <class Test>
 void PairSearch::elementPairs(std::size_t a, std::size_t b, Test test) {
-    const RodWay& rodA = ways_.rods[a];
-    const RodWay& rodB = ways_.rods[b];
-    const ElementBoxes& all = ways_.boxes;
+    const RodMotion& rodA = motion_.rods[a];
+    const RodMotion& rodB = motion_.rods[b];
+    const ElementBoxes& all = motion_.boxes;
     Scratch& s = scratch_;
     near(rodB, rodA.box, s.elements);
     const std::size_t n = s.elements.size();
@@ -197,26 +187,26 @@ void PairSearch::elementPairs(std::size_t a, std::size_t b, Test test) {
         for (std::size_t k = 0; k < n; ++k) {
             if (gaps[k] > 0.0 || (a == b && (s.elements[k] <= e || neighbours(e, s.elements[k], curves_[a]))))
                 continue;
-            piecePairs(a, e, b, s.elements[k], test);
+            arcPairs(a, e, b, s.elements[k], test);
         }
     }
 }
 
 template <class Test>
-void PairSearch::piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test) {
-    Pieces& pieces = scratch_.pieces;
-    const Pieces::Range first = pieces.of(rodA, a);
-    const Pieces::Range second = pieces.of(rodB, b);
-    const witness::Motion& motionA = ways_.rods[rodA].motion;
-    const witness::Motion& motionB = ways_.rods[rodB].motion;
-    const double way = motionA.travel + motionB.travel + 2.0 * (motionA.slack + motionB.slack);
+void PairSearch::arcPairs(std::size_t rodA, std::size_t a, std::size_t rodB, std::size_t b, Test test) {
+    MovingArcs& arcs = scratch_.arcs;
+    const MovingArcs::ArcRange first = arcs.arcsOf(rodA, a);
+    const MovingArcs::ArcRange second = arcs.arcsOf(rodB, b);
+    const crossing_check::MotionBound& boundA = motion_.rods[rodA].bound;
+    const crossing_check::MotionBound& boundB = motion_.rods[rodB].bound;
+    const double path = boundA.path + boundB.path + 2.0 * (boundA.endMismatch + boundB.endMismatch);
     for (std::size_t i = first.first; i < first.first + first.count; ++i)
         for (std::size_t j = second.first; j < second.first + second.count; ++j) {
-            if (witness::separation(pieces.piece(i).before, pieces.piece(j).before) > way)
-                continue; // whatever they do, they do not reach each other
-            const Moving& one = pieces.completed(i);
-            const Moving& other = pieces.completed(j);
-            if (one.box.meets(other.box))
+            if (crossing_check::separation(arcs.arc(i).before, arcs.arc(j).before) > path)
+                continue; // they cannot reach each other
+            const MovingArc& one = arcs.completed(i);
+            const MovingArc& other = arcs.completed(j);
+            if (one.box.overlaps(other.box))
                 test(one, other);
         }
 }
@@ -224,27 +214,27 @@ void PairSearch::piecePairs(std::size_t rodA, std::size_t a, std::size_t rodB, s
 template <class Test>
 void PairSearch::outlinePairs(const std::vector<Outline>& outlines, const std::vector<char>& outlineMoves, Test test) {
     std::vector<std::uint32_t>& elements = scratch_.elements;
-    Pieces& pieces = scratch_.pieces;
-    for (const Moving& m : ways_.outlines) {
+    MovingArcs& arcs = scratch_.arcs;
+    for (const MovingArc& m : motion_.outlines) {
         const auto o = static_cast<std::size_t>(m.outline);
-        for (std::size_t r = 0; r < ways_.rods.size(); ++r) {
-            const RodWay& rod = ways_.rods[r];
-            if (rod.count == 0 || !rod.box.meets(m.box) || !filtersAgree(curves_[r], outlines[o]))
+        for (std::size_t r = 0; r < motion_.rods.size(); ++r) {
+            const RodMotion& rod = motion_.rods[r];
+            if (rod.count == 0 || !rod.box.overlaps(m.box) || !mayTouch(curves_[r], outlines[o]))
                 continue;
             if (skipStill_ && rod.still && outlineMoves[o] == 0)
                 continue;
             near(rod, m.box, elements);
             for (const std::uint32_t e : elements) {
-                const Pieces::Range range = pieces.of(r, e);
+                const MovingArcs::ArcRange range = arcs.arcsOf(r, e);
                 for (std::size_t i = range.first; i < range.first + range.count; ++i)
-                    if (pieces.completed(i).box.meets(m.box))
-                        test(pieces.piece(i), m);
+                    if (arcs.completed(i).box.overlaps(m.box))
+                        test(arcs.arc(i), m);
             }
         }
     }
 }
 
-Crossing crossingOf(const Moving& a, const Moving& b, double s, const Vec2& where) {
+Crossing crossingOf(const MovingArc& a, const MovingArc& b, double s, const Vec2& where) {
     Crossing c;
     c.rodA = a.rod;
     c.rodB = b.rod;
@@ -254,31 +244,31 @@ Crossing crossingOf(const Moving& a, const Moving& b, double s, const Vec2& wher
     return c;
 }
 
-/// Walks the way of a pair; true (and where) if the centre lines meet on it, both ends of the way included.
-bool meetOnTheWay(const Moving& a, const Moving& b, Crossing& out) {
-    const double way = (a.shift - b.shift).norm() + a.swing + b.swing;
-    const double slack = a.gap + b.gap;
-    if (witness::separation(a.before, b.before) > way + 2.0 * slack)
+/// Follows the motion of a pair, both ends included. True if the centre lines intersect; `out` says where.
+bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, Crossing& out) {
+    const double path = (a.shift - b.shift).norm() + a.pathBound + b.pathBound;
+    const double slack = a.endMismatch + b.endMismatch;
+    if (crossing_check::separation(a.before, b.before) > path + 2.0 * slack)
         return false;
     const double near = std::max(1e-3 * (a.halfThickness + b.halfThickness), 1e-9 * (a.before.half + b.before.half));
     for (double lambda = 0.0;;) {
-        const Piece pa = lambda == 0.0 ? a.before : a.at(lambda);
-        const Piece pb = lambda == 0.0 ? b.before : b.at(lambda);
+        const CircularArc pa = lambda == 0.0 ? a.before : a.at(lambda);
+        const CircularArc pb = lambda == 0.0 ? b.before : b.at(lambda);
         const double extra = lambda == 0.0 || lambda == 1.0 ? 0.0 : slack;
-        std::array<Meeting, 2> meetings;
-        if (witness::intersect(pa, pb, extra, meetings) > 0) {
-            out = crossingOf(a, b, meetings[0].sA, meetings[0].where);
+        std::array<Intersection, 2> intersections;
+        if (crossing_check::intersect(pa, pb, extra, intersections) > 0) {
+            out = crossingOf(a, b, intersections[0].sA, intersections[0].where);
             return true;
         }
-        const double d = witness::distance(pa, pb);
-        if (d < near && way > 0.0) {
+        const double d = crossing_check::distance(pa, pb);
+        if (d < near && path > 0.0) {
             out = crossingOf(a, b, 0.0, pa.mid);
             return true;
         }
         const double clear = d - 2.0 * slack;
-        if (lambda >= 1.0 || !(clear < way * (1.0 - lambda))) // a motion that is not a number ends the walk, too
+        if (lambda >= 1.0 || !(clear < path * (1.0 - lambda))) // also ends for a motion that is not a number
             return false;
-        lambda = std::min(1.0, lambda + std::max(clear, near) / way);
+        lambda = std::min(1.0, lambda + std::max(clear, near) / path);
     }
 }
 
@@ -297,7 +287,7 @@ bool behind(const Vec2& p, const Outline& o, double depth) {
     const Vec2 edge = o.points[1] - o.points[0];
     const Vec2 q = p - o.points[0];
     const double length = edge.norm();
-    const double side = rod::cross(edge, q) / length; // positive on the left, where rods belong
+    const double side = rod::cross(edge, q) / length; // positive on the left, the free side
     const double along = edge.dot(q) / length;
     return side < 0.0 && side > -depth && along >= 0.0 && along <= length;
 }
@@ -312,9 +302,9 @@ AlignedBox boxOf(const Outline& o, double pad) {
     return box;
 }
 
-/// Ends and middles of elements inside solids or just behind one-sided edges, one report for a rod and an outline.
+/// Ends and middles of elements inside solids or just behind one-sided edges; one report per rod and outline.
 /// Rods at rest and outlines at rest are left out if `skipStill`.
-void findInside(const std::vector<Curve>& curves, const Ways& ways, const std::vector<Outline>& outlines,
+void findInside(const std::vector<RodCurve>& curves, const SweptMotion& motion, const std::vector<Outline>& outlines,
                 const std::vector<char>& outlineMoves, bool skipStill, std::vector<Crossing>& out) {
     for (std::size_t o = 0; o < outlines.size(); ++o) {
         const Outline& outline = outlines[o];
@@ -322,13 +312,13 @@ void findInside(const std::vector<Curve>& curves, const Ways& ways, const std::v
             continue;
         const bool atRest = skipStill && outlineMoves[o] == 0;
         const AlignedBox narrow = boxOf(outline, 0.0);
-        for (std::size_t r = 0; r < ways.rods.size(); ++r) {
-            const Curve& c = curves[r];
-            const RodWay& rod = ways.rods[r];
+        for (std::size_t r = 0; r < motion.rods.size(); ++r) {
+            const RodCurve& c = curves[r];
+            const RodMotion& rod = motion.rods[r];
             const double depth = 2.0 * c.halfThickness;
             AlignedBox box = narrow;
-            box.grow(depth);
-            if (rod.count == 0 || (atRest && rod.still) || !filtersAgree(c, outline) || !rod.box.meets(box))
+            box.enlarge(depth);
+            if (rod.count == 0 || (atRest && rod.still) || !mayTouch(c, outline) || !rod.box.overlaps(box))
                 continue;
             const auto report = [&](double s, const Vec2& p) {
                 const bool hit = outline.kind == OutlineKind::OneSided ? behind(p, outline, depth) : inside(p, outline);
@@ -339,7 +329,7 @@ void findInside(const std::vector<Curve>& curves, const Ways& ways, const std::v
             bool found = false;
             for (std::size_t e = 0; e < c.arcs.size() && !found; ++e) {
                 const std::size_t i = rod.first + e;
-                const ElementBoxes& all = ways.boxes;
+                const ElementBoxes& all = motion.boxes;
                 if (all.lowX[i] > box.upper.x() || all.highX[i] < box.lower.x() || all.lowY[i] > box.upper.y() ||
                     all.highY[i] < box.lower.y())
                     continue;
@@ -353,7 +343,7 @@ void findInside(const std::vector<Curve>& curves, const Ways& ways, const std::v
     }
 }
 
-void findOverturned(const std::vector<Curve>& curves, std::vector<Crossing>& out) {
+void findFullTurns(const std::vector<RodCurve>& curves, std::vector<Crossing>& out) {
     for (std::size_t r = 0; r < curves.size(); ++r) {
         for (std::size_t e = 0; e < curves[r].arcs.size(); ++e) {
             const Arc& arc = curves[r].arcs[e];
@@ -376,7 +366,7 @@ void sortCrossings(std::vector<Crossing>& out) {
     });
 }
 
-/// Keeps the first of each pair where `once` says so.
+/// Keeps the first crossing of each pair for which `once` is true.
 template <class Once>
 void keepFirst(std::vector<Crossing>& out, Once once) {
     sortCrossings(out);
@@ -388,79 +378,80 @@ void keepFirst(std::vector<Crossing>& out, Once once) {
 /// Rods whose pairs one thread tests at a time.
 constexpr std::size_t kGrain = 24;
 
-/// What is kept from call to call: storage only.
-struct Kept {
-    Ways ways;
-    Sweep sweep;
+/// Storage that is kept from call to call.
+struct Workspace {
+    SweptMotion motion;
+    SortedRods sorted;
     std::vector<char> moves;
     parallel::Pool<Scratch> scratch;
     std::vector<std::vector<Crossing>> found;
 };
-Kept& kept() { // to be called outside of loops: other threads have another one
-    static thread_local Kept storage;
+Workspace& workspace() { // call it outside of parallel loops: every thread has its own
+    static thread_local Workspace storage;
     return storage;
 }
 
 } // namespace
 
-void findCrossings(const std::vector<Curve>& curves, const std::vector<Outline>& outlines, std::vector<Crossing>& out) {
+void findCrossings(const std::vector<RodCurve>& curves, const std::vector<Outline>& outlines,
+                   std::vector<Crossing>& out) {
     out.clear();
-    Kept& k = kept();
-    k.ways.prepare(curves, curves, outlines, outlines, {});
-    k.sweep.prepare(k.ways);
-    const parallel::Pool<Scratch>::Loan scratch(k.scratch);
-    PairSearch search(k.ways, curves, false, *scratch);
+    Workspace& k = workspace();
+    k.motion.prepare(curves, curves, outlines, outlines, {});
+    k.sorted.prepare(k.motion);
+    const parallel::Pool<Scratch>::Lease scratch(k.scratch);
+    PairSearch search(k.motion, curves, false, *scratch);
     const std::vector<char> moves(outlines.size(), 0);
-    const auto test = [&](const Moving& a, const Moving& b) {
-        if (witness::separation(a.before, b.before) > 0.0)
+    const auto test = [&](const MovingArc& a, const MovingArc& b) {
+        if (crossing_check::separation(a.before, b.before) > 0.0)
             return;
-        std::array<Meeting, 2> meetings;
-        const int n = witness::intersect(a.before, b.before, 0.0, meetings);
+        std::array<Intersection, 2> intersections;
+        const int n = crossing_check::intersect(a.before, b.before, 0.0, intersections);
         for (int i = 0; i < n; ++i) {
-            const Meeting& m = meetings[static_cast<std::size_t>(i)];
+            const Intersection& m = intersections[static_cast<std::size_t>(i)];
             out.push_back(crossingOf(a, b, m.sA, m.where));
         }
     };
-    search.rodPairs(k.sweep, 0, k.sweep.items.size(), test);
+    search.rodPairs(k.sorted, 0, k.sorted.items.size(), test);
     search.outlinePairs(outlines, moves, test);
-    findInside(curves, k.ways, outlines, moves, false, out);
-    findOverturned(curves, out);
-    keepFirst(out, [&](const Crossing& c) { // a solid is entered once, however often its faces are crossed
+    findInside(curves, k.motion, outlines, moves, false, out);
+    findFullTurns(curves, out);
+    keepFirst(out, [&](const Crossing& c) { // entering a solid counts once, even if several faces are crossed
         return c.outline >= 0 && outlines[static_cast<std::size_t>(c.outline)].kind != OutlineKind::Segment;
     });
 }
 
-void findCrossingsSwept(const std::vector<Curve>& before, const std::vector<Curve>& after,
+void findCrossingsSwept(const std::vector<RodCurve>& before, const std::vector<RodCurve>& after,
                         const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
                         std::vector<Crossing>& out, const parallel::For& loop) {
     out.clear();
-    Kept& k = kept();
-    k.ways.prepare(before, after, outlinesBefore, outlinesAfter, loop);
-    k.sweep.prepare(k.ways);
+    Workspace& k = workspace();
+    k.motion.prepare(before, after, outlinesBefore, outlinesAfter, loop);
+    k.sorted.prepare(k.motion);
     k.moves.clear();
     for (std::size_t o = 0; o < outlinesAfter.size(); ++o)
         k.moves.push_back(o >= outlinesBefore.size() || outlinesBefore[o].points != outlinesAfter[o].points ? 1 : 0);
     const auto into = [](std::vector<Crossing>& found) {
-        return [&found](const Moving& a, const Moving& b) {
+        return [&found](const MovingArc& a, const MovingArc& b) {
             Crossing c;
-            if (meetOnTheWay(a, b, c))
+            if (intersectDuringMotion(a, b, c))
                 found.push_back(c);
         };
     };
-    const std::size_t rods = k.sweep.items.size();
+    const std::size_t rods = k.sorted.items.size();
     k.found.resize(std::max(k.found.size(), parallel::chunkCount(loop, rods, kGrain)));
     for (std::vector<Crossing>& found : k.found)
         found.clear();
     parallel::forChunks(loop, rods, kGrain, [&](std::size_t c, std::size_t begin, std::size_t end) {
-        const parallel::Pool<Scratch>::Loan scratch(k.scratch);
-        PairSearch(k.ways, before, true, *scratch).rodPairs(k.sweep, begin, end, into(k.found[c]));
+        const parallel::Pool<Scratch>::Lease scratch(k.scratch);
+        PairSearch(k.motion, before, true, *scratch).rodPairs(k.sorted, begin, end, into(k.found[c]));
     });
     for (const std::vector<Crossing>& found : k.found)
         out.insert(out.end(), found.begin(), found.end());
-    const parallel::Pool<Scratch>::Loan scratch(k.scratch);
-    PairSearch(k.ways, before, true, *scratch).outlinePairs(outlinesBefore, k.moves, into(out));
-    findInside(after, k.ways, outlinesAfter, k.moves, true, out);
-    findOverturned(after, out);
+    const parallel::Pool<Scratch>::Lease scratch(k.scratch);
+    PairSearch(k.motion, before, true, *scratch).outlinePairs(outlinesBefore, k.moves, into(out));
+    findInside(after, k.motion, outlinesAfter, k.moves, true, out);
+    findFullTurns(after, out);
     keepFirst(out, [](const Crossing&) { return true; });
 }
 

@@ -4,16 +4,17 @@ namespace supercircle::contact {
 
 namespace {
 
-/// Bends less than this over an element: straight for the purpose of minima (no centre worth the name).
+/// An element whose tangent rotates by less than this (rad) counts as straight in the search for minima.
 constexpr double kStraight = 1e-7;
 
 } // namespace
 
-bool arcArcMinimum(const Piece& a, const Piece& b, double maxDistance, double depth, ArcMinimum& minimum) {
-    // The rounder piece has the better centre; its foot on the flatter one is accurate even when that one is straight.
+bool arcArcMinimum(const SubArc& a, const SubArc& b, double maxDistance, double depth, ArcMinimum& minimum) {
+    // The more curved sub-arc has the more accurate centre. Its foot on the other one is accurate even if that is
+    // straight.
     const bool roundIsA = std::abs(a.curvature) > std::abs(b.curvature);
-    const Piece& round = roundIsA ? a : b;
-    const Piece& flat = roundIsA ? b : a;
+    const SubArc& round = roundIsA ? a : b;
+    const SubArc& flat = roundIsA ? b : a;
     const double l = std::min(a.span, b.span);
     if (std::abs(round.curvature) * l < kStraight)
         return false;
@@ -29,10 +30,10 @@ bool arcArcMinimum(const Piece& a, const Piece& b, double maxDistance, double de
         return false;
     onFlat.point = centre - onFlat.distance * onFlat.normal;
     Foot onRound;
-    if (!footInPiece(round, onFlat.point, maxDistance, onRound))
+    if (!footInSubArc(round, onFlat.point, maxDistance, onRound))
         return false;
 
-    // Frame from round to flat; curvatures positive when they bend towards it.
+    // Frame from round to flat; curvatures are positive when they bend towards it.
     const double side = onRound.distance >= 0.0 ? 1.0 : -1.0;
     const Vec2 normal = side * onRound.normal;
     const double distance = std::abs(onRound.distance);
@@ -52,15 +53,15 @@ bool arcArcMinimum(const Piece& a, const Piece& b, double maxDistance, double de
     return true;
 }
 
-Steps stepsToMinimum(const Piece& a, const Piece& b) {
+NeighbourSteps stepsToMinimum(const SubArc& a, const SubArc& b) {
     const bool roundIsA = std::abs(a.curvature) > std::abs(b.curvature);
-    const Piece& round = roundIsA ? a : b;
-    const Piece& flat = roundIsA ? b : a;
-    Steps steps;
+    const SubArc& round = roundIsA ? a : b;
+    const SubArc& flat = roundIsA ? b : a;
+    NeighbourSteps steps;
     if (std::abs(round.curvature) * std::min(a.span, b.span) < kStraight)
         return steps;
-    const auto step = [](const Piece& piece, const Vec2& p) {
-        return aheadOfStart(piece, p) < 0.0 ? -1 : (aheadOfEnd(piece, p) >= 0.0 ? 1 : 0);
+    const auto step = [](const SubArc& arc, const Vec2& p) {
+        return aheadOfStart(arc, p) < 0.0 ? -1 : (aheadOfEnd(arc, p) >= 0.0 ? 1 : 0);
     };
     const Vec2 centre = round.p0 + rod::perp(round.t0) / round.curvature;
     int& onFlat = roundIsA ? steps.b : steps.a;
@@ -75,28 +76,28 @@ Steps stepsToMinimum(const Piece& a, const Piece& b) {
     return steps;
 }
 
-bool lowestPoint(const Piece& piece, const Vec2& up, double depth, Foot& foot) {
-    const double g0 = piece.t0.dot(up);
-    if (!(g0 < 0.0) || !(piece.t1.dot(up) >= 0.0))
+bool lowestPoint(const SubArc& arc, const Vec2& up, double depth, Foot& foot) {
+    const double g0 = arc.t0.dot(up);
+    if (!(g0 < 0.0) || !(arc.t1.dot(up) >= 0.0))
         return false;
-    const double k = std::abs(piece.curvature);
-    if (k * piece.span * piece.span / 8.0 < depth || k * piece.span < kStraight)
+    const double k = std::abs(arc.curvature);
+    if (k * arc.span * arc.span / 8.0 < depth || k * arc.span < kStraight)
         return false;
     // t(phi) . up = g0 cos phi + (n0 . up) sin phi = 0 with phi of the sign of the curvature.
-    const double c = rod::perp(piece.t0).dot(up) * (piece.curvature > 0.0 ? 1.0 : -1.0);
-    foot = pointOnPiece(piece, std::min(std::max(std::atan2(-g0, c) / k, 0.0), piece.length));
+    const double c = rod::perp(arc.t0).dot(up) * (arc.curvature > 0.0 ? 1.0 : -1.0);
+    foot = pointOnSubArc(arc, std::min(std::max(std::atan2(-g0, c) / k, 0.0), arc.length));
     return true;
 }
 
-Foot pointOnPiece(const Piece& piece, double s) {
-    const double half = 0.5 * piece.curvature * s;
+Foot pointOnSubArc(const SubArc& arc, double s) {
+    const double half = 0.5 * arc.curvature * s;
     const rod::SinCos turned = rod::sinCosSmall(half);
     const double c = turned.cosine;
     const double e = turned.sine;
-    const Vec2 n0 = rod::perp(piece.t0);
-    const Vec2 middle = c * piece.t0 + e * n0;
+    const Vec2 n0 = rod::perp(arc.t0);
+    const Vec2 middle = c * arc.t0 + e * n0;
     Foot foot;
-    foot.point = piece.p0 + s * rod::sinc(half) * middle;
+    foot.point = arc.p0 + s * rod::sinc(half) * middle;
     foot.normal = c * rod::perp(middle) - e * middle;
     foot.s = s;
     return foot;

@@ -12,7 +12,7 @@ struct Evaluation {
     double reach;
     double depth;
     double tolerance;
-    Collector& collector;
+    CandidateReducer& reducer;
 };
 
 void sampleOnOutline(const Evaluation& e, const Sample& sample) {
@@ -29,34 +29,32 @@ void sampleOnOutline(const Evaluation& e, const Sample& sample) {
     // Only a two-sided segment has sides.
     const bool left = shape.kind == OutlineKind::Segment && shape.faces[0].normal.dot(hit.normal) >= 0.0;
     c.id = makeId(e.rod.key, e.outline.key, Feature::SampleOutline, samplePayload(sample.index, left, 0));
-    e.collector.add(c, sample.s, c.pointB.x(), c.pointB.y(), hit.face < 0);
+    e.reducer.add(c, sample.s, c.pointB.x(), c.pointB.y(), hit.face < 0);
 }
 
-bool atSample(const Evaluation& e, const Piece& piece, double s) {
-    return s <= e.tolerance || piece.length - s <= e.tolerance ||
-           std::abs(piece.s0 + s - e.rod.shape->midS) <= e.tolerance;
+bool atSample(const Evaluation& e, const SubArc& arc, double s) {
+    return s <= e.tolerance || arc.length - s <= e.tolerance || std::abs(arc.s0 + s - e.rod.shape->midS) <= e.tolerance;
 }
 
-void pieceOnOutline(const Evaluation& e, const Piece& piece) {
+void subArcOnOutline(const Evaluation& e, const SubArc& arc) {
     const OutlineShape& shape = *e.outline.shape;
     const auto faces = shape.kind == OutlineKind::Circle ? 1 : static_cast<std::int32_t>(shape.faces.size());
     for (std::int32_t face = 0; face < faces; ++face) {
         Candidate c;
         double s = 0.0;
-        if (!interiorOutline(piece, e.rod.shape->halfThickness, shape, face, e.reach, c, s))
+        if (!interiorOutline(arc, e.rod.shape->halfThickness, shape, face, e.reach, c, s))
             continue;
-        c.a = {e.rod.rod, piece.element, piece.s0 + s};
+        c.a = {e.rod.rod, arc.element, arc.s0 + s};
         c.outline = e.outline.outline;
-        c.id =
-            makeId(e.rod.key, e.outline.key, Feature::InteriorOutline, elementPayload(piece.element, face, piece.part));
-        e.collector.add(c, c.a.s, c.pointB.x(), c.pointB.y(), atSample(e, piece, s));
+        c.id = makeId(e.rod.key, e.outline.key, Feature::InteriorOutline, elementPayload(arc.element, face, arc.part));
+        e.reducer.add(c, c.a.s, c.pointB.x(), c.pointB.y(), atSample(e, arc, s));
     }
 }
 
-void cornerOnPiece(const Evaluation& e, const Corner& corner, const Piece& piece) {
+void cornerOnSubArc(const Evaluation& e, const Corner& corner, const SubArc& arc) {
     const double halves = e.rod.shape->halfThickness + e.outline.shape->radius;
     Foot foot;
-    if (!footInPiece(piece, corner.p, halves + e.reach, foot))
+    if (!footInSubArc(arc, corner.p, halves + e.reach, foot))
         return;
     Vec2 normal;
     double distance = 0.0;
@@ -64,10 +62,10 @@ void cornerOnPiece(const Evaluation& e, const Corner& corner, const Piece& piece
         return;
     Candidate c;
     setOutlineFrame(c, foot.point, e.rod.shape->halfThickness, *e.outline.shape, corner.p, normal, distance);
-    c.a = {e.rod.rod, piece.element, piece.s0 + foot.s};
+    c.a = {e.rod.rod, arc.element, arc.s0 + foot.s};
     c.outline = e.outline.outline;
     c.id = makeId(e.rod.key, e.outline.key, Feature::CornerRod, samplePayload(corner.index, foot.distance >= 0.0, 0));
-    e.collector.addRanked(c, c.a.s, c.pointB.x(), c.pointB.y(), atSample(e, piece, foot.s));
+    e.reducer.addRanked(c, c.a.s, c.pointB.x(), c.pointB.y(), atSample(e, arc, foot.s));
 }
 
 } // namespace
@@ -90,28 +88,28 @@ Vec2 inwardOf(const Sample& sample) {
     return sample.curvature < 0.0 ? Vec2(-rod::perp(sample.t)) : rod::perp(sample.t);
 }
 
-bool interiorOutline(const Piece& piece, double halfThickness, const OutlineShape& shape, std::int32_t face,
+bool interiorOutline(const SubArc& arc, double halfThickness, const OutlineShape& shape, std::int32_t face,
                      double maxGap, Candidate& c, double& s) {
     const double depth = kConditionedShare * halfThickness;
     Foot foot;
     if (shape.kind == OutlineKind::Circle) {
-        if (!footInPiece(piece, shape.centre, shape.radius + halfThickness + maxGap, foot))
+        if (!footInSubArc(arc, shape.centre, shape.radius + halfThickness + maxGap, foot))
             return false;
         const double distance = std::abs(foot.distance);
         if (!(distance > 0.0))
             return false;
         // From the disc to the rod; the rod's curvature counts positive when it bends away from the disc.
         const Vec2 normal = foot.distance > 0.0 ? Vec2(-foot.normal) : foot.normal;
-        const double bend = foot.distance > 0.0 ? -piece.curvature : piece.curvature;
+        const double bend = foot.distance > 0.0 ? -arc.curvature : arc.curvature;
         const double relative = 1.0 / distance + bend;
-        if (!(relative * piece.span * piece.span / 8.0 >= depth))
+        if (!(relative * arc.span * arc.span / 8.0 >= depth))
             return false;
         setOutlineFrame(c, foot.point, halfThickness, shape, shape.centre, normal, distance);
         s = foot.s;
         return c.gap <= maxGap;
     }
     const auto f = static_cast<std::size_t>(face);
-    if (f >= shape.faces.size() || !lowestPoint(piece, shape.faces[f].normal, depth, foot))
+    if (f >= shape.faces.size() || !lowestPoint(arc, shape.faces[f].normal, depth, foot))
         return false;
     const double y = (foot.point - shape.faces[f].start).dot(shape.faces[f].normal);
     if (!(y - halfThickness - shape.radius <= maxGap))
@@ -127,18 +125,18 @@ bool interiorOutline(const Piece& piece, double halfThickness, const OutlineShap
 }
 
 void evaluateOutlinePair(const RodSide& rod, const OutlineSide& outline, const OutlinePairChecks& checks, double reach,
-                         Collector& collector, std::vector<Candidate>& out) {
+                         CandidateReducer& reducer, std::vector<Candidate>& out) {
     const double half = rod.shape->halfThickness;
     const OutlineShape& shape = *outline.shape;
-    collector.begin(kSameShare * half);
-    const Evaluation e{rod, outline, reach, outlineDepth(half, shape), kSameShare * half, collector};
+    reducer.begin(kSameShare * half);
+    const Evaluation e{rod, outline, reach, outlineDepth(half, shape), kSameShare * half, reducer};
     for (const std::uint16_t i : checks.samples)
         sampleOnOutline(e, rod.shape->samples[i]);
-    for (const std::uint16_t i : checks.pieces)
-        pieceOnOutline(e, rod.shape->pieces[i]);
+    for (const std::uint16_t i : checks.subArcs)
+        subArcOnOutline(e, rod.shape->subArcs[i]);
     for (const Check& check : checks.corners)
-        cornerOnPiece(e, shape.corners[check.first], rod.shape->pieces[check.second]);
-    collector.finish(out);
+        cornerOnSubArc(e, shape.corners[check.first], rod.shape->subArcs[check.second]);
+    reducer.finish(out);
 }
 
 } // namespace supercircle::contact

@@ -1,12 +1,12 @@
 #pragma once
-// Rod against outline.
+// Candidates between a rod and an outline.
 //
-// Reported: every sample of the rod (element nodes, tips, mid-rod point) against its closest point of the outline; the
-// extremal points of well-conditioned pieces against straight faces, and their closest points to a disc; outline
-// corners projected on the rod. Distances to solids are signed: inside a polygon the least deep face gives the normal;
-// behind a one-sided edge the normal stays its left one, down to one thickness of the rod plus the outline's radius;
-// deeper points are taken to be on the other side of a thin wall and not reported. A rod that has crossed a two-sided
-// segment is reported on whichever side each sample lies.
+// Reported are: every sample of the rod (element nodes, tips, mid-rod point) against its closest point of the outline;
+// the extremal points of well-conditioned sub-arcs against straight faces; their closest points to a disc; outline
+// corners projected on the rod. Distances to solids are signed. Inside a polygon the face of least depth gives the
+// normal. Behind a one-sided edge the normal is that of its free side, down to a depth of the rod's thickness plus the
+// outline's radius. Deeper points are assumed to be on the other side of a thin wall and are not reported. A rod that
+// has crossed a two-sided segment is reported on the side of each sample.
 
 #include "supercircle/contact/detection/rod_pair.h"
 #include "supercircle/contact/outline_shape.h"
@@ -15,8 +15,8 @@ namespace supercircle::contact {
 
 struct OutlinePairChecks {
     std::vector<std::uint16_t> samples; ///< samples of the rod
-    std::vector<std::uint16_t> pieces;  ///< pieces of the rod, against all faces or the disc
-    std::vector<Check> corners;         ///< corner (index into OutlineShape::corners), piece
+    std::vector<std::uint16_t> subArcs; ///< sub-arcs of the rod, against all faces or the disc
+    std::vector<Check> corners;         ///< corner (index into OutlineShape::corners), sub-arc
 };
 
 struct OutlineSide {
@@ -26,21 +26,21 @@ struct OutlineSide {
 };
 
 void evaluateOutlinePair(const RodSide& rod, const OutlineSide& outline, const OutlinePairChecks& checks, double reach,
-                         Collector& collector, std::vector<Candidate>& out);
+                         CandidateReducer& reducer, std::vector<Candidate>& out);
 
-/// How far behind a one-sided edge (or corner) a rod is still pushed back, m.
+/// Depth behind a one-sided edge or corner down to which a rod is reported, m.
 double outlineDepth(double halfThickness, const OutlineShape& shape);
 
-/// Fills in frame, points and gap; `distance` is from the outline without its radius.
+/// Sets frame, points and gap; `distance` (m) is from the outline without its radius.
 void setOutlineFrame(Candidate& c, const Vec2& centreA, double halfA, const OutlineShape& shape, const Vec2& point,
                      const Vec2& normal, double distance);
 
-/// The unit vector that decides the side of a sample exactly on an outline: to where the rod bends.
+/// Unit vector towards which the rod bends; it decides the side of a sample exactly on an outline.
 Vec2 inwardOf(const Sample& sample);
 
-/// The extremal point of a piece against one face, or (face 0) its closest point to a disc; frame in `c`. False when
-/// there is none, it is not well conditioned, or another feature of the outline is nearer there.
-bool interiorOutline(const Piece& piece, double halfThickness, const OutlineShape& shape, std::int32_t face,
+/// The extremal point of a sub-arc against one face, or (face 0) its closest point to a disc; sets the frame in `c`.
+/// Returns false if there is none, if it is ill conditioned, or if another feature of the outline is nearer.
+bool interiorOutline(const SubArc& arc, double halfThickness, const OutlineShape& shape, std::int32_t face,
                      double maxGap, Candidate& c, double& s);
 
 } // namespace supercircle::contact

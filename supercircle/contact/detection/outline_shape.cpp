@@ -9,7 +9,7 @@ namespace supercircle::contact {
 
 namespace {
 
-constexpr double kCornerTurn = 1e-6; ///< sine of the turn from which a joined corner is one
+constexpr double kCornerTurn = 1e-6; ///< sine of the angle from which a joint counts as a corner
 constexpr double kConeSlack = 0.1;   ///< sine of the angle by which a corner's cone is widened for rods
 
 [[noreturn]] void fail(const Outline& outline, const std::string& what) {
@@ -98,7 +98,7 @@ bool closestOnSegment(const OutlineShape& shape, const Vec2& p, const Vec2& inwa
     return true;
 }
 
-/// Behind this edge near a convex joined corner: is the neighbour less deep? Then it answers.
+/// Behind this edge near a convex joined corner: true if the point is less deep behind the neighbour.
 bool neighbourIsNearer(const OutlineShape& shape, const Vec2& p, double y) {
     if (shape.joinedEnd && shape.convexEnd) {
         const Vec2 w = p - shape.after.start;
@@ -131,7 +131,7 @@ bool closestOnOneSided(const OutlineShape& shape, const Vec2& p, double depth, O
     if (!shape.joinedStart)
         return y >= 0.0 && round(face.start, p, face.normal, hit);
     if (w.dot(shape.before.along) < 0.0)
-        return false; // the edge before answers
+        return false; // the edge before counts
     if (shape.convexStart)
         return round(face.start, p, face.normal, hit);
     // The wedge behind a concave corner belongs to neither face.

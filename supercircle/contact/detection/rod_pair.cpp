@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kQuarter = 1.5707963267948966;
 
-struct Range {
+struct AngleRange {
     double low, high;
     void include(double value) {
         low = std::min(low, value);
@@ -17,34 +17,34 @@ struct Range {
     }
 };
 
-/// Adds the angles the tangent takes on [from, to] of an open stretch.
-void includeTurn(const RodShape& rod, double from, double to, double offset, Range& range) {
-    for (std::size_t i = 0; i < rod.pieces.size(); ++i) {
-        const Piece& piece = rod.pieces[i];
-        if (piece.s0 + piece.length < from || piece.s0 > to)
+/// Adds the angles of the tangent on [from, to].
+void includeTurn(const RodShape& rod, double from, double to, double offset, AngleRange& range) {
+    for (std::size_t i = 0; i < rod.subArcs.size(); ++i) {
+        const SubArc& arc = rod.subArcs[i];
+        if (arc.s0 + arc.length < from || arc.s0 > to)
             continue;
-        const double begin = std::max(from - piece.s0, 0.0);
-        const double end = std::min(to - piece.s0, piece.length);
-        range.include(offset + rod.turn[i] + piece.curvature * begin);
-        range.include(offset + rod.turn[i] + piece.curvature * end);
+        const double begin = std::max(from - arc.s0, 0.0);
+        const double end = std::min(to - arc.s0, arc.length);
+        range.include(offset + rod.turn[i] + arc.curvature * begin);
+        range.include(offset + rod.turn[i] + arc.curvature * end);
     }
 }
 
 struct Evaluation {
     const RodSide& a;
     const RodSide& b;
-    double distance; ///< of centre lines, up to which candidates count
+    double distance; ///< of centre lines, up to which candidates count, m
     double tolerance;
-    Collector& collector;
+    CandidateReducer& reducer;
 };
 
-/// Is s (to rounding) a sample of the rod?
-bool atSample(const RodShape& rod, const Piece& piece, double s, double tolerance) {
-    return s <= tolerance || piece.length - s <= tolerance || std::abs(piece.s0 + s - rod.midS) <= tolerance;
+/// True if s is a sample of the rod, to round-off.
+bool atSample(const RodShape& rod, const SubArc& arc, double s, double tolerance) {
+    return s <= tolerance || arc.length - s <= tolerance || std::abs(arc.s0 + s - rod.midS) <= tolerance;
 }
 
-/// Arc length that locates a point: at the weld of a closed rod both ends are the same place.
-double place(const RodShape& rod, double s, double tolerance) {
+/// Arc length that identifies a point: at the weld of a closed rod both ends are the same point.
+double canonicalS(const RodShape& rod, double s, double tolerance) {
     return rod.closed && rod.endS - s <= tolerance ? s - rod.length : s;
 }
 
@@ -52,14 +52,14 @@ void addSample(const Evaluation& e, const RodSide& sampled, const RodSide& other
                bool left, bool shared) {
     c.a = {sampled.rod, sample.element, sample.s};
     c.id = makeId(sampled.key, other.key, Feature::SampleRod, samplePayload(sample.index, left, 0));
-    double u = place(*sampled.shape, c.a.s, e.tolerance);
-    double v = place(*other.shape, c.b.s, e.tolerance);
+    double u = canonicalS(*sampled.shape, c.a.s, e.tolerance);
+    double v = canonicalS(*other.shape, c.b.s, e.tolerance);
     if (sampled.rod == other.rod ? v < u : sampled.rod != e.a.rod)
         std::swap(u, v);
-    e.collector.addRanked(c, u, v, 0.0, shared);
+    e.reducer.addRanked(c, u, v, 0.0, shared);
 }
 
-/// Two tips: one candidate whichever rod is sampled, with the smaller key (or the earlier tip) as side A.
+/// Two tips make one candidate, with the smaller key (or the earlier tip) as side A.
 void addTipTip(const Evaluation& e, const RodSide& sampled, const RodSide& other, Candidate& c, const Sample& sample,
                const EndHit& hit, const Vec2& end) {
     const bool swap = sampled.rod == other.rod ? c.b.s < sample.s : sampled.rod != e.a.rod;
@@ -76,87 +76,87 @@ void addTipTip(const Evaluation& e, const RodSide& sampled, const RodSide& other
     }
     const RodSide& sideA = swap ? other : sampled;
     const RodSide& sideB = swap ? sampled : other;
-    const std::uint32_t tipA = c.a.s > sideA.shape->pieces.front().s0 ? 1U : 0U;
-    const std::uint32_t tipB = c.b.s > sideB.shape->pieces.front().s0 ? 1U : 0U;
+    const std::uint32_t tipA = c.a.s > sideA.shape->subArcs.front().s0 ? 1U : 0U;
+    const std::uint32_t tipB = c.b.s > sideB.shape->subArcs.front().s0 ? 1U : 0U;
     c.id = makeId(sideA.key, sideB.key, Feature::TipTip, 2U * tipA + tipB);
-    e.collector.add(c, c.a.s, c.b.s, 0.0, true);
+    e.reducer.add(c, c.a.s, c.b.s, 0.0, true);
 }
 
-/// A sample beyond the end of the other rod: its round cap.
+/// A sample beyond the end of the other rod, against its round cap.
 void sampleOnEnd(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Sample& sample,
                  bool atStart) {
     const RodShape& shape = *other.shape;
-    const Piece& piece = atStart ? shape.pieces.front() : shape.pieces.back();
-    const Vec2& end = atStart ? piece.p0 : piece.p1;
+    const SubArc& arc = atStart ? shape.subArcs.front() : shape.subArcs.back();
+    const Vec2& end = atStart ? arc.p0 : arc.p1;
     if ((sample.p - end).squaredNorm() > e.distance * e.distance)
         return;
     Candidate c;
-    c.b = {other.rod, piece.element, atStart ? piece.s0 : shape.endS};
-    if (sampled.rod == other.rod && !differentStretches(shape, sample.s, c.b.s))
+    c.b = {other.rod, arc.element, atStart ? arc.s0 : shape.endS};
+    if (sampled.rod == other.rod && !differentParts(shape, sample.s, c.b.s))
         return;
-    const EndHit hit = againstEnd(sample, end, atStart ? piece.t0 : piece.t1);
+    const EndHit hit = againstEnd(sample, end, atStart ? arc.t0 : arc.t1);
     if (sample.tip && !shape.closed)
         return addTipTip(e, sampled, other, c, sample, hit, end);
     setRodFrame(c, sample.p, sampled.shape->halfThickness, end, shape.halfThickness, hit.normal, hit.distance);
     addSample(e, sampled, other, c, sample, hit.left, true);
 }
 
-void sampleOnPiece(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Check& check) {
+void sampleOnSubArc(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Check& check) {
     const Sample& sample = sampled.shape->samples[check.first];
     const RodShape& shape = *other.shape;
-    const Piece& piece = shape.pieces[check.second];
-    const double ahead = aheadOfStart(piece, sample.p);
-    const double beyond = aheadOfEnd(piece, sample.p);
+    const SubArc& arc = shape.subArcs[check.second];
+    const double ahead = aheadOfStart(arc, sample.p);
+    const double beyond = aheadOfEnd(arc, sample.p);
     if (ahead < 0.0) {
-        // The weld of a closed rod counts as an end when the sample is in the wedge of its kink, if there is one.
-        if (check.second == 0 && (!shape.closed || aheadOfEnd(shape.pieces.back(), sample.p) >= 0.0))
+        // The weld of a closed rod counts as an end if it has a kink and the sample lies in its wedge.
+        if (check.second == 0 && (!shape.closed || aheadOfEnd(shape.subArcs.back(), sample.p) >= 0.0))
             sampleOnEnd(e, sampled, other, sample, true);
         return;
     }
     if (beyond >= 0.0) {
-        if (check.second + 1U == shape.pieces.size() && !shape.closed)
+        if (check.second + 1U == shape.subArcs.size() && !shape.closed)
             sampleOnEnd(e, sampled, other, sample, false);
         return;
     }
     Foot foot;
-    if (!footInPiece(piece, sample.p, e.distance, foot))
+    if (!footInSubArc(arc, sample.p, e.distance, foot))
         return;
-    if (sampled.rod == other.rod && !differentStretches(shape, sample.s, piece.s0 + foot.s))
+    if (sampled.rod == other.rod && !differentParts(shape, sample.s, arc.s0 + foot.s))
         return;
-    const bool left = liesLeft(sample, foot, piece.curvature, 1e-3 * e.tolerance);
+    const bool left = liesLeft(sample, foot, arc.curvature, 1e-3 * e.tolerance);
     Candidate c;
-    c.b = {other.rod, piece.element, piece.s0 + foot.s};
+    c.b = {other.rod, arc.element, arc.s0 + foot.s};
     setRodFrame(c, sample.p, sampled.shape->halfThickness, foot.point, shape.halfThickness,
                 left ? foot.normal : Vec2(-foot.normal), std::abs(foot.distance));
-    addSample(e, sampled, other, c, sample, left, atSample(shape, piece, foot.s, e.tolerance));
+    addSample(e, sampled, other, c, sample, left, atSample(shape, arc, foot.s, e.tolerance));
 }
 
 void interiorMinimum(const Evaluation& e, const Check& check, double depth) {
-    const Piece& a = e.a.shape->pieces[check.first];
-    const Piece& b = e.b.shape->pieces[check.second];
+    const SubArc& a = e.a.shape->subArcs[check.first];
+    const SubArc& b = e.b.shape->subArcs[check.second];
     ArcMinimum m;
     if (!arcArcMinimum(a, b, e.distance, depth, m))
         return;
     Candidate c;
     c.a = {e.a.rod, a.element, a.s0 + m.sA};
     c.b = {e.b.rod, b.element, b.s0 + m.sB};
-    if (e.a.rod == e.b.rod && !differentStretches(*e.a.shape, c.a.s, c.b.s))
+    if (e.a.rod == e.b.rod && !differentParts(*e.a.shape, c.a.s, c.b.s))
         return;
     setRodFrame(c, m.pointA, e.a.shape->halfThickness, m.pointB, e.b.shape->halfThickness, m.normal, m.distance);
     c.id = makeId(e.a.key, e.b.key, Feature::Interior, elementPayload(a.element, b.element, a.part ^ b.part));
-    e.collector.add(c, place(*e.a.shape, c.a.s, e.tolerance), place(*e.b.shape, c.b.s, e.tolerance), 0.0,
-                    atSample(*e.a.shape, a, m.sA, e.tolerance) || atSample(*e.b.shape, b, m.sB, e.tolerance));
+    e.reducer.add(c, canonicalS(*e.a.shape, c.a.s, e.tolerance), canonicalS(*e.b.shape, c.b.s, e.tolerance), 0.0,
+                  atSample(*e.a.shape, a, m.sA, e.tolerance) || atSample(*e.b.shape, b, m.sB, e.tolerance));
 }
 
 } // namespace
 
-bool differentStretches(const RodShape& rod, double s1, double s2) {
+bool differentParts(const RodShape& rod, double s1, double s2) {
     const double from = std::min(s1, s2);
     const double to = std::max(s1, s2);
     const double apart = 2.0 * kSelfThicknesses * rod.halfThickness;
     if (to - from <= apart)
         return false;
-    Range between{1e300, -1e300};
+    AngleRange between{1e300, -1e300};
     includeTurn(rod, from, to, 0.0, between);
     if (between.high - between.low <= kQuarter)
         return false;
@@ -164,10 +164,10 @@ bool differentStretches(const RodShape& rod, double s1, double s2) {
         return true;
     if (rod.length - (to - from) <= apart)
         return false;
-    Range around{1e300, -1e300};
-    const Piece& last = rod.pieces.back();
+    AngleRange around{1e300, -1e300};
+    const SubArc& last = rod.subArcs.back();
     includeTurn(rod, to, last.s0 + last.length, 0.0, around);
-    includeTurn(rod, rod.pieces.front().s0, from, rod.turn.back(), around);
+    includeTurn(rod, rod.subArcs.front().s0, from, rod.turn.back(), around);
     return around.high - around.low > kQuarter;
 }
 
@@ -197,20 +197,20 @@ EndHit againstEnd(const Sample& sample, const Vec2& end, const Vec2& tangent) {
 }
 
 void evaluateRodPair(const RodSide& a, const RodSide& b, const RodPairChecks& checks, double reach,
-                     Collector& collector, std::vector<Candidate>& out) {
+                     CandidateReducer& reducer, std::vector<Candidate>& out) {
     const double halves = a.shape->halfThickness + b.shape->halfThickness;
     const double distance = halves + reach;
     if (distance < 0.0)
         return;
-    collector.begin(kSameShare * halves);
-    const Evaluation e{a, b, distance, kSameShare * halves, collector};
+    reducer.begin(kSameShare * halves);
+    const Evaluation e{a, b, distance, kSameShare * halves, reducer};
     for (const Check& check : checks.samplesOfA)
-        sampleOnPiece(e, a, b, check);
+        sampleOnSubArc(e, a, b, check);
     for (const Check& check : checks.samplesOfB)
-        sampleOnPiece(e, b, a, check);
-    for (const Check& check : checks.pieces)
+        sampleOnSubArc(e, b, a, check);
+    for (const Check& check : checks.subArcs)
         interiorMinimum(e, check, kConditionedShare * halves);
-    collector.finish(out);
+    reducer.finish(out);
 }
 
 } // namespace supercircle::contact

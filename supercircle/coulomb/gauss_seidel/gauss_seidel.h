@@ -1,7 +1,7 @@
 #pragma once
-// Block Gauss-Seidel on the whitened velocities, with the exact law of one contact; plain and accelerated.
+// Block Gauss-Seidel on the mass-normalised velocities, with the exact law of each contact; plain and accelerated.
 
-#include "supercircle/coulomb/strategy/iterate.h"
+#include "supercircle/coulomb/strategy/solver_state.h"
 
 #include <span>
 
@@ -10,22 +10,25 @@ namespace supercircle::coulomb {
 class GaussSeidel {
 public:
     /// Prepares the local laws and the order of the contacts.
-    void prepare(const Whitened& problem);
+    void prepare(const MassNormalisedProblem& problem);
 
-    /// One pass over all contacts; returns sum d |dr|^2 (J).
-    double sweep(const Whitened& problem, Iterate& x) const;
+    /// One iteration over all contacts; returns sum d |dr|^2 (J).
+    double iterate(const MassNormalisedProblem& problem, SolverState& x) const;
 
-    /// `sweeps` plain sweeps over some contacts only, in the order given.
-    void sweepSome(const Whitened& problem, std::span<const std::int32_t> contacts, int sweeps, Iterate& x) const;
+    /// `iterations` plain iterations over some contacts only, in the given order.
+    void iterateSome(const MassNormalisedProblem& problem, std::span<const std::int32_t> contacts, int iterations,
+                     SolverState& x) const;
 
-    /// Up to `sweeps` plain sweeps; judges now and then, offers to `best`, stops when `target` is reached.
-    int run(const Whitened& problem, Iterate& x, int sweeps, const Target& target, Best& best) const;
+    /// Up to `iterations` plain iterations. Evaluates the residual at times, offers to `best`, stops at `target`.
+    int run(const MassNormalisedProblem& problem, SolverState& x, int iterations, const SolveTarget& target,
+            BestSolution& best) const;
 
     /// The same with nonlinear conjugate-gradient acceleration.
-    int runAccelerated(const Whitened& problem, Iterate& x, int sweeps, const Target& target, Best& best);
+    int runAccelerated(const MassNormalisedProblem& problem, SolverState& x, int iterations, const SolveTarget& target,
+                       BestSolution& best);
 
 private:
-    double update(const Whitened& problem, std::int32_t c, Iterate& x) const;
+    double update(const MassNormalisedProblem& problem, std::int32_t c, SolverState& x) const;
 
     std::vector<LocalLaw> law_;
     std::vector<std::int32_t> order_;

@@ -1,5 +1,5 @@
 #pragma once
-// LU factors of a matrix whose entries lie near the diagonal, row by row only as wide as they are.
+// LU factorisation of a matrix in envelope (skyline) storage: rows only as wide as their entries.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,10 +9,10 @@
 namespace supercircle::coulomb {
 
 /// Doolittle LU in an envelope: row i and column i have entries from first[i] to i only (structurally symmetric).
-/// No pivoting: meant for matrices that are nearly positive definite; `factor` says when that went wrong.
+/// Without pivoting, for nearly positive definite matrices; `factor` reports a failure.
 class EnvelopeLu {
 public:
-    struct Range {
+    struct IndexRange {
         std::size_t begin = 0;
         std::size_t end = 0;
     };
@@ -35,9 +35,9 @@ public:
     /// Solves in place.
     void solve(double* x) const;
 
-    /// Solves in place where entries of x before `begin` are zero and most of the solution is as good as zero, too:
-    /// entries below round-off of the largest are left out. Returns the range outside which x is exactly zero.
-    Range solveLocal(double* x, std::size_t begin) const;
+    /// Solves in place if entries of x before `begin` are zero and most of the solution is negligible. Entries below
+    /// round-off of the largest are set to zero. Returns the range outside which x is exactly zero.
+    IndexRange solveLocal(double* x, std::size_t begin) const;
 
     std::size_t size() const { return first_.size(); }
 

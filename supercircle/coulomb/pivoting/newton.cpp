@@ -1,5 +1,5 @@
-// Entered on an unsettled set of pieces Newton fails badly, so it is not the main method. Behind a settled one it takes
-// a few steps. The pieces come from the exact law of each contact alone, given the present velocities.
+// Newton fails from a poor set of statuses, so it is not the main method; from a good set it takes a few steps. The
+// statuses come from the exact law of each contact alone, given the present velocities.
 
 #include "supercircle/coulomb/pivoting/newton.h"
 
@@ -7,56 +7,59 @@
 
 namespace supercircle::coulomb {
 
-double Newton::errorOf(const Whitened& problem, std::span<const std::int32_t> island, const std::vector<double>& r) {
+double Newton::errorOf(const MassNormalisedProblem& problem, std::span<const std::int32_t> island,
+                       const std::vector<double>& r) {
     problem.assemble(r, trialW_);
     ResidualSum sum;
     for (const std::int32_t c : island) {
-        const Whitened::Contact& contact = problem.contact(c);
-        const Whitened::Velocity u = problem.velocity(contact, trialW_.data());
-        Whitened::judge(contact, u, r[2 * c], r[2 * c + 1], sum);
+        const MassNormalisedProblem::Contact& contact = problem.contact(c);
+        const MassNormalisedProblem::Velocity u = problem.velocity(contact, trialW_.data());
+        MassNormalisedProblem::addResidual(contact, u, r[2 * c], r[2 * c + 1], sum);
     }
     return sum.error();
 }
 
-/// Pieces, and the right-hand side that brings the closed rows to rest from r projected on these pieces.
-void Newton::choosePieces(const Whitened& problem, std::span<const std::int32_t> island, const Iterate& x, double eps) {
+/// Chooses statuses, and the right-hand side that brings the closed rows to rest from r projected on them.
+void Newton::chooseStatuses(const MassNormalisedProblem& problem, std::span<const std::int32_t> island,
+                            const SolverState& x, double eps) {
     trial_ = x.r;
     for (std::size_t k = 0; k < island.size(); ++k) {
         const std::size_t c = static_cast<std::size_t>(island[k]);
-        const Whitened::Contact& contact = problem.contact(c);
-        const Whitened::Velocity u = problem.velocity(contact, x.w.data());
+        const MassNormalisedProblem::Contact& contact = problem.contact(c);
+        const MassNormalisedProblem::Velocity u = problem.velocity(contact, x.w.data());
         double& rn = trial_[2 * c];
         double& rt = trial_[2 * c + 1];
         const LocalLaw law = contact.law();
         const LocalImpulse local =
             law.solve(u.n - contact.Wnn * rn - contact.Wnt * rt, u.t - contact.Wnt * rn - contact.Wtt * rt);
-        piece_[k] = local.piece != Piece::Open && contact.smooth() ? Piece::SlipPlus : local.piece;
-        if (piece_[k] == Piece::Open)
+        status_[k] =
+            local.status != ContactStatus::Open && contact.frictionless() ? ContactStatus::SlipPlus : local.status;
+        if (status_[k] == ContactStatus::Open)
             rn = rt = 0.0;
-        else if (piece_[k] != Piece::Stick)
-            rt = -slipSign(piece_[k]) * contact.mu * rn;
+        else if (status_[k] != ContactStatus::Stick)
+            rt = -slipSign(status_[k]) * contact.mu * rn;
     }
     problem.assemble(trial_, trialW_);
     for (std::size_t k = 0; k < island.size(); ++k) {
         const std::size_t c = static_cast<std::size_t>(island[k]);
-        const Whitened::Contact& contact = problem.contact(c);
-        const Whitened::Velocity u = problem.velocity(contact, trialW_.data());
+        const MassNormalisedProblem::Contact& contact = problem.contact(c);
+        const MassNormalisedProblem::Velocity u = problem.velocity(contact, trialW_.data());
         rhs_[2 * k] = -u.n - eps * contact.d * (trial_[2 * c] - x.r[2 * c]);
         rhs_[2 * k + 1] = -u.t - eps * contact.d * (trial_[2 * c + 1] - x.r[2 * c + 1]);
     }
 }
 
-int Newton::run(const Whitened& problem, std::span<const std::int32_t> island, double eps, int most, double allowed,
-                Iterate& x) {
-    piece_.resize(island.size());
+int Newton::run(const MassNormalisedProblem& problem, std::span<const std::int32_t> island, double eps, int most,
+                double allowed, SolverState& x) {
+    status_.resize(island.size());
     rhs_.resize(2 * island.size());
     step_.resize(2 * island.size());
     double error = errorOf(problem, island, x.r);
     int steps = 0;
     for (; steps < most && !(error <= allowed);) {
         ++steps;
-        choosePieces(problem, island, x, eps);
-        if (!system_.factor(problem, island, piece_, eps))
+        chooseStatuses(problem, island, x, eps);
+        if (!system_.factor(problem, island, status_, eps))
             return steps;
         system_.setRightHandSide(rhs_);
         if (!system_.solve(step_))
@@ -64,7 +67,7 @@ int Newton::run(const Whitened& problem, std::span<const std::int32_t> island, d
         for (std::size_t k = 0; k < island.size(); ++k)
             for (std::size_t i = 0; i < 2; ++i) {
                 const std::size_t at = 2 * static_cast<std::size_t>(island[k]) + i;
-                step_[2 * k + i] += trial_[at] - x.r[at]; // from x, over its projection on the pieces
+                step_[2 * k + i] += trial_[at] - x.r[at]; // from x, via its projection on the statuses
             }
         bool better = false;
         for (double length = 1.0; length > 0.01 && !better; length *= 0.5) {

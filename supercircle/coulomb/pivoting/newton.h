@@ -1,8 +1,9 @@
 #pragma once
-// Proximal active-set (semismooth) Newton with a line search on the judge's residual: the net behind the path.
+// Proximal active-set (semismooth) Newton with a line search on the contact residual: the fallback after path
+// following.
 
-#include "supercircle/coulomb/pivoting/piece_system.h"
-#include "supercircle/coulomb/strategy/iterate.h"
+#include "supercircle/coulomb/pivoting/status_system.h"
+#include "supercircle/coulomb/strategy/solver_state.h"
 
 #include <span>
 #include <vector>
@@ -12,17 +13,19 @@ namespace supercircle::coulomb {
 class Newton {
 public:
     /// Improves x on the contacts of `island` until sum d |F|^2 <= allowed (J) or no step helps; at most `most` steps.
-    /// Never makes the residual worse. Returns the number of factorisations.
-    int run(const Whitened& problem, std::span<const std::int32_t> island, double eps, int most, double allowed,
-            Iterate& x);
+    /// Never increases the residual. Returns the number of factorisations.
+    int run(const MassNormalisedProblem& problem, std::span<const std::int32_t> island, double eps, int most,
+            double allowed, SolverState& x);
 
 private:
-    double errorOf(const Whitened& problem, std::span<const std::int32_t> island, const std::vector<double>& r);
-    void choosePieces(const Whitened& problem, std::span<const std::int32_t> island, const Iterate& x, double eps);
+    double errorOf(const MassNormalisedProblem& problem, std::span<const std::int32_t> island,
+                   const std::vector<double>& r);
+    void chooseStatuses(const MassNormalisedProblem& problem, std::span<const std::int32_t> island,
+                        const SolverState& x, double eps);
 
-    std::vector<Piece> piece_;
+    std::vector<ContactStatus> status_;
     std::vector<double> rhs_, step_, trial_, trialW_;
-    PieceSystem system_;
+    StatusSystem system_;
 };
 
 } // namespace supercircle::coulomb

@@ -13,10 +13,10 @@ std::int32_t Islands::root(std::int32_t body) {
     return body;
 }
 
-void Islands::split(const Whitened& problem) {
+void Islands::split(const MassNormalisedProblem& problem) {
     parent_.resize(problem.bodyCount());
     std::iota(parent_.begin(), parent_.end(), 0);
-    for (const Whitened::Contact& contact : problem.contacts())
+    for (const MassNormalisedProblem::Contact& contact : problem.contacts())
         if (contact.sides == 2) {
             const std::int32_t a = root(contact.side[0].body);
             const std::int32_t b = root(contact.side[1].body);
@@ -26,7 +26,7 @@ void Islands::split(const Whitened& problem) {
     islandOf_.assign(problem.contactCount(), -1);
     first_.assign(1, 0);
     for (std::size_t c = 0; c < problem.contactCount(); ++c) {
-        const Whitened::Contact& contact = problem.contact(c);
+        const MassNormalisedProblem::Contact& contact = problem.contact(c);
         if (contact.sides == 0)
             continue;
         std::int32_t& island = islandOfRoot_[root(contact.side[0].body)];
@@ -42,7 +42,7 @@ void Islands::split(const Whitened& problem) {
     for (std::size_t c = problem.contactCount(); c-- > 0;)
         if (islandOf_[c] >= 0)
             contacts_[--first_[islandOf_[c] + 1]] = static_cast<std::int32_t>(c);
-    // Filling from the back has moved every start down to its own island's; shift them into place.
+    // Filling from the back has moved every start to that of its own island; shift the starts into place.
     for (std::size_t i = 0; i + 1 < first_.size(); ++i)
         first_[i] = first_[i + 1];
     first_.back() = contacts_.size();

@@ -1,7 +1,7 @@
 #pragma once
-// Connected components of bodies and contacts: what cannot influence each other is solved apart.
+// Connected components of bodies and contacts. They do not influence each other and are solved separately.
 
-#include "supercircle/coulomb/strategy/whitened.h"
+#include "supercircle/coulomb/strategy/mass_normalised.h"
 
 #include <span>
 #include <vector>
@@ -11,7 +11,7 @@ namespace supercircle::coulomb {
 class Islands {
 public:
     /// Contacts that move no body belong to no island. Islands are ordered by their first contact.
-    void split(const Whitened& problem);
+    void split(const MassNormalisedProblem& problem);
 
     std::size_t count() const { return first_.empty() ? 0 : first_.size() - 1; }
     std::span<const std::int32_t> contacts(std::size_t island) const {

@@ -8,10 +8,10 @@ Effect airDrag() {
     e.name = "air_drag";
     e.slot = Slot::Load;
     e.about = "air resists the motion of rigid bodies";
-    e.law = "pressure on every piece of outline that runs ahead, with v its speed along its outward normal: per "
+    e.law = "pressure on every part of the outline that moves outwards, with v its speed along its outward normal: per "
             "length linear_N_s_m2 v + quadratic_N_s2_m3 v^2, against the normal; quadratic = drag coefficient times "
             "depth times half the density of air";
-    e.fingerprint = "large swings lose more than their share: amplitude falls as 1/t (quadratic) or exponentially "
+    e.fingerprint = "large swings are damped more strongly: amplitude falls as 1/t (quadratic) or exponentially "
                     "(linear), and never comes to a stop";
     e.literature = "Batchelor, An Introduction to Fluid Dynamics, 1967, sec. 5.11; Nelson and Olsson, Am. J. Phys. 54, "
                    "112 (1986)";

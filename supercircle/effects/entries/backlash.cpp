@@ -8,15 +8,16 @@ Effect backlash() {
     e.name = "backlash";
     e.slot = Slot::Apparatus;
     e.perShell = false;
-    e.about = "play in the drive or in the load train";
+    e.about = "backlash in the drive or in the load train";
     e.law = "reversal: at each change of direction the first travel of play_m is lost; force: the "
-            "head shifts by play_m where the force changes its sign, softened over force_N";
-    e.fingerprint = "a horizontal piece of length play_m at each reversal, or where the force passes zero; "
+            "crosshead shifts by play_m where the force changes its sign, smoothed over force_N";
+    e.fingerprint = "a horizontal segment of length play_m at each reversal, or where the force passes zero; "
                     "independent of speed";
     e.literature = "Nordin and Gutman, Automatica 38, 1633 (2002)";
-    e.parameters = {amplitude("play_m", "m", 0.0, 0.0, 1.0, 1e-4, "width of the play"),
-                    choice("law", {"reversal", "force"}, "taken up when the drive turns round, or when the force does"),
-                    detail("force_N", "N", 1e-3, 1e-9, 1e6, "force scale on which the play is taken up (law force)")};
+    e.parameters = {
+        amplitude("play_m", "m", 0.0, 0.0, 1.0, 1e-4, "width of the backlash"),
+        choice("law", {"reversal", "force"}, "taken up when the drive reverses, or when the force changes its sign"),
+        detail("force_N", "N", 1e-3, 1e-9, 1e6, "force scale over which the backlash is taken up (law force)")};
     e.apply = [](const Values& v, Model& m) {
         (v[1] == 0.0 ? m.apparatus.backlash : m.apparatus.slack) = v[0];
         m.apparatus.slackForce = v[2];

@@ -9,9 +9,9 @@ Effect bearingFriction() {
     e.slot = Slot::Contact;
     e.about = "the bearings of a mechanism resist turning";
     e.law = "torque against the relative spin w of the two bodies: (torque_N_m + arm_m |reaction|) sign(w) + "
-            "viscous_N_m_s w; at w = 0 whatever up to the dry part holds the joint";
-    e.fingerprint = "dry: amplitudes of a free swing fall by the same amount each half swing, down to a dead stop off "
-                    "the vertical; viscous: by the same share";
+            "viscous_N_m_s w; at w = 0 any torque up to the dry part holds the joint";
+    e.fingerprint = "dry: amplitudes of a free swing fall by the same amount each half swing, and it stops off "
+                    "the vertical; viscous: by the same fraction";
     e.literature = "Coulomb (1785); Magnus, Popp and Sextro, Schwingungen, 2013, sec. 2.1; Squire, Am. J. Phys. 54, "
                    "984 (1986)";
     e.parameters = {amplitude("torque_N_m", "N m", 0.0, 0.0, 1e6, 1e-4, "dry torque of a bearing under preload"),

@@ -5,22 +5,22 @@
 
 namespace supercircle::effects {
 
-inline constexpr double kEndless = std::numeric_limits<double>::infinity();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A parameter that switches the effect on where it differs from `off`.
 inline Parameter amplitude(std::string name, std::string unit, double off, double min, double max, double typical,
                            std::string about) {
     return {std::move(name), std::move(unit), off, min, max, typical, true, std::move(about), {}};
 }
-/// One that says more about it.
+/// A further parameter of the effect.
 inline Parameter detail(std::string name, std::string unit, double standard, double min, double max,
                         std::string about) {
     return {std::move(name), std::move(unit), standard, min, max, standard, false, std::move(about), {}};
 }
-/// A choice; the first word is the default.
-inline Parameter choice(std::string name, std::vector<std::string> words, std::string about) {
-    const double last = static_cast<double>(words.size()) - 1.0;
-    return {std::move(name), "1", 0.0, 0.0, last, 0.0, false, std::move(about), std::move(words)};
+/// A choice between words; the first one is the default.
+inline Parameter choice(std::string name, std::vector<std::string> choices, std::string about) {
+    const double last = static_cast<double>(choices.size()) - 1.0;
+    return {std::move(name), "1", 0.0, 0.0, last, 0.0, false, std::move(about), std::move(choices)};
 }
 
 /// Appends the coefficients c1 ... of a learned law.

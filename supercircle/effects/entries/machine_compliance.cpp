@@ -8,12 +8,12 @@ Effect machineCompliance() {
     e.name = "machine_compliance";
     e.slot = Slot::Apparatus;
     e.perShell = false;
-    e.about = "the machine gives: the head goes less far than commanded";
-    e.law = "head = commanded - F / k_N_m";
-    e.fingerprint = "curve sheared in proportion to force; steep branches suffer most, plateaus not at all";
+    e.about = "the testing machine is compliant: its crosshead moves less than commanded";
+    e.law = "crosshead = commanded - F / k_N_m";
+    e.fingerprint = "curve sheared in proportion to force; steep branches change most, plateaus not at all";
     e.literature = "Kalidindi, Abusafieh and El-Danaf, Exp. Mech. 37, 210 (1997)";
     e.parameters = {
-        amplitude("k_N_m", "N/m", kEndless, 1e-3, kEndless, 5000.0, "stiffness between drive and specimen")};
+        amplitude("k_N_m", "N/m", kInfinity, 1e-3, kInfinity, 5000.0, "stiffness between drive and specimen")};
     e.apply = [](const Values& v, Model& m) { m.apparatus.compliance += 1.0 / v[0]; };
     return e;
 }

@@ -8,8 +8,8 @@ Effect misalignment() {
     e.name = "misalignment";
     e.slot = Slot::Apparatus;
     e.perShell = false;
-    e.about = "the head is off axis or tilted";
-    e.law = "what the head carries is displaced by offset_m to the right and turned by tilt_rad "
+    e.about = "the crosshead is off axis or tilted";
+    e.law = "what the crosshead carries is displaced by offset_m to the right and rotated by tilt_rad "
             "counter-clockwise";
     e.fingerprint = "one side touches, slips or snaps before the other: two small steps where there was one; "
                     "markers asymmetric";

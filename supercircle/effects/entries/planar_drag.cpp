@@ -12,7 +12,7 @@ Effect planarDrag() {
     e.law = "force per length f against the motion of every point, at any speed; within presliding_m "
             "of a reversal it is elastic";
     e.fingerprint = "a force step of +- f L as soon as anything moves, also before contact; it changes sign "
-                    "with the motion and holds in dwells";
+                    "with the motion and persists in holds";
     e.literature = "Goyal, Ruina and Papadopoulos, Wear 143, 307 (1991); Prandtl, Z. Angew. Math. Mech. 8, "
                    "85 (1928)";
     e.parameters = {amplitude("f_N_m", "N/m", 0.0, 0.0, 1e4, 0.1, "friction force per length"),

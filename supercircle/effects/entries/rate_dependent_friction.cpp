@@ -13,7 +13,7 @@ Effect rateDependentFriction() {
             "ln(1 + |v| / speed_m_s)); viscous mu (1 + strength |v| / speed_m_s); learned mu (1 + strength "
             "S(1/2 + log10(|v| / speed_m_s) / 4)), S a cubic spline on [0, 1]; the declared "
             "coefficient is that of the slow limit";
-    e.fingerprint = "the plateau of sliding moves with speed, with the same sign on the way in and back; "
+    e.fingerprint = "the plateau of sliding moves with speed, with the same sign in loading and unloading; "
                     "holds and slow runs do not show it";
     e.literature = "Stribeck, VDI-Z. 46 (1902); Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica "
                    "30, 1083 (1994)";

@@ -8,9 +8,9 @@ Effect sensorDelay() {
     e.name = "sensor_delay";
     e.slot = Slot::Sensor;
     e.perShell = false;
-    e.about = "the force reading comes late, or smoothed";
+    e.about = "the force reading is delayed, or smoothed";
     e.law = "reading(t) = F(t - delay_s), then d reading/dt = (F - reading) / lag_s";
-    e.fingerprint = "loops that grow with speed, also where nothing slides; jumps are late or rounded";
+    e.fingerprint = "loops that grow with speed, also without sliding; jumps are late or rounded";
     e.literature = "Doebelin, Measurement Systems, 2004";
     e.parameters = {amplitude("delay_s", "s", 0.0, 0.0, 1e3, 0.02, "pure delay"),
                     amplitude("lag_s", "s", 0.0, 0.0, 1e3, 0.02, "time constant of a first-order low pass")};

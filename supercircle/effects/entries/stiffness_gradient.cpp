@@ -11,7 +11,7 @@ Effect stiffnessGradient() {
     e.about = "one end is stiffer (thicker) than the other";
     e.law = "with x = 2 s / L - 1: modulus B (1 + gradient x); thickness B (1 + gradient x)^3; "
             "weight and contact keep the mean thickness";
-    e.fingerprint = "left and right slip or snap at different times; markers drift to the soft side";
+    e.fingerprint = "left and right slip or snap at different times; markers move to the soft side";
     e.literature = "Timoshenko and Gere, Theory of Elastic Stability, 1961 (bars of variable section)";
     e.parameters = {
         amplitude("gradient", "1", 0.0, -0.95, 0.95, 0.1, "relative change from the middle to the last end"),

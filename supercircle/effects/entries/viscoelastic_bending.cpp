@@ -12,7 +12,7 @@ Effect viscoelasticBending() {
     e.law = "kelvin_voigt: M = B (kappa - kappa0) + eta dkappa/dt; standard_linear_solid: a Maxwell "
             "branch of stiffness branch_over_B B and relaxation time tau_s beside the bending spring";
     e.fingerprint = "loading above, unloading below the quasi-static curve by an amount that grows with "
-                    "speed; force relaxes in holds; gone in the slow limit";
+                    "speed; force relaxes in holds; vanishes in the slow limit";
     e.literature = "Christensen, Theory of Viscoelasticity, 1982; Linn, Lang and Tuganov, Mech. Sci. 4, 79 "
                    "(2013)";
     e.parameters = {
@@ -33,7 +33,7 @@ Effect viscoelasticBending() {
             return "eta_over_B_s belongs to law kelvin_voigt";
         return {};
     };
-    e.several = true;
+    e.repeatable = true;
     return e;
 }
 

@@ -8,15 +8,15 @@ Effect wear() {
     e.name = "wear";
     e.slot = Slot::Contact;
     e.perShell = false;
-    e.about = "the friction coefficient changes as surfaces run in";
-    e.law =
-        "mu (1 + change (1 - exp(-S / distance_m))), S: slip the place of the surface has seen; learned mu (1 + change "
-        "s(S / distance_m)), s a cubic spline on [0, 1]";
-    e.fingerprint = "friction loop changes from cycle to cycle, with the way slid and not with time";
+    e.about = "the friction coefficient changes as the surfaces run in";
+    e.law = "mu (1 + change (1 - exp(-S / distance_m))), S: accumulated slip of this point of the surface; learned mu "
+            "(1 + change "
+            "s(S / distance_m)), s a cubic spline on [0, 1]";
+    e.fingerprint = "friction loop changes from cycle to cycle, with the slip distance and not with time";
     e.literature = "Archard, J. Appl. Phys. 24, 981 (1953); Blau, Tribol. Int. 38, 1007 (2005)";
     e.parameters = {amplitude("change", "1", 0.0, -0.95, 100.0, 0.3, "relative change of the coefficient in the end"),
-                    detail("distance_m", "m", 0.05, 1e-6, 1e6, "slip in which it comes about"),
-                    choice("law", {"exponential", "learned"}, "how it goes on")};
+                    detail("distance_m", "m", 0.05, 1e-6, 1e6, "slip distance of the change"),
+                    choice("law", {"exponential", "learned"}, "how it depends on the slip distance")};
     addCoefficients(e.parameters, -0.95, 100.0, "coefficient of S of a learned law, from no slip to distance_m");
     e.apply = [](const Values& v, Model& m) {
         m.contact.friction.wearChange = v[0];

@@ -12,17 +12,17 @@ Drag makeDrag(const rod::RodModel& rod, const DragModel& model) {
         return d;
     for (int e = 0; e < rod.elements(); ++e)
         for (const double g : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {
-            d.place.push_back(rod::locate(rod, e, rod.nodeS(e) + g * rod.elementLength(e)));
+            d.points.push_back(rod::locate(rod, e, rod.nodeS(e) + g * rod.elementLength(e)));
             d.weight.push_back(0.5 * rod.elementLength(e));
         }
-    d.stretch.assign(d.place.size(), Vec2::Zero());
+    d.stretch.assign(d.points.size(), Vec2::Zero());
     return d;
 }
 
-DragPoint dragAt(const Drag& d, std::size_t i, const Vec2& way, bool secant) {
-    DragPoint out;
+DragResponse dragAt(const Drag& d, std::size_t i, const Vec2& displacement, bool secant) {
+    DragResponse out;
     const double limit = d.model.force * d.weight[i], spring = limit / d.model.presliding;
-    const Vec2 trial = d.stretch[i] + way;
+    const Vec2 trial = d.stretch[i] + displacement;
     const double length = trial.norm();
     if (length <= d.model.presliding) {
         out.stretch = trial;

@@ -7,8 +7,9 @@ namespace supercircle::effects {
 
 namespace {
 
-constexpr double kSoftest = 1e-3;
-constexpr int kPieces = 16; ///< of an element, each with two Gauss points: a width of a tenth of it is seen to 1e-6
+constexpr double kMinStiffness = 1e-3;
+constexpr int kIntervals =
+    16; ///< per element, each with two Gauss points: resolves a width of a tenth of an element to 1e-6
 
 } // namespace
 
@@ -28,10 +29,10 @@ double shapeAt(const Profile& p, double length, double s) {
 
 double stiffnessAt(const Profile& p, double length, double s) {
     const double x = 1.0 + p.stiffness * shapeAt(p, length, s);
-    return std::max(kSoftest, p.shape == Profile::Shape::Thickness ? x * x * x : x);
+    return std::max(kMinStiffness, p.shape == Profile::Shape::Thickness ? x * x * x : x);
 }
 
-Profile turned(Profile p) {
+Profile mirrored(Profile p) {
     p.centre = 1.0 - p.centre;
     if (p.shape == Profile::Shape::Linear || p.shape == Profile::Shape::Thickness) { // odd about the middle
         p.stiffness = -p.stiffness;
@@ -48,10 +49,10 @@ Section sections(const rod::RodModel& model, const std::vector<Profile>& profile
     const double L = model.definition().length;
     for (std::size_t e = 0; e < n; ++e) {
         const double start = model.nodeS(static_cast<int>(e)), l = model.elementLength(static_cast<int>(e));
-        // Flat stretches begin and end anywhere: cut there, so that the quadrature is exact.
+        // Flat parts begin and end anywhere. Cuts at their ends make the quadrature exact.
         std::vector<double> cuts;
-        for (int i = 0; i <= kPieces; ++i)
-            cuts.push_back(start + l * i / kPieces);
+        for (int i = 0; i <= kIntervals; ++i)
+            cuts.push_back(start + l * i / kIntervals);
         for (std::size_t k = 0; k < count; ++k)
             if (profiles[k].shape == Profile::Shape::Flat)
                 for (const double edge : {-0.5, 0.5}) {

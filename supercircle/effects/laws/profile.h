@@ -1,9 +1,9 @@
 #pragma once
 // Sections that differ along the rod, averaged over elements.
 //
-// An element is one arc, while its moment hardly varies along it: what counts is its mean compliance. B is therefore
-// averaged harmonically, natural curvature arithmetically; both are exact for a uniform moment, also for a crease much
-// shorter than an element (the arithmetic mean of B would hide it).
+// An element is one arc, and its moment hardly varies along it: its mean compliance is what counts. B is therefore
+// averaged harmonically and natural curvature arithmetically. Both are exact for a uniform moment, also for a crease
+// much shorter than an element, which the arithmetic mean of B would hide.
 
 #include "supercircle/effects/model.h"
 #include "supercircle/rod/model.h"
@@ -15,8 +15,8 @@ double shapeAt(const Profile& profile, double length, double s);
 /// Factor of the bending modulus at s, 1, at least 1e-3.
 double stiffnessAt(const Profile& profile, double length, double s);
 
-/// The same section of a rod that is turned end for end: the mirror image.
-Profile turned(Profile profile);
+/// The profile of the rod rotated end for end: the mirror image.
+Profile mirrored(Profile profile);
 
 /// Means over every element.
 struct Section {

@@ -22,12 +22,12 @@ double SensorChain::read(double time, double force) {
     if (!started_) {
         started_ = true;
         start_ = last_ = time;
-        input_ = output_ = force; // it has read this for long
+        input_ = output_ = force; // steady before the first reading
     }
     const double input = delayed(time, force), dt = time - last_;
     if (model_.lag <= 0.0) {
         output_ = input;
-    } else if (dt > 0.0) { // exact for an input that runs straight
+    } else if (dt > 0.0) { // exact for a linear input
         const double x = dt / model_.lag, decay = std::exp(-x), slope = (input - input_) / x;
         output_ = input - slope + (output_ - input_ + slope) * decay;
     }

@@ -1,8 +1,8 @@
 #pragma once
-// Laws that are learned from data instead of being written down: uniform cubic B-splines of one state variable.
+// Laws that are learned from data: uniform cubic B-splines of one state variable.
 //
-// Coefficients above -1 keep 1 + S positive, because the basis functions are positive and sum to one: bounds on
-// coefficients are enough for a moment that grows with curvature and a friction coefficient that is none.
+// The basis functions are positive and sum to one, so coefficients above -1 keep 1 + S positive. Bounds on the
+// coefficients thus ensure a moment that increases with curvature and a positive friction coefficient.
 //
 // Source: C. de Boor, "A Practical Guide to Splines" (1978); P. H. C. Eilers, B. D. Marx, Stat. Sci. 11 (1996) 89.
 
@@ -21,7 +21,7 @@ struct SplinePoint {
     double moment = 0.0; ///< integral of the area from 0 to x
 };
 
-/// S(x) on [0, 1], constant beyond; odd continuation is the caller's matter.
+/// S(x) on [0, 1], constant beyond; the caller provides any odd continuation.
 SplinePoint evaluateSpline(const SplineCoefficients& c, double x);
 
 /// The same basis with three more coefficients of zero: S and its first two derivatives vanish at x = 1 and beyond.

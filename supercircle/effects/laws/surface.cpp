@@ -8,7 +8,7 @@ namespace supercircle::effects {
 namespace {
 
 constexpr int kSitesPerElement = 4;
-constexpr double kLeast = 0.01; ///< of the declared coefficient
+constexpr double kMinFriction = 0.01; ///< of the declared coefficient
 
 /// Exact answer of dw/dt = (1 - w) / tau - w v / Dc to a steady v, for 1 - w.
 double weakenedAfter(const FrictionModel& m, double weakened, double speed, double dt) {
@@ -48,7 +48,7 @@ Surface makeSurface(const rod::RodModel& rod, const ContactModel& model) {
     return s;
 }
 
-void rest(Surface& s) {
+void applyLongRest(Surface& s) {
     for (Site& site : s.sites) {
         site.weakened = 0.0;
         site.speed = 0.0;
@@ -67,11 +67,11 @@ double frictionFactor(const FrictionModel& m, const Site& site, double speed, do
     if (m.rateStrength != 0.0)
         factor *= rateFactor(m, speed);
     if (m.wearChange != 0.0) {
-        const double way = (site.slid + dt * speed) / m.wearDistance;
-        factor *= m.wearLearned ? 1.0 + m.wearChange * evaluateSpline(m.wearCurve, way).value
-                                : 1.0 - m.wearChange * std::expm1(-way);
+        const double slip = (site.slid + dt * speed) / m.wearDistance;
+        factor *= m.wearLearned ? 1.0 + m.wearChange * evaluateSpline(m.wearCurve, slip).value
+                                : 1.0 - m.wearChange * std::expm1(-slip);
     }
-    return std::max(kLeast, factor);
+    return std::max(kMinFriction, factor);
 }
 
 void advance(const FrictionModel& m, Site& site, double speed, double dt) {

@@ -1,9 +1,8 @@
 #pragma once
-// Friction that remembers: what the surface of a rod has gone through, place by place.
+// State-dependent friction: the history of the surface of a rod, site by site.
 //
-// The memory belongs to places of the rod's surface, not to contacts. Contacts come and go, change their ids when they
-// roll over a joint and split where surfaces nest; a first version that carried the state by contact id needed rules of
-// inheritance for all of that. A place is a quarter of an element, so a tip has one of its own.
+// The history belongs to sites on the rod's surface, not to contacts, because contacts come and go and change their ids
+// (decision 0128). A site covers a quarter of an element, so a tip has its own.
 
 #include "supercircle/effects/model.h"
 #include "supercircle/rod/model.h"
@@ -12,14 +11,14 @@
 
 namespace supercircle::effects {
 
-/// Memory of one place of a rod's surface.
+/// State of one site of a rod's surface.
 struct Site {
-    double weakened = 0.0; ///< 1 - w: share of the static excess that slip has taken, 1
-    double slid = 0.0;     ///< slip it has seen, m
+    double weakened = 0.0; ///< 1 - w: fraction of the static excess lost by slip, 1
+    double slid = 0.0;     ///< accumulated slip, m
     double speed = 0.0;    ///< of slip in the last step, m/s
 };
 
-/// Contact effects on a rod and its state: plain data.
+/// Contact effects on a rod and their state: plain data.
 struct Surface {
     ContactModel model;
     double spacing = 0.0;    ///< of the sites, m
@@ -28,8 +27,8 @@ struct Surface {
 };
 
 Surface makeSurface(const rod::RodModel& rod, const ContactModel& model);
-/// Fully healed; wear stays.
-void rest(Surface& surface);
+/// Resets the state as after a long rest: fully healed; wear stays.
+void applyLongRest(Surface& surface);
 
 /// Nearest site to arc length s (m).
 std::size_t siteAt(const Surface& surface, double s);

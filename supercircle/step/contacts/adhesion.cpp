@@ -13,7 +13,7 @@ namespace {
 constexpr double kTolerance = 1e-3; ///< of the sum of all attractions
 
 bool anyAttraction(const World& world) {
-    return std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.effects.attraction.on(); });
+    return std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.effects.adhesion.on(); });
 }
 
 /// What a place of a rod feels.
@@ -51,11 +51,11 @@ public:
         }
         if (world.rods.size() < 2)
             return;
-        contact::Curve curve;
+        contact::RodCurve curve;
         for (std::size_t i = 0; i < rods_.size(); ++i) {
             toCurve(world.rods[i], kin_[i], curve);
             contact::prepare(curve, rods_[i]);
-            for (const contact::Piece& p : rods_[i].pieces)
+            for (const contact::SubArc& p : rods_[i].subArcs)
                 for (const Vec2& end : {p.p0, p.p1}) {
                     bounds_[i].low = bounds_[i].low.cwiseMin(end - Vec2::Constant(p.length));
                     bounds_[i].high = bounds_[i].high.cwiseMax(end + Vec2::Constant(p.length));
@@ -66,7 +66,7 @@ public:
     /// Calls `act(point, Near)` for every place of rod i that feels something, in their order.
     template <class Do>
     void forNear(std::size_t i, Do&& act) const {
-        const std::vector<rod::Place>& place = world_.rods[i].effects.attraction.place;
+        const std::vector<rod::MaterialPoint>& place = world_.rods[i].effects.adhesion.points;
         std::vector<Close> stack;
         for (std::size_t from = 0, to = 0; from < place.size(); from = to) {
             while (to < place.size() && place[to].side == place[from].side && place[to].segment == place[from].segment)
@@ -92,12 +92,12 @@ private:
     void forStretch(std::size_t i, Range r, const Range* close, std::vector<Close>& stack, Do&& act) const {
         constexpr std::size_t kFew = 3;
         const Rod& rod = world_.rods[i];
-        const effects::Attraction& a = rod.effects.attraction;
+        const effects::Adhesion& a = rod.effects.adhesion;
         const std::size_t half = (r.from + r.to) / 2;
-        const double at = a.place[half].local;
-        const double within = std::max(std::abs(a.place[r.from].local - at), std::abs(a.place[r.to - 1].local - at));
+        const double at = a.points[half].local;
+        const double within = std::max(std::abs(a.points[r.from].local - at), std::abs(a.points[r.to - 1].local - at));
         const double reach = a.model.range + 0.5 * rod.model.definition().thickness + within;
-        const Vec2 p = kin_[i].point(a.place[half]);
+        const Vec2 p = kin_[i].point(a.points[half]);
         const Range mine = collectClose(i, p, reach, close, stack);
         if (mine.to == mine.from && !nearOutline(p, reach))
             return;
@@ -120,7 +120,7 @@ private:
     Range collectClose(std::size_t i, const Vec2& p, double reach, const Range* of, std::vector<Close>& stack) const {
         Range mine{stack.size(), 0};
         const auto look = [&](std::size_t j, std::size_t k) {
-            const contact::Piece& piece = rods_[j].pieces[k];
+            const contact::SubArc& piece = rods_[j].subArcs[k];
             const double most = reach + rods_[j].halfThickness + 0.5 * piece.length;
             if ((0.5 * (piece.p0 + piece.p1) - p).squaredNorm() <= most * most)
                 stack.push_back({j, k});
@@ -131,7 +131,7 @@ private:
         else
             for (std::size_t j = 0; j < rods_.size(); ++j)
                 if (j != i && bounds_[j].holds(p, reach + rods_[j].halfThickness))
-                    for (std::size_t k = 0; k < rods_[j].pieces.size(); ++k)
+                    for (std::size_t k = 0; k < rods_[j].subArcs.size(); ++k)
                         look(j, k);
         mine.to = stack.size();
         return mine;
@@ -140,9 +140,9 @@ private:
     template <class Do>
     void nearPlace(std::size_t i, std::size_t k, Range close, const std::vector<Close>& stack, Do&& act) const {
         const Rod& rod = world_.rods[i];
-        const effects::Attraction& a = rod.effects.attraction;
+        const effects::Adhesion& a = rod.effects.adhesion;
         const double range = a.model.range, half = 0.5 * rod.model.definition().thickness;
-        const Vec2 p = kin_[i].point(a.place[k]);
+        const Vec2 p = kin_[i].point(a.points[k]);
         for (std::size_t o = 0; o < outlines_.size(); ++o) {
             contact::OutlineHit hit;
             if (contact::distanceBound(outlines_[o], p) > range + half ||
@@ -157,17 +157,17 @@ private:
             Near best;
             best.gap = range;
             for (; c < close.to && stack[c].rod == j; ++c)
-                nearPiece(p, half, j, rods_[j].pieces[stack[c].piece], best);
+                nearPiece(p, half, j, rods_[j].subArcs[stack[c].piece], best);
             if (best.rodB >= 0)
                 act(k, best);
         }
     }
 
     /// Keeps the nearer of `best` and the foot of p on the piece.
-    void nearPiece(const Vec2& p, double half, std::size_t j, const contact::Piece& piece, Near& best) const {
+    void nearPiece(const Vec2& p, double half, std::size_t j, const contact::SubArc& piece, Near& best) const {
         contact::Foot foot;
         const double reach = best.gap + half + rods_[j].halfThickness;
-        if (!contact::footInPiece(piece, p, reach, foot))
+        if (!contact::footInSubArc(piece, p, reach, foot))
             return;
         const double gap = std::abs(foot.distance) - half - rods_[j].halfThickness;
         if (gap < best.gap)
@@ -207,20 +207,20 @@ std::vector<rod::Kinematics> atEnd(const std::vector<RodWork>& rods, const World
 std::vector<double> energies(const World& world, const Surroundings& around) {
     std::vector<double> all(world.rods.size(), 0.0);
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
-        const effects::Attraction& a = world.rods[i].effects.attraction;
+        const effects::Adhesion& a = world.rods[i].effects.adhesion;
         around.forNear(i, [&](std::size_t k, const Near& near) {
-            all[i] += shareOf(near) * a.weight[k] * effects::attractionAt(a.model, near.gap).energy;
+            all[i] += shareOf(near) * a.weight[k] * effects::adhesionAt(a.model, near.gap).energy;
         });
     }
     return all;
 }
 
-AttractionWork linearised(const World& world, const std::vector<RodWork>& rods, std::size_t i, std::size_t k,
-                          const Near& near, const ContactStage& stage, double dt) {
+AdhesionWork linearised(const World& world, const std::vector<RodWork>& rods, std::size_t i, std::size_t k,
+                        const Near& near, const ContactStage& stage, double dt) {
     const Rod& rod = world.rods[i];
-    const effects::Attraction& a = rod.effects.attraction;
-    const effects::AttractionPoint law = effects::attractionAt(a.model, near.gap);
-    AttractionWork p;
+    const effects::Adhesion& a = rod.effects.adhesion;
+    const effects::AdhesionResponse law = effects::adhesionAt(a.model, near.gap);
+    AdhesionWork p;
     p.rodA = static_cast<int>(i);
     p.rodB = near.rodB;
     p.bodyB = near.bodyB;
@@ -231,7 +231,7 @@ AttractionWork linearised(const World& world, const std::vector<RodWork>& rods, 
     p.force = weight * law.force;
     p.stiffness = (near.rodB >= 0 ? 2.0 : 1.0) * weight * std::max(0.0, law.slope);
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, rod.model.dofs());
-    rods[i].kin.pointRows(rod.model, a.place[k], Vec2::Zero(), p.normal, rod::perp(p.normal), rows);
+    rods[i].kin.pointRows(rod.model, a.points[k], Vec2::Zero(), p.normal, rod::perp(p.normal), rows);
     p.rowA = rows.row(0);
     p.wayA = 2.0 * p.rowA.dot(rods[i].qk - rod.q);
     if (near.rodB >= 0) {
@@ -253,7 +253,7 @@ AttractionWork linearised(const World& world, const std::vector<RodWork>& rods, 
 
 } // namespace
 
-void collectPulls(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage) {
+void collectAdhesion(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage) {
     stage.pulls.clear();
     if (!anyAttraction(world))
         return;
@@ -267,13 +267,13 @@ void collectPulls(const World& world, const std::vector<RodWork>& rods, double d
         });
 }
 
-void addPulls(const ContactStage& stage, int rod, double dt, RodWork& w) {
+void addAdhesion(const ContactStage& stage, int rod, double dt, RodWork& w) {
     const auto add = [&](const Eigen::RowVectorXd& row, double force, double stiffness, double way) {
         if (stiffness > 0.0)
             w.A.noalias() += (dt * dt * stiffness) * (row.transpose() * row);
         w.rhs += (dt * (force + stiffness * way)) * row.transpose();
     };
-    for (const AttractionWork& p : stage.pulls) {
+    for (const AdhesionWork& p : stage.pulls) {
         if (p.rodA == rod)
             add(p.rowA, -p.force, p.stiffness, p.wayA);
         if (p.rodB == rod)
@@ -281,7 +281,7 @@ void addPulls(const ContactStage& stage, int rod, double dt, RodWork& w) {
     }
 }
 
-double pullError(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
+double adhesionError(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
     if (!anyAttraction(world))
         return 0.0;
     const Surroundings around(world, atEnd(rods, world), stage.motion, dt);
@@ -289,19 +289,19 @@ double pullError(const World& world, const std::vector<RodWork>& rods, double dt
     std::vector<bool> still(stage.pulls.size(), false); // near
     std::size_t next = 0;
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
-        const effects::Attraction& a = world.rods[i].effects.attraction;
+        const effects::Adhesion& a = world.rods[i].effects.adhesion;
         floor += 1e-6 * a.model.force * world.rods[i].model.definition().length;
         around.forNear(i, [&](std::size_t k, const Near& near) {
-            const double force = shareOf(near) * a.weight[k] * effects::attractionAt(a.model, near.gap).force;
+            const double force = shareOf(near) * a.weight[k] * effects::adhesionAt(a.model, near.gap).force;
             double linear = 0.0;
             // Both lists run through rods and points in the same order.
-            const auto before = [&](const AttractionWork& p) {
+            const auto before = [&](const AdhesionWork& p) {
                 return p.rodA < static_cast<int>(i) || (p.rodA == static_cast<int>(i) && p.point < k);
             };
             while (next < stage.pulls.size() && before(stage.pulls[next]))
                 ++next;
             for (std::size_t m = next; m < stage.pulls.size(); ++m) {
-                const AttractionWork& p = stage.pulls[m];
+                const AdhesionWork& p = stage.pulls[m];
                 if (p.rodA != static_cast<int>(i) || p.point != k)
                     break;
                 if (p.rodB == near.rodB && p.bodyB == near.bodyB) {
@@ -319,21 +319,21 @@ double pullError(const World& world, const std::vector<RodWork>& rods, double dt
     return wrong / (kTolerance * sum + floor);
 }
 
-AttractionBooks bookAttraction(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
-    AttractionBooks out;
+AdhesionEnergies recordAdhesion(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
+    AdhesionEnergies out;
     if (!anyAttraction(world))
         return out;
     const std::vector<double> before = energies(world, Surroundings(world, atStart(world), stage.motion, 0.0));
     const std::vector<double> after = energies(world, Surroundings(world, atEnd(rods, world), stage.motion, dt));
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
-        effects::Book& book = world.rods[i].effects.books[static_cast<std::size_t>(effects::Key::Adhesion)];
+        effects::EffectEnergy& book = world.rods[i].effects.energies[static_cast<std::size_t>(effects::Key::Adhesion)];
         out.taken += after[i] - before[i];
-        world.ledger.effects += before[i] - book.stored; // what came near otherwise than by a step was put there
-        world.ledger.added += before[i] - book.stored;
+        world.energyBalance.effects += before[i] - book.stored; // what came near otherwise than by a step was put there
+        world.energyBalance.added += before[i] - book.stored;
         book.stored = after[i];
     }
     double given = 0.0;
-    for (const AttractionWork& p : stage.pulls) {
+    for (const AdhesionWork& p : stage.pulls) {
         const double wayA = dt * p.rowA.dot(rods[static_cast<std::size_t>(p.rodA)].v);
         given += (p.force + p.stiffness * (wayA - p.wayA)) * wayA;
         if (p.rodB >= 0) {

@@ -13,19 +13,19 @@
 namespace supercircle::step {
 
 /// Finds stage.pulls at the predicted end of the step.
-void collectPulls(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage);
+void collectAdhesion(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage);
 /// Adds them to A and rhs of rod i.
-void addPulls(const ContactStage& stage, int rod, double dt, RodWork& w);
+void addAdhesion(const ContactStage& stage, int rod, double dt, RodWork& w);
 /// How far the forces are from the law at the solved end, in tolerances.
-double pullError(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
+double adhesionError(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
 
-struct AttractionBooks {
+struct AdhesionEnergies {
     double taken = 0.0;       ///< change of stored energy, J
     double work = 0.0;        ///< of bodies that move as they are told, J
     double toBodies = 0.0;    ///< to dynamic ones, J
     double secondOrder = 0.0; ///< J
 };
 /// Books the accepted step, in the state before it; forces go to the bodies.
-AttractionBooks bookAttraction(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
+AdhesionEnergies recordAdhesion(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
 
 } // namespace supercircle::step

@@ -1,6 +1,6 @@
 #include "supercircle/step/contact_memory.h"
 
-#include "supercircle/contact/identity.h"
+#include "supercircle/contact/feature_id.h"
 
 #include <algorithm>
 

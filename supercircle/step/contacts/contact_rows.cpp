@@ -19,7 +19,7 @@ double mixedFriction(double a, double b) {
 /// Row matrix of a rod's surface point in (n, t).
 void surfaceRows(const Rod& rod, const RodWork& w, const contact::RodPoint& at, const Vec2& surface, const Vec2& n,
                  const Vec2& t, Eigen::Matrix<double, 2, Eigen::Dynamic>& rows) {
-    const rod::Place place = rod::locate(rod.model, at.element, at.s);
+    const rod::MaterialPoint place = rod::locate(rod.model, at.element, at.s);
     rows.resize(2, rod.model.dofs());
     w.kin.pointRows(rod.model, place, surface - w.kin.point(place), n, t, rows);
 }
@@ -71,7 +71,7 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     k.surface.setZero();
     surfaceRows(rodA, rods[ia], c.a, c.pointA, n, t, k.Ja);
     out.w.setZero();
-    out.kind = coulomb::Kind::Unilateral;
+    out.kind = coulomb::ContactKind::Unilateral;
     out.a = rods[ia].body; // -1 when asleep: an obstacle
     out.b = -1;
     if (out.a >= 0)
@@ -97,7 +97,7 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
             addToRow(stage, k.bodyB, -t, -t.dot(rod::perp(k.armB)), out.Hb.row(1));
         }
         const Vec2 given = out.b < 0 ? surfaceVelocity(motion, k.armB)
-                                     : surfaceVelocity({body.handover.drift, body.handover.driftSpin}, k.armB);
+                                     : surfaceVelocity({body.hostCoupling.drift, body.hostCoupling.driftSpin}, k.armB);
         k.surface = Vec2(n.dot(given), t.dot(given));
         out.w -= k.surface;
     }
@@ -109,7 +109,7 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     // N). Surfaces that give overlap under load as they should, and their springs bound the force.
     const double atOnce = gapAtStart < -stage.overlap ? 0.0 : stage.closes; // m
     const double closing = gapAtStart / dt, fastest = -atOnce / dt - stage.recovery;
-    out.w.x() += closing < fastest && giveOf(world, c).x() <= 0.0 ? fastest : closing;
+    out.w.x() += closing < fastest && complianceOf(world, c).x() <= 0.0 ? fastest : closing;
     out.id = c.id;
 }
 
@@ -122,18 +122,18 @@ double preslidingOf(const World& world, const contact::Candidate& c, double dt, 
         if (p->rod >= 0) {
             const effects::FrictionModel& m =
                 world.rods[static_cast<std::size_t>(p->rod)].effects.surface.model.friction;
-            sum += m.gives() ? m.presliding : 0.0;
+            sum += m.compliant() ? m.presliding : 0.0;
             count += 1.0;
         }
     return sum > 0.0 && mu * load > 0.0 ? sum / count / (mu * factorAtRest(world, c, dt) * load) : 0.0;
 }
 
-/// A contact that gives has two springs of its own, memoryless along the normal, with the deflection left by the last
+/// A compliant contact has two springs of its own, memoryless along the normal, with the deflection left by the last
 /// step along the tangent. They are two more unknowns of the body on its first side, with A = dt^2 / give: a spring
 /// that is stiff or soft costs the solver the same, and the law stays exact.
 void addGive(const World& world, double dt, const std::vector<ContactImpulse>& warm, ContactStage& stage) {
-    const bool gives =
-        std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.effects.surface.model.gives(); });
+    const bool gives = std::any_of(world.rods.begin(), world.rods.end(),
+                                   [](const Rod& r) { return r.effects.surface.model.compliant(); });
     if (!gives) {
         for (ContactWork& k : stage.work)
             k.give.setZero();
@@ -143,18 +143,18 @@ void addGive(const World& world, double dt, const std::vector<ContactImpulse>& w
     bool any = false;
     for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
         ContactWork& k = stage.work[i];
-        k.give = giveOf(world, stage.candidates[i]);
+        k.give = complianceOf(world, stage.candidates[i]);
         const ContactImpulse* before = findImpulse(warm, stage.candidates[i].id);
         if (before != nullptr)
             k.give.y() += preslidingOf(world, stage.candidates[i], dt, stage.problem.contacts[i].mu, before->normal);
-        k.bent = before != nullptr ? before->bent : 0.0;
+        k.tangentialDeflection = before != nullptr ? before->tangentialDeflection : 0.0;
         const int a = stage.problem.contacts[i].a;
         if ((k.give.x() > 0.0 || k.give.y() > 0.0) && a >= 0) {
             ofBody[static_cast<std::size_t>(a)].push_back(i);
             any = true;
         } else {
             k.give.setZero();
-            k.bent = 0.0;
+            k.tangentialDeflection = 0.0;
         }
     }
     if (!any)
@@ -192,7 +192,7 @@ void addGive(const World& world, double dt, const std::vector<ContactImpulse>& w
         for (std::size_t j = 0; j < ofBody[b].size(); ++j) {
             coulomb::Contact& c = stage.problem.contacts[ofBody[b][j]];
             c.Ha.middleCols<2>(size[b] + 2 * static_cast<Eigen::Index>(j)).setIdentity();
-            c.w.y() -= stage.work[ofBody[b][j]].bent / dt;
+            c.w.y() -= stage.work[ofBody[b][j]].tangentialDeflection / dt;
         }
 }
 
@@ -235,7 +235,7 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
 
 } // namespace
 
-Vec2 giveOf(const World& world, const contact::Candidate& c) {
+Vec2 complianceOf(const World& world, const contact::Candidate& c) {
     Vec2 sum = Vec2::Zero();
     double count = 0.0;
     for (const contact::RodPoint* p : {&c.a, &c.b})
@@ -262,7 +262,7 @@ void predictMotion(const World& world, ContactStage& stage) {
     stage.motion.resize(world.bodies.size());
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         const Body& b = world.bodies[i];
-        stage.motion[i] = {b.state.velocity + b.handover.drift, b.state.spin + b.handover.driftSpin};
+        stage.motion[i] = {b.state.velocity + b.hostCoupling.drift, b.state.spin + b.hostCoupling.driftSpin};
     }
 }
 
@@ -341,7 +341,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         }
     }
     parallel::forEach(stage.loop, stage.candidates.size(), 64, [&](std::size_t i) {
-        contact::refresh(stage.candidates[i], stage.curvesMiddle, stage.outlinesMiddle);
+        contact::updateCandidate(stage.candidates[i], stage.curvesMiddle, stage.outlinesMiddle);
     });
 }
 
@@ -382,7 +382,7 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
         const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
-        const Eigen::Index own = w.vFree.size(); // behind it stand the springs of contacts that give
+        const Eigen::Index own = w.vFree.size(); // behind it stand the springs of compliant contacts
         if (w.frozen)
             w.v.setZero(world.rods[i].model.dofs());
         else if (w.C.rows() == 0 && x.size() == own)

@@ -47,14 +47,14 @@ struct LinkRow : ContactWork {
 
 /// Everything the contacts of one attempt need.
 struct ContactStage {
-    std::vector<contact::Curve> curves, curvesMiddle;
+    std::vector<contact::RodCurve> curves, curvesMiddle;
     std::vector<contact::Outline> outlines, outlinesMiddle;
     std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
     std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
     double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
     std::vector<ContactWork> work;
-    std::vector<AttractionWork> pulls;     ///< of adhesion
+    std::vector<AdhesionWork> pulls;       ///< of adhesion
     std::map<std::uint64_t, double> slips; ///< by contact id: speed the friction was taken at, m/s (friction_state.h)
     std::vector<BodyPlace> place;          ///< per World::bodies
     std::vector<BodyMotion> motion;        ///< per World::bodies: as predicted, then as solved
@@ -123,7 +123,7 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
                    ContactStage& stage);
 
 /// Give of a contact, m/N along (n, t): that of the rods in it, mean of both.
-Vec2 giveOf(const World& world, const contact::Candidate& candidate);
+Vec2 complianceOf(const World& world, const contact::Candidate& candidate);
 
 /// Impulses of the stage by contact id, as mean forces.
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out);

@@ -1,6 +1,6 @@
 #include "supercircle/step/contacts/contact_stiffness.h"
 
-#include "supercircle/contact/identity.h"
+#include "supercircle/contact/feature_id.h"
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/parallel.h"
 
@@ -59,7 +59,7 @@ double relativeCurvature(const World& world, const std::vector<RodWork>& rods, c
     const auto side = [&](const contact::RodPoint& at, double outward) {
         const auto i = static_cast<std::size_t>(at.rod);
         const rod::RodModel& model = world.rods[i].model;
-        const rod::Place place = rod::locate(model, at.element, at.s);
+        const rod::MaterialPoint place = rod::locate(model, at.element, at.s);
         const double angle = rods[i].kin.angle(place);
         const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
                          c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
@@ -149,7 +149,7 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
 namespace {
 
 /// Adds a point force (N) to the axial-force sums of every segment it pulls at.
-void pull(const rod::RodModel& model, const rod::Place& at, const Vec2& force, RodWork& w) {
+void pull(const rod::RodModel& model, const rod::MaterialPoint& at, const Vec2& force, RodWork& w) {
     for (int k = 0; k < at.segment; ++k)
         w.beyond[at.side][static_cast<std::size_t>(k)] += force;
     // Of its own segment it pulls at the part between the inner end and the point.

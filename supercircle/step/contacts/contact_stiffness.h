@@ -4,7 +4,7 @@
 // The rows of a step are frozen at its predicted middle; the forces on them are not small: in a pile under load they
 // bend the shells as far as the shells' own elasticity holds against. Freezing both is an explicit treatment of the
 // geometric stiffness, and where that exceeds about half the bending stiffness the step rings with a period of two
-// steps, at any step size in a quasi-static run. Measured on thirty shells (mean of perturbed twins, local error
+// steps, at any step size in a quasi-static run. Measured on thirty shells (mean of perturbed replicates, local error
 // .01 h): push-out -3 % of friction and 33 000 steps a cycle without the axial term, -1.3 % and 23 000 with it;
 // another linearisation wherever a loaded gap is off by h / 1000 brings it to .1 % and 15 000.
 //

@@ -11,7 +11,7 @@ namespace {
 
 /// Of a point of the centre line, from the velocities at the Gauss points beside it.
 Vec2 velocityAt(const Rod& rod, const contact::RodPoint& at) {
-    const rod::Place place = rod::locate(rod.model, at.element, at.s);
+    const rod::MaterialPoint place = rod::locate(rod.model, at.element, at.s);
     const rod::Segment& segment = rod.model.side(place.side)[static_cast<std::size_t>(place.segment)];
     const double f = segment.signedLength != 0.0 ? place.local / segment.signedLength : 0.0;
     const std::size_t first =
@@ -45,8 +45,8 @@ Vec2 velocityOf(const World& world, const contact::Candidate& c, double dt) {
 
 } // namespace
 
-void prune(const World& world, double dt, double slack, const std::vector<contact::Candidate>& all,
-           std::vector<contact::Candidate>& kept) {
+void cull(const World& world, double dt, double slack, const std::vector<contact::Candidate>& all,
+          std::vector<contact::Candidate>& kept) {
     kept.clear();
     const Vec2 fall = dt * world.gravity;
     for (const contact::Candidate& c : all) {

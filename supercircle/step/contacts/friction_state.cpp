@@ -25,7 +25,7 @@ double slipOf(const std::vector<RodWork>& rods, double dt, const ContactStage& s
         u -= rod::perp(stage.candidates[i].normal).dot(m.velocity + m.spin * rod::perp(k.armB));
     }
     if (k.give.y() > 0.0) // what the contact's spring takes is no slip
-        u += (k.give.y() * stage.r[static_cast<Eigen::Index>(2 * i + 1)] / dt - k.bent) / dt;
+        u += (k.give.y() * stage.r[static_cast<Eigen::Index>(2 * i + 1)] / dt - k.tangentialDeflection) / dt;
     return std::abs(u);
 }
 

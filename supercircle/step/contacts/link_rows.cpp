@@ -48,7 +48,7 @@ void placeOther(const World& world, const std::vector<RodWork>& rods, const std:
     const double ahead = when == When::Start ? 0.0 : when == When::Middle ? 0.5 * dt : dt;
     if (e.rodB >= 0) {
         const auto ib = static_cast<std::size_t>(e.rodB);
-        const rod::Place atB = rod::locate(world.rods[ib].model, l.sB);
+        const rod::MaterialPoint atB = rod::locate(world.rods[ib].model, l.sB);
         const rod::Kinematics& b = kinematics(world, rods, ib, when);
         p.angleB = b.angle(atB);
         p.b = b.point(atB) + turned(l.local, p.angleB);
@@ -66,7 +66,7 @@ Places placesOf(const World& world, const std::vector<RodWork>& rods, const std:
                 const Link& l, const Ends& e, When when, double dt) {
     Places p;
     const auto ia = static_cast<std::size_t>(e.rodA);
-    const rod::Place atA = rod::locate(world.rods[ia].model, l.sA);
+    const rod::MaterialPoint atA = rod::locate(world.rods[ia].model, l.sA);
     const rod::Kinematics& a = kinematics(world, rods, ia, when);
     p.a = a.point(atA);
     p.angleA = a.angle(atA);
@@ -96,7 +96,7 @@ Vec2 gapOf(const LinkRow& row, const Link& l, const Places& p, double length) {
 void rowsOf(const World& world, const std::vector<RodWork>& rods, std::size_t i, double s, const Vec2& offset,
             const LinkRow& row, Eigen::Matrix<double, 2, Eigen::Dynamic>& out) {
     const rod::RodModel& model = world.rods[i].model;
-    const rod::Place at = rod::locate(model, s);
+    const rod::MaterialPoint at = rod::locate(model, s);
     out.setZero(2, model.dofs());
     const rod::Kinematics& kin = kinematics(world, rods, i, When::Middle);
     if (row.kind == LinkRowKind::Angle) {
@@ -133,7 +133,7 @@ Vec2 givenVelocity(const World& world, const std::vector<RodWork>& rods, const C
     Vec2 given = Vec2::Zero();
     if (e.body >= 0 && world.bodies[static_cast<std::size_t>(e.body)].dynamic) {
         const Body& body = world.bodies[static_cast<std::size_t>(e.body)];
-        const Handover& h = body.handover;
+        const HostCoupling& h = body.hostCoupling;
         given = inRow(row, h.drift + h.driftSpin * rod::perp(row.armB), h.driftSpin);
         if (row.kind == LinkRowKind::Angle && !(body.state.inertia > 0.0)) // fixed rotation: its spin is no unknown
             given.x() += row.lever * body.state.spin;
@@ -160,7 +160,7 @@ Vec2 lastVelocity(const World& world, const std::vector<RodWork>& rods, const Co
     add(e.rodB, row.Jb, -1.0);
     if (e.body >= 0 && world.bodies[static_cast<std::size_t>(e.body)].dynamic) {
         const BodyMotion& m = stage.motion[static_cast<std::size_t>(e.body)];
-        const Handover& h = world.bodies[static_cast<std::size_t>(e.body)].handover;
+        const HostCoupling& h = world.bodies[static_cast<std::size_t>(e.body)].hostCoupling;
         const Vec2 velocity = m.velocity - h.drift;
         const double spin = m.spin - h.driftSpin;
         const bool turns = world.bodies[static_cast<std::size_t>(e.body)].state.inertia > 0.0;
@@ -272,7 +272,7 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
         LinkRow& row = stage.linkRows[i];
         const Link& l = world.links[static_cast<std::size_t>(row.link)];
         coulomb::Contact& out = stage.problem.contacts[first + i];
-        out.kind = row.kind == LinkRowKind::Pull ? coulomb::Kind::Unilateral : coulomb::Kind::Bilateral;
+        out.kind = row.kind == LinkRowKind::Pull ? coulomb::ContactKind::Unilateral : coulomb::ContactKind::Bilateral;
         out.mu = row.kind == LinkRowKind::Point ? std::numeric_limits<double>::infinity() : 0.0;
         out.id = 0;
         out.w = row.bias - row.surface;
@@ -359,7 +359,7 @@ LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double d
     return gaps;
 }
 
-void bookLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt) {
+void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt) {
     for (Link& l : world.links) {
         l.force.setZero();
         l.torque = 0.0;
@@ -395,16 +395,16 @@ void bookLinks(World& world, std::vector<RodWork>& rods, const ContactStage& sta
             if (row.bodyProblem >= 0) {
                 const Vec2 ub = row.Hb * stage.velocity[static_cast<std::size_t>(row.bodyProblem)];
                 u += ub;
-                world.ledger.toBodies += r.dot(ub);
+                world.energyBalance.toBodies += r.dot(ub);
                 const double turn = dt * (rod::cross(row.armB, force) + torque);
                 body.impulse -= dt * force;
                 body.angularImpulse -= turn;
-                body.handover.hostImpulse += dt * force;
-                body.handover.hostTurnImpulse += turn;
+                body.hostCoupling.hostImpulse += dt * force;
+                body.hostCoupling.hostTurnImpulse += turn;
             }
         }
-        world.ledger.work += r.dot(row.surface);
-        world.ledger.pushOut -= r.dot(u);
+        world.energyBalance.work += r.dot(row.surface);
+        world.energyBalance.positionCorrection -= r.dot(u);
     }
 }
 

@@ -36,8 +36,8 @@ struct LinkGaps {
 };
 LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
 
-/// Books of the links and what they leave for the next step; the counterpart of bookContacts.
-void bookLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt);
+/// Books of the links and what they leave for the next step; the counterpart of recordContacts.
+void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt);
 
 /// Pairs that do not collide because a link says so, sorted; see excluded().
 void collectExcluded(const World& world, ContactStage& stage);

@@ -20,7 +20,7 @@ double farthestPoint(const World& world, const Body& b) {
 }
 
 /// Depth of overlap with the shells per outline, m.
-void depths(const std::vector<contact::Curve>& curves, const std::vector<contact::Outline>& outlines, double margin,
+void depths(const std::vector<contact::RodCurve>& curves, const std::vector<contact::Outline>& outlines, double margin,
             HostCouplingWork& work, std::vector<double>& depth) {
     work.detector.detect(curves, outlines, {margin}, work.near);
     depth.assign(outlines.size(), 0.0);
@@ -34,7 +34,7 @@ void depths(const std::vector<contact::Curve>& curves, const std::vector<contact
 /// Bodies among the suspects (indices into World::bodies) whose original stands deeper in a shell than its copy, or
 /// beyond it: HostCouplingWork::intruding.
 void findIntruders(const World& world, double h, HostCouplingWork& work) {
-    std::vector<contact::Curve>& curves = work.curves;
+    std::vector<contact::RodCurve>& curves = work.curves;
     curves.resize(world.rods.size());
     for (std::size_t i = 0; i < curves.size(); ++i)
         toCurve(world.rods[i], world.rods[i].kin, curves[i]);
@@ -52,7 +52,7 @@ void findIntruders(const World& world, double h, HostCouplingWork& work) {
                 originals.emplace_back();
             }
             place(o, b.state.centre, b.state.angle, copies[count]);
-            place(o, b.handover.seen.centre, b.handover.seen.angle, originals[count]);
+            place(o, b.hostCoupling.seen.centre, b.hostCoupling.seen.angle, originals[count]);
             copies[count].key = originals[count].key = static_cast<std::uint32_t>(count);
             owner.push_back(i);
             ++count;
@@ -76,7 +76,7 @@ void findIntruders(const World& world, double h, HostCouplingWork& work) {
 
 /// Its constraints were in our problem all the frame long, so that our impulses can be compared with the host's.
 bool solvedThroughout(const Body& b, double advanced) {
-    return b.dynamic && b.handover.coupledTime > 0.999 * advanced;
+    return b.dynamic && b.hostCoupling.coupledTime > 0.999 * advanced;
 }
 
 } // namespace
@@ -122,7 +122,7 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
         const bool capped =
             advanced * now.velocity.norm() > 0.99 * c.farthest || advanced * std::abs(now.spin) > 0.99 * c.mostTurn;
         if (capped || std::find(lost.begin(), lost.end(), b.id) != lost.end()) // all of it counts as error
-            out[i] = {now.velocity - b.handover.handed, now.spin - b.handover.handedSpin};
+            out[i] = {now.velocity - b.hostCoupling.handed, now.spin - b.hostCoupling.handedSpin};
     }
 }
 
@@ -133,15 +133,15 @@ void settlePlaces(World& world, Port& port, double advanced, HostCouplingWork& w
     suspects.clear();
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
-        if (!b.handover.known)
+        if (!b.hostCoupling.known)
             continue;
         const Vec2 astray = advanced * unsolved[i].velocity;
         const double turned = advanced * unsolved[i].spin;
         if (astray.norm() + std::abs(turned) * farthestPoint(world, b) > 0.1 * kLeave * h) {
-            port.place(b.id, b.handover.seen.centre - astray, b.handover.seen.angle - turned);
-            (void)port.state(b.id, b.handover.seen); // it answered in this frame
+            port.place(b.id, b.hostCoupling.seen.centre - astray, b.hostCoupling.seen.angle - turned);
+            (void)port.state(b.id, b.hostCoupling.seen); // it answered in this frame
         }
-        const BodyState& seen = b.handover.seen;
+        const BodyState& seen = b.hostCoupling.seen;
         const double off =
             (seen.centre - b.state.centre).norm() + std::abs(seen.angle - b.state.angle) * farthestPoint(world, b);
         if (off > kLeave * h)
@@ -155,10 +155,10 @@ void settlePlaces(World& world, Port& port, double advanced, HostCouplingWork& w
         Body& b = world.bodies[static_cast<std::size_t>(i)];
         if (std::find(intruding.begin(), intruding.end(), i) != intruding.end()) {
             port.place(b.id, b.state.centre, b.state.angle);
-            (void)port.state(b.id, b.handover.seen); // it answered in this frame
+            (void)port.state(b.id, b.hostCoupling.seen); // it answered in this frame
         } else {
-            b.state.centre = b.handover.seen.centre;
-            b.state.angle = b.handover.seen.angle;
+            b.state.centre = b.hostCoupling.seen.centre;
+            b.state.angle = b.hostCoupling.seen.angle;
         }
     }
 }

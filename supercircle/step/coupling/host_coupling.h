@@ -1,6 +1,6 @@
 #pragma once
 // Two solvers and one body: how a dynamic body of the host lives in the shells' steps and in the host's (private to
-// step/; measured limits are in docs/coupling.md).
+// step/; measured limits are in docs/theory/coupling.md).
 //
 // A host such as Box2D steps by frames of 1/60 s, moves a body by x += T v with the velocity of the frame's end, and
 // solves its contacts and joints with a few sweeps. Shells take ten to a thousand steps in that time, with exact gaps
@@ -45,7 +45,7 @@ struct HostCouplingWork {
     std::vector<BodyMotion> unsolved; ///< per World::bodies
     std::vector<BodyId> lost;
     std::vector<int> suspects, intruding, owner;
-    std::vector<contact::Curve> curves;
+    std::vector<contact::RodCurve> curves;
     std::vector<contact::Outline> copies, originals;
     std::vector<double> depthOfCopy, depthOfOriginal;
     contact::Detector detector;

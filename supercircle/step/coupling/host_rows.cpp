@@ -199,7 +199,7 @@ double relative(const World& world, const ContactStage& stage, const BodyEnds& e
             return 0.0;
         const Body& b = world.bodies[static_cast<std::size_t>(body)];
         const BodyMotion& m = stage.motion[static_cast<std::size_t>(body)];
-        return axis.dot(m.velocity - b.handover.drift) + turn * (m.spin - b.handover.driftSpin);
+        return axis.dot(m.velocity - b.hostCoupling.drift) + turn * (m.spin - b.hostCoupling.driftSpin);
     };
     return side(e.a, s.axisA, s.turnA) + side(e.b, s.axisB, s.turnB);
 }
@@ -224,7 +224,7 @@ void putRows(const World& world, ContactStage& stage, const BodyEnds& e, const S
         out.w[i] = given(world, stage, e.a, s.axisA, s.turnA) + given(world, stage, e.b, s.axisB, s.turnB);
     }
     out.id = 0;
-    out.kind = coulomb::Kind::Unilateral;
+    out.kind = coulomb::ContactKind::Unilateral;
 }
 
 } // namespace
@@ -268,8 +268,8 @@ void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
     for (const int i : stage.problemBodies) {
         const Body& body = world.bodies[static_cast<std::size_t>(i)];
         const BodyPlace& p = placeOf(stage, i);
-        const BodyMotion free = freeMotion(world, body, body.handover.unexplained.expectedLinear,
-                                           body.handover.unexplained.expectedAngular, dt);
+        const BodyMotion free = freeMotion(world, body, body.hostCoupling.unexplained.expectedLinear,
+                                           body.hostCoupling.unexplained.expectedAngular, dt);
         Eigen::MatrixXd& A = stage.problem.bodies[static_cast<std::size_t>(p.block)].A;
         const double m = body.state.mass, inertia = body.state.inertia;
         A.diagonal().segment(p.column, p.freedoms) = Eigen::Vector3d(m, m, inertia).head(p.freedoms);
@@ -338,7 +338,7 @@ void readHostBlocks(const World& world, ContactStage& stage) {
         const Body& b = world.bodies[i];
         if (!b.dynamic)
             continue;
-        const Handover& h = b.handover;
+        const HostCoupling& h = b.hostCoupling;
         BodyMotion m = freeMotion(world, b, h.all.expectedLinear, h.all.expectedAngular, stage.problem.dt);
         const BodyPlace p = stage.problem.contacts.empty() ? BodyPlace{} : stage.place[i];
         if (p.block >= 0) {

@@ -12,7 +12,7 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
     const std::vector<BodyMotion>& unsolved = work.unsolved;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
-        Handover& h = b.handover;
+        HostCoupling& h = b.hostCoupling;
         BodyState now;
         h.known = b.dynamic && port.state(b.id, now);
         if (!h.known)

@@ -54,9 +54,9 @@ Vec2 forceOf(const GrabWork& g, double dt, const Eigen::VectorXd& v) {
 
 Pose poseAfter(const World& world, const Hold& h, double ahead) {
     const Target& t = h.target;
-    if (t.path.active || !h.onMachine)
+    if (t.path.active || !h.onCrosshead)
         return poseAfter(world, t, ahead);
-    return {t.point + ahead * world.machineVelocity, t.angle + ahead * t.spin, world.machineVelocity, t.spin};
+    return {t.point + ahead * world.crossheadVelocity, t.angle + ahead * t.spin, world.crossheadVelocity, t.spin};
 }
 
 Pose poseAfter(const World& world, const Target& t, double ahead) {
@@ -66,7 +66,7 @@ Pose poseAfter(const World& world, const Target& t, double ahead) {
 }
 
 void advanceTarget(const World& world, double dt, Hold& h) {
-    if (h.target.path.active || !h.onMachine)
+    if (h.target.path.active || !h.onCrosshead)
         return advanceTarget(world, dt, h.target);
     const Pose p = poseAfter(world, h, dt);
     h.target.point = p.point;
@@ -134,7 +134,7 @@ void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
     }
 }
 
-double bookLoads(Rod& rod, double dt, const RodWork& w) {
+double recordAppliedForces(Rod& rod, double dt, const RodWork& w) {
     double work = w.load.size() > 0 ? dt * w.load.dot(w.v) : 0.0;
     for (std::size_t i = 0; i < w.grabs.size(); ++i) {
         rod.grabs[i].force = forceOf(w.grabs[i], dt, w.v);

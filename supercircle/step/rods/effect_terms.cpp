@@ -7,7 +7,8 @@ namespace supercircle::step {
 
 namespace {
 
-/// Error of a moment that asks for another linearisation, as a share of B / L: 3e-5 of the force of a bent shell.
+/// Error of a moment that asks for another linearisation, as a share of B / L: 3e-5 of the force of a
+/// tangentialDeflection shell.
 constexpr double kMomentTolerance = 1e-4;
 /// The same of the drag's resultant, as a share of f L.
 constexpr double kDragTolerance = 1e-3;
@@ -28,7 +29,8 @@ void addMaterial(const Rod& rod, double dt, RodWork& w) {
         const auto k = static_cast<std::size_t>(e);
         const int dof = rod.model.dofOfElement(e);
         const double now = 2.0 * w.qk[dof] - rod.q[dof], l = rod.model.elementLength(e);
-        const effects::Response r = effects::respond(rod.model, rod.effects.material, e, rod.q[dof], now, dt);
+        const effects::MaterialResponse r =
+            effects::materialResponse(rod.model, rod.effects.material, e, rod.q[dof], now, dt);
         work.curvature[k] = now;
         work.moment[k] = extraMoment(rod, e, now, r.moment);
         work.tangent[k] = r.tangent - rod.model.definition().bendingModulus;
@@ -58,17 +60,17 @@ void addDrag(const Rod& rod, double dt, RodWork& w) {
     EffectWork& work = w.effects;
     const effects::Drag& drag = rod.effects.drag;
     const Eigen::Index n = rod.model.dofs();
-    work.rows.resize(drag.place.size());
-    work.way.resize(drag.place.size());
-    work.drag.resize(drag.place.size());
+    work.rows.resize(drag.points.size());
+    work.way.resize(drag.points.size());
+    work.drag.resize(drag.points.size());
     const Eigen::VectorXd motion = 2.0 * (w.qk - rod.q);
-    for (std::size_t i = 0; i < drag.place.size(); ++i) {
+    for (std::size_t i = 0; i < drag.points.size(); ++i) {
         auto& J = work.rows[i];
         J.resize(2, n);
-        w.kin.pointRows(rod.model, drag.place[i], Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), J);
+        w.kin.pointRows(rod.model, drag.points[i], Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), J);
         work.way[i] = J * motion;
         work.drag[i] = effects::dragAt(drag, i, work.way[i], work.tries > 2);
-        const effects::DragPoint& p = work.drag[i];
+        const effects::DragResponse& p = work.drag[i];
         addOuter(J, (dt * dt) * p.stiffness, work.columns, w.A);
         w.rhs.noalias() += dt * (J.transpose() * (p.force + p.stiffness * work.way[i]));
     }
@@ -98,7 +100,8 @@ double effectError(const Rod& rod, double dt, const RodWork& w) {
             const auto k = static_cast<std::size_t>(e);
             const int dof = rod.model.dofOfElement(e);
             const double now = w.q1[dof];
-            const effects::Response r = effects::respond(rod.model, rod.effects.material, e, rod.q[dof], now, dt);
+            const effects::MaterialResponse r =
+                effects::materialResponse(rod.model, rod.effects.material, e, rod.q[dof], now, dt);
             const double linear = work.moment[k] + work.tangent[k] * (now - work.curvature[k]);
             worst = std::max(worst, std::abs(extraMoment(rod, e, now, r.moment) - linear) / unit);
         }
@@ -122,7 +125,7 @@ EffectBooks acceptEffects(Rod& rod, double dt, const RodWork& w) {
     double given = 0.0; // work of the rod on the linearised effects
     const auto total = [&] {
         double sum = 0.0;
-        for (const effects::Book& b : fx.books)
+        for (const effects::EffectEnergy& b : fx.energies)
             sum += b.stored + b.dissipated;
         return sum;
     };
@@ -134,14 +137,14 @@ EffectBooks acceptEffects(Rod& rod, double dt, const RodWork& w) {
             given += rod.model.elementLength(e) * (w.q1[dof] - rod.q[dof]) *
                      (work.moment[k] + work.tangent[k] * (w.q1[dof] - work.curvature[k]));
         }
-        effects::advance(rod.model, rod.q, w.q1, dt, fx.material, fx.books);
+        effects::advance(rod.model, rod.q, w.q1, dt, fx.material, fx.energies);
     }
     if (fx.drag.on()) {
-        effects::Book& book = fx.books[static_cast<std::size_t>(effects::Key::PlanarDrag)];
+        effects::EffectEnergy& book = fx.energies[static_cast<std::size_t>(effects::Key::PlanarDrag)];
         for (std::size_t i = 0; i < work.rows.size(); ++i) {
             const Vec2 way = dt * (work.rows[i] * w.v);
             given -= way.dot(linearDrag(work, i, way));
-            const effects::DragPoint p = effects::dragAt(fx.drag, i, way);
+            const effects::DragResponse p = effects::dragAt(fx.drag, i, way);
             book.dissipated += fx.drag.model.force * fx.drag.weight[i] * p.slipped;
             fx.drag.stretch[i] = p.stretch;
         }

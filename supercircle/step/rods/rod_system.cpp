@@ -35,7 +35,7 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
         w.c[row++] = missing / dt;
     };
     for (const Hold& h : rod.holds) {
-        const rod::Place at = rod::locate(rod.model, h.s);
+        const rod::MaterialPoint at = rod::locate(rod.model, h.s);
         w.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
         const Pose goal = poseAfter(world, h, dt);
         const Vec2 missing = goal.point - rod.kin.point(at);
@@ -48,8 +48,8 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     }
     if (closed) { // both ends are one material point
         const double L = rod.model.definition().length;
-        const rod::Place first = rod::locate(rod.model, 0, 0.0);
-        const rod::Place last = rod::locate(rod.model, rod.model.elements() - 1, L);
+        const rod::MaterialPoint first = rod::locate(rod.model, 0, 0.0);
+        const rod::MaterialPoint last = rod::locate(rod.model, rod.model.elements() - 1, L);
         w.kin.pointRows(rod.model, last, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
         w.kin.pointRows(rod.model, first, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), other);
         const Vec2 missing = rod.kin.point(first) - rod.kin.point(last);
@@ -212,8 +212,8 @@ void advanceRod(const Rod& rod, double dt, RodWork& w) {
     w.error = 0.5 * dt * std::sqrt(change);
 }
 
-RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
-    RodBooks books;
+RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
+    RodEnergies books;
     for (std::size_t g = 0; g < w.u1.size(); ++g) {
         books.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - w.u0[g].squaredNorm());
         books.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
@@ -247,7 +247,7 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
             advanceTarget(world, dt, h);
         }
     }
-    books.loadWork = bookLoads(rod, dt, w);
+    books.loadWork = recordAppliedForces(rod, dt, w);
     if (rod.effects.on()) {
         const EffectBooks taken = acceptEffects(rod, dt, w);
         books.effects = taken.taken;
@@ -264,7 +264,7 @@ RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     books.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
     books.secondOrder -= dt * w.v.dot(w.gravityForce) + books.gravityChange;
     rod.speed = w.moved / dt;
-    rod.qGood = rod.q;
+    rod.lastAccepted = rod.q;
     return books;
 }
 

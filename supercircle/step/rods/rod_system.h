@@ -1,6 +1,6 @@
 #pragma once
 // The part of a step that concerns one rod alone (private to step/): evaluate, predict, advance. Rods are independent
-// of each other here, so these run in parallel with the same digits for any number of threads.
+// of each other here, so these run in parallel bitwise identical for any number of threads.
 
 #include "supercircle/step/stages/workspace.h"
 
@@ -21,7 +21,7 @@ void predictRod(const Rod& rod, RodWork& w);
 /// New configuration, displacement and local error from w.v.
 void advanceRod(const Rod& rod, double dt, RodWork& w);
 /// Energy the step moved, per rod (see energy_balance.h).
-struct RodBooks {
+struct RodEnergies {
     double kineticChange = 0.0, bendingChange = 0.0, gravityChange = 0.0;
     double kineticLoss = 0.0; ///< 1/2 |u_new - u_old|^2
     double secondOrder = 0.0; ///< of implicit bending and of gravity
@@ -31,6 +31,6 @@ struct RodBooks {
     double rollingWork = 0.0; ///< of contact forces while their points roll and turn (contact_stiffness.h)
 };
 /// Accepts the attempt: state, material velocities, hold reactions.
-RodBooks acceptRod(const World& world, Rod& rod, double dt, RodWork& w);
+RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w);
 
 } // namespace supercircle::step

@@ -29,8 +29,8 @@ Vec2 change(const Rows& J, const Rod& rod, RodWork& w) {
     return J * w.difference;
 }
 
-/// Contact terms of the energy books and the forces on bodies; uses the rods' old velocities, so before acceptRods.
-void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage, double dt) {
+/// Contact terms of the energy balance and the forces on bodies; uses the rods' old velocities, so before acceptRods.
+void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage, double dt) {
     for (Body& b : world.bodies)
         b.force.setZero();
     for (std::size_t i = 0; i < rods.size(); ++i) {
@@ -60,46 +60,45 @@ void bookContacts(World& world, std::vector<RodWork>& rods, ContactStage& stage,
             if (index >= 0) {
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
-                world.ledger.toBodies += r.dot(ub);
-                world.ledger.work += r.dot(k.surface); // of the drift
+                world.energyBalance.toBodies += r.dot(ub);
+                world.energyBalance.work += r.dot(k.surface); // of the drift
                 const double turn = rod::cross(k.armB, force * dt);
                 body.impulse -= force * dt;
                 body.angularImpulse -= turn;
-                body.handover.hostImpulse +=
-                    force * dt; // what is not the shells' is the host's, see advanceBodies
-                body.handover.hostTurnImpulse += turn;
+                body.hostCoupling.hostImpulse += force * dt; // what is not the shells' is the host's, see advanceBodies
+                body.hostCoupling.hostTurnImpulse += turn;
             } else {
-                world.ledger.work += r.dot(k.surface);
+                world.energyBalance.work += r.dot(k.surface);
             }
         }
         if (!k.give.isZero(0.0)) { // the springs take their part
             const ContactImpulse* before = findImpulse(world.impulses, c.id);
             const Vec2 sprung(k.give.x() * (r.x() / dt - (before != nullptr ? before->normal : 0.0)),
-                              k.give.y() * r.y() / dt - k.bent);
-            world.ledger.numerical += r.dot(sprung) / dt; // what stays in them is taken off in accept
+                              k.give.y() * r.y() / dt - k.tangentialDeflection);
+            world.energyBalance.numerical += r.dot(sprung) / dt; // what stays in them is taken off in accept
             u += sprung / dt;
         }
-        world.ledger.friction -= r.y() * u.y();
-        world.ledger.pushOut -= r.x() * u.x();
+        world.energyBalance.friction -= r.y() * u.y();
+        world.energyBalance.positionCorrection -= r.x() * u.x();
     }
 }
 
-/// Energy in the springs of contacts that give, J.
-struct GiveEnergy {
+/// Energy in the springs of compliant contacts, J.
+struct ComplianceEnergy {
     double compliance = 0.0, presliding = 0.0;
 };
-GiveEnergy giveEnergy(const World& world, const std::vector<contact::Candidate>& candidates,
-                      const std::vector<ContactImpulse>& forces) {
-    GiveEnergy sum;
+ComplianceEnergy complianceEnergy(const World& world, const std::vector<contact::Candidate>& candidates,
+                                  const std::vector<ContactImpulse>& forces) {
+    ComplianceEnergy sum;
     if (std::none_of(world.rods.begin(), world.rods.end(),
-                     [](const Rod& r) { return r.effects.surface.model.gives(); }))
+                     [](const Rod& r) { return r.effects.surface.model.compliant(); }))
         return sum;
     for (const contact::Candidate& c : candidates)
         if (const ContactImpulse* f = findImpulse(forces, c.id)) {
-            const Vec2 give = giveOf(world, c);
+            const Vec2 give = complianceOf(world, c);
             const double constant = give.y() * f->tangent; // m, of the deflection
             sum.compliance += 0.5 * (give.x() * f->normal * f->normal + constant * f->tangent);
-            sum.presliding += std::max(0.0, 0.5 * (f->bent - constant) * f->tangent);
+            sum.presliding += std::max(0.0, 0.5 * (f->tangentialDeflection - constant) * f->tangent);
         }
     return sum;
 }
@@ -112,7 +111,7 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         b.state.angle += dt * m.spin;
         if (!b.dynamic)
             continue;
-        Handover& h = b.handover;
+        HostCoupling& h = b.hostCoupling;
         const BodyMotion free = freeMotion(world, b, Vec2::Zero(), 0.0, dt);
         b.state.velocity = m.velocity - h.drift;
         b.state.spin = m.spin - h.driftSpin;
@@ -125,7 +124,7 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
             h.coupledTime += dt;
         }
     }
-    world.machineTravel += dt * world.machineVelocity;
+    world.crossheadTravel += dt * world.crossheadVelocity;
 }
 
 } // namespace
@@ -134,28 +133,28 @@ void accept(World& world, TrialStep& t) {
     std::vector<RodWork>& rods = t.rods;
     ContactStage& stage = t.stage;
     const double dt = t.dt;
-    bookContacts(world, rods, stage, dt);
-    bookLinks(world, rods, stage, dt);
-    Ledger& l = world.ledger;
-    const AttractionBooks pulls = bookAttraction(world, rods, dt, stage);
+    recordContacts(world, rods, stage, dt);
+    recordLinks(world, rods, stage, dt);
+    EnergyBalance& l = world.energyBalance;
+    const AdhesionEnergies pulls = recordAdhesion(world, rods, dt, stage);
     l.effects += pulls.taken;
     l.numerical += pulls.secondOrder;
     l.work += pulls.work;
     l.toBodies += pulls.toBodies;
     const auto hold = [&](effects::Key key, double held) {
-        effects::Book& give = world.effectsGone[static_cast<std::size_t>(key)];
+        effects::EffectEnergy& give = world.effectsGone[static_cast<std::size_t>(key)];
         if (held != give.stored) {
             l.effects += held - give.stored;
             l.numerical -= held - give.stored;
             give.stored = held;
         }
     };
-    const GiveEnergy held = giveEnergy(world, stage.after, t.impulses);
+    const ComplianceEnergy held = complianceEnergy(world, stage.after, t.impulses);
     hold(effects::Key::ContactCompliance, held.compliance);
     hold(effects::Key::StaticFrictionExcess, held.presliding);
     advanceSurfaces(world, rods, dt, stage);
-    std::vector<RodBooks>& books = t.books;
-    books.assign(rods.size(), RodBooks{});
+    std::vector<RodEnergies>& books = t.books;
+    books.assign(rods.size(), RodEnergies{});
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
         if (!world.rods[i].frozen())
             books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
@@ -163,7 +162,7 @@ void accept(World& world, TrialStep& t) {
     for (std::size_t i = 0; i < rods.size(); ++i) {
         if (world.rods[i].frozen())
             continue;
-        const RodBooks& b = books[i];
+        const RodEnergies& b = books[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
         l.kinetic += b.kineticChange;
         l.bending += b.bendingChange;
@@ -171,7 +170,7 @@ void accept(World& world, TrialStep& t) {
         l.impact += impact;
         l.numerical += b.kineticLoss - impact + b.secondOrder;
         l.work += b.holdWork + b.loadWork;
-        l.pushOut -= b.rollingWork;
+        l.positionCorrection -= b.rollingWork;
         l.effects += b.effects;
     }
     acceptHostConstraints(world, stage, dt);
@@ -182,9 +181,9 @@ void accept(World& world, TrialStep& t) {
     world.range = t.nextRange;
     world.dt = dt;
     ++world.counters.steps;
-    world.counters.etaMax = std::max(world.counters.etaMax, stage.report.eta);
+    world.counters.contactResidualMax = std::max(world.counters.contactResidualMax, stage.report.contactResidual);
     world.counters.contactsMax = std::max<std::uint64_t>(world.counters.contactsMax, stage.candidates.size());
-    world.counters.loadedMax = std::max<std::uint64_t>(world.counters.loadedMax, t.impulses.size());
+    world.counters.activeContactsMax = std::max<std::uint64_t>(world.counters.activeContactsMax, t.impulses.size());
     if (!stage.report.converged)
         ++world.counters.unconverged;
     world.counters.penetrationMax = std::max(world.counters.penetrationMax, deepest(world.candidates));

@@ -8,12 +8,12 @@ namespace supercircle::step {
 
 void quarantine(World& world, Rod& r) {
     r.quarantined = true;
-    r.q = r.qGood;
+    r.q = r.lastAccepted;
     r.v.setZero();
     const double kinetic = rod::kineticEnergy(r.gauss, r.u);
     if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
-        world.ledger.kinetic -= kinetic;
-        world.ledger.added -= kinetic;
+        world.energyBalance.kinetic -= kinetic;
+        world.energyBalance.added -= kinetic;
     }
     refreshRod(r);
     world.range.clear();

@@ -10,7 +10,7 @@ void drive(World& world, double frame) {
         b.impulse.setZero();
         b.angularImpulse = 0.0;
         if (b.driven)
-            b.state.velocity = world.machineVelocity;
+            b.state.velocity = world.crossheadVelocity;
     }
     startPaths(world, frame);
 }

@@ -11,12 +11,12 @@ namespace supercircle::step {
 void evaluate(const World& world, TrialStep& t) {
     collectRolling(world, t.rods, t.dt, t.impulses, t.first(), t.stage);
     collectAxial(world, t.rods, t.impulses, t.stage);
-    collectPulls(world, t.rods, t.dt, t.stage);
+    collectAdhesion(world, t.rods, t.dt, t.stage);
     forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
         if (t.rods[i].frozen)
             return;
         evaluateRod(world, world.rods[i], t.dt, t.first(), t.rods[i]);
-        addPulls(t.stage, static_cast<int>(i), t.dt, t.rods[i]);
+        addAdhesion(t.stage, static_cast<int>(i), t.dt, t.rods[i]);
     });
 }
 

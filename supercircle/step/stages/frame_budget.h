@@ -5,7 +5,7 @@
 // contact and four per rod that is awake, about 3 us each. Two things happen as it is used up:
 // - at a quarter of it (counting the two steps to come) the frame is in a rush: the controller allows four times the
 //   local error and four times the motion per step. Nothing else is relaxed: the contact law, the limit of penetration,
-//   the crossing witness;
+//   the crossing check;
 // - at all of it the frame ends early, after a whole accepted step (FrameResult::late). What is left of the frame is
 //   not simulated: slow motion instead of wrong motion.
 

@@ -27,7 +27,7 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 }
 
 /// Whether an element turns far more often than a shell can: motion at the end of its numbers.
-bool curledUp(const rod::RodModel& model, const Eigen::VectorXd& q) {
+bool excessiveCurvature(const rod::RodModel& model, const Eigen::VectorXd& q) {
     constexpr double kMostTurn = 16.0 * M_PI;
     for (int i = 0; i < model.elements(); ++i)
         if (std::abs(q[model.dofOfElement(i)]) * model.elementLength(i) > kMostTurn)
@@ -46,7 +46,7 @@ bool measure(const World& world, const Settings& settings, TrialStep& t) {
         if (w.touching)
             t.moved = std::max(t.moved, w.moved);
         if (!world.rods[i].quarantined && (w.moved > t.dt * soundSpeed(world.rods[i].model.definition()) ||
-                                           (!w.frozen && curledUp(world.rods[i].model, w.q1))))
+                                           (!w.frozen && excessiveCurvature(world.rods[i].model, w.q1))))
             t.result.runaways.push_back(i);
         if (w.shift > t.result.range[i] + 0.4 * settings.margin * t.h) {
             outOfRange = true;

@@ -25,12 +25,12 @@ struct GapErrors {
     double deepest = 0.0; ///< deepest overlap after the step, m
 };
 
-/// Contacts that give (contact_rows.h) are closed where their springs say.
+/// Compliant contacts (contact_rows.h) are closed where their springs say.
 GapErrors gapErrors(const World& world, const ContactStage& stage, const std::vector<ContactImpulse>& loaded) {
     GapErrors e;
     for (const contact::Candidate& c : stage.after) {
         const ContactImpulse* force = findImpulse(loaded, c.id);
-        const double give = force != nullptr ? giveOf(world, c).x() * force->normal : 0.0;
+        const double give = force != nullptr ? complianceOf(world, c).x() * force->normal : 0.0;
         e.deepest = std::max(e.deepest, -(c.gap + give));
         if (force != nullptr)
             e.loaded = std::max(e.loaded, std::abs(c.gap + give));
@@ -40,15 +40,15 @@ GapErrors gapErrors(const World& world, const ContactStage& stage, const std::ve
 
 /// What a step starts from: all candidates known, or those of them that matter.
 const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings, TrialStep& t) {
-    t.stage.addBelow = settings.prune ? settings.margin * t.h : std::numeric_limits<double>::infinity();
-    if (!settings.prune)
+    t.stage.addBelow = settings.cull ? settings.margin * t.h : std::numeric_limits<double>::infinity();
+    if (!settings.cull)
         return t.candidates(world);
-    prune(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
+    cull(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
     return t.kept;
 }
 
 /// Whether links, grabs or effects ask for another linearisation.
-bool partsOff(const World& world, double tolerance, const TrialStep& t) {
+bool jointsOrEffectsOff(const World& world, double tolerance, const TrialStep& t) {
     const std::vector<RodWork>& rods = t.rods;
     const ContactStage& stage = t.stage;
     const double dt = t.dt;
@@ -56,7 +56,7 @@ bool partsOff(const World& world, double tolerance, const TrialStep& t) {
         if (!rods[i].frozen && (grabsOff(world.rods[i], dt, rods[i]) ||
                                 (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
             return true;
-    return frictionError(world, rods, dt, stage) > 1.0 || pullError(world, rods, dt, stage) > 1.0 ||
+    return frictionError(world, rods, dt, stage) > 1.0 || adhesionError(world, rods, dt, stage) > 1.0 ||
            linkError(world, rods, dt, tolerance, stage) > 1.0;
 }
 
@@ -94,12 +94,12 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
     const double reject = settings.rejectPenetration * t.h, tolerance = settings.relinearise * t.h;
     const bool deeper = e.deepest > reject && e.deepest > t.overlapAtStart + 0.1 * reject;
     const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > t.overlapAtStart);
-    if ((deeper || off || partsOff(world, tolerance, t)) && ++t.linearisations < settings.maxIterations) {
+    if ((deeper || off || jointsOrEffectsOff(world, tolerance, t)) && ++t.linearisations < settings.maxIterations) {
         forEachRod(t.stage.loop, t.rods.size(), [&](std::size_t i) {
             if (!t.rods[i].frozen)
                 relineariseInMiddle(world.rods[i], t.rods[i]);
         });
-        frameInMiddle(world, t.rods, settings.prune ? t.kept : t.candidates(world), true, t.dt, t.stage);
+        frameInMiddle(world, t.rods, settings.cull ? t.kept : t.candidates(world), true, t.dt, t.stage);
         for (std::size_t i = 0; i < t.rods.size(); ++i)
             t.result.range[i] = std::max(t.result.range[i], t.nextRange[i]);
         return true;

@@ -26,10 +26,10 @@ Box reach(const World& world, double frame) {
 
 /// What the copy `old` of the last frame still knows about a body whose original is now in the state `b.state`.
 void takeUp(const Body& old, double frame, Body& b) {
-    const BodyState &now = b.state, &seen = old.handover.seen;
-    Handover& h = b.handover;
-    h.unexplained = old.handover.unexplained;
-    h.all = old.handover.all;
+    const BodyState &now = b.state, &seen = old.hostCoupling.seen;
+    HostCoupling& h = b.hostCoupling;
+    h.unexplained = old.hostCoupling.unexplained;
+    h.all = old.hostCoupling.all;
     const bool moved = now.centre != seen.centre || now.angle != seen.angle; // by its user
     if (now.velocity == seen.velocity && now.spin == seen.spin) {
         b.state.velocity = old.state.velocity;
@@ -57,14 +57,15 @@ void readBodies(const World& world, const Port& port, const std::vector<BodyId>&
         b.id = id;
         if (!port.state(id, b.state))
             continue;
-        b.driven = std::find(world.machineBodies.begin(), world.machineBodies.end(), id) != world.machineBodies.end();
+        b.driven =
+            std::find(world.crossheadBodies.begin(), world.crossheadBodies.end(), id) != world.crossheadBodies.end();
         b.dynamic = b.state.mass > 0.0 && b.state.enabled && !b.driven;
         if (const int index = bodyIndex(world, id); index >= 0) {
             const Body& old = world.bodies[static_cast<std::size_t>(index)];
             if (b.driven && old.driven)
                 b.state = old.state;
             b.force = old.force;
-            if (b.dynamic && old.handover.known)
+            if (b.dynamic && old.hostCoupling.known)
                 takeUp(old, frame, b);
         }
         bodies.push_back(b);
@@ -86,8 +87,8 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
         double change = 0.0;
         for (const Rod& r : world.rods)
             change -= r.model.mass() * (g - world.gravity).dot(rod::massCentre(r.kin, r.gauss));
-        world.ledger.gravity += change;
-        world.ledger.added += change;
+        world.energyBalance.gravity += change;
+        world.energyBalance.added += change;
         world.gravity = g;
         wakeAll(world);
     }
@@ -97,7 +98,7 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
     outlines.clear();
     if (!world.rods.empty())
         port.query(reach(world, frame), outlines);
-    ids.assign(world.machineBodies.begin(), world.machineBodies.end());
+    ids.assign(world.crossheadBodies.begin(), world.crossheadBodies.end());
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
     for (const Link& l : world.links)

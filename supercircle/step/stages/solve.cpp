@@ -13,12 +13,12 @@ void solveOnce(const World& world, const Settings& settings, TrialStep& t) {
     coulomb::SolverOptions options = settings.contact;
     if (t.stage.candidates.size() > settings.sweepAbove) {
         options.method = coulomb::Method::Accelerated;
-        options.maxSweeps = settings.cappedSweeps;
+        options.maxGaussSeidelIterations = settings.cappedSweeps;
     }
     solveContacts(world, t.rods, options, t.stage);
     ++t.result.solves;
     t.result.contactsSolved += t.stage.candidates.size();
-    t.result.sweeps += static_cast<std::uint64_t>(t.stage.report.sweeps);
+    t.result.gaussSeidelIterations += static_cast<std::uint64_t>(t.stage.report.gaussSeidelIterations);
     t.result.pivots += static_cast<std::uint64_t>(t.stage.report.pivots);
 }
 

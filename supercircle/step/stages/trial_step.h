@@ -10,17 +10,17 @@ namespace supercircle::step {
 
 /// What a trial returns whether or not it is accepted.
 struct TrialResult {
-    Reason reason = Reason::None;         ///< why it must not become the next state; None: it may
-    bool judged = false;                  ///< it came as far as its end, so that at the smallest size it may be taken
-    std::uint64_t solves = 0;             ///< contact problems
-    std::uint64_t contactsSolved = 0;     ///< contacts in them, all linearisations together
-    std::uint64_t sweeps = 0, pivots = 0; ///< of the solver
-    bool renewed = false;                 ///< `candidates` replace those of the world
-    std::vector<contact::Candidate> candidates; ///< at the start of the step, found with `range`
-    std::vector<double> range;                  ///< how far each rod may move before candidates must be found anew, m
-    std::vector<std::size_t> sleepers;          ///< sleeping rods that somebody pressed on
-    std::vector<std::size_t> runaways;          ///< rods faster than sound in their own material
-    std::vector<contact::Crossing> crossings;   ///< found by the crossing check, if it is on
+    Reason reason = Reason::None;     ///< why it must not become the next state; None: it may
+    bool judged = false;              ///< it came as far as its end, so that at the smallest size it may be taken
+    std::uint64_t solves = 0;         ///< contact problems
+    std::uint64_t contactsSolved = 0; ///< contacts in them, all linearisations together
+    std::uint64_t gaussSeidelIterations = 0, pivots = 0; ///< of the solver
+    bool renewed = false;                                ///< `candidates` replace those of the world
+    std::vector<contact::Candidate> candidates;          ///< at the start of the step, found with `range`
+    std::vector<double> range;                ///< how far each rod may move before candidates must be found anew, m
+    std::vector<std::size_t> sleepers;        ///< sleeping rods that somebody pressed on
+    std::vector<std::size_t> runaways;        ///< rods faster than sound in their own material
+    std::vector<contact::Crossing> crossings; ///< found by the crossing check, if it is on
 };
 
 /// Work space of trial steps; what it holds belongs to the last one.
@@ -32,10 +32,10 @@ struct TrialStep {
     ContactStage stage;
     std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
     std::vector<ContactImpulse> impulses; ///< of the last solve
-    std::vector<RodBooks> books;          ///< of the accepted trial, per rod
-    std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs (Settings::prune)
+    std::vector<RodEnergies> books;       ///< of the accepted trial, per rod
+    std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs (Settings::cull)
     std::vector<const rod::Kinematics*> kin;
-    std::vector<contact::Curve> curvesBefore;
+    std::vector<contact::RodCurve> curvesBefore;
     std::vector<contact::Outline> outlinesBefore;
     double error = 0.0;          ///< largest local error, m
     double moved = 0.0;          ///< farthest motion of a touching rod, m

@@ -45,13 +45,13 @@ struct EffectWork {
     std::vector<double> curvature, moment, tangent; ///< per element: where, extra moment (N m), its slope (N m^2)
     std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows; ///< of the drag's points
     std::vector<Vec2> way;                                      ///< in the step as predicted, m
-    std::vector<effects::DragPoint> drag;
+    std::vector<effects::DragResponse> drag;
     std::vector<Eigen::Index> columns; ///< storage: those of a point that are not zero
     int tries = 0;                     ///< linearisations of this step so far
 };
 
 /// Attraction between a place of a rod and what is near (adhesion.h), linearised.
-struct AttractionWork {
+struct AdhesionWork {
     int rodA = -1, rodB = -1, bodyB = -1; ///< bodyB: index into World::bodies
     std::size_t point = 0;                ///< of rod A's Attraction
     double share = 1.0;                   ///< of its weight
@@ -127,13 +127,13 @@ struct ContactWork {
     Eigen::Matrix<double, 2, Eigen::Dynamic> Ja, Jb; ///< full (unreduced) rows of rod a and rod b
     Vec2 surface = Vec2::Zero();                     ///< (n, t) velocity of a fixed or kinematic surface, m/s
     int rodA = -1, rodB = -1;
-    int bodyB = -1;           ///< index into World::bodies
-    Vec2 armB = Vec2::Zero(); ///< contact point minus body centre at the linearisation point
-    double slip = 0.0;        ///< speed of slip its friction was taken at, m/s
-    double friction = 1.0;    ///< factor of the friction coefficient
-    FactorBounds bounds;      ///< of that factor, within one linearisation
-    Vec2 give = Vec2::Zero(); ///< compliance along (n, t), m/N
-    double bent = 0.0;        ///< tangential deflection at the start of the step, m
+    int bodyB = -1;                    ///< index into World::bodies
+    Vec2 armB = Vec2::Zero();          ///< contact point minus body centre at the linearisation point
+    double slip = 0.0;                 ///< speed of slip its friction was taken at, m/s
+    double friction = 1.0;             ///< factor of the friction coefficient
+    FactorBounds bounds;               ///< of that factor, within one linearisation
+    Vec2 give = Vec2::Zero();          ///< compliance along (n, t), m/N
+    double tangentialDeflection = 0.0; ///< tangential deflection at the start of the step, m
 };
 
 } // namespace supercircle::step

@@ -18,7 +18,7 @@ void writeHost(World& world, Port& port, double advanced) {
             continue;
         const double slow = 1.0 + advanced * now.linearDamping, slowSpin = 1.0 + advanced * now.angularDamping;
         const Vec2 fall = advanced * now.gravityScale * world.gravity;
-        Handover& h = b.handover;
+        HostCoupling& h = b.hostCoupling;
         if (!h.coupled) {
             h.handed = (now.velocity + fall) / slow;
             h.handedSpin = now.spin / slowSpin;

@@ -1,4 +1,4 @@
-// The port on a world that belongs to somebody else.
+// The port on a world that belongs to the user.
 
 #include "bridge/box2d/box2d_port.h"
 
@@ -24,9 +24,9 @@ b2Body* addBox(b2World& world, b2BodyType type, const b2Vec2& at, float half = 0
 }
 
 /// Calls the port from inside the locked world.
-class Meddler : public b2ContactListener {
+class CallbackCaller : public b2ContactListener {
 public:
-    Meddler(bridge::Box2dPort& port, b2World& world) : port_(port), world_(world) {}
+    CallbackCaller(bridge::Box2dPort& port, b2World& world) : port_(port), world_(world) {}
     void BeginContact(b2Contact*) override {
         ++calls;
         locked = world_.IsLocked();
@@ -36,14 +36,14 @@ public:
         readable = port_.state(target, s) && s.velocity.y() < 0.0;
         std::vector<BodyOutline> out;
         port_.query({Vec2(-10, -10), Vec2(10, 10)}, out);
-        seen = out.size();
+        found = out.size();
     }
     BodyId target = 0;
     BodyId plate = 0;
     int calls = 0;
     bool locked = false;
     bool readable = false;
-    std::size_t seen = 0;
+    std::size_t found = 0;
 
 private:
     bridge::Box2dPort& port_;
@@ -52,14 +52,14 @@ private:
 
 } // namespace
 
-TEST_CASE("attaching wants a sane scale", "[bridge]") {
+TEST_CASE("attaching requires a finite and positive scale", "[bridge]") {
     b2World world({0.0F, -10.0F});
     CHECK_THROWS_AS(bridge::attach(world, {0.0}), std::invalid_argument);
     CHECK_THROWS_AS(bridge::attach(world, {std::nan("")}), std::invalid_argument);
     CHECK(bridge::attach(world, {2.0})->gravity() == Vec2(0.0, -5.0));
 }
 
-TEST_CASE("ids survive neighbours and die with their body", "[bridge]") {
+TEST_CASE("ids survive changes of other bodies and end with their body", "[bridge]") {
     b2World world({0.0F, 0.0F});
     b2Body* a = addBox(world, b2_dynamicBody, {0, 0});
     b2Body* b = addBox(world, b2_dynamicBody, {3, 0});
@@ -81,7 +81,7 @@ TEST_CASE("ids survive neighbours and die with their body", "[bridge]") {
     CHECK(port->bodyOf(idB) == nullptr);
     CHECK(port->bodyOf(idC) == c);
     port->applyImpulse(idB, Vec2(1.0, 0.0), 0.0);
-    CHECK(port->refused() == 1);
+    CHECK(port->errorCount() == 1);
 
     // The block allocator hands b's address to the next body.
     b2Body* d = addBox(world, b2_dynamicBody, {3, 0});
@@ -93,7 +93,7 @@ TEST_CASE("ids survive neighbours and die with their body", "[bridge]") {
     CHECK(port->idOf(*c) == idC);
 }
 
-TEST_CASE("address reuse is noticed when the port was not looking", "[bridge]") {
+TEST_CASE("address reuse between two calls is noticed", "[bridge]") {
     b2World world({0.0F, 0.0F});
     std::vector<b2Body*> bodies;
     for (int i = 0; i < 5; ++i)
@@ -103,7 +103,7 @@ TEST_CASE("address reuse is noticed when the port was not looking", "[bridge]") 
     for (const b2Body* b : bodies)
         ids.push_back(port->idOf(*b));
     std::vector<BodyOutline> out;
-    SECTION("an old body's address goes to the youngest") {
+    SECTION("the youngest body gets an old body's address") {
         world.DestroyBody(bodies[1]);
         b2Body* fresh = addBox(world, b2_dynamicBody, {50, 0});
         REQUIRE(fresh == bodies[1]);
@@ -111,7 +111,7 @@ TEST_CASE("address reuse is noticed when the port was not looking", "[bridge]") 
         CHECK(port->bodyOf(ids[1]) == nullptr);
         CHECK(port->bodyOf(ids[4]) == bodies[4]);
     }
-    SECTION("the youngest's address goes to one of another kind") {
+    SECTION("a body with other properties gets the youngest body's address") {
         world.DestroyBody(bodies[4]);
         b2Body* fresh = addBox(world, b2_dynamicBody, {50, 0}, 0.25F);
         REQUIRE(fresh == bodies[4]);
@@ -131,15 +131,15 @@ TEST_CASE("address reuse is noticed when the port was not looking", "[bridge]") 
         CHECK(port->bodyOf(ids[4]) == nullptr);
         CHECK(port->bodyOf(ids[2]) == bodies[2]);
     }
-    SECTION("announced, even a twin is told apart") {
-        port->forget(*bodies[4]);
+    SECTION("an equal body is distinguished if the destruction was announced") {
+        port->notifyDestroyed(*bodies[4]);
         world.DestroyBody(bodies[4]);
         b2Body* fresh = addBox(world, b2_dynamicBody, {50, 0});
         REQUIRE(fresh == bodies[4]);
         CHECK(port->bodyOf(ids[4]) == nullptr);
         CHECK(port->idOf(*fresh) > 5);
     }
-    SECTION("a fixture more or a new mass in the middle changes no id") {
+    SECTION("an additional fixture or a new mass changes no id") {
         b2CircleShape circle;
         circle.m_radius = 0.2F;
         bodies[4]->CreateFixture(&circle, 1.0F);
@@ -172,12 +172,12 @@ TEST_CASE("two-sided and one-sided single edges keep their sides", "[bridge]") {
     CHECK(out[1].local.key == 1);
     CHECK(out[1].local.joinedStart);
     CHECK(out[1].local.joinedEnd);
-    CHECK(out[1].local.points[0] == Vec2(0.1, 0.1)); // turned round: solid on the right
+    CHECK(out[1].local.points[0] == Vec2(0.1, 0.1)); // reversed: solid on the right
     CHECK(out[1].local.neighbourStart == Vec2(0.2, 0.2));
     CHECK(out[1].local.neighbourEnd == Vec2(-0.1, 0.1));
 }
 
-TEST_CASE("a query returns what is near, not what Box2D's fat boxes touch", "[bridge]") {
+TEST_CASE("a query returns what is near, not what Box2D's enlarged boxes touch", "[bridge]") {
     b2World world({0.0F, 0.0F});
     addBox(world, b2_staticBody, {0, 0});
     b2Body* far = addBox(world, b2_dynamicBody, {5, 0});
@@ -195,7 +195,7 @@ TEST_CASE("a query returns what is near, not what Box2D's fat boxes touch", "[br
     CHECK(out.size() == 1);
 }
 
-TEST_CASE("bad numbers never reach Box2D", "[bridge]") {
+TEST_CASE("invalid numbers never reach Box2D", "[bridge]") {
     b2World world({0.0F, -10.0F});
     b2Body* body = addBox(world, b2_dynamicBody, {0, 0});
     b2Body* plate = addBox(world, b2_kinematicBody, {5, 0});
@@ -212,35 +212,35 @@ TEST_CASE("bad numbers never reach Box2D", "[bridge]") {
     std::vector<BodyOutline> out;
     port->query({Vec2(nan, 0.0), Vec2(1.0, 1.0)}, out);
     CHECK(out.empty());
-    CHECK(port->refused() == 7);
+    CHECK(port->errorCount() == 7);
     port->drive(id, Vec2::Zero(), 0.0, Vec2::Zero(), 0.0);
-    CHECK(port->refused() == 8);
-    CHECK(port->lastRefusal().find("kinematic") != std::string::npos);
+    CHECK(port->errorCount() == 8);
+    CHECK(port->lastError().find("kinematic") != std::string::npos);
     CHECK(body->GetLinearVelocity() == b2Vec2(0.0F, 0.0F));
     world.Step(0.01F, 8, 3);
     CHECK(std::isfinite(body->GetPosition().y));
 }
 
-TEST_CASE("inside a callback reading works and writing waits", "[bridge]") {
+TEST_CASE("inside a callback reading works and writing is deferred", "[bridge]") {
     b2World world({0.0F, -10.0F});
     addBox(world, b2_staticBody, {0, 0});
     b2Body* falling = addBox(world, b2_dynamicBody, {0, 1.3F});
     b2Body* plate = addBox(world, b2_kinematicBody, {8, 0});
     auto port = bridge::attach(world);
-    Meddler meddler(*port, world);
-    meddler.target = port->idOf(*falling);
-    meddler.plate = port->idOf(*plate);
-    world.SetContactListener(&meddler);
-    for (int i = 0; i < 100 && meddler.calls == 0; ++i)
+    CallbackCaller caller(*port, world);
+    caller.target = port->idOf(*falling);
+    caller.plate = port->idOf(*plate);
+    world.SetContactListener(&caller);
+    for (int i = 0; i < 100 && caller.calls == 0; ++i)
         world.Step(0.01F, 8, 3);
-    REQUIRE(meddler.calls == 1);
-    CHECK(meddler.locked);
-    CHECK(meddler.readable);
-    CHECK(meddler.seen == 3);
+    REQUIRE(caller.calls == 1);
+    CHECK(caller.locked);
+    CHECK(caller.readable);
+    CHECK(caller.found == 3);
     CHECK(plate->GetPosition() == b2Vec2(8.0F, 0.0F));
     const float before = falling->GetLinearVelocity().y;
     BodyState s;
-    REQUIRE(port->state(meddler.target, s)); // the first call after the step does the waiting work
+    REQUIRE(port->state(caller.target, s)); // the first call after the step does the deferred work
     CHECK(s.velocity.y() == Approx(static_cast<double>(before) + 1.0 / s.mass).epsilon(1e-6));
     CHECK(plate->GetPosition() == b2Vec2(0.5F, 0.5F));
 }

@@ -1,6 +1,7 @@
-// What users do to dynamic Box2D bodies while they touch shells. Playground::frame requires every frame to succeed.
+// Dynamic Box2D bodies in contact with shells, changed by their user. CoupledWorld::frame requires every frame to
+// succeed.
 
-#include "tests/bridge/box2d/playground.h"
+#include "tests/bridge/box2d/coupled_world.h"
 
 #include <vector>
 
@@ -19,13 +20,13 @@ double x(const b2Body* b) {
     return static_cast<double>(b->GetWorldCenter().x) / kScale;
 }
 /// Of the shell's highest node, m.
-double crown(const Playground& p, std::size_t rod = 0) {
+double crown(const CoupledWorld& p, std::size_t rod = 0) {
     double top = -1e9;
     for (int i = 0; i <= p.shells.rods[rod].model.elements(); ++i)
         top = std::max(top, p.shells.rods[rod].kin.node(i).y());
     return top;
 }
-void play(Playground& p, double time) {
+void simulate(CoupledWorld& p, double time) {
     for (int i = 0; i < static_cast<int>(time / kDt); ++i)
         p.frame(kDt);
 }
@@ -36,22 +37,22 @@ struct OnDome {
         ground = p.floor();
         p.dome(0.0);
         crate = p.box(0.0, kTop + 0.0051, 0.01, 0.005, 0.005);
-        play(p, 1.0);
+        simulate(p, 1.0);
         REQUIRE(p.gap(crate) < 0.01 * kThick);
         loaded = crown(p);
     }
-    Playground p;
+    CoupledWorld p;
     b2Body* ground = nullptr;
     b2Body* crate = nullptr;
     double loaded = 0.0; ///< height of the crown under the crate, m
-    /// Nothing on it: the crown springs back above where the crate's weight held it.
+    /// Without load the crown springs back above its position under the crate.
     void requireFree() {
-        play(p, 0.5);
+        simulate(p, 0.5);
         CHECK(crown(p) > loaded);
     }
 };
 
-Vec2 momentumOf(const Playground& p) {
+Vec2 momentumOf(const CoupledWorld& p) {
     Vec2 sum = Vec2::Zero();
     for (const step::Rod& r : p.shells.rods)
         for (std::size_t g = 0; g < r.u.size(); ++g)
@@ -64,8 +65,8 @@ Vec2 momentumOf(const Playground& p) {
 
 } // namespace
 
-TEST_CASE("a shell that flies into a crate launches it, and momentum stays", "[bridge]") {
-    Playground p(0.0);
+TEST_CASE("a shell that flies into a crate launches it, and momentum is conserved", "[bridge]") {
+    CoupledWorld p(0.0);
     rod::RodDefinition d;
     d.length = M_PI * kRadius;
     d.naturalCurvature.assign(15, 1.0 / kRadius);
@@ -73,14 +74,14 @@ TEST_CASE("a shell that flies into a crate launches it, and momentum stays", "[b
     b2Body* crate = p.box(0.003, 0.01, 0.02, 0.005, 0.002);
     b2Body* rider = p.box(0.004, 0.0202, 0.01, 0.005, 0.004);
     const Vec2 before = momentumOf(p);
-    play(p, 0.25);
+    simulate(p, 0.25);
     CHECK(static_cast<double>(crate->GetLinearVelocity().y) / kScale > 0.02);
     CHECK(static_cast<double>(rider->GetLinearVelocity().y) / kScale > 0.02); // Box2D's contact passes it on
     CHECK((momentumOf(p) - before).norm() < 1e-5 * before.norm());            // Box2D's floats
 }
 
-TEST_CASE("one shell carries several bodies and a body lies on several shells", "[bridge]") {
-    Playground p;
+TEST_CASE("one shell carries several bodies, and one body lies on several shells", "[bridge]") {
+    CoupledWorld p;
     p.floor();
     rod::RodDefinition d; // a flat strip on two posts
     d.length = 0.1;
@@ -97,7 +98,7 @@ TEST_CASE("one shell carries several bodies and a body lies on several shells", 
     p.dome(0.25);
     p.dome(0.3);
     b2Body* plank = p.box(0.25, kTop + 0.0041, 0.08, 0.004, 0.03);
-    play(p, 0.6);
+    simulate(p, 0.6);
     for (b2Body* b : {left, right, plank}) {
         CAPTURE(x(b), y(b));
         CHECK(std::abs(p.gap(b)) < 0.02 * kThick);
@@ -107,7 +108,7 @@ TEST_CASE("one shell carries several bodies and a body lies on several shells", 
 }
 
 TEST_CASE("a vehicle with a motor drives over a shell", "[bridge]") {
-    Playground p;
+    CoupledWorld p;
     p.floor(1.0);
     rod::RodDefinition d; // a low hump, tips on the floor
     d.length = 0.06;
@@ -138,7 +139,7 @@ TEST_CASE("a vehicle with a motor drives over a shell", "[bridge]") {
 }
 
 TEST_CASE("a bullet body does not pass through a shell", "[bridge]") {
-    Playground p(0.0);
+    CoupledWorld p(0.0);
     b2Body* wall = p.floor();
     (void)wall;
     p.dome(0.0);
@@ -147,14 +148,14 @@ TEST_CASE("a bullet body does not pass through a shell", "[bridge]") {
     ball->SetLinearVelocity(host(0.0, -5.0)); // 5 m/s: 80 thicknesses a frame
     for (int i = 0; i < 24; ++i) {
         p.frame(kDt);
-        CHECK(y(ball) > crown(p) - 2.0 * kThick); // it stays on its side
+        CHECK(y(ball) > crown(p) - 2.0 * kThick); // it does not pass through
     }
     CHECK(p.shells.counters.crossings == 0);
 }
 
-TEST_CASE("sensors change nothing, and what they see is Box2D's", "[bridge]") {
+TEST_CASE("sensors change nothing", "[bridge]") {
     const auto run = [](bool sensor) {
-        Playground p;
+        CoupledWorld p;
         p.floor();
         p.dome(0.0);
         b2Body* crate = p.box(0.0, kTop + 0.0051, 0.01, 0.005, 0.005);
@@ -166,7 +167,7 @@ TEST_CASE("sensors change nothing, and what they see is Box2D's", "[bridge]") {
             f.isSensor = true;
             crate->CreateFixture(&f); // density 0
         }
-        play(p, 0.3);
+        simulate(p, 0.3);
         return std::pair(p.shells.rods[0].q, y(crate));
     };
     const auto with = run(true), without = run(false);
@@ -175,7 +176,7 @@ TEST_CASE("sensors change nothing, and what they see is Box2D's", "[bridge]") {
 }
 
 TEST_CASE("a crate and a shell on a one-sided chain", "[bridge]") {
-    Playground p;
+    CoupledWorld p;
     b2BodyDef def;
     b2Body* ground = p.world.CreateBody(&def);
     const b2Vec2 points[] = {host(0.3, 0.0), host(0.05, 0.0), host(-0.05, 0.0), host(-0.3, 0.0)};
@@ -185,22 +186,22 @@ TEST_CASE("a crate and a shell on a one-sided chain", "[bridge]") {
     p.dome(0.0);
     b2Body* crate = p.box(0.0, kTop + 0.0051, 0.01, 0.005, 0.005);
     b2Body* beside = p.box(0.1, 0.0052, 0.01, 0.005, 0.005);
-    play(p, 0.6);
+    simulate(p, 0.6);
     CHECK(std::abs(p.gap(crate)) < 0.01 * kThick);
     CHECK(y(beside) == Approx(0.005).margin(2.0 * static_cast<double>(b2_linearSlop + b2_polygonRadius) / kScale));
 }
 
-TEST_CASE("a body that is destroyed while touched lets go, and another may come to its address", "[bridge]") {
+TEST_CASE("a body that is destroyed while touched releases the shell, and another may get its address", "[bridge]") {
     OnDome s;
     s.p.world.DestroyBody(s.crate);
     s.crate = s.p.box(0.0, kTop + 0.03, 0.01, 0.005, 0.005);
-    play(s.p, 0.03); // the new one is still falling
+    simulate(s.p, 0.03); // the new one is still falling
     CHECK(crown(s.p) > s.loaded);
-    play(s.p, 1.0);
+    simulate(s.p, 1.0);
     CHECK(std::abs(s.p.gap(s.crate)) < 0.05 * kThick);
 }
 
-TEST_CASE("a body that is destroyed between the shells' frame and Box2D's is no fault", "[bridge]") {
+TEST_CASE("a body may be destroyed between the shells' frame and Box2D's", "[bridge]") {
     OnDome s;
     CHECK(s.p.stepper.advance(s.p.shells, kDt, s.p.port.get(), {}).failure.empty());
     s.p.world.DestroyBody(s.crate);
@@ -209,7 +210,7 @@ TEST_CASE("a body that is destroyed between the shells' frame and Box2D's is no 
     s.requireFree();
 }
 
-TEST_CASE("a body that is disabled lets go and carries on when enabled again", "[bridge]") {
+TEST_CASE("a disabled body releases the shell, and loads it again when enabled", "[bridge]") {
     OnDome s;
     const double before = y(s.crate);
     s.crate->SetEnabled(false);
@@ -217,7 +218,7 @@ TEST_CASE("a body that is disabled lets go and carries on when enabled again", "
     CHECK(y(s.crate) == before);
     s.crate->SetTransform(host(0.0, kTop + 0.006), 0.0F);
     s.crate->SetEnabled(true);
-    play(s.p, 1.0);
+    simulate(s.p, 1.0);
     CHECK(std::abs(s.p.gap(s.crate)) < 0.02 * kThick);
 }
 
@@ -225,13 +226,13 @@ TEST_CASE("a body put to sleep on a shell stays where it is", "[bridge]") {
     OnDome s;
     const double before = y(s.crate);
     s.crate->SetAwake(false);
-    play(s.p, 1.0);
+    simulate(s.p, 1.0);
     CHECK(s.crate->IsAwake()); // the shell's impulses wake it
     CHECK(y(s.crate) == Approx(before).margin(0.1 * kThick));
     CHECK(std::abs(s.p.gap(s.crate)) < 0.02 * kThick);
 }
 
-TEST_CASE("a body that its user moves away lets go", "[bridge]") {
+TEST_CASE("a body that its user moves away releases the shell", "[bridge]") {
     OnDome s;
     s.crate->SetTransform(host(0.3, 0.1), 0.0F);
     s.p.frame(kDt);
@@ -239,13 +240,13 @@ TEST_CASE("a body that its user moves away lets go", "[bridge]") {
     s.requireFree();
 }
 
-TEST_CASE("a body that its user moves into a shell is parted from it without an explosion", "[bridge]") {
+TEST_CASE("a body that its user moves into a shell is separated from it without an explosion", "[bridge]") {
     OnDome s;
     s.crate->SetTransform(s.crate->GetPosition() + host(0.0, -0.5 * kThick), 0.0F);
     const double before = s.p.energy();
-    play(s.p, 1.0);
+    simulate(s.p, 1.0);
     CHECK(std::abs(s.p.gap(s.crate)) < 0.02 * kThick);
-    // The way out lifts the crate by what it was pressed down, at Settings::recovery.
+    // The correction lifts the crate by the imposed overlap, at the speed Settings::recovery.
     CHECK(s.p.energy() < before + 2.0 * 0.005 * kFall * kThick + 0.5 * 0.005 * std::pow(20.0 * kThick, 2));
 }
 
@@ -253,20 +254,20 @@ TEST_CASE("types change while a shell is touched", "[bridge]") {
     OnDome s;
     const double before = y(s.crate);
     s.crate->SetType(b2_staticBody);
-    play(s.p, 0.3);
+    simulate(s.p, 0.3);
     CHECK(y(s.crate) == before);
     s.crate->SetType(b2_kinematicBody);
     s.crate->SetLinearVelocity(host(0.0, -0.01));
-    play(s.p, 0.3);
-    CHECK(y(s.crate) == Approx(before - 0.003).margin(1e-4)); // nothing stops it
-    CHECK(crown(s.p) < s.loaded - 0.002);                     // the shell gives way
+    simulate(s.p, 0.3);
+    CHECK(y(s.crate) == Approx(before - 0.003).margin(1e-4)); // a kinematic body is not stopped
+    CHECK(crown(s.p) < s.loaded - 0.002);                     // the shell yields
     s.crate->SetType(b2_dynamicBody);
-    play(s.p, 1.0);
+    simulate(s.p, 1.0);
     CHECK(y(s.crate) == Approx(before).margin(0.2 * kThick)); // carried up again
     CHECK(std::abs(s.p.gap(s.crate)) < 0.02 * kThick);
 }
 
-TEST_CASE("after a shift of Box2D's origin bodies are taken where they are now", "[bridge]") {
+TEST_CASE("after a shift of Box2D's origin bodies are found at their new positions", "[bridge]") {
     OnDome s; // shells do not move with it: their owner moves them
     s.p.world.ShiftOrigin(host(1.0, 0.0));
     s.p.frame(kDt);
@@ -274,9 +275,9 @@ TEST_CASE("after a shift of Box2D's origin bodies are taken where they are now",
     s.requireFree();
 }
 
-TEST_CASE("Box2D's own contacts and joints are Box2D's: bodies far from shells do not notice them", "[bridge]") {
+TEST_CASE("bodies far from shells move bitwise as without them", "[bridge]") {
     const auto run = [](bool shells) {
-        Playground p;
+        CoupledWorld p;
         p.floor();
         if (shells)
             p.dome(-1.0);
@@ -285,7 +286,7 @@ TEST_CASE("Box2D's own contacts and joints are Box2D's: bodies far from shells d
         b2RevoluteJointDef j;
         j.Initialize(low, high, high->GetPosition());
         p.world.CreateJoint(&j);
-        play(p, 0.5);
+        simulate(p, 0.5);
         return std::array{low->GetPosition(), high->GetPosition(), low->GetLinearVelocity(), high->GetLinearVelocity()};
     };
     const auto with = run(true), without = run(false);
@@ -294,14 +295,14 @@ TEST_CASE("Box2D's own contacts and joints are Box2D's: bodies far from shells d
 }
 
 TEST_CASE("a pendulum on a hinge comes to rest on a shell", "[bridge]") {
-    Playground p;
+    CoupledWorld p;
     b2Body* ground = p.floor();
     p.dome(0.0);
     b2Body* rod = p.box(-0.05, kTop + 0.03, 0.05, 0.003, 0.01);
     b2RevoluteJointDef j;
     j.Initialize(ground, rod, host(-0.1, kTop + 0.03));
     p.world.CreateJoint(&j);
-    play(p, 2.0);
+    simulate(p, 2.0);
     CHECK(std::abs(p.gap(rod)) < 0.02 * kThick);
     const b2Vec2 hinge = rod->GetWorldPoint(j.localAnchorB) - host(-0.1, kTop + 0.03);
     CHECK(static_cast<double>(hinge.Length()) < static_cast<double>(b2_linearSlop)); // Box2D's own tolerance

@@ -1,6 +1,7 @@
-// Shells under stacks of dynamic Box2D bodies, both ways. docs/coupling.md has the figures that the hidden test prints.
+// Shells under stacks of dynamic Box2D bodies, coupled both ways. The hidden test prints the figures of the
+// documentation.
 
-#include "tests/bridge/box2d/playground.h"
+#include "tests/bridge/box2d/coupled_world.h"
 
 #include <cstdio>
 #include <vector>
@@ -19,7 +20,7 @@ struct StackCase {
     double time = 5.0; ///< s
 };
 
-struct Standing {
+struct StackResult {
     double gap = 0.0;    ///< largest |gap| of the lowest crate in the last second over h
     double jitter = 0.0; ///< largest speed of any body in that time, m/s
     double growth =
@@ -28,7 +29,7 @@ struct Standing {
 };
 
 /// Presses an arm that hangs on the ground down on what lies under it at height `y`.
-b2RevoluteJoint* addMotorArm(Playground& p, b2Body* ground, double y, double torque) {
+b2RevoluteJoint* addMotorArm(CoupledWorld& p, b2Body* ground, double y, double torque) {
     b2Body* arm = p.box(-0.1, y + 0.005, 0.1, 0.005, 0.02);
     b2RevoluteJointDef j;
     j.Initialize(ground, arm, host(-0.2, y + 0.005));
@@ -38,9 +39,9 @@ b2RevoluteJoint* addMotorArm(Playground& p, b2Body* ground, double y, double tor
     return static_cast<b2RevoluteJoint*>(p.world.CreateJoint(&j));
 }
 
-/// Two domes carry a crate, that carries heavier ones, and a motor presses an arm on top.
-Standing stand(const StackCase& c) {
-    Playground p;
+/// Two domes carry a crate that carries heavier ones; a motor presses an arm on top.
+StackResult stand(const StackCase& c) {
+    CoupledWorld p;
     b2Body* ground = p.floor();
     p.dome(-0.025);
     p.dome(0.025);
@@ -56,10 +57,10 @@ Standing stand(const StackCase& c) {
     b2RevoluteJoint* motor = c.torque > 0.0 ? addMotorArm(p, ground, y - half, c.torque) : nullptr;
     if (motor)
         bodies.push_back(motor->GetBodyB());
-    // Box2D looks who touches whom: bodies that meet within a frame are found by it one frame later, overlap by up to
-    // g T^2 by then, and its position correction lifts them again, with or without shells.
+    // Lets Box2D find its contacts. It finds bodies that meet within a frame one frame later; they then overlap by up
+    // to g T^2, and its position correction lifts them, with or without shells.
     p.world.Step(0.0F, 8, 3);
-    Standing out;
+    StackResult out;
     const int frames = static_cast<int>(c.time / c.dt), last = static_cast<int>(1.0 / c.dt);
     double least = 1e9, work = 0.0;
     for (int i = 0; i < frames; ++i) {
@@ -76,16 +77,16 @@ Standing stand(const StackCase& c) {
             continue;
         out.gap = std::max(out.gap, std::abs(p.gap(bodies[0])) / kThick);
         for (const b2Body* b : bodies)
-            out.jitter = std::max(out.jitter, Playground::speed(b));
+            out.jitter = std::max(out.jitter, CoupledWorld::speed(b));
     }
     out.height = static_cast<double>(bodies[0]->GetWorldCenter().y) / kScale;
     return out;
 }
 
-/// What is asked of a stack at rest: h/100 (1/240 s) or h/10 (1/60 s), 1 mm/s, and no more energy than a crate of 5 g
-/// gains when it is put a thousandth of a thickness higher.
+/// Requirements for a stack at rest: gap h/100 (1/240 s) or h/10 (1/60 s), speed 1 mm/s, and no more energy gain than
+/// lifting the crates by a thousandth of a thickness.
 void checkStanding(const StackCase& c) {
-    const Standing s = stand(c);
+    const StackResult s = stand(c);
     CAPTURE(c.dt, c.above, c.ratio, c.torque, s.gap, s.jitter, s.growth, s.height);
     CHECK(s.gap <= (c.dt < 0.01 ? 0.01 : 0.1));
     CHECK(s.jitter <= 1e-3);
@@ -142,7 +143,7 @@ TEST_CASE("limits of a stack on shells", "[.][bridge][limits]") {
             c.ratio = row.ratio;
             c.mass = row.mass;
             c.time = 6.0;
-            const Standing s = stand(c);
+            const StackResult s = stand(c);
             std::printf("1/%3.0f s, %4.1f g, %2d above, ratio %6.1f: gap %.1e h, jitter %.1e m/s, growth %.1e J, "
                         "height %.4f m\n",
                         rate, 1e3 * c.mass, c.above, c.ratio, s.gap, s.jitter, s.growth, s.height);

@@ -1,4 +1,4 @@
-// Shells in the picture of a b2Draw.
+// Shells drawn by a b2Draw.
 
 #include "bridge/box2d/debug_draw.h"
 

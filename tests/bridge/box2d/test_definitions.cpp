@@ -10,7 +10,7 @@ using namespace supercircle;
 using namespace supercircle::step;
 using namespace supercircle::bridge_test;
 
-TEST_CASE("impossible definitions are refused with a message", "[bridge]") {
+TEST_CASE("invalid definitions are refused with a message", "[bridge]") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const auto polygon = [](std::vector<Vec2> v) {
         FixtureDefinition f;
@@ -96,7 +96,7 @@ TEST_CASE("impossible definitions are refused with a message", "[bridge]") {
     CHECK_THROWS_AS(build(good)->step(nan), std::invalid_argument);
 }
 
-TEST_CASE("joints of every kind are built and hold", "[bridge]") {
+TEST_CASE("joints of every kind are created and work", "[bridge]") {
     const auto worldOf = [](const JointDefinition& j) {
         RigidWorldDefinition d;
         d.lengthScale = 52.1;

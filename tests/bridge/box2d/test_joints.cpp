@@ -1,7 +1,7 @@
-// Box2D's joints on bodies that shells carry: each stays closed, at rest, and gains no energy. `[.joints]` and
-// `[.heap]` print the figures of docs/coupling.md.
+// Box2D's joints on bodies carried by shells: each stays closed, at rest, and gains no energy. `[.joints]` and
+// `[.heap]` print the figures of the documentation.
 
-#include "tests/bridge/box2d/playground.h"
+#include "tests/bridge/box2d/coupled_world.h"
 
 #include <cstdio>
 #include <functional>
@@ -37,12 +37,12 @@ struct Jointed {
 };
 
 /// A crate on the crown of a dome at x = 0.
-b2Body* crateOn(Playground& p) {
+b2Body* crateOn(CoupledWorld& p) {
     p.dome(0.0);
     return p.box(0.0, kTop + kHalf + 1e-4, 0.01, kHalf, kMass);
 }
 
-b2Joint* prismaticTo(Playground& p, b2Body* ground, b2Body* body) {
+b2Joint* prismaticTo(CoupledWorld& p, b2Body* ground, b2Body* body) {
     b2PrismaticJointDef j;
     j.Initialize(ground, body, body->GetWorldCenter(), {0.0F, 1.0F});
     return p.world.CreateJoint(&j);
@@ -52,7 +52,7 @@ std::function<double()> apart(b2Joint* j) {
     return [j] { return metres((j->GetAnchorA() - j->GetAnchorB()).Length()); };
 }
 
-Jointed revolute(Playground& p, b2Body* ground) { // a lever on a pivot rests on the dome
+Jointed revolute(CoupledWorld& p, b2Body* ground) { // a lever on a pivot rests on the dome
     p.dome(0.0);
     b2Body* lever = p.box(-0.02, kTop + kHalf + 1e-4, 0.04, kHalf, kMass);
     b2RevoluteJointDef j;
@@ -60,7 +60,7 @@ Jointed revolute(Playground& p, b2Body* ground) { // a lever on a pivot rests on
     return {lever, apart(p.world.CreateJoint(&j))};
 }
 
-Jointed prismatic(Playground& p, b2Body* ground) {
+Jointed prismatic(CoupledWorld& p, b2Body* ground) {
     b2Body* crate = crateOn(p);
     (void)prismaticTo(p, ground, crate);
     return {crate, [crate] {
@@ -69,7 +69,7 @@ Jointed prismatic(Playground& p, b2Body* ground) {
             }};
 }
 
-Jointed distance(Playground& p, b2Body* ground) { // a rigid rod from the side
+Jointed distance(CoupledWorld& p, b2Body* ground) { // a rigid rod from the side
     b2Body* crate = crateOn(p);
     b2DistanceJointDef j;
     j.Initialize(ground, crate, host(-0.06, kTop + 0.03), crate->GetWorldCenter());
@@ -79,7 +79,7 @@ Jointed distance(Playground& p, b2Body* ground) { // a rigid rod from the side
             }};
 }
 
-Jointed pulley(Playground& p, b2Body*) { // a counterweight of half the crate's
+Jointed pulley(CoupledWorld& p, b2Body*) { // a counterweight of half the crate's
     b2Body* crate = crateOn(p);
     b2Body* weight = p.box(0.1, 0.06, 0.005, 0.005, 0.5 * kMass);
     b2PulleyJointDef j;
@@ -91,7 +91,7 @@ Jointed pulley(Playground& p, b2Body*) { // a counterweight of half the crate's
             }};
 }
 
-Jointed mouse(Playground& p, b2Body* ground) { // pulls to the side and up with half the weight at most
+Jointed mouse(CoupledWorld& p, b2Body* ground) { // pulls to the side and up with half the weight at most
     b2Body* crate = crateOn(p);
     b2MouseJointDef j;
     j.bodyA = ground;
@@ -108,7 +108,7 @@ Jointed mouse(Playground& p, b2Body* ground) { // pulls to the side and up with 
             }};
 }
 
-Jointed gear(Playground& p, b2Body* ground) { // the weight of an arm presses the crate through a gear
+Jointed gear(CoupledWorld& p, b2Body* ground) { // the weight of an arm presses the crate through a gear
     b2Body* crate = crateOn(p);
     b2Joint* slide = prismaticTo(p, ground, crate);
     b2Body* arm = p.box(0.11, 0.05, 0.01, 0.002, 0.4 * kMass);
@@ -128,7 +128,7 @@ Jointed gear(Playground& p, b2Body* ground) { // the weight of an arm presses th
             }};
 }
 
-Jointed wheel(Playground& p, b2Body*) { // a braked wheel on the dome carries a chassis on its spring
+Jointed wheel(CoupledWorld& p, b2Body*) { // a braked wheel on the dome carries a chassis on its spring
     p.dome(0.0);
     b2Body* disc = p.disc(0.0, kTop + 0.0101, 0.01, 0.4 * kMass, 0.8);
     b2Body* chassis = p.box(0.0, kTop + 0.03, 0.01, kHalf, kMass);
@@ -142,7 +142,7 @@ Jointed wheel(Playground& p, b2Body*) { // a braked wheel on the dome carries a 
     return {disc, [disc, chassis] { return std::abs(metres(disc->GetWorldCenter().x - chassis->GetWorldCenter().x)); }};
 }
 
-Jointed weld(Playground& p, b2Body*) { // a heavier one on top
+Jointed weld(CoupledWorld& p, b2Body*) { // a heavier one on top
     b2Body* crate = crateOn(p);
     b2Body* above = p.box(0.0, kTop + 3.0 * kHalf + 2e-4, 0.01, kHalf, 2.0 * kMass);
     b2WeldJointDef j;
@@ -153,7 +153,7 @@ Jointed weld(Playground& p, b2Body*) { // a heavier one on top
             }};
 }
 
-Jointed friction(Playground& p, b2Body* ground) {
+Jointed friction(CoupledWorld& p, b2Body* ground) {
     b2Body* crate = crateOn(p);
     b2FrictionJointDef j;
     j.Initialize(ground, crate, crate->GetWorldCenter());
@@ -163,7 +163,7 @@ Jointed friction(Playground& p, b2Body* ground) {
     return {crate};
 }
 
-Jointed motorJoint(Playground& p, b2Body* ground) { // pushes aside with a fifth of the weight
+Jointed motorJoint(CoupledWorld& p, b2Body* ground) { // pushes aside with a fifth of the weight
     b2Body* crate = crateOn(p);
     b2MotorJointDef j;
     j.Initialize(ground, crate);
@@ -174,16 +174,17 @@ Jointed motorJoint(Playground& p, b2Body* ground) { // pushes aside with a fifth
     return {crate};
 }
 
-struct Kind {
+struct JointCase {
     const char* name;
-    Jointed (*make)(Playground&, b2Body* ground);
+    Jointed (*make)(CoupledWorld&, b2Body* ground);
 };
-const Kind kKinds[] = {{"revolute", revolute}, {"prismatic", prismatic}, {"distance", distance}, {"pulley", pulley},
-                       {"mouse", mouse},       {"gear", gear},           {"wheel", wheel},       {"weld", weld},
-                       {"friction", friction}, {"motor", motorJoint}};
+const JointCase kJointCases[] = {{"revolute", revolute}, {"prismatic", prismatic}, {"distance", distance},
+                                 {"pulley", pulley},     {"mouse", mouse},         {"gear", gear},
+                                 {"wheel", wheel},       {"weld", weld},           {"friction", friction},
+                                 {"motor", motorJoint}};
 
-/// What is seen in the last second.
-struct Seen {
+/// Observations of the last second.
+struct Observed {
     double gap = 0.0;    ///< largest distance from touching, m
     double jitter = 0.0; ///< largest speed of a body, m/s
     double error = 0.0;  ///< largest of the joint, m
@@ -192,19 +193,19 @@ struct Seen {
     bool finite = true;
 };
 
-void look(Playground& p, double least, Seen& s) {
+void look(CoupledWorld& p, double least, Observed& s) {
     for (const b2Body* b = p.world.GetBodyList(); b != nullptr; b = b->GetNext()) {
-        s.jitter = std::max(s.jitter, Playground::speed(b));
+        s.jitter = std::max(s.jitter, CoupledWorld::speed(b));
         s.finite &= b->GetPosition().IsValid() && b->GetLinearVelocity().IsValid();
     }
     s.growth = std::max(s.growth, p.energy() - least);
 }
 
-Seen play(const Kind& kind, double seconds, double dt = kDt) {
-    Playground p;
+Observed simulate(const JointCase& kind, double seconds, double dt = kDt) {
+    CoupledWorld p;
     b2Body* ground = p.floor();
     const Jointed j = kind.make(p, ground);
-    Seen s;
+    Observed s;
     double least = 1e9;
     const int frames = static_cast<int>(seconds / dt), last = static_cast<int>(1.0 / dt);
     for (int i = 0; i < frames; ++i) {
@@ -221,8 +222,8 @@ Seen play(const Kind& kind, double seconds, double dt = kDt) {
 }
 
 /// Piles of `high` crates on a plank that domes carry.
-Seen heap(int piles, int high, double dt, double seconds, std::size_t* inProblem = nullptr) {
-    Playground p;
+Observed heap(int piles, int high, double dt, double seconds, std::size_t* inProblem = nullptr) {
+    CoupledWorld p;
     p.floor();
     const double width = 0.022 * piles;
     for (double x = 0.0; x < width + 0.02; x += 0.045)
@@ -231,7 +232,7 @@ Seen heap(int piles, int high, double dt, double seconds, std::size_t* inProblem
     for (int i = 0; i < piles; ++i)
         for (int k = 0; k < high; ++k)
             p.box(0.011 + 0.022 * i, kTop + 0.0061 + 0.006 * (k + 0.5) + 2e-5 * k, 0.008, 0.003, 0.0005);
-    Seen s;
+    Observed s;
     double least = 1e9;
     const int frames = static_cast<int>(seconds / dt), last = static_cast<int>(0.5 * seconds / dt);
     for (int i = 0; i < frames; ++i) {
@@ -245,7 +246,7 @@ Seen heap(int piles, int high, double dt, double seconds, std::size_t* inProblem
     if (inProblem) {
         *inProblem = 0;
         for (const step::Body& b : p.shells.bodies)
-            *inProblem += b.dynamic && b.handover.coupled ? 1 : 0;
+            *inProblem += b.dynamic && b.hostCoupling.coupled ? 1 : 0;
     }
     return s;
 }
@@ -253,11 +254,11 @@ Seen heap(int piles, int high, double dt, double seconds, std::size_t* inProblem
 } // namespace
 
 TEST_CASE("every joint of Box2D stays closed and quiet on a body that a shell carries", "[bridge]") {
-    // Box2D lets joints err by its slop: 5 mm in its units. Energy: as for stacks (docs/coupling.md).
+    // Box2D lets joints err by its slop: 5 mm in its units. Energy: as for stacks (test_coupling.cpp).
     constexpr double slop = 0.005 / kScale;
-    for (const Kind& kind : kKinds) {
+    for (const JointCase& kind : kJointCases) {
         INFO(kind.name);
-        const Seen s = play(kind, 3.0);
+        const Observed s = simulate(kind, 3.0);
         CAPTURE(s.gap / kThick, s.jitter, s.error, s.worst, s.growth);
         CHECK(s.finite);
         CHECK(s.gap < 0.1 * kThick);
@@ -269,19 +270,19 @@ TEST_CASE("every joint of Box2D stays closed and quiet on a body that a shell ca
 
 TEST_CASE("a heap of 72 crates on shells comes to rest", "[bridge]") {
     std::size_t coupled = 0;
-    const Seen s = heap(9, 8, kDt, 1.0, &coupled);
+    const Observed s = heap(9, 8, kDt, 1.0, &coupled);
     CAPTURE(s.gap / kThick, s.jitter, s.growth, coupled);
     CHECK(s.finite);
-    CHECK(coupled == 73); // all of them, and the plank: with a part of them it kept moving at 0.15 m/s
+    CHECK(coupled == 73); // all crates and the plank
     CHECK(s.gap < 0.1 * kThick);
     CHECK(s.jitter < 1e-3);
-    CHECK(s.growth < 1e-3); // they meet overlapping after a fall of some hundredths of h
+    CHECK(s.growth < 1e-3); // they overlap at first contact, after a fall of some hundredths of h
 }
 
 TEST_CASE("figures of joints on loaded bodies", "[.joints]") {
-    for (const Kind& kind : kKinds)
+    for (const JointCase& kind : kJointCases)
         for (const double dt : {1.0 / 240.0, 1.0 / 60.0}) {
-            const Seen s = play(kind, 3.0, dt);
+            const Observed s = simulate(kind, 3.0, dt);
             std::printf("%-10s 1/%.0f s: gap %.0e h, jitter %.0e m/s, joint %.0e m (worst %.0e), growth %.0e J\n",
                         kind.name, 1.0 / dt, s.gap / kThick, s.jitter, s.error, s.worst, s.growth);
         }
@@ -291,7 +292,7 @@ TEST_CASE("figures of heaps", "[.heap]") {
     for (const int high : {6, 8, 12})
         for (const double dt : {1.0 / 240.0, 1.0 / 60.0}) {
             std::size_t coupled = 0;
-            const Seen s = heap(9, high, dt, 4.0, &coupled);
+            const Observed s = heap(9, high, dt, 4.0, &coupled);
             std::printf("%d bodies (%zu in the problem), 1/%.0f s: gap %.0e h, jitter %.0e m/s, growth %.0e J\n",
                         9 * high + 1, coupled, 1.0 / dt, s.gap / kThick, s.jitter, s.growth);
         }

@@ -99,7 +99,7 @@ TEST_CASE("impulses change velocities by their closed forms and wake", "[bridge]
         CHECK_FALSE(before.awake);
         world->applyImpulse(1, Vec2::Zero(), 0.0);
         REQUIRE(world->state(1, before));
-        CHECK_FALSE(before.awake); // nothing wakes nobody
+        CHECK_FALSE(before.awake); // a zero impulse does not wake a body
         // Off-centre fixture: inertia about the centre of mass, not the origin.
         const double mass = 2.4;
         const double inertia = mass * (0.0016 + 0.0036) / 12.0;
@@ -140,7 +140,7 @@ TEST_CASE("fixed rotation is infinite inertia, static and kinematic bodies are i
     CHECK(s.moving);
 }
 
-TEST_CASE("mass data replace the fixtures' own", "[bridge]") {
+TEST_CASE("mass data replace the masses of the fixtures", "[bridge]") {
     RigidWorldDefinition d = worldWith(body(BodyType::Dynamic, box(0.02, 0.02)));
     d.bodies[0].massData = MassData{2.0, Vec2(0.01, 0.02), 3e-3};
     auto world = build(d);
@@ -185,7 +185,7 @@ TEST_CASE("a driven body does not drift", "[bridge]") {
         centre = Vec2(0.0, 0.2 - 0.005 * dt * (i + 1));
         REQUIRE(world->state(plate, s));
         worst = std::max(worst, (s.centre - centre).norm());
-        if (i % 1000 == 0) { // what Box2D itself believes: an outline's world place through query
+        if (i % 1000 == 0) { // as Box2D itself reports it: an outline's world place through query
             std::vector<BodyOutline> hit;
             const double face = centre.y() - 0.005;
             world->query({Vec2(-0.01, face - 1.0), Vec2(0.01, face - 2e-3)}, hit);
@@ -198,7 +198,7 @@ TEST_CASE("a driven body does not drift", "[bridge]") {
     CHECK(s.centre.y() == Approx(0.15).epsilon(1e-12));
 }
 
-TEST_CASE("a driven body pushes and turns as told", "[bridge]") {
+TEST_CASE("a driven body moves and rotates as prescribed", "[bridge]") {
     RigidWorldDefinition d = worldWith(body(BodyType::Kinematic, box(0.1, 0.005, Vec2(0.03, 0.0)), "arm"));
     auto world = build(d);
     world->drive(1, Vec2(0.1, 0.2), 0.5, Vec2(0.01, 0.0), 2.0);
@@ -211,7 +211,7 @@ TEST_CASE("a driven body pushes and turns as told", "[bridge]") {
     REQUIRE(world->state(1, s));
     CHECK((s.centre - Vec2(0.1001, 0.2)).norm() < 1e-12);
     CHECK(s.angle == Approx(0.52).epsilon(1e-12));
-    world->step(0.01); // not driven again: it goes on
+    world->step(0.01); // not driven again: it continues
     REQUIRE(world->state(1, s));
     CHECK((s.centre - Vec2(0.1002, 0.2)).norm() < 1e-12);
 }
@@ -238,7 +238,7 @@ TEST_CASE("chains become one-sided edges with their neighbours", "[bridge]") {
         REQUIRE(all[i].local.points.size() == 2);
     }
     const auto near = [](const Vec2& a, const Vec2& p) { return (a - p).norm() < 1e-6; };
-    // The core's solid is on the right, Box2D holds what is on the right: edges come turned round.
+    // The core's solid is on the right, Box2D holds what is on the right: edges are reversed.
     CHECK(all[0].local.joinedStart);
     CHECK_FALSE(all[0].local.joinedEnd); // an open end is a corner, ghost vertices or not
     CHECK(near(all[0].local.neighbourStart, {0.2, 0.0}));

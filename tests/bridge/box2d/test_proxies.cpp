@@ -1,8 +1,8 @@
-// Shells for Box2D's rays, queries and listeners.
+// Proxies of shells for ray casts, queries and listeners of Box2D.
 
 #include "bridge/box2d/include/supercircle/box2d_proxies.hpp"
 
-#include "tests/bridge/box2d/playground.h"
+#include "tests/bridge/box2d/coupled_world.h"
 
 #include <memory>
 #include <vector>
@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kDt = 1.0 / 120.0;
 
-/// What Shells::draw says of an open shell, coarsely: both faces.
-void draw(const Playground& p, DebugDraw& canvas) {
+/// A coarse version of Shells::draw for an open shell: both faces.
+void draw(const CoupledWorld& p, DebugDraw& canvas) {
     for (const step::Rod& r : p.shells.rods) {
         std::vector<Point> points;
         for (const int side : {1, -1})
             for (int k = 0; k <= 60; ++k) {
                 const double s = r.model.definition().length * (side > 0 ? k : 60 - k) / 60.0;
-                const rod::Place at = rod::locate(r.model, s);
+                const rod::MaterialPoint at = rod::locate(r.model, s);
                 const double angle = r.kin.angle(at);
                 const Vec2 q = r.kin.point(at) + 0.5 * kThick * side * Vec2(-std::sin(angle), std::cos(angle));
                 points.push_back({q.x(), q.y()});
@@ -30,7 +30,7 @@ void draw(const Playground& p, DebugDraw& canvas) {
     }
 }
 
-void refresh(const Playground& p, bridge::ShellProxies& proxies) {
+void update(const CoupledWorld& p, bridge::ShellProxies& proxies) {
     proxies.begin();
     draw(p, proxies);
     REQUIRE(proxies.end());
@@ -46,8 +46,8 @@ struct Ray : b2RayCastCallback {
     b2Vec2 point{0.0F, 0.0F};
 };
 
-struct Seen : b2QueryCallback {
-    explicit Seen(const bridge::ShellProxies& p) : proxies(&p) {}
+struct Observed : b2QueryCallback {
+    explicit Observed(const bridge::ShellProxies& p) : proxies(&p) {}
     bool ReportFixture(b2Fixture* f) override {
         outlines += proxies->outline_of(*f) == 0 ? 1 : 0;
         return true;
@@ -62,7 +62,7 @@ struct Listener : b2ContactListener {
         CHECK_FALSE(proxies->end()); // locked
     }
     void EndContact(b2Contact* c) override { ended += proxy(c) ? 1 : 0; }
-    void PreSolve(b2Contact* c, const b2Manifold*) override { CHECK_FALSE(proxy(c)); } // they push nobody
+    void PreSolve(b2Contact* c, const b2Manifold*) override { CHECK_FALSE(proxy(c)); } // they exert no force
     [[nodiscard]] bool proxy(b2Contact* c) const {
         return proxies->outline_of(*c->GetFixtureA()) == 0 || proxies->outline_of(*c->GetFixtureB()) == 0;
     }
@@ -72,22 +72,22 @@ struct Listener : b2ContactListener {
 
 } // namespace
 
-TEST_CASE("rays, queries and listeners of Box2D see shells by their proxies", "[bridge]") {
-    Playground p;
+TEST_CASE("ray casts, queries and listeners of Box2D find shells by their proxies", "[bridge]") {
+    CoupledWorld p;
     p.floor();
     p.dome(0.0);
     bridge::ShellProxies proxies(p.world, kScale);
     Ray none;
     p.world.RayCast(&none, host(0.0, 0.1), host(0.0, 0.01));
     CHECK(none.fixture == nullptr);
-    refresh(p, proxies);
+    update(p, proxies);
     Ray ray;
     p.world.RayCast(&ray, host(0.0, 0.1), host(0.0, 0.01));
     REQUIRE(ray.fixture != nullptr);
     CHECK(proxies.outline_of(*ray.fixture) == 0);
     CHECK(static_cast<double>(ray.point.y) / kScale ==
           Approx(kRadius + kThick).margin(0.05 * kThick)); // chords, floats
-    Seen seen(proxies);
+    Observed seen(proxies);
     p.world.QueryAABB(&seen, {host(-0.001, 0.015), host(0.001, 0.025)});
     CHECK(seen.outlines > 0);
 
@@ -98,7 +98,7 @@ TEST_CASE("rays, queries and listeners of Box2D see shells by their proxies", "[
     CHECK(proxies.outline_of(*crate->GetFixtureList()) == bridge::ShellProxies::kNone);
     for (int i = 0; i < 60; ++i) {
         p.frame(kDt);
-        refresh(p, proxies);
+        update(p, proxies);
     }
     CHECK(listener.begun > 0);
     CHECK(std::abs(p.gap(crate)) < 0.01 * kThick);
@@ -108,9 +108,9 @@ TEST_CASE("rays, queries and listeners of Box2D see shells by their proxies", "[
     p.world.SetContactListener(nullptr);
 }
 
-TEST_CASE("proxies follow shells, leave with them, and neither bodies nor shells notice them", "[bridge]") {
+TEST_CASE("proxies follow shells, disappear with them, and influence neither bodies nor shells", "[bridge]") {
     const auto run = [](bool with) {
-        Playground p;
+        CoupledWorld p;
         p.floor();
         p.dome(0.0);
         b2Body* crate = p.box(0.0, kRadius + kThick + 0.006, 0.01, 0.005, 0.005);
@@ -119,7 +119,7 @@ TEST_CASE("proxies follow shells, leave with them, and neither bodies nor shells
             bridge::ShellProxies proxies(p.world, kScale);
             for (int i = 0; i < 60; ++i) {
                 if (with)
-                    refresh(p, proxies);
+                    update(p, proxies);
                 p.frame(kDt);
             }
             if (with) {
@@ -127,7 +127,7 @@ TEST_CASE("proxies follow shells, leave with them, and neither bodies nor shells
                 proxies.begin();
                 CHECK(proxies.end()); // no shells any more
                 CHECK(p.world.GetBodyCount() == bodies);
-                refresh(p, proxies);
+                update(p, proxies);
             }
         }
         CHECK(p.world.GetBodyCount() == bodies);
@@ -149,11 +149,11 @@ TEST_CASE("released proxies may outlive their world", "[bridge]") {
     proxies.release();
     CHECK(world->GetBodyCount() == 0);
     world.reset();
-    proxies.release(); // and so does the destructor: neither asks a world that is gone (the sanitizers watch)
+    proxies.release(); // like the destructor, it does not access a destroyed world (checked by the sanitizers)
 }
 
-TEST_CASE("outlines with bad numbers leave proxies where they were", "[bridge]") {
-    Playground p(0.0);
+TEST_CASE("outlines with invalid numbers do not move their proxies", "[bridge]") {
+    CoupledWorld p(0.0);
     bridge::ShellProxies proxies(p.world, std::numeric_limits<double>::quiet_NaN());
     const Point good[] = {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}};
     const Point bad[] = {{0.0, 0.0}, {std::numeric_limits<double>::quiet_NaN(), 0.0}};

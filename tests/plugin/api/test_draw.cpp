@@ -1,8 +1,8 @@
-// Pictures: polylines stay as near to the arcs as asked, colours tell strain, exceptions stay inside.
+// Debug drawing: polylines within the tolerance of the arcs, colours of strain, exceptions.
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
-#include "tests/plugin/api/play.h"
+#include "tests/plugin/api/support.h"
 #include "tests/support/tumble.h"
 
 #include <catch2/catch.hpp>
@@ -14,12 +14,12 @@ using namespace supercircle::test;
 
 namespace {
 
-struct Line {
+struct DrawnLine {
     std::vector<Point> points;
     Colour colour;
 };
 
-class Paper : public DebugDraw {
+class RecordingCanvas : public DebugDraw {
 public:
     void polyline(std::span<const Point> points, const Colour& colour) override {
         lines.push_back({{points.begin(), points.end()}, colour});
@@ -28,12 +28,12 @@ public:
         outlines.push_back({{points.begin(), points.end()}, colour});
     }
     void mark(const Point& at, const Colour& colour) override { marks.push_back({{at}, colour}); }
-    std::vector<Line> lines, outlines, marks;
+    std::vector<DrawnLine> lines, outlines, marks;
 };
 
-class Torn : public Paper {
+class ThrowingCanvas : public RecordingCanvas {
 public:
-    void mark(const Point&, const Colour&) override { throw std::runtime_error("torn paper"); }
+    void mark(const Point&, const Colour&) override { throw std::runtime_error("canvas failed"); }
 };
 
 } // namespace
@@ -43,13 +43,13 @@ TEST_CASE("polylines stay within the tolerance of the arcs and use few points", 
     const double R = 0.05, h = 0.002;
     REQUIRE(shells.create(dome(R, h, 3)));
     for (const double tolerance : {1e-4, 1e-5, 1e-6}) {
-        Paper paper;
+        RecordingCanvas canvas;
         DrawOptions options;
         options.tolerance = tolerance;
         options.strain = false;
-        REQUIRE(shells.draw(paper, options));
-        REQUIRE(paper.lines.size() == 1);
-        const auto& points = paper.lines[0].points;
+        REQUIRE(shells.draw(canvas, options));
+        REQUIRE(canvas.lines.size() == 1);
+        const auto& points = canvas.lines[0].points;
         double worst = 0.0;
         for (std::size_t i = 0; i < points.size(); ++i) {
             CHECK(std::hypot(points[i].x, points[i].y) == Approx(R).epsilon(1e-12));
@@ -58,10 +58,10 @@ TEST_CASE("polylines stay within the tolerance of the arcs and use few points", 
                                                        0.5 * (points[i].y + points[i - 1].y)));
         }
         CHECK(worst <= tolerance * (1.0 + 1e-9));
-        CHECK(worst > 0.2 * tolerance); // not wasteful: three arcs of whole numbers of chords
+        CHECK(worst > 0.2 * tolerance); // three arcs have whole numbers of chords
         // the outline encloses what the thick shell covers: half a ring and two half discs (its chords cut a bit off)
-        REQUIRE(paper.outlines.size() == 1);
-        const auto& o = paper.outlines[0].points;
+        REQUIRE(canvas.outlines.size() == 1);
+        const auto& o = canvas.outlines[0].points;
         double area = 0.0, length = 0.0;
         for (std::size_t i = 0; i < o.size(); ++i) {
             const Point& a = o[i];
@@ -74,28 +74,28 @@ TEST_CASE("polylines stay within the tolerance of the arcs and use few points", 
     }
 }
 
-TEST_CASE("colours tell strain, element by element", "[plugin][draw]") {
+TEST_CASE("colours show strain, element by element", "[plugin][draw]") {
     Shells shells(nullptr);
     ShellDef d = dome(0.05, 0.002, 3);
     d.curvature = {20.0, 25.0, 40.0}; // natural 20: strains 0, 0.5 %, 2 %
     REQUIRE(shells.create(d));
-    Paper paper;
+    RecordingCanvas canvas;
     DrawOptions options;
     options.full_strain = 0.02;
-    REQUIRE(shells.draw(paper, options));
-    REQUIRE(paper.lines.size() == 3);
-    CHECK(paper.lines[0].colour.blue > paper.lines[0].colour.red);
-    CHECK(paper.lines[2].colour.red > paper.lines[2].colour.blue);
+    REQUIRE(shells.draw(canvas, options));
+    REQUIRE(canvas.lines.size() == 3);
+    CHECK(canvas.lines[0].colour.blue > canvas.lines[0].colour.red);
+    CHECK(canvas.lines[2].colour.red > canvas.lines[2].colour.blue);
     for (std::size_t i = 1; i < 3; ++i) { // joined end to end
-        CHECK(paper.lines[i].points.front().x == paper.lines[i - 1].points.back().x);
-        CHECK(paper.lines[i].points.front().y == paper.lines[i - 1].points.back().y);
+        CHECK(canvas.lines[i].points.front().x == canvas.lines[i - 1].points.back().x);
+        CHECK(canvas.lines[i].points.front().y == canvas.lines[i - 1].points.back().y);
     }
-    const Colour cold = strainColour(0.0, 1.0), warm = strainColour(1.0, 1.0), beyond = strainColour(7.0, 1.0);
+    const Colour cold = strain_colour(0.0, 1.0), warm = strain_colour(1.0, 1.0), beyond = strain_colour(7.0, 1.0);
     CHECK(cold.blue > 0.8F);
     CHECK(warm.red > 0.9F);
     CHECK(beyond.red == warm.red);
     for (int i = 0; i <= 100; ++i) {
-        const Colour c = strainColour(0.01 * i, 1.0);
+        const Colour c = strain_colour(0.01 * i, 1.0);
         for (const float x : {c.red, c.green, c.blue, c.alpha}) {
             CHECK(x >= 0.0F);
             CHECK(x <= 1.0F);
@@ -116,31 +116,31 @@ TEST_CASE("contacts, forces, holds and rings are drawn", "[plugin][draw]") {
     ring.closed = true;
     ring.phi_bar = 1.0;
     ring.position = {0.2, 0.1};
-    REQUIRE(shells.hold(*shells.create(ring), 0.25, HoldKind::Pin));
+    REQUIRE(shells.create_hold(*shells.create(ring), 0.25, HoldKind::Pin));
     for (int i = 0; i < 400; ++i) {
         REQUIRE(shells.pre_step(4e-3).failure.empty());
         shells.post_step();
     }
-    Paper paper;
+    RecordingCanvas canvas;
     DrawOptions options;
     options.metres_per_newton = 2.0;
     options.centre_lines = false;
-    REQUIRE(shells.draw(paper, options));
-    CHECK(paper.outlines.size() == 3); // the ring has two
-    CHECK(paper.marks.size() == 1 + paper.lines.size());
+    REQUIRE(shells.draw(canvas, options));
+    CHECK(canvas.outlines.size() == 3); // the ring has two
+    CHECK(canvas.marks.size() == 1 + canvas.lines.size());
     double up = 0.0;
-    for (const Line& force : paper.lines) {
+    for (const DrawnLine& force : canvas.lines) {
         REQUIRE(force.points.size() == 2);
         CHECK(force.points[0].y == Approx(0.0).margin(1e-6));
         up += (force.points[1].y - force.points[0].y) / options.metres_per_newton;
     }
-    CHECK(up == Approx(shells.measure(shell)->mass * 9.81).epsilon(1e-2)); // rocking fades
-    Torn torn;
-    const auto result = shells.draw(torn);
+    CHECK(up == Approx(shells.state(shell)->mass * 9.81).epsilon(1e-2)); // rocking fades
+    ThrowingCanvas throwing;
+    const auto result = shells.draw(throwing);
     REQUIRE_FALSE(result);
-    CHECK(result.error() == "torn paper");
+    CHECK(result.error() == "canvas failed");
     options.tolerance = 0.0;
-    CHECK_FALSE(shells.draw(paper, options));
+    CHECK_FALSE(shells.draw(canvas, options));
     options.tolerance = std::numeric_limits<double>::quiet_NaN();
-    CHECK_FALSE(shells.draw(paper, options));
+    CHECK_FALSE(shells.draw(canvas, options));
 }

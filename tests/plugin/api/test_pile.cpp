@@ -1,6 +1,6 @@
-// Thirty shells at the scale of a game: R = 1 m, frames of 1/60 s, everything else as it is by default.
+// Thirty shells at the scale of a game: R = 1 m, frames of 1/60 s, all else by default.
 
-#include "tests/plugin/api/play.h"
+#include "tests/plugin/api/support.h"
 
 #include <cstdio>
 #include <ctime>
@@ -30,8 +30,8 @@ ShellDef gameShell(double x, double y, double angle) {
 std::shared_ptr<FakeHost> box() {
     auto host = emptyHost(kG);
     host->addGround(1, 0.5);
-    host->add(2, "left", {-5.5, 10.0}).pieces.push_back(FakeHost::box(2, 0.5, 10.0, 0.5));
-    host->add(3, "right", {5.5, 10.0}).pieces.push_back(FakeHost::box(3, 0.5, 10.0, 0.5));
+    host->add(2, "left", {-5.5, 10.0}).outlines.push_back(FakeHost::box(2, 0.5, 10.0, 0.5));
+    host->add(3, "right", {5.5, 10.0}).outlines.push_back(FakeHost::box(3, 0.5, 10.0, 0.5));
     return host;
 }
 
@@ -70,12 +70,12 @@ void fall(double seconds, double stillMoves) {
     Shells shells(host);
     drop(shells);
     const double weight = 30.0 * 500.0 * 0.05 * 2.0 * M_PI * 0.6 * kG, scale = weight * 10.0; // N, and J of what falls
-    double last = shells.books().added, grown = 0.0, length = 0.0;
+    double last = shells.energy_balance().added, grown = 0.0, length = 0.0;
     const std::clock_t start = std::clock();
     const int frames = static_cast<int>(60.0 * seconds);
     for (int i = 0; i < frames; ++i) {
-        play(shells, host.get(), 1.0 / 60.0, 1);
-        const EnergyBooks b = shells.books();
+        advance(shells, host.get(), 1.0 / 60.0, 1);
+        const EnergyBalance b = shells.energy_balance();
         const double energy = b.kinetic + b.bending + b.gravity;
         grown = std::max(grown, energy - last);
         last = energy;
@@ -83,7 +83,7 @@ void fall(double seconds, double stillMoves) {
     }
     const double used = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     const step::Counters& c = shells.world().counters;
-    const EnergyBooks b = shells.books();
+    const EnergyBalance b = shells.energy_balance();
     std::printf("game scene: %.3f s of processor time a simulated second, %llu steps, %llu rejected, %llu unconverged, "
                 "penetration %.4f h, kinetic %.2e of %.0f J, energy grew by at most %.2e J a frame\n",
                 used / seconds, static_cast<unsigned long long>(c.steps), static_cast<unsigned long long>(c.rejected),
@@ -94,7 +94,7 @@ void fall(double seconds, double stillMoves) {
     CHECK(length < 1e-6);
     CHECK(c.penetrationMax < 0.05 * 0.05);
     CHECK(b.kinetic < stillMoves * scale);
-    CHECK(b.work == 0.0); // walls do none
+    CHECK(b.work == 0.0); // walls do no work
     CHECK(std::abs(b.residual) < 1e-9 * scale);
     for (std::size_t i = 0; i < 30; ++i)
         CHECK(std::abs(centreOf(shells, i).x()) < 5.0); // all in the box

@@ -1,8 +1,8 @@
-// Questions about shells: exact answers, against closed forms and brute force.
+// Queries: exact results, against closed forms and brute force.
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
-#include "tests/plugin/api/play.h"
+#include "tests/plugin/api/support.h"
 #include "tests/support/tumble.h"
 
 #include <algorithm>
@@ -94,7 +94,7 @@ TEST_CASE("rays hit the thick dome where the circles are", "[plugin][queries]") 
     CHECK(inside->normal.y == Approx(1.0));
 }
 
-TEST_CASE("rays and nearest points agree with brute force on crooked shells", "[plugin][queries]") {
+TEST_CASE("rays and closest points agree with brute force on irregular shells", "[plugin][queries]") {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     for (int round = 0; round < 30; ++round) {
@@ -112,7 +112,7 @@ TEST_CASE("rays and nearest points agree with brute force on crooked shells", "[
             const Vec2 p(0.15 * unit(random), 0.15 * unit(random));
             double s = 0.0;
             const double distance = bruteDistance(rod, p, s);
-            const auto near = shells.nearest(shell, {p.x(), p.y()});
+            const auto near = shells.closest_point(shell, {p.x(), p.y()});
             REQUIRE(near);
             // ten thousand points on 0.2 m: 1e-5 beside the foot at a distance above 1e-3 is below 1e-7
             CHECK(near->distance == Approx(distance - half).margin(distance > 1e-3 ? 1e-7 : 1e-5));
@@ -127,7 +127,7 @@ TEST_CASE("rays and nearest points agree with brute force on crooked shells", "[
             const auto all = shells.ray_cast_all({p.x(), p.y()}, {to.x(), to.y()});
             REQUIRE(all);
             for (const RayHit& hit : *all) {
-                const auto at = shells.nearest(shell, hit.point);
+                const auto at = shells.closest_point(shell, hit.point);
                 if (hit.fraction > 0.0)
                     CHECK(at->distance == Approx(0.0).margin(1e-11)); // on the surface
                 CHECK(size(hit.normal) == Approx(1.0));
@@ -136,7 +136,7 @@ TEST_CASE("rays and nearest points agree with brute force on crooked shells", "[
             bool inside = false, grazing = false;
             for (int i = 0; i <= 2000; ++i) {
                 const Vec2 x = p + (to - p) * (i / 2000.0);
-                const double depth = shells.nearest(shell, {x.x(), x.y()})->distance;
+                const double depth = shells.closest_point(shell, {x.x(), x.y()})->distance;
                 grazing = grazing || std::abs(depth) < 2e-4;
                 entered += depth <= 0.0 && !inside ? 1 : 0;
                 inside = depth <= 0.0;
@@ -153,7 +153,7 @@ TEST_CASE("rays and nearest points agree with brute force on crooked shells", "[
     }
 }
 
-TEST_CASE("boxes meet shells where the surface is, corners included", "[plugin][queries]") {
+TEST_CASE("boxes overlap shells up to the surface, corners included", "[plugin][queries]") {
     Shells shells(nullptr);
     const double R = 0.05, h = 0.002;
     REQUIRE(shells.create(dome(R, h)));
@@ -174,7 +174,7 @@ TEST_CASE("boxes meet shells where the surface is, corners included", "[plugin][
 TEST_CASE("the bounding box is the smallest one", "[plugin][queries]") {
     Shells shells(nullptr);
     const double R = 0.05, h = 0.002;
-    const ShellMeasures m = *shells.measure(*shells.create(dome(R, h)));
+    const ShellState m = *shells.state(*shells.create(dome(R, h)));
     CHECK(m.box.upper.y == Approx(R + 0.5 * h).epsilon(1e-12));
     CHECK(m.box.lower.y == Approx(-0.5 * h).epsilon(1e-9));
     CHECK(m.box.upper.x == Approx(R + 0.5 * h).epsilon(1e-12));
@@ -183,7 +183,7 @@ TEST_CASE("the bounding box is the smallest one", "[plugin][queries]") {
     for (int round = 0; round < 20; ++round) {
         Shells other(nullptr);
         const ShellHandle shell = *other.create(crooked(random, 1 + round % 6));
-        const Box box = other.measure(shell)->box;
+        const Box box = other.state(shell)->box;
         const step::Rod& rod = other.world().rods[0];
         Vec2 low = Vec2::Constant(kInf), high = Vec2::Constant(-kInf);
         for (int i = 0; i <= 20000; ++i) {
@@ -206,7 +206,7 @@ TEST_CASE("sections and sums of a bent shell in rigid motion", "[plugin][queries
     d.velocity = {0.3, -0.1};    // of the middle
     d.spin = 2.0;
     const ShellHandle shell = *shells.create(d);
-    const double B = bendingModulus(d), L = M_PI * d.radius;
+    const double B = bending_modulus(d), L = M_PI * d.radius;
     const Point middle = shells.section(shell, 0.5)->position;
     CHECK(middle.x == Approx(0.0).margin(1e-15));
     for (const double f : {0.0, 0.1, 0.37, 0.5, 0.99, 1.0}) {
@@ -224,7 +224,7 @@ TEST_CASE("sections and sums of a bent shell in rigid motion", "[plugin][queries
         CHECK(s->velocity.y == Approx(-0.1 + 2.0 * (s->position.x - middle.x)).epsilon(1e-12));
         CHECK(size({s->position.x, s->position.y - (d.radius - 1.0 / 14.0)}) == Approx(1.0 / 14.0).epsilon(1e-12));
     }
-    const ShellMeasures m = *shells.measure(shell);
+    const ShellState m = *shells.state(shell);
     const double mass = d.density * d.width * d.thickness * L;
     CHECK(m.length == Approx(L));
     CHECK(m.mass == Approx(mass));
@@ -244,7 +244,7 @@ TEST_CASE("sections and sums of a bent shell in rigid motion", "[plugin][queries
     CHECK_FALSE(m.quarantined);
 }
 
-TEST_CASE("of several shells the nearest, the first hit, and those the mask lets through", "[plugin][queries]") {
+TEST_CASE("of several shells the closest, the first hit, and those selected by the mask", "[plugin][queries]") {
     Shells shells(nullptr);
     std::vector<ShellHandle> made;
     for (int i = 0; i < 4; ++i) {
@@ -260,13 +260,13 @@ TEST_CASE("of several shells the nearest, the first hit, and those the mask lets
     CHECK(shells.ray_cast({1.0, 0.01}, {-1.0, 0.01})->shell == made[3]);
     CHECK(shells.ray_cast({1.0, 0.01}, {-1.0, 0.01}, 0x3)->shell == made[1]);
     CHECK_FALSE(shells.ray_cast({1.0, 0.01}, {-1.0, 0.01}, 0x10));
-    CHECK(shells.nearest({0.19, 0.1})->shell == made[2]);
-    CHECK(shells.nearest({0.19, 0.1}, 1.0, 0x9)->shell == made[3]);
-    CHECK_FALSE(shells.nearest({0.19, 0.1}, 0.01));
+    CHECK(shells.closest_point({0.19, 0.1})->shell == made[2]);
+    CHECK(shells.closest_point({0.19, 0.1}, 1.0, 0x9)->shell == made[3]);
+    CHECK_FALSE(shells.closest_point({0.19, 0.1}, 0.01));
     CHECK(*shells.overlap_circle({0.1, 0.0}, 0.09) == std::vector<ShellHandle>{made[0], made[1], made[2]});
 }
 
-TEST_CASE("shells left out because they are far away are far away", "[plugin][queries]") {
+TEST_CASE("shells skipped for their distance are far away", "[plugin][queries]") {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     Shells shells(nullptr);
@@ -284,14 +284,14 @@ TEST_CASE("shells left out because they are far away are far away", "[plugin][qu
         double nearest = kInf;
         std::vector<ShellHandle> near;
         for (const ShellHandle& h : made) { // one by one: none is left out
-            const double d = shells.nearest(h, p)->distance;
+            const double d = shells.closest_point(h, p)->distance;
             nearest = std::min(nearest, d);
             if (d <= radius)
                 near.push_back(h);
         }
-        REQUIRE(shells.nearest(p)->distance == nearest);
+        REQUIRE(shells.closest_point(p)->distance == nearest);
         REQUIRE(*shells.overlap_circle(p, radius) == near);
-        REQUIRE(static_cast<bool>(shells.nearest(p, radius)) == !near.empty());
+        REQUIRE(static_cast<bool>(shells.closest_point(p, radius)) == !near.empty());
         const double side = radius * std::sqrt(0.5); // a box inside the disc, and one around it
         const auto within = shells.overlap_box({{p.x - side, p.y - side}, {p.x + side, p.y + side}});
         for (const ShellHandle& h : *within)
@@ -307,12 +307,12 @@ TEST_CASE("shells left out because they are far away are far away", "[plugin][qu
         }
         for (int k = 0; k <= 50; ++k) { // nothing of a shell lies on the way to the first hit
             const double t = (hit ? hit->fraction : 1.0) * k / 50.0;
-            REQUIRE(shells.nearest({p.x + t * (to.x - p.x), p.y + t * (to.y - p.y)})->distance >= -1e-9 * length);
+            REQUIRE(shells.closest_point({p.x + t * (to.x - p.x), p.y + t * (to.y - p.y)})->distance >= -1e-9 * length);
         }
     }
 }
 
-TEST_CASE("bad questions are answered by reasons", "[plugin][queries]") {
+TEST_CASE("bad queries fail with a reason", "[plugin][queries]") {
     Shells shells(nullptr);
     const ShellHandle shell = *shells.create(dome());
     const ShellHandle stale{shell.index, shell.generation + 1, shell.world};
@@ -322,19 +322,19 @@ TEST_CASE("bad questions are answered by reasons", "[plugin][queries]") {
         CHECK_FALSE(shells.overlap_point({bad, 0.0}));
         CHECK_FALSE(shells.overlap_circle({0.0, 0.0}, bad));
         CHECK_FALSE(shells.overlap_box({{0.0, bad}, {1.0, 1.0}}));
-        CHECK_FALSE(shells.nearest({0.0, bad}));
-        CHECK_FALSE(shells.nearest(shell, {bad, bad}));
+        CHECK_FALSE(shells.closest_point({0.0, bad}));
+        CHECK_FALSE(shells.closest_point(shell, {bad, bad}));
         CHECK_FALSE(shells.section(shell, bad));
     }
     CHECK_FALSE(shells.ray_cast({0.0, 0.0}, {0.0, 0.0}));
     CHECK_FALSE(shells.overlap_box({{1.0, 0.0}, {0.0, 1.0}}));
     CHECK_FALSE(shells.overlap_circle({0.0, 0.0}, -1.0));
-    CHECK_FALSE(shells.nearest({0.0, 0.0}, kNan));
+    CHECK_FALSE(shells.closest_point({0.0, 0.0}, kNan));
     CHECK_FALSE(shells.section(shell, -0.1));
     CHECK_FALSE(shells.section(stale, 0.5));
-    CHECK_FALSE(shells.measure(stale));
-    CHECK_FALSE(shells.nearest(stale, {0.0, 0.0}));
-    CHECK_FALSE(shells.nearest(ShellHandle{}, {0.0, 0.0}).error().empty());
-    CHECK(shells.nearest({0.0, 0.0})); // the centre of the circle: every point is as near
-    CHECK(shells.nearest({0.0, 0.0})->distance == Approx(0.05 - 0.001));
+    CHECK_FALSE(shells.state(stale));
+    CHECK_FALSE(shells.closest_point(stale, {0.0, 0.0}));
+    CHECK_FALSE(shells.closest_point(ShellHandle{}, {0.0, 0.0}).error().empty());
+    CHECK(shells.closest_point({0.0, 0.0})); // the centre of the circle: every point is as near
+    CHECK(shells.closest_point({0.0, 0.0})->distance == Approx(0.05 - 0.001));
 }

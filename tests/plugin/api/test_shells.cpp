@@ -1,4 +1,4 @@
-// The facade: handles that survive misuse, reasons for refusals, nothing changed by what fails.
+// Class Shells: misused handles, reasons of failures, failed calls change nothing.
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
@@ -17,7 +17,7 @@ std::shared_ptr<FakeHost> groundHost() {
     auto host = std::make_shared<FakeHost>();
     host->g = {0.0, -9.81};
     host->addGround(1, 0.35);
-    host->add(2, "plate", {0.0, 1.0}).pieces.push_back(FakeHost::box(2, 0.1, 0.01, 0.35));
+    host->add(2, "plate", {0.0, 1.0}).outlines.push_back(FakeHost::box(2, 0.1, 0.01, 0.35));
     return host;
 }
 
@@ -30,7 +30,7 @@ ShellDef above(double x, double y) {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// A host that throws as soon as it is asked anything.
+/// A host that throws in every query of a body.
 class Broken : public FakeHost {
 public:
     [[nodiscard]] bool state(step::BodyId, step::BodyState&) const override {
@@ -40,7 +40,7 @@ public:
 
 } // namespace
 
-TEST_CASE("a shell has the dimensions its definition says", "[plugin]") {
+TEST_CASE("a shell has the dimensions of its definition", "[plugin]") {
     Shells shells(nullptr);
     const auto made = shells.create(ShellDef{});
     REQUIRE(made);
@@ -57,19 +57,19 @@ TEST_CASE("a shell has the dimensions its definition says", "[plugin]") {
     CHECK(pose->start.y == Approx(0.0192 * (1.0 - std::cos(0.75 * M_PI))).epsilon(1e-12));
 }
 
-TEST_CASE("bad definitions are refused with a reason and change nothing", "[plugin]") {
+TEST_CASE("bad definitions fail with a reason and change nothing", "[plugin]") {
     Shells shells(groundHost());
     REQUIRE(shells.create(above(0.0, 0.1)));
     const auto refused = [&](const char* what, const auto& spoil) {
         ShellDef d = above(0.5, 0.1);
         spoil(d);
-        const EnergyBooks before = shells.books();
+        const EnergyBalance before = shells.energy_balance();
         const auto made = shells.create(d);
         INFO(what);
         CHECK_FALSE(made);
         CHECK(made.error().size() > 10);
         CHECK(shells.size() == 1);
-        CHECK(shells.books().added == before.added);
+        CHECK(shells.energy_balance().added == before.added);
     };
     for (const double bad : {kNan, kInf, -kInf, -1.0, 0.0}) {
         refused("thickness", [&](ShellDef& d) { d.thickness = bad; });
@@ -78,7 +78,7 @@ TEST_CASE("bad definitions are refused with a reason and change nothing", "[plug
         refused("young_modulus", [&](ShellDef& d) { d.young_modulus = bad; });
         refused("phi_bar", [&](ShellDef& d) { d.phi_bar = bad; });
     }
-    // Finite, and yet no shell: elements that turn many times over, energies that are no numbers.
+    // Finite but impossible: elements that turn many times, energies that are not finite.
     refused("tight radius", [&](ShellDef& d) { d.radius = 1e-9, d.length = 0.1; });
     refused("tight curl", [&](ShellDef& d) { d.curvature.assign(static_cast<std::size_t>(d.elements), 1e9); });
     refused("speed", [&](ShellDef& d) { d.velocity.x = 1e200; });
@@ -114,7 +114,7 @@ TEST_CASE("stale, foreign and invented handles give errors, never crashes", "[pl
     CHECK(shells.destroy(a));
     CHECK_FALSE(shells.valid(a));
     CHECK_FALSE(shells.destroy(a));
-    const ShellHandle c = *shells.create(above(2.0, 0.0)); // takes the free place
+    const ShellHandle c = *shells.create(above(2.0, 0.0)); // takes the free slot
     CHECK(c.index == a.index);
     CHECK_FALSE(c == a);
     for (const ShellHandle bad : {a, ShellHandle{}, ShellHandle{77, 1}, ShellHandle{b.index, b.generation + 1},
@@ -124,7 +124,7 @@ TEST_CASE("stale, foreign and invented handles give errors, never crashes", "[pl
         const auto pose = shells.pose(bad);
         CHECK_FALSE(pose);
         CHECK_FALSE(pose.error().empty());
-        const auto hold = shells.hold(bad, 0.5, HoldKind::Clamp);
+        const auto hold = shells.create_hold(bad, 0.5, HoldKind::Clamp);
         CHECK_FALSE(hold);
         CHECK_FALSE(hold.error().empty());
     }
@@ -144,26 +144,26 @@ TEST_CASE("bad holds are refused", "[plugin]") {
     Shells shells(nullptr);
     const ShellHandle a = *shells.create(ShellDef{});
     for (const double bad : {-0.01, 1.01, kNan, kInf}) {
-        const auto hold = shells.hold(a, bad, HoldKind::Pin);
+        const auto hold = shells.create_hold(a, bad, HoldKind::Pin);
         CHECK_FALSE(hold);
         CHECK_FALSE(hold.error().empty());
     }
     CHECK(shells.world().rods[0].holds.empty());
-    const HoldHandle pin = *shells.hold(a, 0.0, HoldKind::Pin);
-    const HoldHandle clamp = *shells.hold(a, 1.0, HoldKind::Clamp);
+    const HoldHandle pin = *shells.create_hold(a, 0.0, HoldKind::Pin);
+    const HoldHandle clamp = *shells.create_hold(a, 1.0, HoldKind::Clamp);
     CHECK_FALSE(pin == clamp);
     CHECK(shells.world().rods[0].holds.size() == 2);
 }
 
-TEST_CASE("the machine takes bodies the host has, and none else", "[plugin]") {
+TEST_CASE("only bodies of the host can be attached to the crosshead", "[plugin]") {
     Shells shells(groundHost());
-    CHECK(shells.carry("plate"));
-    CHECK_FALSE(shells.carry("nobody"));
-    CHECK_FALSE(Shells(nullptr).carry("plate"));
-    CHECK(shells.world().machineBodies.size() == 1);
+    CHECK(shells.attach_to_crosshead("plate"));
+    CHECK_FALSE(shells.attach_to_crosshead("nobody"));
+    CHECK_FALSE(Shells(nullptr).attach_to_crosshead("plate"));
+    CHECK(shells.world().crossheadBodies.size() == 1);
 }
 
-TEST_CASE("bad frames are refused and change nothing", "[plugin]") {
+TEST_CASE("bad frames fail and change nothing", "[plugin]") {
     auto host = groundHost();
     Shells shells(host);
     const ShellHandle a = *shells.create(above(0.0, 0.1));
@@ -179,7 +179,7 @@ TEST_CASE("bad frames are refused and change nothing", "[plugin]") {
     CHECK(shells.time() == Approx(0.01));
 }
 
-TEST_CASE("exceptions of host and observer end in the report", "[plugin]") {
+TEST_CASE("exceptions of host and observer are reported", "[plugin]") {
     auto broken = std::make_shared<Broken>();
     broken->addGround(1, 0.35);
     Shells shells(broken);
@@ -189,7 +189,7 @@ TEST_CASE("exceptions of host and observer end in the report", "[plugin]") {
     REQUIRE(other.create(above(0.0, 0.1)));
     const FrameReport r = other.pre_step(0.01, []() -> bool { throw std::runtime_error("observer is broken"); });
     CHECK(r.failure == "observer is broken");
-    CHECK(other.pre_step(0.01).failure.empty()); // and life goes on
+    CHECK(other.pre_step(0.01).failure.empty()); // the world goes on
 }
 
 TEST_CASE("an observer ends the frame early", "[plugin]") {
@@ -203,7 +203,7 @@ TEST_CASE("an observer ends the frame early", "[plugin]") {
     CHECK(r.advanced < 0.05);
 }
 
-TEST_CASE("hundreds come and go", "[plugin]") {
+TEST_CASE("hundreds of shells are created and destroyed", "[plugin]") {
     auto host = groundHost();
     Shells shells(host);
     std::vector<ShellHandle> alive, dead;
@@ -228,8 +228,8 @@ TEST_CASE("hundreds come and go", "[plugin]") {
     CHECK(shells.size() == 0);
     for (const ShellHandle& h : dead)
         CHECK_FALSE(shells.valid(h));
-    const EnergyBooks b = shells.books();              // everything that came has gone
-    const double turned = 60 * 5 * 6e-4 * 9.81 * 0.06; // what went through, J
+    const EnergyBalance b = shells.energy_balance();   // nothing is left
+    const double turned = 60 * 5 * 6e-4 * 9.81 * 0.06; // the energy that went through, J
     CHECK(std::abs(b.kinetic) + std::abs(b.bending) + std::abs(b.gravity) < 1e-9 * turned);
     CHECK(std::abs(b.residual) < 1e-9 * turned);
     CHECK(shells.pre_step(1e-3).failure.empty()); // an empty world advances too

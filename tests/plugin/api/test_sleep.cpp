@@ -1,6 +1,6 @@
-// Islands at rest sleep, cost nothing, and wake when they should.
+// Islands at rest sleep, take no time, and wake when they should.
 
-#include "tests/plugin/api/play.h"
+#include "tests/plugin/api/support.h"
 
 using namespace supercircle;
 using namespace supercircle::test;
@@ -17,7 +17,7 @@ struct Level {
 
     Level() {
         host->addGround(1, 0.5);
-        host->add(2, "door", {1.0, 0.1}).pieces.push_back(FakeHost::box(2, 0.01, 0.1, 0.5));
+        host->add(2, "door", {1.0, 0.1}).outlines.push_back(FakeHost::box(2, 0.01, 0.1, 0.5));
         shells = std::make_unique<Shells>(host);
     }
     static ShellDef dome(double x, double y) {
@@ -29,7 +29,7 @@ struct Level {
         return d;
     }
     void add(double x, double above = 0.0) { domes.push_back(*shells->create(dome(x, kRise + 1e-6 + above))); }
-    void play(int frames) { test::play(*shells, host.get(), 1.0 / 60.0, frames); }
+    void advance(int frames) { test::advance(*shells, host.get(), 1.0 / 60.0, frames); }
     [[nodiscard]] bool asleep(std::size_t i) const { return *shells->asleep(domes[i]); }
     SleepSettings automatic() {
         SleepSettings s;
@@ -49,57 +49,58 @@ TEST_CASE("shells at rest fall asleep by themselves only if asked to", "[plugin]
         level.add(0.0);
         level.add(0.0, 0.0009); // one over the other
         level.add(0.2);
-        level.play(90);
+        level.advance(90);
         for (std::size_t i = 0; i < 3; ++i)
             CHECK(level.asleep(i) == automatic);
-        CHECK(std::abs(level.shells->books().residual) < 1e-9 * std::abs(level.shells->books().added));
+        CHECK(std::abs(level.shells->energy_balance().residual) <
+              1e-9 * std::abs(level.shells->energy_balance().added));
     }
 }
 
-TEST_CASE("what sleeps does not move and solves nothing, and wakes in balance", "[plugin]") {
+TEST_CASE("a sleeping island does not move, is not solved, and wakes in equilibrium", "[plugin]") {
     Level level;
     REQUIRE(level.shells->set_sleep(level.automatic()));
     level.add(0.0);
     level.add(0.0, 0.0009);
-    level.play(90);
+    level.advance(90);
     REQUIRE(level.asleep(0));
     const step::World before = level.shells->world();
-    level.play(60);
+    level.advance(60);
     const step::World& after = level.shells->world();
     CHECK(after.counters.steps - before.counters.steps == 60); // one empty step a frame
-    CHECK(after.counters.sweeps == before.counters.sweeps);
+    CHECK(after.counters.gaussSeidelIterations == before.counters.gaussSeidelIterations);
     for (std::size_t i = 0; i < 2; ++i)
         CHECK(after.rods[i].q == before.rods[i].q);
-    CHECK(after.ledger.friction == before.ledger.friction);
+    CHECK(after.energyBalance.friction == before.energyBalance.friction);
     CHECK_FALSE(after.sleepingImpulses.empty());
     REQUIRE(level.shells->wake(level.domes[0]));
     CHECK_FALSE(level.asleep(1)); // the island as a whole
-    level.play(5);
+    level.advance(5);
     const step::World& woken = level.shells->world();
     for (std::size_t i = 0; i < 2; ++i) // the forces it fell asleep with hold it: nothing jumps
         CHECK((woken.rods[i].kin.middle() - before.rods[i].kin.middle()).norm() < 1e-3 * 0.0005);
 }
 
-TEST_CASE("a sleeper wakes when pressed, not when passed", "[plugin]") {
+TEST_CASE("a sleeping shell wakes when pressed, not when passed", "[plugin]") {
     Level level;
     REQUIRE(level.shells->set_sleep(level.automatic()));
     level.add(0.0);
     level.add(0.1);
-    level.play(60);
+    level.advance(60);
     REQUIRE(level.asleep(0));
     REQUIRE(level.asleep(1));
     const ShellHandle falling = *level.shells->create(Level::dome(0.0, 0.03)); // 2 cm above the first
-    level.play(1);
+    level.advance(1);
     CHECK(level.asleep(0));
     CHECK_FALSE(*level.shells->asleep(falling));
     bool woken = false;
     for (int i = 0; i < 30 && !woken; ++i) {
-        level.play(1);
+        level.advance(1);
         woken = !level.asleep(0);
     }
     CHECK(woken);
     CHECK(level.asleep(1)); // nobody touched that one
-    level.play(120);
+    level.advance(120);
     CHECK(*level.shells->asleep(falling)); // and all rest again
     CHECK(level.shells->world().rods[0].island == level.shells->world().rods[2].island);
     CHECK(level.shells->world().counters.penetrationMax < 0.05 * 0.0005);
@@ -109,9 +110,9 @@ TEST_CASE("calls, gravity and bodies of the host wake", "[plugin]") {
     Level level;
     REQUIRE(level.shells->set_sleep(level.automatic()));
     level.add(0.0);
-    level.play(60);
+    level.advance(60);
     const auto sleeps = [&] {
-        level.play(60);
+        level.advance(60);
         REQUIRE(level.asleep(0));
     };
     Shells& s = *level.shells;
@@ -127,69 +128,69 @@ TEST_CASE("calls, gravity and bodies of the host wake", "[plugin]") {
     wakes("apply_force", static_cast<bool>(s.apply_force(a, 0.5, {0.0, -1e-4})));
     wakes("apply_impulse", static_cast<bool>(s.apply_impulse(a, 0.5, {0.0, -1e-7})));
     wakes("set_velocity", static_cast<bool>(s.set_velocity(a, {0.0, 0.0})));
-    wakes("set_surface", static_cast<bool>(s.set_surface(a, 3)));
+    wakes("set_friction_material", static_cast<bool>(s.set_friction_material(a, 3)));
     wakes("set_friction", static_cast<bool>(s.set_friction(3, 4, 0.5)));
     MaterialDef m;
     m.mu = 0.4;
     wakes("set_material", static_cast<bool>(s.set_material(a, m)));
     wakes("set_filter", static_cast<bool>(s.set_filter(a, {})));
-    const HoldHandle pin = *s.pin(a, 0.5);
-    sleeps(); // held things sleep too
-    wakes("release", static_cast<bool>(s.release(pin)));
+    const HoldHandle pin = *s.create_pin(a, 0.5);
+    sleeps(); // held shells sleep too
+    wakes("destroy", static_cast<bool>(s.destroy(pin)));
     level.host->g = {0.0, -0.9 * kG};
-    level.play(1);
+    level.advance(1);
     CHECK_FALSE(level.asleep(0));
     sleeps();
     level.host->bodies.at(2).state.centre = {0.027, 0.1}; // the door is put beside it
-    level.play(1);
+    level.advance(1);
     CHECK_FALSE(level.asleep(0));
     sleeps();
     level.host->bodies.erase(2);
-    level.play(1);
+    level.advance(1);
     CHECK_FALSE(level.asleep(0));
     sleeps();
     level.host->bodies.erase(1); // the ground is gone
-    level.play(6);
+    level.advance(6);
     CHECK(momentum(s).y() < 0.0);
 }
 
-TEST_CASE("who carries a dynamic body stays awake", "[plugin]") {
+TEST_CASE("a shell that carries a dynamic body stays awake", "[plugin]") {
     Level level;
     REQUIRE(level.shells->set_sleep(level.automatic()));
     level.add(0.0);
     level.host->add(3, "crate", {0.0, kRise + 0.00025 + 0.004 + 1e-5}, 0.0, 0.02)
-        .pieces.push_back(FakeHost::box(3, 0.02, 0.004, 0.5));
+        .outlines.push_back(FakeHost::box(3, 0.02, 0.004, 0.5));
     for (int i = 0; i < 240 * 2; ++i)
-        test::play(*level.shells, level.host.get(), 1.0 / 240.0, 1);
+        test::advance(*level.shells, level.host.get(), 1.0 / 240.0, 1);
     CHECK_FALSE(level.asleep(0));
-    const Outcome asked = level.shells->sleep(level.domes[0]);
+    const Status asked = level.shells->sleep(level.domes[0]);
     CHECK_FALSE(asked);
     CHECK(asked.error().find("dynamic") != std::string::npos);
     CHECK(level.host->bodies.at(3).state.centre.y() > 0.01); // it still stands
 }
 
-TEST_CASE("sleep by order takes the whole island and its motion", "[plugin]") {
+TEST_CASE("sleep() takes the whole island and its motion", "[plugin]") {
     Level level;
     level.add(0.0);
     level.add(0.2);
     REQUIRE_FALSE(level.shells->sleep(level.domes[0])); // contacts are not known before the first step
-    level.play(10);
+    level.advance(10);
     REQUIRE(level.shells->set_velocity(level.domes[1], {0.1, 0.0}));
     REQUIRE_FALSE(level.shells->sleep(level.domes[1])); // nor after a call that changed them
-    level.play(1);
+    level.advance(1);
     REQUIRE(level.shells->sleep(level.domes[1]));
     CHECK(level.asleep(1));
     CHECK_FALSE(level.asleep(0));
     CHECK(momentum(*level.shells).x() < 1e-6);
     const Vec2 at = pointAt(*level.shells, 1, 0.5);
-    level.play(30);
+    level.advance(30);
     CHECK(pointAt(*level.shells, 1, 0.5) == at);
-    CHECK(std::abs(level.shells->books().residual) < 1e-9 * std::abs(level.shells->books().added));
+    CHECK(std::abs(level.shells->energy_balance().residual) < 1e-9 * std::abs(level.shells->energy_balance().added));
 }
 
-TEST_CASE("a sleeper that moves up in the list is not taken for the one that was there", "[plugin][sleep]") {
-    // Same place, angle and curvature, but ten times as long: what is kept of sleepers from step to step was found by
-    // these coordinates alone (and read beyond its end when their number differed).
+TEST_CASE("a sleeping shell that moves up in the list is not taken for another one", "[plugin][sleep]") {
+    // Equal position, angle and curvature, but ten times as long: data kept of sleeping shells must not be found by
+    // these coordinates alone.
     Shells shells(nullptr);
     ShellDef d = strip(0.02, {0.0, 0.0});
     d.mask = 0;
@@ -208,7 +209,7 @@ TEST_CASE("a sleeper that moves up in the list is not taken for the one that was
     for (int f = 0; f < 60; ++f)
         REQUIRE(shells.pre_step(1e-3).failure.empty());
     CHECK_FALSE(*shells.asleep(longer)); // hit and awake
-    const auto m = shells.measure(bullet);
+    const auto m = shells.state(bullet);
     REQUIRE(m);
     const auto carried = shells.section(longer, 0.9);
     REQUIRE(carried);

@@ -1,4 +1,4 @@
-// Saved, restored, hashed: the future is the same to the last bit.
+// Saved, restored, hashed: the future is bitwise identical.
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
@@ -43,7 +43,7 @@ void saveAndReplay(int frames, int saves, int more, unsigned seed) {
         snaps += shells.events().snap_begin.size();
         touches += shells.events().contact_begin.size();
     }
-    CHECK(touches > 10); // else the scene tests nothing
+    CHECK(touches > 10); // otherwise the scene tests nothing
     CHECK(snaps > 0);
     auto otherHost = tumbleHost();
     for (const Saved& s : saved) {
@@ -66,7 +66,7 @@ void saveAndReplay(int frames, int saves, int more, unsigned seed) {
 
 } // namespace
 
-TEST_CASE("restored in the same and in fresh shells, the future is the same bit for bit", "[plugin]") {
+TEST_CASE("restored in the same and in new Shells, the future is bitwise identical", "[plugin]") {
     saveAndReplay(900, 8, 200, 1);
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("a hundred states restored, two hundred frames each", "[plugin][slow]"
     saveAndReplay(1500, 100, 200, 2);
 }
 
-TEST_CASE("bytes of a snapshot come back, and damaged or foreign ones are refused", "[plugin]") {
+TEST_CASE("bytes of a snapshot can be read, and damaged or foreign ones fail", "[plugin]") {
     auto host = tumbleHost();
     Shells shells(host);
     addTumblers(shells);
@@ -96,8 +96,8 @@ TEST_CASE("bytes of a snapshot come back, and damaged or foreign ones are refuse
         INFO(bad.error());
         CHECK(bad.error().find(word) != std::string::npos);
     };
-    refused({}, "no SCSTATE");
-    refused({'n', 'o', 't', ' ', 'o', 'u', 'r', 's', '!', '!'}, "no SCSTATE");
+    refused({}, "not an SCSTATE");
+    refused({'n', 'o', 't', ' ', 'o', 'u', 'r', 's', '!', '!'}, "not an SCSTATE");
     std::mt19937 random(7);
     for (int i = 0; i < 200; ++i) { // one flipped bit anywhere
         std::vector<std::uint8_t> bytes = state.bytes();
@@ -108,7 +108,7 @@ TEST_CASE("bytes of a snapshot come back, and damaged or foreign ones are refuse
         CHECK_FALSE(Snapshot::from_bytes({state.bytes().begin(), state.bytes().begin() + static_cast<long>(cut)}));
     std::vector<std::uint8_t> longer = state.bytes();
     longer.push_back(0);
-    refused(longer, "behind its end");
+    refused(longer, "after its end");
     std::vector<std::uint8_t> newer = state.bytes();
     newer[8] = 99;
     refused(newer, "version 99");
@@ -119,7 +119,7 @@ TEST_CASE("bytes of a snapshot come back, and damaged or foreign ones are refuse
     CHECK(fresh.hash() == before); // refusals changed nothing
 }
 
-TEST_CASE("damage that a checksum cannot see is refused too, or harmless", "[plugin]") {
+TEST_CASE("damage with a valid checksum fails too, or is harmless", "[plugin]") {
     auto host = tumbleHost();
     Shells shells(host);
     addTumblers(shells, 3);
@@ -128,7 +128,7 @@ TEST_CASE("damage that a checksum cannot see is refused too, or harmless", "[plu
     const std::vector<std::uint8_t> good = shells.save().bytes();
     std::mt19937 random(11);
     int accepted = 0;
-    for (int i = 0; i < 400; ++i) { // a forger who mends the checksum (FNV-1a over the content)
+    for (int i = 0; i < 400; ++i) { // with a corrected checksum (FNV-1a over the content)
         std::vector<std::uint8_t> bytes = good;
         constexpr std::size_t kHeader = 28;
         for (int k = 0; k < 3; ++k)
@@ -143,16 +143,16 @@ TEST_CASE("damage that a checksum cannot see is refused too, or harmless", "[plu
             continue;
         ++accepted;
         Shells victim(tumbleHost());
-        if (!victim.restore(*state)) // nonsense may come out of it, a crash may not
+        if (!victim.restore(*state)) // nonsense is allowed, a crash is not
             continue;
-        REQUIRE(victim.set_quality(Quality::Game)); // whose budget ends frames in which a shell lies upon itself
+        REQUIRE(victim.set_quality(Quality::Game)); // its budget ends frames in which a shell overlaps itself
         for (int f = 0; f < 2; ++f)
             victim.pre_step(1e-3);
     }
     CHECK(accepted > 0); // many bits are just other numbers
 }
 
-TEST_CASE("handles after a restore: those of then are good, those of a lost future are not", "[plugin]") {
+TEST_CASE("handles after a restore: those of that time are valid, later ones are not", "[plugin]") {
     Shells shells(nullptr);
     ShellDef d;
     d.name = "a";
@@ -176,19 +176,19 @@ TEST_CASE("handles after a restore: those of then are good, those of a lost futu
     CHECK_FALSE(fresh.valid(a));
     CHECK(fresh.valid(ShellHandle{a.index, a.generation, fresh.id()}));
     CHECK(fresh.find("a") == ShellHandle{a.index, a.generation, fresh.id()});
-    CHECK(fresh.list().size() == 1);
+    CHECK(fresh.shells().size() == 1);
 }
 
-TEST_CASE("handles of parts of a lost future stay stale", "[plugin]") {
+TEST_CASE("handles of constraints made after the snapshot stay stale", "[plugin]") {
     Shells shells(nullptr);
     const ShellHandle a = *shells.create(ShellDef{});
-    const HoldHandle kept = *shells.pin(a, 0.0);
+    const HoldHandle kept = *shells.create_pin(a, 0.0);
     const Snapshot then = shells.save();
-    const HoldHandle lost = *shells.pin(a, 1.0);
+    const HoldHandle lost = *shells.create_pin(a, 1.0);
     REQUIRE(shells.restore(then));
     CHECK(shells.valid(kept));
     CHECK_FALSE(shells.valid(lost));
-    const HoldHandle other = *shells.pin(a, 0.7); // where the lost one would have been
+    const HoldHandle other = *shells.create_pin(a, 0.7); // where the lost one would have been
     CHECK_FALSE(shells.valid(lost));
     CHECK(shells.valid(other));
     Shells fresh(nullptr);
@@ -197,14 +197,14 @@ TEST_CASE("handles of parts of a lost future stay stale", "[plugin]") {
     CHECK(fresh.valid(HoldHandle{kept.index, kept.generation, fresh.id()}));
 }
 
-TEST_CASE("rejected calls and questions leave the hash alone, accepted ones do not", "[plugin]") {
+TEST_CASE("failed calls and queries keep the hash, successful calls change it", "[plugin]") {
     auto host = tumbleHost();
     Shells shells(host);
     addTumblers(shells);
     for (int i = 0; i < 120; ++i)
         REQUIRE(tumbleFrame(shells, *host));
     const std::uint64_t before = shells.hash();
-    const ShellHandle some = shells.list().front();
+    const ShellHandle some = shells.shells().front();
     ShellHandle stale = some;
     stale.generation += 7;
     ShellDef bad;
@@ -213,26 +213,26 @@ TEST_CASE("rejected calls and questions leave the hash alone, accepted ones do n
     badEvents.snap_time = -1.0;
     CHECK_FALSE(shells.create(bad));
     CHECK_FALSE(shells.destroy(stale));
-    CHECK_FALSE(shells.hold(stale, 0.5, HoldKind::Pin));
-    CHECK_FALSE(shells.hold(some, kNan, HoldKind::Pin));
-    CHECK_FALSE(shells.carry("nobody"));
+    CHECK_FALSE(shells.create_hold(stale, 0.5, HoldKind::Pin));
+    CHECK_FALSE(shells.create_hold(some, kNan, HoldKind::Pin));
+    CHECK_FALSE(shells.attach_to_crosshead("nobody"));
     CHECK_FALSE(shells.set_event_settings(badEvents));
     CHECK_FALSE(shells.set_name(stale, "x"));
-    shells.set_machine_velocity({kNan, 0.0});
+    shells.set_crosshead_velocity({kNan, 0.0});
     for (const double dt : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()})
         CHECK_FALSE(shells.pre_step(dt).failure.empty());
     CHECK_FALSE(shells.restore(Snapshot{}));
     CHECK_FALSE(shells.replay(CallLog{}));
     (void)shells.ray_cast({-1.0, 0.02}, {1.0, 0.02});
-    (void)shells.nearest({0.0, 0.0});
+    (void)shells.closest_point({0.0, 0.0});
     (void)shells.section(some, 0.3);
-    (void)shells.measure(some);
+    (void)shells.state(some);
     (void)shells.save();
     CHECK(shells.hash() == before);
     CHECK(shells.set_name(some, "other name")); // not part of what decides the future
     CHECK(shells.hash() == before);
     const Snapshot then = shells.save();
-    CHECK(shells.hold(some, 0.5, HoldKind::Pin));
+    CHECK(shells.create_hold(some, 0.5, HoldKind::Pin));
     CHECK(shells.hash() != before);
     REQUIRE(shells.restore(then));
     CHECK(shells.hash() == before);
@@ -245,32 +245,32 @@ TEST_CASE("names, user data and the list of shells", "[plugin]") {
     ShellDef d;
     std::vector<ShellHandle> made;
     for (int i = 0; i < 4; ++i) {
-        d.name = i == 3 ? "twin" : i == 1 ? "twin" : "shell " + std::to_string(i);
+        d.name = i == 3 ? "double" : i == 1 ? "double" : "shell " + std::to_string(i);
         d.user_data = static_cast<std::uint64_t>(i) << 40;
         d.position.x = 0.2 * i;
         made.push_back(*shells.create(d));
     }
-    CHECK(shells.list() == made);
-    CHECK(shells.find("twin") == made[1]);
+    CHECK(shells.shells() == made);
+    CHECK(shells.find("double") == made[1]);
     CHECK(shells.find("nobody").null());
     CHECK(*shells.user_data(made[2]) == std::uint64_t{2} << 40);
     CHECK(*shells.name(made[2]) == "shell 2");
     CHECK(shells.destroy(made[1]));
-    CHECK(shells.find("twin") == made[3]);
+    CHECK(shells.find("double") == made[3]);
     CHECK_FALSE(shells.name(made[1]));
     CHECK_FALSE(shells.user_data(made[1]));
     d.name = "young";
     const ShellHandle young = *shells.create(d); // takes the free place but stands last
-    CHECK(shells.list() == std::vector<ShellHandle>{made[0], made[2], made[3], young});
+    CHECK(shells.shells() == std::vector<ShellHandle>{made[0], made[2], made[3], young});
     CHECK(shells.set_user_data(young, 9));
     CHECK(*shells.user_data(young) == 9);
 }
 
-TEST_CASE("a log of calls replays to the same state, refused calls left out", "[plugin]") {
+TEST_CASE("a log of calls replays to the same state, without failed calls", "[plugin]") {
     auto host = tumbleHost();
     Shells shells(host);
     addTumblers(shells, 2);
-    const ShellHandle early = shells.list().back();
+    const ShellHandle early = shells.shells().back();
     REQUIRE(tumbleFrame(shells, *host)); // a log may begin in the middle
     const auto bodies = host->bodies;
     REQUIRE(shells.start_log(42));
@@ -279,44 +279,45 @@ TEST_CASE("a log of calls replays to the same state, refused calls left out", "[
     const ShellHandle high = *shells.create(d);
     std::optional<ShellHandle> late;
     std::optional<HoldHandle> hold;
-    std::optional<GrabHandle> hand;
+    std::optional<MouseJointHandle> mouseJoint;
     std::optional<ForceHandle> push;
     int stopped = 0;
     for (int f = 0; f < 120; ++f) {
-        CHECK(shells.set_machine_velocity({0.0, f < 50 ? -0.1 : 0.05}));
+        CHECK(shells.set_crosshead_velocity({0.0, f < 50 ? -0.1 : 0.05}));
         if (f == 20)
-            hand = *shells.grab(early, {0.2, {0.0, 0.1}, 8.0, 1.0, 0.0});
+            mouseJoint = *shells.create_mouse_joint(early, {0.2, {0.0, 0.1}, 8.0, 1.0, 0.0});
         if (f == 30)
-            CHECK(shells.destroy(shells.list().front()));
+            CHECK(shells.destroy(shells.shells().front()));
         if (f == 40) {
             d.position = {-0.04, 0.24};
             d.radius = 0.01;
             d.name = "late";
             late = *shells.create(d);
-            push = *shells.add_force(*late, 1.0, {0.002, 0.0});
+            push = *shells.create_force(*late, 1.0, {0.002, 0.0});
         }
         if (f > 45 && f < 55)
             CHECK(shells.apply_force(high, 0.3, {0.0, 0.005}));
         if (f == 50) {
-            CHECK(shells.move(*hand, {0.01, 0.12}));
+            CHECK(shells.set_target(*mouseJoint, {0.01, 0.12}));
             CHECK(shells.set_material(*late, {.mu = 0.6, .young_modulus = {}, .density = {}, .natural_curvature = {}}));
-            CHECK(shells.set_surface(*late, 3));
-            CHECK(shells.set_surface(*shells.body("crate"), 4));
+            CHECK(shells.set_friction_material(*late, 3));
+            CHECK(shells.set_friction_material(*shells.body("crate"), 4));
             CHECK(shells.set_friction(3, 4, 0.1));
         }
         if (f == 60)
-            hold = *shells.hold(*late, 0.5, HoldKind::Clamp);
+            hold = *shells.create_hold(*late, 0.5, HoldKind::Clamp);
         if (f > 60 && f < 80) {
-            DriveDef to = *shells.target(*hold);
+            TargetDef to = *shells.target(*hold);
             to.position.y -= 1e-5;
-            CHECK(shells.drive(*hold, to));
+            CHECK(shells.set_target(*hold, to));
         }
         if (f == 80) {
-            CHECK(shells.release(*hold));
-            CHECK(shells.release(*hand));
-            CHECK(shells.release(*push));
+            CHECK(shells.destroy(*hold));
+            CHECK(shells.destroy(*mouseJoint));
+            CHECK(shells.destroy(*push));
             CHECK(shells.apply_impulse(*late, 0.5, {1e-5, 2e-5}));
-            CHECK(shells.join({.kind = JointKind::Tether, .shell = *late, .point = {-0.04, 0.27}, .length = 0.08}));
+            CHECK(shells.create_joint(
+                {.kind = JointKind::Tether, .shell = *late, .point = {-0.04, 0.27}, .length = 0.08}));
         }
         int steps = 0;
         const FrameReport r = shells.pre_step(2e-3, [&] { // frames of several steps
@@ -347,6 +348,6 @@ TEST_CASE("a log of calls replays to the same state, refused calls left out", "[
     INFO(done.error());
     REQUIRE(done);
     CHECK(other.hash() == shells.hash());
-    CHECK(other.list().size() == shells.list().size());
+    CHECK(other.shells().size() == shells.shells().size());
     CHECK_FALSE(Shells(nullptr).replay(*log)); // without the crate
 }

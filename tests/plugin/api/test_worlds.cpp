@@ -1,6 +1,6 @@
-// Several worlds at once, and worlds that live long.
+// Several worlds at the same time, and long-lived worlds.
 
-#include "tests/plugin/api/play.h"
+#include "tests/plugin/api/support.h"
 
 #include <thread>
 
@@ -9,12 +9,12 @@ using namespace supercircle::test;
 
 namespace {
 
-/// Three shells that fall on each other; all their digits at the end.
+/// Three shells that fall on each other; their coordinates at the end.
 std::vector<double> story(double seconds) {
     auto host = emptyHost(kG);
     host->addGround(1, 0.4);
     Shells shells(host);
-    std::vector<double> digits;
+    std::vector<double> coordinates;
     for (int i = 0; i < 3; ++i) {
         ShellDef d;
         d.phi_bar = 0.5;
@@ -32,13 +32,13 @@ std::vector<double> story(double seconds) {
             return {};
     }
     for (const step::Rod& r : shells.world().rods)
-        digits.insert(digits.end(), r.q.data(), r.q.data() + r.q.size());
-    return digits;
+        coordinates.insert(coordinates.end(), r.q.data(), r.q.data() + r.q.size());
+    return coordinates;
 }
 
 } // namespace
 
-TEST_CASE("worlds on several threads at once do not see each other", "[plugin]") {
+TEST_CASE("worlds on several threads do not influence each other", "[plugin]") {
     const std::vector<double> alone = story(0.5);
     REQUIRE_FALSE(alone.empty());
     std::vector<double> results[3];
@@ -48,10 +48,10 @@ TEST_CASE("worlds on several threads at once do not see each other", "[plugin]")
     for (std::thread& t : threads)
         t.join();
     for (const auto& r : results)
-        CHECK(r == alone); // to the last bit
+        CHECK(r == alone); // bitwise
 }
 
-TEST_CASE("a million shells may come and go", "[plugin]") {
+TEST_CASE("a million shells may be created and destroyed", "[plugin]") {
     auto host = emptyHost(kG);
     host->addGround(1, 0.4);
     Shells shells(host);
@@ -64,13 +64,13 @@ TEST_CASE("a million shells may come and go", "[plugin]") {
     std::vector<ShellHandle> others;
     for (int i = 1; i < 6; ++i) {
         others.push_back(low(0.1 * i));
-        play(shells, host.get(), 0.01, 1); // contact detection wants distinct keys below 2^20
+        advance(shells, host.get(), 0.01, 1); // contact detection wants distinct keys below 2^20
         if (i % 2 == 0) {
             REQUIRE(shells.destroy(others.front()));
             others.erase(others.begin());
         }
     }
-    play(shells, host.get(), 0.01, 20);
+    advance(shells, host.get(), 0.01, 20);
     CHECK(shells.size() == 1 + others.size());
     CHECK(shells.valid(first));
     for (const ShellHandle h : others)

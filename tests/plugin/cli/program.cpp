@@ -64,7 +64,7 @@ Stream makeTerminal() {
 }
 
 /// Reads until both streams are closed; sends the signal in between.
-void follow(pid_t child, const Start& how, int out, int err, Ending& ending) {
+void follow(pid_t child, const Start& how, int out, int err, CommandResult& ending) {
     std::array<pollfd, 2> both{pollfd{out, POLLIN, 0}, pollfd{err, POLLIN, 0}};
     const auto begin = std::chrono::steady_clock::now();
     bool sent = how.signal == 0;
@@ -90,7 +90,7 @@ void follow(pid_t child, const Start& how, int out, int err, Ending& ending) {
 
 } // namespace
 
-Ending start(const std::vector<std::string>& arguments, const Start& how) {
+CommandResult start(const std::vector<std::string>& arguments, const Start& how) {
     std::vector<std::string> all{SC_PROGRAM};
     all.insert(all.end(), arguments.begin(), arguments.end());
     Stream out = makePipe();
@@ -106,7 +106,7 @@ Ending start(const std::vector<std::string>& arguments, const Start& how) {
         become(all, how, out.theirs, err.theirs);
     ::close(out.theirs);
     ::close(err.theirs);
-    Ending ending;
+    CommandResult ending;
     follow(child, how, out.ours, err.ours, ending);
     ::close(out.ours);
     ::close(err.ours);

@@ -1,5 +1,5 @@
 #pragma once
-// Starts the built program the way a shell does, and looks at what it leaves behind.
+// Starts the built program as a shell does, and reads what it writes.
 
 #include "tests/support/text.h"
 
@@ -10,13 +10,13 @@
 namespace supercircle::test {
 
 /// How the program ended.
-struct Ending {
+struct CommandResult {
     int code = -1; ///< exit code; 128 + signal if a signal ended it
     std::string out;
     std::string err;
 };
 
-/// What is different from an ordinary start.
+/// Options of a start.
 struct Start {
     std::string directory{};      ///< working directory; empty: ours
     long fileSizeLimit = -1;      ///< bytes, RLIMIT_FSIZE; -1: none
@@ -27,12 +27,12 @@ struct Start {
 };
 
 /// Runs the program with these arguments to its end.
-Ending start(const std::vector<std::string>& arguments, const Start& how = {});
+CommandResult start(const std::vector<std::string>& arguments, const Start& how = {});
 
 /// Path of a scene of the project.
 std::string scene(const std::string& name);
 
-/// A directory of its own that goes away.
+/// A temporary directory, removed at the end.
 class Folder {
 public:
     Folder();

@@ -1,4 +1,4 @@
-// The outside of the program: help, exit codes, messages, and that nothing is left behind when nothing came of it.
+// The command line: help, exit codes, messages, and that a failed command leaves no files.
 
 #include "tests/plugin/cli/program.h"
 
@@ -10,7 +10,7 @@ using Catch::Contains;
 
 namespace {
 
-/// The quickest scene: two shells' worth of text, a few milliseconds.
+/// The fastest scene, a few milliseconds.
 std::vector<std::string> quick(const Folder& folder, std::vector<std::string> more = {}) {
     std::vector<std::string> all{"run", scene("shell_on_cylinder"), "--out", folder / "out"};
     all.insert(all.end(), more.begin(), more.end());
@@ -20,47 +20,47 @@ std::vector<std::string> quick(const Folder& folder, std::vector<std::string> mo
 } // namespace
 
 TEST_CASE("help and version") {
-    for (const char* verb : {"run", "check", "bench"}) {
-        const Ending ending = start({verb, "--help"});
+    for (const char* subcommand : {"run", "check", "bench"}) {
+        const CommandResult ending = start({subcommand, "--help"});
         CHECK(ending.code == 0);
         CHECK_THAT(ending.out, Contains("Usage:") && Contains("--help"));
-        CHECK_THAT(start({"--help"}).out, Contains(verb));
+        CHECK_THAT(start({"--help"}).out, Contains(subcommand));
     }
     for (const char* option : {"--param", "--seed", "--out", "--threads", "--fixed-dt", "--no-report", "--quiet"})
         CHECK_THAT(start({"run", "--help"}).out, Contains(option));
     CHECK(start({"--version"}).code == 0);
 }
 
-TEST_CASE("arguments that make no sense are exit 2 and leave nothing behind") {
+TEST_CASE("wrong arguments are exit 2 and leave nothing behind") {
     const Folder folder;
     const auto refused = [&](const std::vector<std::string>& arguments, const std::string& said) {
         INFO(said);
-        const Ending ending = start(arguments, {.directory = folder.path()});
+        const CommandResult ending = start(arguments, {.directory = folder.path()});
         CHECK(ending.code == 2);
         CHECK_THAT(ending.err, Contains(said));
         CHECK(ending.out.empty());
         CHECK(folder.entries().empty());
     };
-    const std::string good = scene("shell_on_cylinder");
+    const std::string valid = scene("shell_on_cylinder");
     refused({}, "subcommand");
-    refused({"fly"}, "there is no verb \"fly\"");
+    refused({"fly"}, "there is no subcommand \"fly\"");
     refused({"chek", "file"}, "did you mean \"check\"");
     refused({"run"}, "scene");
-    refused({"run", good, "--wings"}, "--wings");
-    refused({"run", good, "--seed", "-1"}, "--seed: -1 is not a whole number");
-    refused({"run", good, "--seed", "1.5"}, "1.5 is not a whole number");
-    refused({"run", good, "--threads", "0"}, "--threads");
-    refused({"run", good, "--fixed-dt", "0"}, "--fixed-dt: 0 is not a positive number");
-    refused({"run", good, "--fixed-dt", "nan"}, "--fixed-dt: nan is not a positive number");
-    refused({"run", good, "--param", "mu"}, "NAME=VALUE");
-    refused({"run", good, "--param", "mu="}, "NAME=VALUE");
-    refused({"run", good, "--param", "=1"}, "NAME=VALUE");
-    refused({"run", good, "--param", "mu=much"}, "NAME=VALUE");
-    refused({"run", good, "--param", "mu=nan"}, "finite number");
-    refused({"run", good, "--param", "mu=inf"}, "finite number");
-    refused({"run", good, "--param", "nu=0.3"}, "did you mean \"mu\"");
-    refused({"run", good, "--param", "mu=-0.1"}, "out of range");
-    refused({"run", good, "--param", "elements=2.5"}, "elements");
+    refused({"run", valid, "--wings"}, "--wings");
+    refused({"run", valid, "--seed", "-1"}, "--seed: -1 is not a whole number");
+    refused({"run", valid, "--seed", "1.5"}, "1.5 is not a whole number");
+    refused({"run", valid, "--threads", "0"}, "--threads");
+    refused({"run", valid, "--fixed-dt", "0"}, "--fixed-dt: 0 is not a positive number");
+    refused({"run", valid, "--fixed-dt", "nan"}, "--fixed-dt: nan is not a positive number");
+    refused({"run", valid, "--param", "mu"}, "NAME=VALUE");
+    refused({"run", valid, "--param", "mu="}, "NAME=VALUE");
+    refused({"run", valid, "--param", "=1"}, "NAME=VALUE");
+    refused({"run", valid, "--param", "mu=much"}, "NAME=VALUE");
+    refused({"run", valid, "--param", "mu=nan"}, "finite number");
+    refused({"run", valid, "--param", "mu=inf"}, "finite number");
+    refused({"run", valid, "--param", "nu=0.3"}, "did you mean \"mu\"");
+    refused({"run", valid, "--param", "mu=-0.1"}, "out of range");
+    refused({"run", valid, "--param", "elements=2.5"}, "elements");
     refused({"run", "nowhere.json"}, "nowhere.json: there is no such file");
     refused({"run", "/"}, "directory");
     refused({"check", "nowhere.json"}, "nowhere.json: there is no such file");
@@ -68,19 +68,19 @@ TEST_CASE("arguments that make no sense are exit 2 and leave nothing behind") {
 
 TEST_CASE("an option in front of the scene takes one value") {
     const Folder folder;
-    const Ending ending = start({"run", "--param", "mu=0.3", "--param", "phi_bar=0.7", scene("shell_on_cylinder"),
-                                 "--out", folder / "out", "--quiet", "--no-report"});
+    const CommandResult ending = start({"run", "--param", "mu=0.3", "--param", "phi_bar=0.7",
+                                        scene("shell_on_cylinder"), "--out", folder / "out", "--quiet", "--no-report"});
     CHECK(ending.code == 0);
     CHECK_THAT(contentOf(folder / "out/summary.json"), Contains("\"mu\": 0.3") && Contains("\"phi_bar\": 0.7"));
 }
 
-TEST_CASE("a file that is no good scene is exit 2 with its place, and nothing is left behind") {
+TEST_CASE("a file that is no valid scene is exit 2 with its place, and nothing is left behind") {
     const Folder folder;
     const Folder results;
     const auto refused = [&](const std::string& text, const std::string& said) {
         const std::string file = folder.write("bad.json", text);
-        for (const char* verb : {"check", "run"}) {
-            const Ending ending = start({verb, file}, {.directory = results.path()});
+        for (const char* subcommand : {"check", "run"}) {
+            const CommandResult ending = start({subcommand, file}, {.directory = results.path()});
             CHECK(ending.code == 2);
             CHECK_THAT(ending.err, Contains(said));
             CHECK(ending.out.empty());
@@ -102,17 +102,17 @@ TEST_CASE("a file that is no good scene is exit 2 with its place, and nothing is
 TEST_CASE("experiments and sweeps are recognised and refused by name") {
     const Folder folder;
     const auto refused = [&](const std::string& text, const std::string& kind,
-                             const std::vector<std::string>& verbs = {"check", "run"}) {
+                             const std::vector<std::string>& subcommands = {"check", "run"}) {
         const std::string file = folder.write("other.json", text);
-        for (const std::string& verb : verbs) {
-            const Ending ending = start({verb, file}, {.directory = folder.path()});
+        for (const std::string& subcommand : subcommands) {
+            const CommandResult ending = start({subcommand, file}, {.directory = folder.path()});
             CHECK(ending.code == 2);
             CHECK_THAT(ending.err, Contains(kind) && Contains("not a scene"));
         }
     };
     refused("{ \"schema\": \"rod-recordings/1\", \"runs\": [] }", "this is an experiment", {"run"});
     CHECK_THAT(start({"check", folder.write("other.json", "{ \"schema\": \"rod-recordings/1\", \"runs\": [] }")}).err,
-               Contains("\"protocol\" is missing")); // check knows experiments, and says what this one lacks
+               Contains("\"protocol\" is missing")); // check reads experiments, and reports what this one lacks
     refused("{ \"specimens\": [], \"runs\": [] }", "this is an experiment");
     refused("{ \"schema\": \"supercircle-sweep/1\" }", "this is a sweep", {"run"});
     CHECK_THAT(start({"check", folder.write("other.json", "{ \"schema\": \"supercircle-sweep/1\" }")}).err,
@@ -123,10 +123,10 @@ TEST_CASE("experiments and sweeps are recognised and refused by name") {
 TEST_CASE("every scene of the project passes the check") {
     for (const char* name :
          {"stack30", "shell_on_cylinder", "two_shells", "cantilever", "squeeze", "pinning", "ramp"}) {
-        const Ending ending = start({"check", scene(name)});
+        const CommandResult ending = start({"check", scene(name)});
         INFO(name << ": " << ending.err);
         CHECK(ending.code == 0);
-        CHECK_THAT(ending.out, Contains("a good scene") && Contains("elements"));
+        CHECK_THAT(ending.out, Contains("valid scene") && Contains("elements"));
     }
 }
 
@@ -134,14 +134,14 @@ TEST_CASE("output that cannot be written is exit 4, and nothing is half-written"
     const Folder folder;
     const std::string file = folder.write("file", "mine");
     for (const std::string& out : {file, file + "/below", std::string("/proc/none"), std::string("/proc")}) {
-        const Ending ending = start({"run", scene("shell_on_cylinder"), "--out", out});
+        const CommandResult ending = start({"run", scene("shell_on_cylinder"), "--out", out});
         INFO(ending.err);
         CHECK(ending.code == 4);
         CHECK_THAT(ending.err, Contains(out) && Contains("--out"));
     }
     CHECK(contentOf(file) == "mine");
     SECTION("a disk that fills up leaves no file at all") {
-        const Ending ending = start(quick(folder), {.fileSizeLimit = 4096});
+        const CommandResult ending = start(quick(folder), {.fileSizeLimit = 4096});
         CHECK(ending.code == 4);
         CHECK_THAT(ending.err, Contains("cannot write") && Contains("too large"));
         CHECK(folder.entries() == std::vector<std::string>{"file"});
@@ -165,12 +165,12 @@ TEST_CASE("output that cannot be written is exit 4, and nothing is half-written"
     }
 }
 
-TEST_CASE("quiet runs say nothing, others end with where the results are") {
+TEST_CASE("quiet runs print nothing, others end with the place of the results") {
     const Folder folder;
-    const Ending silent = start(quick(folder, {"--quiet"}));
+    const CommandResult silent = start(quick(folder, {"--quiet"}));
     CHECK(silent.code == 0);
     CHECK((silent.out + silent.err).empty());
-    const Ending spoken = start(quick(folder));
+    const CommandResult spoken = start(quick(folder));
     CHECK(spoken.code == 0);
     CHECK_THAT(spoken.out, Contains(folder / "out/report.html"));
     CHECK_FALSE(std::filesystem::exists(folder / "report.html"));
@@ -184,11 +184,11 @@ TEST_CASE("without --out the results are in out/ and the scene's name") {
 }
 
 TEST_CASE("an interrupted run keeps what is done") {
-    // 300 shells take minutes: no machine is done when the signal comes, wherever in the run that is.
+    // 300 shells take minutes: the run is not finished when the signal comes.
     for (const int signal : {SIGINT, SIGTERM}) {
         const Folder folder;
-        const Ending ending = start({"run", scene("stack30"), "--param", "shells=300", "--out", folder / "out"},
-                                    {.signal = signal, .signalAfter = 0.5});
+        const CommandResult ending = start({"run", scene("stack30"), "--param", "shells=300", "--out", folder / "out"},
+                                           {.signal = signal, .signalAfter = 0.5});
         INFO(ending.err);
         CHECK(ending.code == 130);
         CHECK_THAT(ending.err, Contains("interrupted; what is done is in"));
@@ -198,9 +198,9 @@ TEST_CASE("an interrupted run keeps what is done") {
     }
 }
 
-TEST_CASE("progress lives on one line of a terminal, with the time left") {
+TEST_CASE("progress stays on one line of a terminal, with the time left") {
     const Folder folder;
-    const Ending ending =
+    const CommandResult ending =
         start({"run", scene("stack30"), "--param", "shells=300", "--out", folder / "out", "--no-report"},
               {.terminal = true, .signal = SIGINT, .signalAfter = 1.5});
     CHECK(ending.code == 130);
@@ -215,12 +215,12 @@ TEST_CASE("progress lives on one line of a terminal, with the time left") {
     }
 }
 
-TEST_CASE("a simulation that cannot go on is exit 3, says what and when, and keeps what was good") {
+TEST_CASE("a simulation that cannot go on is exit 3, says what and when, and keeps the last valid state") {
     const Folder folder;
-    // Far faster than sound in the shell: it would be taken out of the motion, and then there is no experiment.
+    // Far faster than sound in the shell: the shell is quarantined, which ends an experiment.
     const std::string file =
         folder.write("fast.json", "{ \"shell\": [ { \"velocity\": { \"x\": 1e12, \"y\": 0 } } ], \"duration\": 0.1 }");
-    const Ending ending = start({"run", file, "--out", folder / "out", "--quiet"});
+    const CommandResult ending = start({"run", file, "--out", folder / "out", "--quiet"});
     CHECK(ending.code == 3);
     CHECK_THAT(ending.err, Contains("could not go on") && Contains("at t =") && Contains(folder / "out"));
     CHECK_THAT(contentOf(folder / "out/summary.json"), Contains("\"status\": \"failed\""));

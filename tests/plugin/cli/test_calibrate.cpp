@@ -1,4 +1,4 @@
-// The verbs `calibrate` and `design`, as a user calls them.
+// The subcommands `calibrate` and `design`.
 
 #include "tests/plugin/cli/program.h"
 
@@ -11,8 +11,8 @@ using nlohmann::json;
 
 TEST_CASE("a switch observed on a cylinder gives the interval between two closed forms") {
     const Folder folder;
-    const Ending ending = start({"calibrate", scene("shell_on_cylinder"), "--smooth", "0.75,0.8", "--abrupt",
-                                 "0.9,0.85", "--param", "elements=16", "--out", folder / "out"});
+    const CommandResult ending = start({"calibrate", scene("shell_on_cylinder"), "--smooth", "0.75,0.8", "--abrupt",
+                                        "0.9,0.85", "--param", "elements=16", "--out", folder / "out"});
     INFO(ending.err);
     REQUIRE(ending.code == 0);
     CHECK_THAT(ending.out, Contains("friction coefficient:"));
@@ -29,7 +29,7 @@ TEST_CASE("a switch observed on a cylinder gives the interval between two closed
 TEST_CASE("calibrate refuses what it cannot use") {
     const auto refused = [](std::vector<std::string> arguments, const std::string& what) {
         arguments.insert(arguments.begin(), "calibrate");
-        const Ending ending = start(arguments);
+        const CommandResult ending = start(arguments);
         CHECK(ending.code == 2);
         CHECK_THAT(ending.err, Contains(what));
     };
@@ -37,7 +37,7 @@ TEST_CASE("calibrate refuses what it cannot use") {
     refused({scene("two_shells"), "--smooth", "0.75,x"}, "--smooth");
     refused({scene("two_shells"), "--smooth", "0.9", "--abrupt", "0.8"}, "contradict");
     refused({"nowhere.json", "--smooth", "0.8"}, "nowhere.json");
-    const Ending ramp = start({"calibrate", scene("ramp"), "--smooth", "0.8"}); // has no snap
+    const CommandResult ramp = start({"calibrate", scene("ramp"), "--smooth", "0.8"}); // has no snap
     CHECK(ramp.code != 0);
     CHECK_THAT(ramp.err, Contains("snap_type"));
 }
@@ -45,7 +45,7 @@ TEST_CASE("calibrate refuses what it cannot use") {
 TEST_CASE("friction fitted to recorded curves is that of the recording", "[slow]") {
     const Folder folder;
     const std::string data = std::string(SC_TEST_DATA) + "/recordings/baseline/case_101/";
-    const Ending ending = start({"calibrate", data + "experiment.json", "--out", folder / "out", "--quiet"});
+    const CommandResult ending = start({"calibrate", data + "experiment.json", "--out", folder / "out", "--quiet"});
     INFO(ending.err);
     REQUIRE(ending.code == 0);
     const json result = json::parse(contentOf(folder / "out/calibration.json"));
@@ -56,7 +56,7 @@ TEST_CASE("friction fitted to recorded curves is that of the recording", "[slow]
     CHECK(result["friction"]["high"].get<double>() > result["friction"]["value"].get<double>());
 }
 
-TEST_CASE("design finds the pairs a sweep has played, and says what is out of reach") {
+TEST_CASE("design finds the pairs in the range of a sweep, and says what is out of reach") {
     const Folder folder;
     const std::string file =
         folder.write("sweep.json", R"({"schema": "supercircle-sweep/1", "scene": ")" + scene("shell_on_cylinder") +
@@ -64,16 +64,24 @@ TEST_CASE("design finds the pairs a sweep has played, and says what is out of re
         "fixed": {"elements": 8, "speed": 0.02}, "seeds": {"last": 2}})");
     REQUIRE(start({"sweep", file, "--out", folder / "out", "--quiet"}).code == 0);
     // The force grows with angle and friction (physics: .0550 to .1056 at .75 for mu 0 to .35): one pair per row.
-    const Ending ending = start({"design", file, "--results", folder / "out", "--want", "peak_force_R2_over_B=0.06"});
+    const CommandResult ending =
+        start({"design", file, "--results", folder / "out", "--target", "peak_force_R2_over_B=0.06"});
     INFO(ending.err);
     REQUIRE(ending.code == 0);
     CHECK_THAT(ending.out, Contains("mu = 0.1") && Contains("phi_bar = 0."));
     CHECK_THAT(contentOf(folder / "out/design/design.html"), Contains("<svg") && Contains("</html>"));
     CHECK_THAT(contentOf(folder / "out/design/design_peak_force_R2_over_B.csv"), Contains("mu,phi_bar,phi_bar_error"));
-    const Ending far = start({"design", file, "--results", folder / "out", "--want", "peak_force_R2_over_B=7"});
+    const CommandResult former =
+        start({"design", file, "--results", folder / "out", "--want", "peak_force_R2_over_B=0.06"});
+    CHECK(former.code == 0);
+    CHECK(former.out == ending.out);
+    CHECK_THAT(former.err, Contains("--want is called --target"));
+    CHECK_THAT(start({"design", file, "--results", folder / "out"}).err, Contains("--target is required"));
+    const CommandResult far =
+        start({"design", file, "--results", folder / "out", "--target", "peak_force_R2_over_B=7"});
     CHECK(far.code == 2);
     CHECK_THAT(far.out, Contains("no pair gives this"));
-    CHECK_THAT(start({"design", file, "--results", folder / "out", "--want", "peak_farce_R2_over_B=7"}).err,
+    CHECK_THAT(start({"design", file, "--results", folder / "out", "--target", "peak_farce_R2_over_B=7"}).err,
                Contains("did you mean \"peak_force_R2_over_B\""));
-    CHECK(start({"design", file, "--results", folder / "nowhere", "--want", "eta=7"}).code == 2);
+    CHECK(start({"design", file, "--results", folder / "nowhere", "--target", "dissipation_ratio=7"}).code == 2);
 }

@@ -1,4 +1,4 @@
-// The engine `slurm` against a Slurm of one node that the test starts and stops itself: no mock knows what sbatch does.
+// The engine `slurm` on a Slurm of one node that the test starts and stops.
 
 #include "tests/plugin/cli/program.h"
 
@@ -90,8 +90,8 @@ std::string sweepFile(const Folder& folder, int seeds) {
                                           std::to_string(seeds) + "}}");
 }
 
-Ending sweepInto(const std::string& file, const std::string& out, std::vector<std::string> more,
-                 const Start& how = {}) {
+CommandResult sweepInto(const std::string& file, const std::string& out, std::vector<std::string> more,
+                        const Start& how = {}) {
     more.insert(more.begin(), {"sweep", file, "--out", out, "--quiet", "--resume"});
     return start(more, how);
 }
@@ -100,7 +100,7 @@ std::string tables(const std::string& out) {
     return contentOf(out + "/results.csv") + contentOf(out + "/statistics.csv") + contentOf(out + "/failed.csv");
 }
 
-/// Without Slurm, or not as root (munged and slurmd want to be), there is nothing to test against.
+/// The test needs Slurm and root rights (for munged and slurmd).
 bool possible() {
     if (::getuid() == 0 && shell("PATH=$PATH:/usr/sbin which slurmctld slurmd munged sbatch"))
         return true;
@@ -114,13 +114,13 @@ TEST_CASE("without Slurm's commands the engine says what is missing") {
     const Folder folder;
     const std::string path = std::getenv("PATH");
     ::setenv("PATH", folder.path().c_str(), 1);
-    const Ending ending = sweepInto(sweepFile(folder, 1), folder / "out", {"--engine", "slurm"});
+    const CommandResult ending = sweepInto(sweepFile(folder, 1), folder / "out", {"--engine", "slurm"});
     ::setenv("PATH", path.c_str(), 1);
     CHECK(ending.code == 3);
     CHECK_THAT(ending.err, Contains("squeue: not found"));
 }
 
-TEST_CASE("a sweep on Slurm ends with the bytes of one at home, whoever is killed meanwhile", "[slow]") {
+TEST_CASE("a sweep on Slurm gives the bytes of a local one, also when processes are killed", "[slow]") {
     if (!possible())
         return;
     ::setenv("PATH", (std::string(std::getenv("PATH")) + ":/usr/sbin:/sbin").c_str(), 1);
@@ -131,18 +131,18 @@ TEST_CASE("a sweep on Slurm ends with the bytes of one at home, whoever is kille
     REQUIRE(cluster.ready);
     const std::vector<std::string> onCluster = {"--engine", "slurm", "--jobs", "2"};
     {
-        const Ending ending = sweepInto(file, folder / "cluster", onCluster);
+        const CommandResult ending = sweepInto(file, folder / "cluster", onCluster);
         INFO(ending.err);
         REQUIRE(ending.code == 0);
         CHECK(tables(folder / "cluster") == tables(folder / "home"));
     }
-    std::mt19937 random(5); // NOLINT: the same times every time
-    std::uniform_real_distribution<double> when(0.3, 1.2);
+    std::mt19937 random(5); // NOLINT: a fixed seed
+    std::uniform_real_distribution<double> delay(0.3, 1.2);
     int killed = 0;
     for (const char* name : {"torn", "torn again"}) {
         for (int i = 0; i < 25; ++i) { // the waiting program killed, and every other time the tasks, too
-            const Ending ending =
-                sweepInto(file, folder / name, onCluster, {.signal = SIGKILL, .signalAfter = when(random)});
+            const CommandResult ending =
+                sweepInto(file, folder / name, onCluster, {.signal = SIGKILL, .signalAfter = delay(random)});
             killed += ending.code == 128 + SIGKILL ? 1 : 0;
             if (i % 2 == 0) {
                 shell("scancel --signal=KILL --full --me");
@@ -150,7 +150,7 @@ TEST_CASE("a sweep on Slurm ends with the bytes of one at home, whoever is kille
                     std::this_thread::sleep_for(std::chrono::milliseconds(100));
             }
         }
-        Ending last = sweepInto(file, folder / name, onCluster); // may wait for an array that is still there ...
+        CommandResult last = sweepInto(file, folder / name, onCluster); // may wait for an array that is still there ...
         if (last.code != 0)
             last = sweepInto(file, folder / name, onCluster); // ... and lost tasks to a kill
         INFO(last.err);

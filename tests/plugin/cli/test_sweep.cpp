@@ -1,7 +1,7 @@
-// The verb `sweep`: whatever stops it, and however it is shared out, it ends with the same bytes.
+// The subcommand `sweep`: its files do not depend on interruptions, shards or resumption.
 
 #include "plugin/lab/sweep/definition.h"
-#include "plugin/lab/sweep/store.h"
+#include "plugin/lab/sweep/result_store.h"
 #include "tests/plugin/cli/program.h"
 
 #include <algorithm>
@@ -25,30 +25,30 @@ std::string sweepFile(const Folder& folder, int seeds) {
                                           std::to_string(seeds) + "}}");
 }
 
-Ending sweepInto(const std::string& file, const std::string& out, std::vector<std::string> more,
-                 const Start& how = {}) {
+CommandResult sweepInto(const std::string& file, const std::string& out, std::vector<std::string> more,
+                        const Start& how = {}) {
     more.insert(more.begin(), {"sweep", file, "--out", out, "--quiet"});
     return start(more, how);
 }
 
-/// All that has to be the same.
+/// The files that must be equal.
 std::string tables(const std::string& out) {
     return contentOf(out + "/results.csv") + contentOf(out + "/statistics.csv") + contentOf(out + "/failed.csv");
 }
 
-/// How many runs before the last one kept are not there: those that were under way.
+/// Number of missing runs before the last stored one: those that were in progress.
 std::size_t lost(const std::string& file, const std::string& out, std::size_t& kept) {
     std::vector<scene::Problem> problems;
     const auto sweep = sweep::load(file, problems);
     REQUIRE(sweep);
-    sweep::Store store;
+    sweep::ResultStore store;
     REQUIRE(store.open(out + "/results.sqlite").empty());
     const auto finished = store.finished();
     REQUIRE(finished);
     kept = finished.value.size();
     std::size_t missing = 0, holes = 0;
     for (const sweep::Task& t : sweep::tasks(*sweep, {})) {
-        if (finished.value.count({sweep::keyOf(sweep->settings(t.set)), t.seed}) == 0)
+        if (finished.value.count({sweep::keyOf(sweep->parameterValues(t.set)), t.seed}) == 0)
             ++missing;
         else
             holes = missing;
@@ -56,18 +56,18 @@ std::size_t lost(const std::string& file, const std::string& out, std::size_t& k
     return holes;
 }
 
-/// Kills a sweep again and again, each time later in its life, until it ends; then compares with one left alone.
+/// Kills and resumes a sweep repeatedly; then compares it with an undisturbed one.
 void killAndResume(int seeds, int kills, int jobs) {
     const Folder folder;
     const std::string file = sweepFile(folder, seeds);
     REQUIRE(sweepInto(file, folder / "whole", {"--jobs", "2"}).code == 0);
-    std::mt19937 random(static_cast<unsigned>(seeds + jobs)); // NOLINT: the same times every time
-    std::uniform_real_distribution<double> when(0.02, 0.35);
+    std::mt19937 random(static_cast<unsigned>(seeds + jobs)); // NOLINT: a fixed seed
+    std::uniform_real_distribution<double> delay(0.02, 0.35);
     std::size_t before = 0;
     int killed = 0;
     for (int i = 0; i < kills; ++i) {
-        const Ending ending = sweepInto(file, folder / "torn", {"--resume", "--jobs", std::to_string(jobs)},
-                                        {.signal = SIGKILL, .signalAfter = when(random)});
+        const CommandResult ending = sweepInto(file, folder / "torn", {"--resume", "--jobs", std::to_string(jobs)},
+                                               {.signal = SIGKILL, .signalAfter = delay(random)});
         killed += ending.code == 128 + SIGKILL ? 1 : 0;
         std::size_t kept = 0;
         CHECK(lost(file, folder / "torn", kept) < static_cast<std::size_t>(jobs)); // at most one a worker
@@ -92,13 +92,14 @@ TEST_CASE("fifty kills of a sweep of two hundred runs lose nothing", "[slow]") {
         killAndResume(50, 25, jobs);
 }
 
-TEST_CASE("shards taken together are the sweep, and so is a sweep that was extended") {
+TEST_CASE("merged shards equal the sweep, and so does a sweep that was extended") {
     const Folder folder;
     const std::string file = sweepFile(folder, 3);
     REQUIRE(sweepInto(file, folder / "whole", {}).code == 0);
     for (const char* part : {"1", "2", "3"})
         REQUIRE(sweepInto(file, folder / part, {"--shard", std::string(part) + "/3"}).code == 0);
-    const Ending merged = sweepInto(file, folder / "merged", {"--merge", folder / "1", folder / "2", folder / "3"});
+    const CommandResult merged =
+        sweepInto(file, folder / "merged", {"--merge", folder / "1", folder / "2", folder / "3"});
     INFO(merged.err);
     REQUIRE(merged.code == 0);
     CHECK(tables(folder / "merged") == tables(folder / "whole"));
@@ -112,7 +113,7 @@ TEST_CASE("shards taken together are the sweep, and so is a sweep that was exten
 TEST_CASE("the page holds its pictures, and tables have the promised columns") {
     const Folder folder;
     const std::string file = sweepFile(folder, 2);
-    const Ending ending = start({"sweep", file, "--out", folder / "out"});
+    const CommandResult ending = start({"sweep", file, "--out", folder / "out"});
     REQUIRE(ending.code == 0);
     CHECK_THAT(ending.out, Contains("8 runs of 4 sets") && Contains("report.html"));
     const std::string page = contentOf(folder / "out/report.html");
@@ -126,7 +127,7 @@ TEST_CASE("the page holds its pictures, and tables have the promised columns") {
     CHECK_THAT(contentOf(folder / "out/timings.csv"), Contains("wall_s"));
 }
 
-TEST_CASE("a parameter that follows the abscissa makes no lines of its own, and the legend names it") {
+TEST_CASE("a parameter that varies with the abscissa makes no lines of its own, and the legend names it") {
     const Folder folder;
     const std::string file = folder.write("sweep.json", R"({"schema": "supercircle-sweep/1", "scene": ")" +
                                                             test::scene("shell_on_cylinder") +
@@ -141,13 +142,13 @@ TEST_CASE("a parameter that follows the abscissa makes no lines of its own, and 
 
 TEST_CASE("runs that fail are exit 3, listed with seed and command, and do not stop the others") {
     const Folder folder;
-    // Far faster than sound in the shell: it is taken out of the motion, and then there is no experiment.
+    // Far faster than sound in the shell: the shell is quarantined, which ends the experiment.
     folder.write("fast.json", R"({ "parameters": { "v": { "value": 0 } }, "duration": 0.01,
         "shell": [ { "velocity": { "x": { "param": "v" }, "y": 0 } } ] })");
     const std::string file = folder.write(
         "sweep.json",
         R"({"schema": "supercircle-sweep/1", "scene": "fast.json", "grid": {"v": [0, 1e12, 0.5]}, "seeds": [4, 6]})");
-    const Ending ending = sweepInto(file, folder / "out", {});
+    const CommandResult ending = sweepInto(file, folder / "out", {});
     CHECK(ending.code == 3);
     CHECK_THAT(ending.err, Contains("--param v=1e+12 --seed 4") && Contains("--seed 6"));
     const std::string failed = contentOf(folder / "out/failed.csv");
@@ -162,7 +163,7 @@ TEST_CASE("a folder of results is not mixed with others") {
     const std::string file = sweepFile(folder, 1);
     REQUIRE(sweepInto(file, folder / "out", {"--shard", "1/2"}).code == 0);
     const auto refused = [&](const std::string& sweep, const std::vector<std::string>& more, const std::string& what) {
-        const Ending ending = sweepInto(sweep, folder / "out", more);
+        const CommandResult ending = sweepInto(sweep, folder / "out", more);
         CHECK(ending.code == 2);
         CHECK_THAT(ending.err, Contains(what));
     };
@@ -173,19 +174,19 @@ TEST_CASE("a folder of results is not mixed with others") {
     CHECK_THAT(sweepInto(file, folder / "merged", {"--merge", folder / "nothing"}).err, Contains("no such file"));
     const std::string other = folder.write("other.json", R"({"schema": "supercircle-sweep/1", "scene": ")" +
                                                              test::scene("two_shells") + R"("})");
-    refused(other, {"--resume", "--shard", "1/2"}, "the scene was another one");
+    refused(other, {"--resume", "--shard", "1/2"}, "another version of the scene");
     refused(folder.write("bad.json", R"({"schema": "supercircle-sweep/1", "scene": ")" + test::scene("ramp") +
                                          R"(", "grid": {"mew": [1]}})"),
             {}, "mew");
     refused(test::scene("ramp"), {}, "schema");
 }
 
-TEST_CASE("check knows sweeps, and tries every set of their parameters") {
+TEST_CASE("check reads sweeps, and tries every set of their parameters") {
     const Folder folder;
-    const Ending good = start({"check", sweepFile(folder, 3)});
-    CHECK(good.code == 0);
-    CHECK_THAT(good.out, Contains("4 sets of parameters, 3 seeds, 12 runs"));
-    const Ending bad =
+    const CommandResult valid = start({"check", sweepFile(folder, 3)});
+    CHECK(valid.code == 0);
+    CHECK_THAT(valid.out, Contains("4 sets of parameters, 3 seeds, 12 runs"));
+    const CommandResult bad =
         start({"check", folder.write("bad.json", R"({"schema": "supercircle-sweep/1", "scene": ")" +
                                                      test::scene("ramp") + R"(", "grid": {"mu": [1, -5]}})")});
     CHECK(bad.code == 2);
@@ -194,9 +195,9 @@ TEST_CASE("check knows sweeps, and tries every set of their parameters") {
     CHECK(start({"check", sweepFile(folder, 1), "--param", "mu=1"}).code == 2);
 }
 
-TEST_CASE("an interrupted sweep keeps what is done and says how to go on") {
+TEST_CASE("an interrupted sweep keeps what is done and says how to continue") {
     const Folder folder;
-    const Ending ending =
+    const CommandResult ending =
         sweepInto(sweepFile(folder, 2000), folder / "out", {"--jobs", "2"}, {.signal = SIGINT, .signalAfter = 0.6});
     CHECK(ending.code == 130);
     CHECK_THAT(ending.err, Contains("--resume"));

@@ -1,5 +1,5 @@
-// The second simulator against what is known on paper. It judges the diagnosis, so nothing here compares it with the
-// project's own simulator.
+// The reference simulator against closed forms. It is used to judge the diagnosis, so nothing here compares it with
+// this project's simulator.
 
 #include "tests/reference_simulator/simulation.h"
 
@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-using namespace supercircle::oracle;
+using namespace supercircle::reference_simulator;
 
 namespace {
 
@@ -18,15 +18,15 @@ Setup cantilever() {
     strip.length = 0.05;
     strip.modulus = 2e-4;
     strip.clamp = ClampAt::FirstEnd;
-    strip.onHead = true;
+    strip.onCrosshead = true;
     s.specimens = {strip};
     return s;
 }
 
 constexpr double kArm = 0.045; ///< from the clamp to the pin, m: a node lies there
 
-/// The same above a smooth thin pin that it just touches.
-Setup pressed() {
+/// The same above a smooth thin pin, in contact without force.
+Setup pressedCantilever() {
     Setup s = cantilever();
     s.friction = 0.0;
     Obstacle pin;
@@ -52,7 +52,7 @@ double forceAt(const Trace& trace, const Effects& e, double t) {
     return readings(trace, e, {t}).front();
 }
 
-/// Shell of opening angle 2 pi `open` above a cylinder of its own radius on centre lines; thin, without weight.
+/// Shell of opening angle 2 pi `open` above a cylinder of its own radius (centre lines); thin, without weight.
 Setup onCylinder(double open, double friction) {
     Setup s;
     Specimen shell;
@@ -62,7 +62,7 @@ Setup onCylinder(double open, double friction) {
     shell.length = 2.0 * half * radius;
     shell.modulus = 2e-4;
     shell.clamp = ClampAt::Middle;
-    shell.onHead = true;
+    shell.onCrosshead = true;
     shell.angle = M_PI;
     // Tips at angle `half` from the top of the shell touch the cylinder where its outline has the same width.
     const double tipWidth = radius * std::sin(half);
@@ -79,7 +79,7 @@ Setup onCylinder(double open, double friction) {
 
 } // namespace
 
-TEST_CASE("a heavy cantilever sags by the beam formula", "[oracle]") {
+TEST_CASE("a heavy cantilever sags by the beam formula", "[reference_simulator]") {
     Setup s = cantilever();
     s.gravity = {0.0, -0.5}; // a sag of 1 % of the length: the linear formula holds to 1e-4
     Simulation sim(s, {});
@@ -88,30 +88,31 @@ TEST_CASE("a heavy cantilever sags by the beam formula", "[oracle]") {
     const double load = strip.linearMass * 0.5, l4 = std::pow(strip.length, 4);
     CHECK(-sim.point({0, 1.0}).y() ==
           Approx(load * l4 / (8.0 * strip.modulus)).epsilon(2e-3));   // O(1 / edges^2) and sag^2
-    CHECK(sim.force() == Approx(-load * strip.length).epsilon(1e-3)); // it hangs on the head
+    CHECK(sim.force() == Approx(-load * strip.length).epsilon(1e-3)); // it hangs on the crosshead
 }
 
-TEST_CASE("a cantilever pressed on a smooth pin is a spring", "[oracle]") {
+TEST_CASE("a cantilever pressed on a smooth pin is a spring", "[reference_simulator]") {
     const double depth = 2e-4;
-    Setup s = pressed();
+    Setup s = pressedCantilever();
     const double k = 3.0 * s.specimens[0].modulus / std::pow(kArm, 3);
     Simulation sim(s, {});
     REQUIRE(sim.settle(1.0));
-    const Trace t = sim.play(straightTo(depth, 0.5, 1.5, 3.0), every(0.1, 3.0), {});
+    const Trace t = sim.run(straightTo(depth, 0.5, 1.5, 3.0), every(0.1, 3.0), {});
     REQUIRE(t.failure.empty());
-    CHECK(forceAt(t, {}, 2.5) == Approx(k * depth).epsilon(2e-3)); // bending of 0.4 % of the length: squares of it
+    CHECK(forceAt(t, {}, 2.5) ==
+          Approx(k * depth).epsilon(2e-3)); // second order in a deflection of 0.4 % of the length
 }
 
-TEST_CASE("viscous and ageing laws show their closed forms on the spring", "[oracle]") {
+TEST_CASE("viscous and ageing laws follow their closed forms on the spring", "[reference_simulator]") {
     const double depth = 2e-4;
-    Setup s = pressed();
+    Setup s = pressedCantilever();
     const double k = 3.0 * s.specimens[0].modulus / std::pow(kArm, 3);
-    SECTION("Kelvin-Voigt: force of the rate") {
-        s.effects.kelvinTime = 0.3;
+    SECTION("Kelvin-Voigt: force proportional to the rate") {
+        s.effects.kelvinVoigtTime = 0.3;
         Simulation sim(s, {});
         REQUIRE(sim.settle(1.0));
-        const Trace t = sim.play(straightTo(depth, 0.5, 1.5, 3.0), every(0.02, 3.0), {});
-        CHECK(forceAt(t, {}, 1.0) == Approx(k * (0.5 * depth + 0.3 * depth)).epsilon(5e-3)); // to 1 % of first touch
+        const Trace t = sim.run(straightTo(depth, 0.5, 1.5, 3.0), every(0.02, 3.0), {});
+        CHECK(forceAt(t, {}, 1.0) == Approx(k * (0.5 * depth + 0.3 * depth)).epsilon(5e-3)); // 1 %: the first contact
         CHECK(forceAt(t, {}, 2.5) == Approx(k * depth).epsilon(2e-3));
     }
     SECTION("standard linear solid: relaxation in a hold") {
@@ -119,62 +120,63 @@ TEST_CASE("viscous and ageing laws show their closed forms on the spring", "[ora
         s.effects.branchTime = 0.7;
         Simulation sim(s, {});
         REQUIRE(sim.settle(1.0));
-        const Trace t = sim.play(straightTo(depth, 0.5, 0.51, 3.0), every(0.02, 3.0), {});
+        const Trace t = sim.run(straightTo(depth, 0.5, 0.51, 3.0), every(0.02, 3.0), {});
         for (const double after : {0.3, 1.0, 2.0})
             CHECK(
                 forceAt(t, {}, 0.505 + after) ==
                 Approx(k * depth * (1.0 + 0.4 * std::exp(-after / 0.7))).epsilon(5e-3)); // the ramp takes 1.4 % of tau
     }
     SECTION("softening with time") {
-        s.effects.drop = 0.3;
-        s.effects.dropTime = 2.0;
+        s.effects.softening = 0.3;
+        s.effects.softeningTime = 2.0;
         Simulation sim(s, {});
         REQUIRE(sim.settle(1.0));
-        const Trace t = sim.play(straightTo(depth, 0.5, 1.5, 3.0), every(0.05, 3.0), {});
+        const Trace t = sim.run(straightTo(depth, 0.5, 1.5, 3.0), every(0.05, 3.0), {});
         CHECK(forceAt(t, {}, 2.0) == Approx(k * depth * (0.7 + 0.3 * std::exp(-1.0))).epsilon(3e-3));
     }
-    SECTION("a soft machine takes its share of the way") {
-        s.effects.machine = 2.0 * k;
+    SECTION("a compliant machine takes its share of the travel") {
+        s.effects.machineStiffness = 2.0 * k;
         Simulation sim(s, {});
         REQUIRE(sim.settle(1.0));
-        const Trace t = sim.play(straightTo(depth, 0.5, 1.5, 3.0), every(0.1, 3.0), {});
+        const Trace t = sim.run(straightTo(depth, 0.5, 1.5, 3.0), every(0.1, 3.0), {});
         CHECK(forceAt(t, {}, 2.5) == Approx(k * depth / 1.5).epsilon(3e-3));
     }
-    SECTION("a pin that gives takes its share too") {
-        s.effects.normalGive = 0.05 / k;
+    SECTION("a compliant pin takes its share of the travel") {
+        s.effects.normalCompliance = 0.05 / k;
         Simulation sim(s, {});
         REQUIRE(sim.settle(1.0));
-        const Trace t = sim.play(straightTo(depth, 0.5, 1.5, 3.0), every(0.1, 3.0), {});
+        const Trace t = sim.run(straightTo(depth, 0.5, 1.5, 3.0), every(0.1, 3.0), {});
         CHECK(forceAt(t, {}, 2.5) == Approx(k * depth / 1.05).epsilon(3e-3));
     }
 }
 
-TEST_CASE("a shell slides over a cylinder with the peaks of the theory", "[oracle]") {
-    // Solved on paper for zero thickness, in units of B / R^2: Phi_bar 0.75, mu 0.35: pushing 0.1056, pulling -0.1533.
+TEST_CASE("a shell slides over a cylinder with the peak forces of theory", "[reference_simulator]") {
+    // Theory for zero thickness, in units of B / R^2, with Phi_bar 0.75 and mu 0.35: 0.1056 pushing, -0.1533 pulling.
     Setup s = onCylinder(0.75, 0.35);
     Simulation sim(s, {});
     REQUIRE(sim.settle(0.5));
-    const Trace t = sim.play({{0.0, 0.1, 4.1, 8.1}, {0.0, 0.0, 0.0275, 0.0}}, every(0.02, 8.1), {});
+    const Trace t = sim.run({{0.0, 0.1, 4.1, 8.1}, {0.0, 0.0, 0.0275, 0.0}}, every(0.02, 8.1), {});
     REQUIRE(t.failure.empty());
     const double unit = s.specimens[0].modulus / (0.02 * 0.02);
-    CHECK(*std::max_element(t.force.begin(), t.force.end()) / unit == Approx(0.1056).epsilon(5e-3)); // digits given
+    CHECK(*std::max_element(t.force.begin(), t.force.end()) / unit ==
+          Approx(0.1056).epsilon(5e-3)); // four digits given
     CHECK(*std::min_element(t.force.begin(), t.force.end()) / unit == Approx(-0.1533).epsilon(5e-3));
 }
 
-TEST_CASE("walls drag with f L before anything touches", "[oracle]") {
+TEST_CASE("walls drag with the force f L before contact", "[reference_simulator]") {
     Setup s = onCylinder(0.75, 0.3);
     s.specimens[0].point.y() += 0.002;
     s.effects.drag = 0.02; // weak: the shell moves nearly as a rigid body
     Simulation sim(s, {});
     REQUIRE(sim.settle(0.5));
-    const Trace t = sim.play({{0.0, 0.1, 1.1, 2.1}, {0.0, 0.0, 0.001, 0.0}}, every(0.05, 2.1), {});
+    const Trace t = sim.run({{0.0, 0.1, 1.1, 2.1}, {0.0, 0.0, 0.001, 0.0}}, every(0.05, 2.1), {});
     REQUIRE(t.failure.empty());
     const double whole = 0.02 * s.specimens[0].length;
     CHECK(forceAt(t, {}, 1.0) == Approx(whole).epsilon(1e-3));
     CHECK(forceAt(t, {}, 2.0) == Approx(-whole).epsilon(1e-3));
 }
 
-TEST_CASE("sensors and play follow their formulas", "[oracle]") {
+TEST_CASE("sensors and backlash follow their formulas", "[reference_simulator]") {
     Trace ramp;
     for (int i = 0; i <= 100; ++i) {
         ramp.time.push_back(0.1 * i);
@@ -191,8 +193,8 @@ TEST_CASE("sensors and play follow their formulas", "[oracle]") {
     late = {};
     late.lag = 0.2; // behind a ramp by its time constant
     CHECK(readings(ramp, late, every(0.1, 5.0)).back() == Approx(4.9 - 0.2).epsilon(3e-3));
-    const Drive d = behindPlay({{0.0, 1.0, 3.0, 5.0}, {0.0, 0.0, 2.0, 0.0}}, 0.5);
+    const Drive d = behindBacklash({{0.0, 1.0, 3.0, 5.0}, {0.0, 0.0, 2.0, 0.0}}, 0.5);
     CHECK(d.at(3.0) == Approx(2.0));
-    CHECK(d.at(3.5) == Approx(2.0)); // lost
+    CHECK(d.at(3.5) == Approx(2.0)); // lost in the backlash
     CHECK(d.at(5.0) == Approx(0.5));
 }

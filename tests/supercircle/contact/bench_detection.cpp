@@ -13,7 +13,7 @@ double milliseconds(std::chrono::steady_clock::time_point from) {
 }
 
 void measure(int count, int nest) {
-    std::vector<Curve> curves = makePile(count, nest);
+    std::vector<RodCurve> curves = makePile(count, nest);
     std::vector<Outline> outlines;
     for (int i = 0; i < 3; ++i) {
         Outline wall;
@@ -33,7 +33,7 @@ void measure(int count, int nest) {
     Detector detector;
     detector.detect(curves, outlines, options, out);
     const auto run = [&](double shift, int steps) {
-        for (Curve& curve : curves)
+        for (RodCurve& curve : curves)
             curve.motion = shift;
         double best = 1e300;
         double sum = 0.0;

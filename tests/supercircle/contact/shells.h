@@ -17,9 +17,9 @@ constexpr double kHalf = 0.25e-3; ///< half thickness of the paper's shell, m
 constexpr double kRadius = 19.2e-3;
 
 /// A rod from the frame of its first point.
-inline Curve makeCurve(std::uint32_t key, const Vec2& start, double angle, const std::vector<double>& curvatures,
-                       double elementLength, double half = kHalf) {
-    Curve curve;
+inline RodCurve makeCurve(std::uint32_t key, const Vec2& start, double angle, const std::vector<double>& curvatures,
+                          double elementLength, double half = kHalf) {
+    RodCurve curve;
     curve.key = key;
     curve.halfThickness = half;
     curve.nodeS.push_back(0.0);
@@ -37,8 +37,8 @@ inline Curve makeCurve(std::uint32_t key, const Vec2& start, double angle, const
 }
 
 /// A shell of uniform curvature around a centre, its middle in direction `middle`.
-inline Curve makeShell(std::uint32_t key, const Vec2& centre, double radius, double opening, double middle,
-                       int elements = 15, double half = kHalf) {
+inline RodCurve makeShell(std::uint32_t key, const Vec2& centre, double radius, double opening, double middle,
+                          int elements = 15, double half = kHalf) {
     const double first = middle - 0.5 * opening;
     const Vec2 start = centre + radius * Vec2(std::cos(first), std::sin(first));
     return makeCurve(key, start, first + 0.5 * kPi,
@@ -47,7 +47,7 @@ inline Curve makeShell(std::uint32_t key, const Vec2& centre, double radius, dou
 }
 
 /// A shell with uneven curvatures.
-inline Curve randomShell(std::uint32_t key, std::mt19937& rng, double spread, int elements = 15) {
+inline RodCurve randomShell(std::uint32_t key, std::mt19937& rng, double spread, int elements = 15) {
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     const double phi = 2.0 * kPi * (0.75 + 0.2 * u(rng));
     std::vector<double> k;
@@ -56,7 +56,7 @@ inline Curve randomShell(std::uint32_t key, std::mt19937& rng, double spread, in
     return makeCurve(key, spread * Vec2(u(rng), u(rng)), kPi * u(rng), k, kRadius * phi / elements);
 }
 
-inline void move(Curve& curve, const Vec2& shift, double turn = 0.0) {
+inline void move(RodCurve& curve, const Vec2& shift, double turn = 0.0) {
     const double c = std::cos(turn);
     const double s = std::sin(turn);
     for (Arc& arc : curve.arcs) {
@@ -70,7 +70,7 @@ struct Dense {
     std::vector<double> s;
 };
 
-inline Dense sampleDensely(const Curve& curve, int n) {
+inline Dense sampleDensely(const RodCurve& curve, int n) {
     Dense dense;
     const double length = curve.nodeS.back();
     std::size_t e = 0;
@@ -112,8 +112,8 @@ inline double denseDistance(const Dense& a, const Dense& b) {
 }
 
 /// Columns of nests: `nest` shells hang in each other, a little more than a thickness apart, the nests touch outside.
-inline std::vector<Curve> makePile(int count, int nest = 1000000) {
-    std::vector<Curve> curves;
+inline std::vector<RodCurve> makePile(int count, int nest = 1000000) {
+    std::vector<RodCurve> curves;
     const int columns = std::max(4, static_cast<int>(std::sqrt(static_cast<double>(count) / std::min(nest, 4))));
     const double pitch = 2.0 * kRadius + 2.1 * kHalf;
     for (int i = 0; i < count; ++i) {

@@ -28,7 +28,7 @@ std::vector<Outline> makeWalls() {
 TEST_CASE("a used detector finds bit for bit what a fresh one finds", "[history]") {
     std::mt19937 rng(5);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
-    std::vector<Curve> curves;
+    std::vector<RodCurve> curves;
     for (std::uint32_t i = 0; i < 12; ++i)
         curves.push_back(randomShell((i * 7) % 12, rng, 0.05));
     auto walls = makeWalls();
@@ -38,14 +38,14 @@ TEST_CASE("a used detector finds bit for bit what a fresh one finds", "[history]
     std::size_t total = 0;
     for (int step = 0; step < 300; ++step) {
         const double size = step % 50 < 25 ? 2e-6 : 3e-4; // calm and wild times
-        for (Curve& curve : curves) {
+        for (RodCurve& curve : curves) {
             move(curve, size * Vec2(u(rng), u(rng)), size * 20.0 * u(rng));
             curve.motion = size;
             if (step % 40 == 7) { // shapes change as well
                 std::vector<double> k;
                 for (const Arc& arc : curve.arcs)
                     k.push_back(arc.curvature * (1.0 + 0.01 * u(rng)));
-                Curve bent = makeCurve(curve.key, curve.arcs[0].start, curve.arcs[0].angle, k, curve.arcs[0].length);
+                RodCurve bent = makeCurve(curve.key, curve.arcs[0].start, curve.arcs[0].angle, k, curve.arcs[0].length);
                 bent.motion = curve.motion;
                 curve = bent;
             }
@@ -75,8 +75,8 @@ TEST_CASE("a used detector finds bit for bit what a fresh one finds", "[history]
 }
 
 TEST_CASE("the order of the rods given does not matter", "[history]") {
-    std::vector<Curve> curves = makePile(12);
-    std::vector<Curve> reversed(curves.rbegin(), curves.rend());
+    std::vector<RodCurve> curves = makePile(12);
+    std::vector<RodCurve> reversed(curves.rbegin(), curves.rend());
     std::vector<Candidate> a;
     std::vector<Candidate> b;
     Detector detector;
@@ -92,14 +92,14 @@ TEST_CASE("the order of the rods given does not matter", "[history]") {
     }
 }
 
-TEST_CASE("refreshing at rest changes no digit", "[refresh]") {
+TEST_CASE("updating a candidate at rest changes no bit", "[update]") {
     std::mt19937 rng(9);
-    std::vector<Curve> curves;
+    std::vector<RodCurve> curves;
     for (std::uint32_t i = 0; i < 14; ++i)
         curves.push_back(randomShell(i, rng, 0.05));
     curves.push_back(makeShell(20, Vec2(0.2, 0.0), kRadius, 2.0 * kPi - 2.2 * kHalf / kRadius, 0.3));
     const auto pile = makePile(8);
-    for (Curve shell : pile) {
+    for (RodCurve shell : pile) {
         shell.key += 100;
         move(shell, Vec2(0.5, 0.0));
         curves.push_back(shell);
@@ -111,17 +111,17 @@ TEST_CASE("refreshing at rest changes no digit", "[refresh]") {
     REQUIRE(found.size() > 150);
     for (const Candidate& c : found) {
         Candidate again = c;
-        REQUIRE(refresh(again, curves, walls));
+        REQUIRE(updateCandidate(again, curves, walls));
         REQUIRE(identical(again, c));
     }
 }
 
-TEST_CASE("refreshed candidates follow the motion as a new detection does", "[refresh]") {
+TEST_CASE("updated candidates follow the motion as a new detection does", "[update]") {
     std::mt19937 rng(10);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     int compared = 0;
     for (int trial = 0; trial < 40; ++trial) {
-        std::vector<Curve> curves;
+        std::vector<RodCurve> curves;
         for (std::uint32_t i = 0; i < 8; ++i)
             curves.push_back(randomShell(i, rng, 0.04));
         auto walls = makeWalls();
@@ -129,7 +129,7 @@ TEST_CASE("refreshed candidates follow the motion as a new detection does", "[re
         std::vector<Candidate> before;
         std::vector<Candidate> after;
         detector.detect(curves, walls, {4e-4}, before);
-        for (Curve& curve : curves)
+        for (RodCurve& curve : curves)
             move(curve, 2e-5 * Vec2(u(rng), u(rng)), 1e-3 * u(rng));
         detector.detect(curves, walls, {4e-4}, after);
         std::map<std::uint64_t, Candidate> byId;
@@ -137,7 +137,7 @@ TEST_CASE("refreshed candidates follow the motion as a new detection does", "[re
             byId[c.id] = c;
         for (Candidate c : before) {
             const auto it = byId.find(c.id);
-            if (!refresh(c, curves, walls) || it == byId.end())
+            if (!updateCandidate(c, curves, walls) || it == byId.end())
                 continue;
             // Same feature, possibly another of several minima (rank) or a face changed: nearly all are identical.
             if (c.a.element != it->second.a.element || std::abs(c.b.s - it->second.b.s) > 1e-3)
@@ -149,10 +149,10 @@ TEST_CASE("refreshed candidates follow the motion as a new detection does", "[re
     CHECK(compared > 800);
 }
 
-TEST_CASE("a refreshed sample keeps its side through a crossing", "[refresh]") {
+TEST_CASE("an updated sample keeps its side through a crossing", "[update]") {
     const std::vector<double> straight(3, 0.0);
-    std::vector<Curve> curves{makeCurve(0, Vec2::Zero(), 0.0, straight, 0.006),
-                              makeCurve(1, Vec2(0.001, 1e-4), 0.0, straight, 0.006)};
+    std::vector<RodCurve> curves{makeCurve(0, Vec2::Zero(), 0.0, straight, 0.006),
+                                 makeCurve(1, Vec2(0.001, 1e-4), 0.0, straight, 0.006)};
     Detector detector;
     std::vector<Candidate> found;
     detector.detect(curves, {}, {}, found);
@@ -163,7 +163,7 @@ TEST_CASE("a refreshed sample keeps its side through a crossing", "[refresh]") {
         if (std::abs(c.normal.x()) > 1e-6)
             continue; // round caps turn
         const double side = c.normal.y();
-        REQUIRE(refresh(c, curves, {}));
+        REQUIRE(updateCandidate(c, curves, {}));
         if (std::abs(c.normal.x()) > 1e-6)
             continue;
         CHECK(c.normal.y() == Approx(side));
@@ -174,7 +174,7 @@ TEST_CASE("a refreshed sample keeps its side through a crossing", "[refresh]") {
 }
 
 TEST_CASE("malformed rods and outlines are named", "[contact input]") {
-    std::vector<Curve> curves = makePile(9);
+    std::vector<RodCurve> curves = makePile(9);
     std::vector<Candidate> out;
     Detector detector;
     SECTION("equal keys") {
@@ -189,7 +189,7 @@ TEST_CASE("malformed rods and outlines are named", "[contact input]") {
         curves[1].arcs[2].start.x() = std::nan("");
         CHECK_THROWS_WITH(detector.detect(curves, {}, {}, out), Catch::Contains("key 1: arc 2 is not finite"));
         curves = makePile(9);
-        CHECK_NOTHROW(detector.detect(curves, {}, {}, out)); // and the detector lives on
+        CHECK_NOTHROW(detector.detect(curves, {}, {}, out)); // and the detector remains usable
         CHECK(!out.empty());
     }
     SECTION("clockwise polygon") {

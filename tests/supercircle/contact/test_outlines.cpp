@@ -1,6 +1,6 @@
 #include "shells.h"
 
-#include "supercircle/contact/identity.h"
+#include "supercircle/contact/feature_id.h"
 
 #include <catch2/catch.hpp>
 
@@ -8,7 +8,7 @@ using namespace contact_test;
 
 namespace {
 
-std::vector<Candidate> detectFresh(const Curve& curve, const std::vector<Outline>& outlines, double margin = 1e-4) {
+std::vector<Candidate> detectFresh(const RodCurve& curve, const std::vector<Outline>& outlines, double margin = 1e-4) {
     Detector detector;
     std::vector<Candidate> out;
     detector.detect({curve}, outlines, {margin}, out);
@@ -65,7 +65,7 @@ Outline makeDisc(const Vec2& centre, double radius) {
 }
 
 /// A horizontal strip of five elements of 6 mm with its left tip at p.
-Curve makeStrip(const Vec2& p, double angle = 0.0, std::uint32_t key = 0) {
+RodCurve makeStrip(const Vec2& p, double angle = 0.0, std::uint32_t key = 0) {
     return makeCurve(key, p, angle, std::vector<double>(5, 0.0), 0.006);
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("a shell on a floor touches at its lowest point", "[outlines]") {
     // The lowest point of a circle: inside an element, gap = height of the centre - radius - half thickness.
     const double gap = 2e-5;
     const Vec2 centre(0.003, kRadius + kHalf + gap);
-    const Curve shell = makeShell(0, centre, kRadius, 4.4, -0.5 * kPi + 0.07);
+    const RodCurve shell = makeShell(0, centre, kRadius, 4.4, -0.5 * kPi + 0.07);
     for (const double skin : {0.0, 1e-3}) {
         for (int kind = 0; kind < 4; ++kind) {
             Outline floor = makeEdge(OutlineKind::Segment, Vec2(0.2, -skin), Vec2(-0.2, -skin));
@@ -152,15 +152,15 @@ TEST_CASE("a chain edge has one side, and penetration a sign", "[outlines]") {
             CHECK((c.normal - Vec2(0.0, 1.0)).norm() < 1e-14);
         }
     }
-    CHECK(detectFresh(makeStrip(Vec2(0.0, -5.1e-4)), {edge}).empty()); // more than a thickness behind: elsewhere
+    CHECK(detectFresh(makeStrip(Vec2(0.0, -5.1e-4)), {edge}).empty()); // more than a thickness behind: not reported
     // The lowest point of a shell that has sunk in keeps its sign too.
-    const Curve shell = makeShell(0, Vec2(0.003, kRadius - 1e-4), kRadius, 4.4, -0.5 * kPi + 0.07);
+    const RodCurve shell = makeShell(0, Vec2(0.003, kRadius - 1e-4), kRadius, 4.4, -0.5 * kPi + 0.07);
     const auto found = detectFresh(shell, {edge});
     CHECK(lowest(found)->gap == Approx(-1e-4 - kHalf).margin(1e-14));
     CHECK(lowest(found)->normal.y() == Approx(1.0));
 }
 
-TEST_CASE("chains: joined corners answer once, convex ones round, concave ones from both faces", "[outlines]") {
+TEST_CASE("chains: joined corners give one contact, convex ones round, concave ones from both faces", "[outlines]") {
     // Solid on the right: a clockwise path round a solid block has convex corners.
     const auto block = makeChain({Vec2(-0.05, 0.0), Vec2(0.0, 0.0), Vec2(0.0, -0.05)}); // top, then right side
     SECTION("a tip diagonally off the corner") {
@@ -241,7 +241,7 @@ TEST_CASE("discs: line of centres, tips, and a shell that hugs the disc", "[outl
         }
     }
     SECTION("conformal: every sample, no arbitrary minimum") {
-        const Curve shell = makeShell(0, Vec2::Zero(), kRadius, 4.71, 0.5 * kPi);
+        const RodCurve shell = makeShell(0, Vec2::Zero(), kRadius, 4.71, 0.5 * kPi);
         const auto found = detectFresh(shell, {makeDisc(Vec2(1e-7, 2e-7), kRadius - kHalf)});
         CHECK(found.size() == 17);
         CHECK(count(found, Feature::InteriorOutline) == 0);
@@ -264,7 +264,7 @@ TEST_CASE("polygons: faces, corners, skin and the inside", "[outlines]") {
         std::uniform_real_distribution<double> u(-1.0, 1.0);
         int near = 0;
         for (int trial = 0; trial < 3000 && near < 120; ++trial) {
-            const Curve shell = randomShell(0, rng, 0.05);
+            const RodCurve shell = randomShell(0, rng, 0.05);
             const Dense dense = sampleDensely(shell, 1000);
             double gap = 1e300;
             bool inside = false;
@@ -298,7 +298,7 @@ TEST_CASE("polygons: faces, corners, skin and the inside", "[outlines]") {
     }
     SECTION("a flat strip overhanging a corner keeps the corner while it rocks") {
         for (const double tilt : {-1e-3, -1e-9, 0.0, 1e-9, 1e-3}) {
-            Curve strip = makeStrip(Vec2::Zero());
+            RodCurve strip = makeStrip(Vec2::Zero());
             move(strip, Vec2(-0.017, 0.0));
             move(strip, Vec2(0.01, 0.01 + 1.1 * kHalf), tilt);
             const auto found = detectFresh(strip, {box});
@@ -309,7 +309,7 @@ TEST_CASE("polygons: faces, corners, skin and the inside", "[outlines]") {
 
 TEST_CASE("filters, margins and motion hold for outlines", "[outlines]") {
     Outline wall = makeEdge(OutlineKind::Segment, Vec2(-0.1, 0.0), Vec2(0.1, 0.0));
-    Curve strip = makeStrip(Vec2(0.0, kHalf + 3e-4));
+    RodCurve strip = makeStrip(Vec2(0.0, kHalf + 3e-4));
     CHECK(detectFresh(strip, {wall}, 2.9e-4).empty());
     CHECK(detectFresh(strip, {wall}, 3.1e-4).size() == 7);
     strip.motion = 1e-4;

@@ -1,7 +1,7 @@
 #include "shells.h"
 
 #include "supercircle/contact/crossing.h"
-#include "supercircle/contact/crossing/crossing_way.h"
+#include "supercircle/contact/crossing/swept_motion.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -25,14 +25,14 @@ std::vector<Outline> floorAndPeg() {
     return out;
 }
 
-/// An element that turns full circle lies on itself; the witness says so of resting rods, too.
-bool overturned(const Curve& curve) {
+/// An element that turns by a full circle lies on itself; the crossing check reports that of resting rods, too.
+bool overturned(const RodCurve& curve) {
     return std::any_of(curve.arcs.begin(), curve.arcs.end(),
                        [](const Arc& arc) { return std::abs(arc.curvature) * arc.length >= 2.0 * M_PI; });
 }
 
-/// What detection is to report: everything but what two resting sides share.
-std::vector<Candidate> withoutResting(const std::vector<Candidate>& all, const std::vector<Curve>& curves) {
+/// What detection should report: all candidates but those between two resting sides.
+std::vector<Candidate> withoutResting(const std::vector<Candidate>& all, const std::vector<RodCurve>& curves) {
     std::vector<Candidate> out;
     for (const Candidate& c : all) {
         const bool a = curves[static_cast<std::size_t>(c.a.rod)].resting;
@@ -45,10 +45,10 @@ std::vector<Candidate> withoutResting(const std::vector<Candidate>& all, const s
 
 } // namespace
 
-TEST_CASE("resting rods make candidates with moving ones only, and wake up as if they had never slept", "[resting]") {
+TEST_CASE("resting rods make candidates with moving rods only, and wake up as if they had never slept", "[resting]") {
     std::mt19937 rng(11);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
-    std::vector<Curve> curves;
+    std::vector<RodCurve> curves;
     for (std::uint32_t i = 0; i < 14; ++i)
         curves.push_back(randomShell((i * 5) % 14, rng, 0.04));
     std::vector<Outline> outlines = floorAndPeg();
@@ -58,7 +58,7 @@ TEST_CASE("resting rods make candidates with moving ones only, and wake up as if
     std::size_t found = 0;
     for (int step = 0; step < 120; ++step) {
         for (std::size_t i = 0; i < curves.size(); ++i) {
-            Curve& curve = curves[i];
+            RodCurve& curve = curves[i];
             if (step % 10 == 0)
                 curve.resting = u(rng) > 0.0;
             curve.motion = curve.resting ? 0.0 : 2e-4;
@@ -67,8 +67,8 @@ TEST_CASE("resting rods make candidates with moving ones only, and wake up as if
         }
         outlines[1].points[0].x() += 1e-5;
         used.detect(curves, outlines, {}, now);
-        std::vector<Curve> awake = curves;
-        for (Curve& curve : awake)
+        std::vector<RodCurve> awake = curves;
+        for (RodCurve& curve : awake)
             curve.resting = false;
         Detector fresh;
         fresh.detect(awake, outlines, {}, all);
@@ -82,20 +82,20 @@ TEST_CASE("resting rods make candidates with moving ones only, and wake up as if
     CHECK(found > 1000);
 }
 
-TEST_CASE("the swept witness judges every pair as it would alone", "[resting]") {
+TEST_CASE("the swept crossing check treats every pair as if it were alone", "[resting]") {
     std::mt19937 rng(23);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     using Name = std::tuple<std::int32_t, std::int32_t, std::int32_t>;
     std::size_t crossings = 0;
     std::size_t asleep = 0;
     for (int round = 0; round < 60; ++round) {
-        std::vector<Curve> before, after;
+        std::vector<RodCurve> before, after;
         for (std::uint32_t i = 0; i < 8; ++i) {
-            // From a handful of long arcs (cut by the witness) to many short ones.
+            // From a few long arcs (divided by the crossing check) to many short ones.
             before.push_back(randomShell(i, rng, 0.04, 1 + static_cast<int>(7.0 * (1.0 + u(rng)))));
             before.back().resting = u(rng) > 0.3;
             after.push_back(before.back());
-            if (!before.back().resting || u(rng) > 0.8) // some that are said to rest do not
+            if (!before.back().resting || u(rng) > 0.8) // some that are marked as resting move
                 move(after.back(), 0.01 * Vec2(u(rng), u(rng)), 0.2 * u(rng));
         }
         std::vector<Outline> from = floorAndPeg();
@@ -111,8 +111,8 @@ TEST_CASE("the swept witness judges every pair as it would alone", "[resting]") 
                 return before[r].resting && before[r].arcs[0].start == after[r].arcs[0].start;
             };
             for (std::size_t j = i; j < before.size(); ++j) {
-                // Nobody rests in a pair alone; what two resting rods do is not asked.
-                std::vector<Curve> b{before[i], before[j]}, a{after[i], after[j]};
+                // No rod rests in a pair alone; pairs of two resting rods are not tested.
+                std::vector<RodCurve> b{before[i], before[j]}, a{after[i], after[j]};
                 b[0].resting = b[1].resting = false;
                 if (i == j) {
                     b.pop_back();
@@ -129,7 +129,7 @@ TEST_CASE("the swept witness judges every pair as it would alone", "[resting]") 
                 }
             }
             for (std::size_t o = 0; o < from.size(); ++o) {
-                std::vector<Curve> b{before[i]};
+                std::vector<RodCurve> b{before[i]};
                 b[0].resting = false;
                 findCrossingsSwept(b, {after[i]}, {from[o]}, {to[o]}, out);
                 for (const Crossing& c : out)
@@ -145,16 +145,16 @@ TEST_CASE("the swept witness judges every pair as it would alone", "[resting]") 
     CHECK(asleep > 20); // the case tests something
 }
 
-TEST_CASE("the witness's boxes hold every point of an element on its way", "[resting]") {
+TEST_CASE("the boxes of the crossing check contain every point of an element during its motion", "[resting]") {
     std::mt19937 rng(31);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
-    witness::Ways ways;
-    witness::Pieces pieces;
+    crossing_check::SweptMotion motion;
+    crossing_check::MovingArcs arcs;
     for (int round = 0; round < 300; ++round) {
         const double size = std::pow(10.0, -3.0 + 3.0 * u(rng)); // from micrometres to metres
-        std::vector<Curve> before, after;
+        std::vector<RodCurve> before, after;
         for (std::uint32_t i = 0; i < 3; ++i) {
-            Curve from = randomShell(i, rng, 0.1, 1 + static_cast<int>(7.0 * (1.0 + u(rng))));
+            RodCurve from = randomShell(i, rng, 0.1, 1 + static_cast<int>(7.0 * (1.0 + u(rng))));
             if (i == 2)
                 for (Arc& arc : from.arcs)
                     arc.curvature *= 1e-6; // nearly straight
@@ -165,25 +165,25 @@ TEST_CASE("the witness's boxes hold every point of an element on its way", "[res
             from = makeCurve(i, first.start, first.angle, k, first.length);
             for (double& x : k)
                 x += 10.0 * size * u(rng) / kRadius;
-            Curve to = makeCurve(i, first.start, first.angle, k, first.length);
+            RodCurve to = makeCurve(i, first.start, first.angle, k, first.length);
             move(to, size * Vec2(u(rng), u(rng)), 3.0 * std::min(size, 1.0) * u(rng));
             before.push_back(from);
             after.push_back(to);
         }
-        ways.prepare(before, after, {}, {}, {});
-        pieces.begin(ways);
+        motion.prepare(before, after, {}, {}, {});
+        arcs.begin(motion);
         for (std::size_t r = 0; r < before.size(); ++r)
             for (std::size_t e = 0; e < before[r].arcs.size(); ++e) {
-                const std::size_t box = ways.rods[r].first + e;
-                const witness::Pieces::Range range = pieces.of(r, e);
+                const std::size_t box = motion.rods[r].first + e;
+                const crossing_check::MovingArcs::ArcRange range = arcs.arcsOf(r, e);
                 double out = -1.0; // how far a point is outside
                 for (std::size_t i = range.first; i < range.first + range.count; ++i)
                     for (int a = 0; a <= 10; ++a) {
-                        const witness::Piece piece = pieces.completed(i).at(0.1 * a);
+                        const crossing_check::CircularArc arc = arcs.completed(i).at(0.1 * a);
                         for (int b = -4; b <= 4; ++b) {
-                            const Vec2 p = piece.at(0.25 * b * piece.half);
-                            out = std::max({out, ways.boxes.lowX[box] - p.x(), p.x() - ways.boxes.highX[box],
-                                            ways.boxes.lowY[box] - p.y(), p.y() - ways.boxes.highY[box]});
+                            const Vec2 p = arc.at(0.25 * b * arc.half);
+                            out = std::max({out, motion.boxes.lowX[box] - p.x(), p.x() - motion.boxes.highX[box],
+                                            motion.boxes.lowY[box] - p.y(), p.y() - motion.boxes.highY[box]});
                         }
                     }
                 INFO("round " << round << ", rod " << r << ", element " << e);

@@ -1,6 +1,6 @@
 #include "shells.h"
 
-#include "supercircle/contact/identity.h"
+#include "supercircle/contact/feature_id.h"
 
 #include <catch2/catch.hpp>
 #include <set>
@@ -9,11 +9,11 @@ using namespace contact_test;
 
 namespace {
 
-/// What detection may miss of the smallest gap: minima shallower than 0.005 of the summed half thicknesses are left to
-/// the nodes, and both rods' nodes may lie half an element away.
+/// Tolerance of the smallest gap, m: minima shallower than 0.005 of the summed half thicknesses are left to the nodes,
+/// and the nodes of both rods may lie half an element away.
 constexpr double kShallow = 0.005 * 2.0 * kHalf;
 
-std::vector<Candidate> detectFresh(const std::vector<Curve>& curves, double margin = 1e-4) {
+std::vector<Candidate> detectFresh(const std::vector<RodCurve>& curves, double margin = 1e-4) {
     Detector detector;
     std::vector<Candidate> out;
     detector.detect(curves, {}, {margin}, out);
@@ -29,31 +29,31 @@ double smallestGap(const std::vector<Candidate>& candidates, int rodA, int rodB)
 }
 
 /// Tangent of a curve at a rod point.
-Vec2 tangentAt(const Curve& curve, const RodPoint& p) {
+Vec2 tangentAt(const RodCurve& curve, const RodPoint& p) {
     const auto e = static_cast<std::size_t>(p.element);
     return curve.arcs[e].tangentAt(p.s - curve.nodeS[e]);
 }
-Vec2 pointAt(const Curve& curve, const RodPoint& p) {
+Vec2 pointAt(const RodCurve& curve, const RodPoint& p) {
     const auto e = static_cast<std::size_t>(p.element);
     return curve.arcs[e].pointAt(p.s - curve.nodeS[e]);
 }
-bool isTip(const Curve& curve, const RodPoint& p) {
+bool isTip(const RodCurve& curve, const RodPoint& p) {
     return !curve.closed && (p.s == curve.nodeS.front() || p.s == curve.nodeS.back());
 }
 
 /// Invariants of every candidate between rods.
-void checkFrames(const std::vector<Curve>& curves, const std::vector<Candidate>& candidates) {
+void checkFrames(const std::vector<RodCurve>& curves, const std::vector<Candidate>& candidates) {
     std::set<std::uint64_t> ids;
     for (const Candidate& c : candidates) {
-        const Curve& a = curves[static_cast<std::size_t>(c.a.rod)];
-        const Curve& b = curves[static_cast<std::size_t>(c.b.rod)];
+        const RodCurve& a = curves[static_cast<std::size_t>(c.a.rod)];
+        const RodCurve& b = curves[static_cast<std::size_t>(c.b.rod)];
         REQUIRE(ids.insert(c.id).second);
         REQUIRE(c.a.s >= a.nodeS[static_cast<std::size_t>(c.a.element)] - 1e-15);
         REQUIRE(c.a.s <= a.nodeS[static_cast<std::size_t>(c.a.element) + 1] + 1e-15);
         REQUIRE(std::abs(c.normal.norm() - 1.0) < 1e-12);
         const Vec2 pa = pointAt(a, c.a);
         const Vec2 pb = pointAt(b, c.b);
-        // Arc lengths, points, normal and gap tell the same story; 1e-13 m is a few hundred roundings of 0.1 m.
+        // Arc lengths, points, normal and gap are consistent; 1e-13 m is a few hundred roundings of 0.1 m.
         REQUIRE((pa - a.halfThickness * c.normal - c.pointA).norm() < 1e-13);
         REQUIRE((pb + b.halfThickness * c.normal - c.pointB).norm() < 1e-13);
         REQUIRE(std::abs((c.pointA - c.pointB).dot(c.normal) - c.gap) < 1e-13);
@@ -79,7 +79,7 @@ TEST_CASE("the smallest gap of random shells equals the densely sampled distance
     int near = 0;
     while (tested < 60) {
         // Pushed together until they nearly touch: random pairs at rest are rarely within the margin.
-        std::vector<Curve> curves{randomShell(3, rng, 0.0), randomShell(1, rng, 0.03)};
+        std::vector<RodCurve> curves{randomShell(3, rng, 0.0), randomShell(1, rng, 0.03)};
         const Dense a = sampleDensely(curves[0], 700);
         if (cross(a, sampleDensely(curves[1], 700), 3.0 * kHalf))
             continue;
@@ -113,7 +113,7 @@ TEST_CASE("no well-conditioned local minimum is missed", "[rod pairs]") {
     const int n = 400;
     int minima = 0;
     for (int trial = 0; trial < 2000 && minima < 120; ++trial) {
-        const std::vector<Curve> curves{randomShell(0, rng, 0.0), randomShell(1, rng, 0.035)};
+        const std::vector<RodCurve> curves{randomShell(0, rng, 0.0), randomShell(1, rng, 0.035)};
         const Dense a = sampleDensely(curves[0], n);
         const Dense b = sampleDensely(curves[1], n);
         if (cross(a, b, 2.0 * kHalf))
@@ -160,8 +160,8 @@ TEST_CASE("no well-conditioned local minimum is missed", "[rod pairs]") {
 TEST_CASE("two convex shells touch on the line of centres", "[rod pairs]") {
     // Closed form: distance of centres minus radii; the contact lies inside elements on both.
     const Vec2 centre(0.0386 * std::cos(0.3), 0.0386 * std::sin(0.3));
-    std::vector<Curve> curves{makeShell(5, Vec2::Zero(), 0.0192, 4.5, 0.37),
-                              makeShell(2, centre, 0.0190, 4.2, 0.29 + kPi)};
+    std::vector<RodCurve> curves{makeShell(5, Vec2::Zero(), 0.0192, 4.5, 0.37),
+                                 makeShell(2, centre, 0.0190, 4.2, 0.29 + kPi)};
     const auto found = detectFresh(curves);
     const double gap = 0.0386 - 0.0382 - 2.0 * kHalf;
     int interior = 0;
@@ -177,7 +177,7 @@ TEST_CASE("two convex shells touch on the line of centres", "[rod pairs]") {
     CHECK(smallestGap(found, 0, 1) == Approx(gap).margin(1e-15));
     for (const double k : {0.0, 1e-13, -1e-9, 1e-5, -1e-3}) { // against straight and nearly straight strips
         const double r = 0.0192;
-        Curve strip = makeCurve(1, Vec2(-0.0331, -r - 2.1 * kHalf), 0.0, std::vector<double>(11, k), 0.006);
+        RodCurve strip = makeCurve(1, Vec2(-0.0331, -r - 2.1 * kHalf), 0.0, std::vector<double>(11, k), 0.006);
         const auto hits = detectFresh({strip, makeShell(0, Vec2::Zero(), r, 3.0, -0.5 * kPi)});
         checkFrames({strip, makeShell(0, Vec2::Zero(), r, 3.0, -0.5 * kPi)}, hits);
         // The strip bends by k x^2/2 = 6e-7 m at most over its half length; for the closed form the tiny ones.
@@ -185,11 +185,11 @@ TEST_CASE("two convex shells touch on the line of centres", "[rod pairs]") {
     }
 }
 
-TEST_CASE("nested shells are covered along the whole stretch, and the set is steady", "[rod pairs]") {
+TEST_CASE("nested shells have candidates along their whole contact, and the set is steady", "[rod pairs]") {
     for (const double offset : {0.0, 2e-6, 1e-5, 4e-5}) {
         const double outer = kRadius + 2.0 * kHalf + 2e-5;
-        std::vector<Curve> curves{makeShell(0, Vec2(0.0, -offset), outer, 4.7, 0.5 * kPi),
-                                  makeShell(1, Vec2::Zero(), kRadius, 4.5, 0.5 * kPi + 0.04)};
+        std::vector<RodCurve> curves{makeShell(0, Vec2(0.0, -offset), outer, 4.7, 0.5 * kPi),
+                                     makeShell(1, Vec2::Zero(), kRadius, 4.5, 0.5 * kPi + 0.04)};
         // Off the exact symmetry, where the minimum falls on the mid-rod sample to round-off and is merged with it.
         move(curves[1], Vec2(6e-7, -2e-7), 2e-5);
         const auto found = detectFresh(curves, 2e-4);
@@ -222,11 +222,11 @@ TEST_CASE("nested shells are covered along the whole stretch, and the set is ste
     }
 }
 
-TEST_CASE("ids survive sliding from element to element", "[rod pairs]") {
+TEST_CASE("ids stay the same while a rod slides from element to element", "[rod pairs]") {
     // The inner shell turns about its centre by three elements: every node keeps its id, joints neither double nor
     // drop.
     const double outer = kRadius + 2.0 * kHalf + 2e-5;
-    const Curve still = makeShell(0, Vec2::Zero(), outer, 4.7, 0.5 * kPi);
+    const RodCurve still = makeShell(0, Vec2::Zero(), outer, 4.7, 0.5 * kPi);
     std::set<std::uint64_t> first;
     for (int i = 0; i <= 300; ++i) {
         const double turn = -0.4631 + 0.9257 * i / 300.0; // no node ever faces a node: those count once
@@ -245,8 +245,8 @@ TEST_CASE("ids survive sliding from element to element", "[rod pairs]") {
 TEST_CASE("tips meet tips and nodes round their caps", "[rod pairs]") {
     const std::vector<double> straight(5, 0.0);
     // End to end, 0.1 mm apart: one candidate of the two tips, side A the smaller key.
-    std::vector<Curve> curves{makeCurve(8, Vec2(0.0, 0.0), 0.0, straight, 0.006),
-                              makeCurve(4, Vec2(0.03 + 2.2 * kHalf, 0.0), 0.0, straight, 0.006)};
+    std::vector<RodCurve> curves{makeCurve(8, Vec2(0.0, 0.0), 0.0, straight, 0.006),
+                                 makeCurve(4, Vec2(0.03 + 2.2 * kHalf, 0.0), 0.0, straight, 0.006)};
     auto found = detectFresh(curves);
     REQUIRE(found.size() == 1);
     CHECK(featureOf(found[0].id) == Feature::TipTip);
@@ -272,11 +272,11 @@ TEST_CASE("tips meet tips and nodes round their caps", "[rod pairs]") {
 
 TEST_CASE("filters, margins and motion decide what is reported", "[rod pairs]") {
     const std::vector<double> straight(5, 0.0);
-    std::vector<Curve> curves{makeCurve(0, Vec2(0.0, 0.0), 0.0, straight, 0.006),
-                              makeCurve(1, Vec2(0.001, 2.0 * kHalf + 3e-4), 0.0, straight, 0.006)};
+    std::vector<RodCurve> curves{makeCurve(0, Vec2(0.0, 0.0), 0.0, straight, 0.006),
+                                 makeCurve(1, Vec2(0.001, 2.0 * kHalf + 3e-4), 0.0, straight, 0.006)};
     CHECK(detectFresh(curves, 2.9e-4).empty());
     const auto all = detectFresh(curves, 3.1e-4);
-    CHECK(all.size() == 12); // 6 nodes each way, less the tips that lie beyond, plus two mids
+    CHECK(all.size() == 12); // 6 nodes each way, minus the tips beyond the other rod, plus two mids
     for (const Candidate& c : all)
         CHECK(c.gap == Approx(3e-4).margin(1e-15));
     curves[0].motion = 1e-4;
@@ -317,7 +317,7 @@ TEST_CASE("a rod touches itself where it closes, and only there", "[self contact
             for (int i = 0; i < elements; ++i)
                 k.push_back(1.0 / (0.010 + 0.0035 * i / elements));
             const double length = 0.15;
-            const std::vector<Curve> curves{makeCurve(0, Vec2::Zero(), 0.0, k, length / elements)};
+            const std::vector<RodCurve> curves{makeCurve(0, Vec2::Zero(), 0.0, k, length / elements)};
             const auto found = detectFresh(curves, 2e-3);
             REQUIRE(!found.empty());
             checkFrames(curves, found);
@@ -334,14 +334,14 @@ TEST_CASE("a rod touches itself where it closes, and only there", "[self contact
         }
     }
     SECTION("a closed ring does not touch itself at the weld") {
-        Curve ring = makeShell(0, Vec2::Zero(), kRadius, 2.0 * kPi, 0.3);
+        RodCurve ring = makeShell(0, Vec2::Zero(), kRadius, 2.0 * kPi, 0.3);
         ring.closed = true;
         CHECK(detectFresh({ring}, 1e-3).empty());
         // Seen from outside, no tips: a strip's node above the weld is projected once.
         const double first = 0.3 - kPi;
         const Vec2 out(std::cos(first), std::sin(first));
         for (const double x : {-1e-9, -1e-16, 0.0, 1e-16, 1e-9}) {
-            const Curve post =
+            const RodCurve post =
                 makeCurve(1, (kRadius + 2.1 * kHalf) * out + x * supercircle::rod::perp(out), first, {0.0, 0.0}, 0.01);
             const auto found = detectFresh({ring, post});
             // The post's tip on the ring, the ring's node on the tip; one where they coincide.
@@ -349,7 +349,7 @@ TEST_CASE("a rod touches itself where it closes, and only there", "[self contact
         }
     }
     SECTION("the filter applies to a rod and itself") {
-        Curve shell = makeShell(0, Vec2::Zero(), kRadius, 2.0 * kPi - 2.2 * kHalf / kRadius, 0.3);
+        RodCurve shell = makeShell(0, Vec2::Zero(), kRadius, 2.0 * kPi - 2.2 * kHalf / kRadius, 0.3);
         shell.mask = 2;
         CHECK(detectFresh({shell}).empty());
     }
@@ -361,7 +361,7 @@ TEST_CASE("a strip flattened to a hairpin touches itself", "[self contact]") {
     const double element = kPi * 3e-4 / 2.0;
     k.insert(k.end(), 2, 1.0 / 3e-4);
     k.insert(k.end(), 20, 0.0);
-    const std::vector<Curve> curves{makeCurve(0, Vec2::Zero(), 0.0, k, element)};
+    const std::vector<RodCurve> curves{makeCurve(0, Vec2::Zero(), 0.0, k, element)};
     const auto found = detectFresh(curves, 1.5e-4);
     checkFrames(curves, found);
     // Nodes face nodes: 20 pairs of nodes (tips included), less those within three thicknesses of arc length.
@@ -373,15 +373,15 @@ TEST_CASE("a strip flattened to a hairpin touches itself", "[self contact]") {
     }
 }
 
-TEST_CASE("elements that turn more than a quarter are cut, nothing is lost", "[rod pairs]") {
+TEST_CASE("elements that rotate by more than a quarter turn are divided, and no candidate is missed", "[rod pairs]") {
     // A ring of two elements, each turning by 170 degrees.
     const double r = 0.01;
-    const Curve ring = makeShell(0, Vec2::Zero(), r, 340.0 / 180.0 * kPi, 0.5 * kPi, 2);
+    const RodCurve ring = makeShell(0, Vec2::Zero(), r, 340.0 / 180.0 * kPi, 0.5 * kPi, 2);
     for (int i = 0; i < 36; ++i) {
         const double angle = -0.5 * kPi + (20.0 + 320.0 * i / 35.0) / 180.0 * kPi;
         const Vec2 out(std::cos(angle), std::sin(angle));
         for (const double side : {-1.0, 1.0}) {
-            const Curve post =
+            const RodCurve post =
                 makeCurve(1, (r + side * 2.1 * kHalf) * out, side > 0.0 ? angle : angle + kPi, {0.0}, 0.004);
             const auto found = detectFresh({ring, post});
             REQUIRE(!found.empty());

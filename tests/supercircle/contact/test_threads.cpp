@@ -1,4 +1,4 @@
-// Chunks of pairs side by side: the same candidates and crossings, in the same order, as one after the other.
+// Chunks of pairs on several threads: the same candidates and crossings, in the same order, as one after the other.
 
 #include "shells.h"
 
@@ -39,10 +39,10 @@ std::vector<Outline> floorOnly() {
 
 } // namespace
 
-TEST_CASE("detection and witness find the same from any number of threads", "[threads]") {
+TEST_CASE("detection and crossing check find the same on any number of threads", "[threads]") {
     std::mt19937 rng(5);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
-    std::vector<Curve> curves;
+    std::vector<RodCurve> curves;
     for (std::uint32_t i = 0; i < 200; ++i)
         curves.push_back(randomShell((i * 7) % 200, rng, 0.25));
     const std::vector<Outline> outlines = floorOnly();
@@ -50,8 +50,8 @@ TEST_CASE("detection and witness find the same from any number of threads", "[th
     std::vector<Detector> detectors(loops.size());
     std::size_t found = 0, crossed = 0;
     for (int step = 0; step < 12; ++step) {
-        const std::vector<Curve> before = curves;
-        for (Curve& curve : curves) {
+        const std::vector<RodCurve> before = curves;
+        for (RodCurve& curve : curves) {
             curve.motion = 1e-4;
             curve.resting = step % 4 == 3 && u(rng) > 0.0;
             if (!curve.resting)
@@ -79,9 +79,9 @@ TEST_CASE("detection and witness find the same from any number of threads", "[th
     CHECK(crossed > 1000); // random shells lie across each other
 }
 
-TEST_CASE("of several bad rods the first is named on any number of threads", "[threads]") {
+TEST_CASE("of several invalid rods the first is named on any number of threads", "[threads]") {
     std::mt19937 rng(6);
-    std::vector<Curve> curves;
+    std::vector<RodCurve> curves;
     for (std::uint32_t i = 0; i < 100; ++i)
         curves.push_back(randomShell(i, rng, 0.5));
     curves[70].nodeS.clear();

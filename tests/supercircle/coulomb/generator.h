@@ -1,6 +1,6 @@
 #pragma once
-// Random contact problems with a guaranteed solution: every gap is open or closed, never overlapping, and no surface is
-// driven (w_n >= 0, w_t = 0), so u(v = 0) lies in the dual cone and a solution exists (Acary, Cadoux, Lemarechal &
+// Random contact problems with a guaranteed solution. Every gap is open or closed, never overlapping, and no surface is
+// driven (w_n >= 0, w_t = 0). Then u(v = 0) lies in the dual cone and a solution exists (Acary, Cadoux, Lemarechal &
 // Malick 2011). Own random numbers: the standard distributions differ between libraries.
 
 #include "supercircle/coulomb/problem.h"
@@ -38,8 +38,9 @@ supercircle::coulomb::Problem cloud(const Cloud& options, Random& random);
 /// Boxes of 3 freedoms on top of each other, two corner contacts an interface, gravity and a random sideways push.
 supercircle::coulomb::Problem tower(int boxes, double mu, double massRatio, double dt, Random& random);
 
-/// Open shells of the paper (18 freedoms, A = M + dt^2 K of circular arcs, ordered [left | right | middle, x, y,
-/// theta]) nested in each other like spoons, `perPair` nearly parallel contacts an interface, squeezed by `force` (N).
+/// Open shells of the paper, nested in each other like spoons and squeezed by `force` (N). Each has 18 freedoms,
+/// ordered [left | right | middle, x, y, theta], with A = M + dt^2 K of circular arcs. `perPair` nearly parallel
+/// contacts an interface.
 struct Nest {
     int shells = 5;
     int perPair = 25;

@@ -62,9 +62,9 @@ void warm(std::vector<Problem>& problems) {
 void table(const std::vector<Problem>& problems, Method method, double tolerance) {
     Solver solver;
     std::vector<double> times;
-    std::vector<double> etas;
+    std::vector<double> residuals;
     int reached = 0;
-    double sweeps = 0.0, pivots = 0.0, factorisations = 0.0, loaded = 0.0, candidates = 0.0;
+    double iterations = 0.0, pivots = 0.0, factorisations = 0.0, activeContacts = 0.0, candidates = 0.0;
     for (const Problem& problem : problems) {
         SolverOptions options;
         options.method = method;
@@ -75,29 +75,32 @@ void table(const std::vector<Problem>& problems, Method method, double tolerance
         const SolveReport report = solver.solve(problem, options, r, v);
         const double time = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
         times.push_back(time);
-        etas.push_back(report.eta);
+        residuals.push_back(report.contactResidual);
         reached += report.converged ? 1 : 0;
-        sweeps += report.sweeps;
+        iterations += report.gaussSeidelIterations;
         pivots += report.pivots;
         factorisations += report.factorisations;
-        loaded += report.loaded;
+        activeContacts += report.activeContacts;
         candidates += static_cast<double>(problem.contacts.size());
         if (std::getenv("SUPERCIRCLE_VERBOSE"))
-            std::printf("   nc %zu loaded %d eta %.2e sweeps %d pivots %d fact %d %.2f ms by %s\n",
-                        problem.contacts.size(), report.loaded, report.eta, report.sweeps, report.pivots,
-                        report.factorisations, time, std::string(name(report.finishedBy)).c_str());
+            std::printf("   contacts %zu, active %d, residual %.2e, iterations %d, pivots %d, factorisations %d, %.2f "
+                        "ms by %s\n",
+                        problem.contacts.size(), report.activeContacts, report.contactResidual,
+                        report.gaussSeidelIterations, report.pivots, report.factorisations, time,
+                        std::string(name(report.finishedBy)).c_str());
     }
     std::sort(times.begin(), times.end());
-    std::sort(etas.begin(), etas.end());
+    std::sort(residuals.begin(), residuals.end());
     const auto at = [](const std::vector<double>& x, double p) {
         return x[static_cast<std::size_t>(p * static_cast<double>(x.size() - 1))];
     };
     const double n = static_cast<double>(problems.size());
-    std::printf("%-13s tol %.0e reached %3d/%3zu  ms %7.2f /%7.2f /%7.2f  eta %.1e /%.1e  nc %.0f loaded %.0f sweeps "
-                "%.0f pivots %.1f fact %.2f\n",
+    std::printf("%-13s tol %.0e reached %3d/%3zu  ms %7.2f /%7.2f /%7.2f  residual %.1e /%.1e  contacts %.0f active "
+                "%.0f iterations "
+                "%.0f pivots %.1f factorisations %.2f\n",
                 std::string(name(method)).c_str(), tolerance, reached, problems.size(), at(times, 0.5), at(times, 0.95),
-                times.back(), at(etas, 0.5), etas.back(), candidates / n, loaded / n, sweeps / n, pivots / n,
-                factorisations / n);
+                times.back(), at(residuals, 0.5), residuals.back(), candidates / n, activeContacts / n, iterations / n,
+                pivots / n, factorisations / n);
 }
 
 } // namespace
@@ -114,9 +117,9 @@ TEST_CASE("timing of every method", "[.bench]") {
                 problem.r0.resize(0);
         std::printf("%s\n", isWarm == (folder == nullptr) ? "warm" : "cold");
         for (const Method method :
-             {Method::GaussSeidel, Method::Accelerated, Method::Newton, Method::Path, Method::Cascade})
+             {Method::GaussSeidel, Method::Accelerated, Method::Newton, Method::Path, Method::Strategy})
             table(problems, method, 1e-8);
-        table(problems, Method::Cascade, 1e-10);
-        table(problems, Method::Cascade, 1e-12);
+        table(problems, Method::Strategy, 1e-10);
+        table(problems, Method::Strategy, 1e-12);
     }
 }

@@ -1,4 +1,4 @@
-// FCP2D files: round trip to the bit, and no file, however broken, gets further than a message.
+// FCP2D files: a bitwise round trip, and an error message for every broken file.
 
 #include "supercircle/coulomb/dump.h"
 #include "tests/supercircle/coulomb/generator.h"
@@ -36,7 +36,7 @@ bool sameBits(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const
 
 } // namespace
 
-TEST_CASE("a dump comes back bit for bit") {
+TEST_CASE("a dump is read back bitwise identical") {
     for (const bool warm : {false, true}) {
         const Problem problem = sample(warm);
         const std::string path = std::string(SC_BINARY_DIR) + "/round_trip.fcp";
@@ -85,7 +85,7 @@ TEST_CASE("a truncated dump is an error that names the offset") {
     CHECK(decode(bytes + "x", target).find("1 bytes too many") != std::string::npos);
 }
 
-TEST_CASE("garbage never crashes the reader") {
+TEST_CASE("invalid files never crash the reader") {
     std::string good;
     REQUIRE(encode(sample(true), good).empty());
     generator::Random random(11);
@@ -96,7 +96,7 @@ TEST_CASE("garbage never crashes the reader") {
                 static_cast<char>(random.index(256));
         Problem target;
         const std::string error = decode(bytes, target);
-        REQUIRE((!error.empty() || findFault(target).empty()));
+        REQUIRE((!error.empty() || validate(target).empty()));
     }
     std::string huge = good;
     const std::int32_t most = std::numeric_limits<std::int32_t>::max();
@@ -110,7 +110,7 @@ TEST_CASE("garbage never crashes the reader") {
     CHECK_FALSE(readDump("/no/such/file.fcp", target).empty());
 }
 
-TEST_CASE("a problem at fault is not written") {
+TEST_CASE("an invalid problem is not written") {
     Problem problem = sample(false);
     problem.contacts[2].mu = -1.0;
     std::string bytes;

@@ -12,7 +12,7 @@ using namespace supercircle::coulomb;
 
 namespace {
 
-/// Random rows of random width; nearly symmetric and dominated by the diagonal, as a heap's contacts are.
+/// Random rows of random width; nearly symmetric and diagonally dominant, like the contacts of a heap.
 struct Banded {
     Banded(int n, int width, generator::Random& random) : first(n), full(Eigen::MatrixXd::Zero(n, n)) {
         for (int i = 0; i < n; ++i) {
@@ -64,7 +64,7 @@ TEST_CASE("a local right-hand side has a local solution, the same but for round-
             x[i] = random.uniform(-1.0, 1.0);
         Eigen::VectorXd y = x;
         a.lu.solve(x.data());
-        const EnvelopeLu::Range range = a.lu.solveLocal(y.data(), static_cast<std::size_t>(at));
+        const EnvelopeLu::IndexRange range = a.lu.solveLocal(y.data(), static_cast<std::size_t>(at));
         CHECK((x - y).norm() <= 1e-13 * x.norm()); // 400 entries of 1e-16 each, passed on
         CHECK(range.begin <= static_cast<std::size_t>(at));
         for (std::size_t i = 0; i < 400; ++i)

@@ -1,4 +1,4 @@
-// The closed-form law of one contact against enumeration of its pieces.
+// The closed-form law of one contact against enumeration of its statuses.
 
 #include "supercircle/coulomb/law.h"
 #include "tests/supercircle/coulomb/generator.h"
@@ -15,22 +15,22 @@ struct Block {
     double nn, nt, tt;
 };
 
-/// Every solution of the law, by trying each piece.
+/// Every solution of the law, by trying each status.
 std::vector<LocalImpulse> enumerate(const Block& W, double qn, double qt, double mu) {
     std::vector<LocalImpulse> found;
     if (qn >= 0.0)
-        found.push_back({0.0, 0.0, Piece::Open});
+        found.push_back({0.0, 0.0, ContactStatus::Open});
     const double det = W.nn * W.tt - W.nt * W.nt;
     const double n = -(W.tt * qn - W.nt * qt) / det;
     const double t = -(W.nn * qt - W.nt * qn) / det;
     if (n >= 0.0 && std::abs(t) <= mu * n)
-        found.push_back({n, t, Piece::Stick});
+        found.push_back({n, t, ContactStatus::Stick});
     for (const double sign : {1.0, -1.0}) {
         const double slope = W.nn - sign * mu * W.nt;
         const double rn = -qn / slope;
         const double ut = qt + (W.nt - sign * mu * W.tt) * rn;
         if (slope != 0.0 && rn >= 0.0 && sign * ut >= 0.0)
-            found.push_back({rn, -sign * mu * rn, sign > 0.0 ? Piece::SlipPlus : Piece::SlipMinus});
+            found.push_back({rn, -sign * mu * rn, sign > 0.0 ? ContactStatus::SlipPlus : ContactStatus::SlipMinus});
     }
     return found;
 }
@@ -45,7 +45,7 @@ double nearest(const LocalImpulse& x, const std::vector<LocalImpulse>& all) {
 
 } // namespace
 
-TEST_CASE("closed form equals enumeration of the pieces") {
+TEST_CASE("closed form equals enumeration of the statuses") {
     generator::Random random(1);
     for (int k = 0; k < 20000; ++k) {
         // coupling up to 0.999 of the singular value: the solution keeps at least 12 digits
@@ -62,7 +62,7 @@ TEST_CASE("closed form equals enumeration of the pieces") {
         if (qn < 0.0)
             REQUIRE(all.size() == 1); // unique where it must close, whatever W and mu
         if (qn >= 0.0)
-            REQUIRE((x.n == 0.0 && x.t == 0.0 && x.piece == Piece::Open));
+            REQUIRE((x.n == 0.0 && x.t == 0.0 && x.status == ContactStatus::Open));
         else
             REQUIRE(nearest(x, all) < 1e-11);
     }
@@ -83,10 +83,10 @@ TEST_CASE("a nearly singular block still satisfies the law") {
         const double size = 1.0 + std::hypot(x.n, x.t); // round-off of W r
         CHECK(std::abs(x.t) <= mu * x.n * (1.0 + 1e-12));
         CHECK(std::abs(un) <= 1e-13 * size);
-        if (x.piece == Piece::Stick) // a stick impulse of size 1/small carries an error of 1e-16/small in u_t
+        if (x.status == ContactStatus::Stick) // a stick impulse of size 1/small carries an error of 1e-16/small in u_t
             CHECK(std::abs(ut) <= 1e-15 / small * size);
         else
-            CHECK(slipSign(x.piece) * ut >= -1e-15 / small * size);
+            CHECK(slipSign(x.status) * ut >= -1e-15 / small * size);
     }
 }
 

@@ -107,6 +107,6 @@ TEST_CASE("contacts never add energy") {
             before += problem.bodies[b].vFree.dot(problem.bodies[b].A * problem.bodies[b].vFree);
             after += v[b].dot(problem.bodies[b].A * v[b]);
         }
-        CHECK(after <= before * (1.0 + 1e-7)); // eta is 1e-8
+        CHECK(after <= before * (1.0 + 1e-7)); // the contact residual is 1e-8
     }
 }

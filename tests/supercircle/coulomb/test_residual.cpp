@@ -1,4 +1,4 @@
-// The judge: its projection, its definition on a problem solved by hand, and the cases its formula leaves open.
+// The residual evaluation: its projection, its definition on a problem solved by hand, and its special cases.
 
 #include "supercircle/coulomb/residual.h"
 #include "tests/supercircle/coulomb/generator.h"
@@ -43,28 +43,29 @@ Problem particle(double m, double vx, double vy, double mu) {
 
 } // namespace
 
-TEST_CASE("eta of a particle on the floor, by hand") {
+TEST_CASE("contact residual of a particle on the floor, by hand") {
     // m = 2, v = (3, -1), mu = 0.5: it must slip; r_n = 2, r_t = -1, and d = 1/2.
     const Problem problem = particle(2.0, 3.0, -1.0, 0.5);
-    CHECK(judge(problem, Eigen::Vector2d(2.0, -1.0)).eta < 1e-15);
+    CHECK(evaluateResidual(problem, Eigen::Vector2d(2.0, -1.0)).contactResidual < 1e-15);
     // r = 0: u = (-1, 3); p = -(u + mu |u_t| n)/d = (-1, -6), projected on the cone: n = (-1 + 0.5 * 6) / 1.25 = 1.6,
     // t = -0.8. F = (-1.6, 0.8), d F^2 = 1.6; q^2/d = 20.
-    const Residual zero = judge(problem, Eigen::Vector2d::Zero());
-    CHECK(zero.eta == Approx(std::sqrt(1.6 / 20.0)).epsilon(1e-14));
+    const Residual zero = evaluateResidual(problem, Eigen::Vector2d::Zero());
+    CHECK(zero.contactResidual == Approx(std::sqrt(1.6 / 20.0)).epsilon(1e-14));
     CHECK(zero.penetrationSpeed == Approx(1.0).epsilon(1e-15));
     CHECK(zero.impulseError == Approx(std::sqrt(3.2)).epsilon(1e-14));
 }
 
-TEST_CASE("nothing closes") {
+TEST_CASE("no contact closes") {
     const Problem problem = particle(2.0, 3.0, 1.0, 0.5);
-    CHECK(judge(problem, Eigen::Vector2d::Zero()).eta == 0.0);
-    CHECK(judge(problem, Eigen::Vector2d(1.0, 0.0)).eta > 0.1); // finite, and not small
-    CHECK(std::isfinite(judge(problem, Eigen::Vector2d(1.0, 0.0)).eta));
+    CHECK(evaluateResidual(problem, Eigen::Vector2d::Zero()).contactResidual == 0.0);
+    CHECK(evaluateResidual(problem, Eigen::Vector2d(1.0, 0.0)).contactResidual > 0.1); // finite, and not small
+    CHECK(std::isfinite(evaluateResidual(problem, Eigen::Vector2d(1.0, 0.0)).contactResidual));
 }
 
 TEST_CASE("numbers that are not finite never pass") {
     const Problem problem = particle(2.0, 3.0, -1.0, 0.5);
-    CHECK(std::isinf(judge(problem, Eigen::Vector2d(std::numeric_limits<double>::quiet_NaN(), 0.0)).eta));
+    CHECK(std::isinf(
+        evaluateResidual(problem, Eigen::Vector2d(std::numeric_limits<double>::quiet_NaN(), 0.0)).contactResidual));
 }
 
 TEST_CASE("self contact: both rows of one body add up") {
@@ -77,5 +78,6 @@ TEST_CASE("self contact: both rows of one body add up") {
     merged.contacts[0].Ha = contact.Ha + contact.Hb;
     merged.contacts[0].Hb.resize(2, 0);
     const Eigen::Vector2d r(0.3, 0.1);
-    CHECK(judge(problem, r).eta == Approx(judge(merged, r).eta).epsilon(1e-13));
+    CHECK(evaluateResidual(problem, r).contactResidual ==
+          Approx(evaluateResidual(merged, r).contactResidual).epsilon(1e-13));
 }

@@ -1,4 +1,4 @@
-// Every method against the independent judge, on generated problems that are known to have a solution.
+// Every method against the independent residual evaluation, on generated problems with a known solution.
 
 #include "supercircle/coulomb/residual.h"
 #include "supercircle/coulomb/solver.h"
@@ -12,29 +12,31 @@ using namespace supercircle::coulomb;
 
 namespace {
 
-struct Answer {
+struct Solution {
     SolveReport report;
     Eigen::VectorXd r;
     std::vector<Eigen::VectorXd> v;
 };
 
-Answer solve(Solver& solver, const Problem& problem, SolverOptions options = {}) {
-    Answer answer;
-    answer.report = solver.solve(problem, options, answer.r, answer.v);
-    return answer;
+Solution solve(Solver& solver, const Problem& problem, SolverOptions options = {}) {
+    Solution solution;
+    solution.report = solver.solve(problem, options, solution.r, solution.v);
+    return solution;
 }
 
-/// A report must say what the judge says: eta to 1 % or to round-off (1e-11: mass ratio 1e5 times 1e-16), whatever the
-/// method.
-void checkHonest(const Problem& problem, const Answer& answer) {
-    const Residual judged = judge(problem, answer.r);
-    CHECK(answer.r.allFinite());
-    CHECK(std::abs(judged.eta - answer.report.eta) <= 0.01 * judged.eta + 1e-11);
-    CHECK(std::abs(judged.penetrationSpeed - answer.report.penetrationSpeed) <= 0.01 * judged.penetrationSpeed + 1e-11);
-    const auto v = bodyVelocities(problem, answer.r);
+/// A report must agree with the independent evaluation, whatever the method: the contact residual to 1 % or to
+/// round-off (1e-11: mass ratio 1e5 times 1e-16).
+void checkReport(const Problem& problem, const Solution& solution) {
+    const Residual independent = evaluateResidual(problem, solution.r);
+    CHECK(solution.r.allFinite());
+    CHECK(std::abs(independent.contactResidual - solution.report.contactResidual) <=
+          0.01 * independent.contactResidual + 1e-11);
+    CHECK(std::abs(independent.penetrationSpeed - solution.report.penetrationSpeed) <=
+          0.01 * independent.penetrationSpeed + 1e-11);
+    const auto v = bodyVelocities(problem, solution.r);
     double worst = 0.0, size = 1.0;
     for (std::size_t b = 0; b < v.size(); ++b) {
-        worst = std::max(worst, (v[b] - answer.v[b]).cwiseAbs().maxCoeff());
+        worst = std::max(worst, (v[b] - solution.v[b]).cwiseAbs().maxCoeff());
         size = std::max(size, v[b].cwiseAbs().maxCoeff());
     }
     CHECK(worst <= 1e-9 * size); // condition of A up to 1e6 times round-off
@@ -64,44 +66,44 @@ std::vector<Problem> variety(std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("the cascade solves every feasible problem from a cold start") {
+TEST_CASE("the strategy solves every feasible problem from a cold start") {
     Solver solver;
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         const auto problems = variety(seed);
         for (std::size_t i = 0; i < problems.size(); ++i) {
             CAPTURE(seed, i, problems[i].contacts.size(), problems[i].contacts[0].mu);
-            const Answer answer = solve(solver, problems[i]);
-            CHECK(answer.report.converged);
-            CHECK(answer.report.error.empty());
-            // converged by eta, or by the absolute impulse where the problem is at round-off
-            CHECK((answer.report.eta <= 1e-8 || answer.report.impulseError <= 1e-13));
-            checkHonest(problems[i], answer);
+            const Solution solution = solve(solver, problems[i]);
+            CHECK(solution.report.converged);
+            CHECK(solution.report.error.empty());
+            // converged by the contact residual, or by the absolute impulse if the problem is at round-off
+            CHECK((solution.report.contactResidual <= 1e-8 || solution.report.impulseError <= 1e-13));
+            checkReport(problems[i], solution);
         }
     }
 }
 
-TEST_CASE("every method agrees with the judge, and two that converge agree on the motion") {
+TEST_CASE("every method agrees with the residual evaluation, and two that converge agree on the motion") {
     Solver solver;
     const auto problems = variety(11);
     for (std::size_t i = 0; i < problems.size(); ++i) {
         CAPTURE(i, problems[i].contacts.size(), problems[i].contacts[0].mu);
         SolverOptions options;
-        options.maxSweeps = 300;
+        options.maxGaussSeidelIterations = 300;
         for (const Method method :
              {Method::None, Method::GaussSeidel, Method::Accelerated, Method::Path, Method::Newton}) {
             options.method = method;
-            const Answer answer = solve(solver, problems[i], options);
-            checkHonest(problems[i], answer);
+            const Solution solution = solve(solver, problems[i], options);
+            checkReport(problems[i], solution);
         }
         if (problems[i].contacts[0].mu > 0.0)
             continue;
         // Without friction the problem is a convex quadratic program in v: the motion is unique, to tolerance.
         options.method = Method::GaussSeidel;
-        options.maxSweeps = 20000;
+        options.maxGaussSeidelIterations = 20000;
         options.tolerance = 1e-10;
-        const Answer slow = solve(solver, problems[i], options);
-        options.method = Method::Cascade;
-        const Answer fast = solve(solver, problems[i], options);
+        const Solution slow = solve(solver, problems[i], options);
+        options.method = Method::Strategy;
+        const Solution fast = solve(solver, problems[i], options);
         if (!slow.report.converged)
             continue;
         for (std::size_t b = 0; b < fast.v.size(); ++b)
@@ -114,27 +116,28 @@ TEST_CASE("the tight tolerance is reached as well") {
     SolverOptions options;
     options.tolerance = 1e-12;
     for (const Problem& problem : variety(21)) {
-        const Answer answer = solve(solver, problem, options);
-        CAPTURE(problem.contacts.size(), problem.contacts[0].mu, answer.report.eta, answer.report.impulseError);
-        CHECK(answer.report.eta <= 1e-8);
-        if (answer.report.converged)
-            checkHonest(problem, answer);
+        const Solution solution = solve(solver, problem, options);
+        CAPTURE(problem.contacts.size(), problem.contacts[0].mu, solution.report.contactResidual,
+                solution.report.impulseError);
+        CHECK(solution.report.contactResidual <= 1e-8);
+        if (solution.report.converged)
+            checkReport(problem, solution);
     }
 }
 
-TEST_CASE("a solution used as warm start needs no sweep") {
+TEST_CASE("a solution used as warm start needs no further pivots") {
     Solver solver;
     for (Problem problem : variety(31)) {
-        const Answer first = solve(solver, problem);
+        const Solution first = solve(solver, problem);
         problem.r0 = first.r;
-        const Answer again = solve(solver, problem);
+        const Solution again = solve(solver, problem);
         CHECK(again.report.converged);
-        CHECK(again.report.sweeps <= 3);
+        CHECK(again.report.gaussSeidelIterations <= 3);
         CHECK(again.report.pivots == 0);
     }
 }
 
-TEST_CASE("the best iterate is never worse than the warm start") {
+TEST_CASE("the best solution is never worse than the warm start") {
     generator::Random random(41);
     Solver solver;
     for (Problem problem : variety(41)) {
@@ -143,34 +146,35 @@ TEST_CASE("the best iterate is never worse than the warm start") {
             problem.r0[i] = random.uniform(-1e-3, 1e-3);
         SolverOptions options;
         options.method = Method::None;
-        const double before = solve(solver, problem, options).report.eta;
+        const double before = solve(solver, problem, options).report.contactResidual;
         for (const Method method : {Method::GaussSeidel, Method::Accelerated, Method::Path, Method::Newton}) {
             options.method = method;
-            options.maxSweeps = 5;
-            options.firstSweeps = 2;
-            CHECK(solve(solver, problem, options).report.eta <= before);
+            options.maxGaussSeidelIterations = 5;
+            options.initialGaussSeidelIterations = 2;
+            CHECK(solve(solver, problem, options).report.contactResidual <= before);
         }
     }
 }
 
-TEST_CASE("the answer depends on problem and options only") {
+TEST_CASE("the solution depends on problem and options only") {
     const auto problems = variety(51);
     Solver shared;
     for (std::size_t i = 0; i < problems.size(); ++i) {
-        const Answer first = solve(shared, problems[i]);
-        const Answer other = solve(shared, problems[(i + 7) % problems.size()]);
-        const Answer second = solve(shared, problems[i]);
+        const Solution first = solve(shared, problems[i]);
+        const Solution other = solve(shared, problems[(i + 7) % problems.size()]);
+        const Solution second = solve(shared, problems[i]);
         Solver fresh;
-        const Answer third = solve(fresh, problems[i]);
+        const Solution third = solve(fresh, problems[i]);
         CHECK(first.r == second.r); // bit for bit
         CHECK(first.r == third.r);
         for (std::size_t b = 0; b < first.v.size(); ++b)
             CHECK((first.v[b] == second.v[b] && first.v[b] == third.v[b]));
-        CHECK((first.report.sweeps == third.report.sweeps && first.report.pivots == third.report.pivots));
+        CHECK((first.report.gaussSeidelIterations == third.report.gaussSeidelIterations &&
+               first.report.pivots == third.report.pivots));
     }
 }
 
-TEST_CASE("contradictory constraints give the best iterate and no convergence") {
+TEST_CASE("contradictory constraints give the best solution and no convergence") {
     Problem problem; // one body between two walls that close in
     problem.dt = 1e-3;
     problem.bodies.push_back({Eigen::MatrixXd::Identity(3, 3), Eigen::VectorXd::Zero(3)});
@@ -184,23 +188,23 @@ TEST_CASE("contradictory constraints give the best iterate and no convergence") 
         problem.contacts.push_back(contact);
     }
     Solver solver;
-    const Answer answer = solve(solver, problem);
-    CHECK_FALSE(answer.report.converged);
-    CHECK(answer.report.error.empty());
-    CHECK(answer.r.allFinite());
-    CHECK(answer.report.penetrationSpeed >= 0.1 - 1e-12); // at least one wall closes at its own speed
-    checkHonest(problem, answer);
+    const Solution solution = solve(solver, problem);
+    CHECK_FALSE(solution.report.converged);
+    CHECK(solution.report.error.empty());
+    CHECK(solution.r.allFinite());
+    CHECK(solution.report.penetrationSpeed >= 0.1 - 1e-12); // at least one wall closes at its own speed
+    checkReport(problem, solution);
 
-    Contact stuck; // moves nothing and closes: nothing can be done, and it must be said
+    Contact stuck; // moves nothing and closes: no impulse can stop it, and the report must say so
     stuck.a = -1;
     stuck.w = {-1.0, 0.0};
     problem.contacts = {stuck};
-    const Answer hopeless = solve(solver, problem);
+    const Solution hopeless = solve(solver, problem);
     CHECK_FALSE(hopeless.report.converged);
     CHECK(hopeless.report.penetrationSpeed == 1.0);
 }
 
-TEST_CASE("bad input is refused with a sentence") {
+TEST_CASE("invalid input is refused with a sentence") {
     generator::Random random(61);
     const Problem good = generator::cloud({.bodies = 3, .contacts = 4}, random);
     Solver solver;
@@ -217,19 +221,19 @@ TEST_CASE("bad input is refused with a sentence") {
     const char* expected[] = {"body 1",    "body 1",    "contact 3",  "contact 3",
                               "contact 3", "contact 3", "warm start", "contact 3"};
     for (std::size_t i = 0; i < bad.size(); ++i) {
-        const Answer answer = solve(solver, bad[i]);
-        CAPTURE(i, answer.report.error);
-        CHECK(answer.report.error.find(expected[i]) != std::string::npos);
-        CHECK_FALSE(answer.report.converged);
-        CHECK(answer.r == Eigen::VectorXd::Zero(8));
+        const Solution solution = solve(solver, bad[i]);
+        CAPTURE(i, solution.report.error);
+        CHECK(solution.report.error.find(expected[i]) != std::string::npos);
+        CHECK_FALSE(solution.report.converged);
+        CHECK(solution.r == Eigen::VectorXd::Zero(8));
     }
-    CHECK(solve(solver, good).report.converged); // and the solver is still fit
-    const Answer nothing = solve(solver, Problem{});
+    CHECK(solve(solver, good).report.converged); // and the solver remains usable
+    const Solution nothing = solve(solver, Problem{});
     CHECK(nothing.report.converged);
     CHECK(nothing.r.size() == 0);
 }
 
-TEST_CASE("islands are solved apart and together alike") {
+TEST_CASE("islands are solved separately and together") {
     generator::Random random(71);
     Problem all;
     std::vector<Problem> parts;
@@ -244,15 +248,16 @@ TEST_CASE("islands are solved apart and together alike") {
         }
     }
     Solver solver;
-    const Answer answer = solve(solver, all);
-    CHECK(answer.report.converged);
-    checkHonest(all, answer);
+    const Solution solution = solve(solver, all);
+    CHECK(solution.report.converged);
+    checkReport(all, solution);
 }
 
 TEST_CASE("three thousand contacts", "[slow]") {
     generator::Random random(81);
     Solver solver;
-    const Answer nest = solve(solver, generator::nest({.shells = 30, .perPair = 30, .force = 2.0, .side = 3}, random));
+    const Solution nest =
+        solve(solver, generator::nest({.shells = 30, .perPair = 30, .force = 2.0, .side = 3}, random));
     CHECK(nest.report.converged);
     const Problem cloud = generator::cloud({.bodies = 500, .contacts = 3000, .duplicates = 0.1}, random);
     CHECK(solve(solver, cloud).report.converged);

@@ -1,4 +1,4 @@
-// Islands and regions side by side: the same bits as one after the other.
+// Islands and subdomains on several threads: bitwise the same results as one after the other.
 
 #include "supercircle/coulomb/solver.h"
 #include "tests/supercircle/coulomb/generator.h"
@@ -21,50 +21,52 @@ void append(Problem& all, const Problem& part) {
     }
 }
 
-struct Answer {
+struct Solution {
     SolveReport report;
     Eigen::VectorXd r;
     std::vector<Eigen::VectorXd> v;
 };
 
-Answer solve(const Problem& problem, const SolverOptions& options, const parallel::For& loop) {
+Solution solve(const Problem& problem, const SolverOptions& options, const parallel::For& loop) {
     Solver solver;
-    Answer answer;
-    answer.report = solver.solve(problem, options, answer.r, answer.v, loop);
-    return answer;
+    Solution solution;
+    solution.report = solver.solve(problem, options, solution.r, solution.v, loop);
+    return solution;
 }
 
 void checkSame(const Problem& problem, const SolverOptions& options = {}) {
-    const Answer plain = solve(problem, options, {});
+    const Solution plain = solve(problem, options, {});
     for (const parallel::For& loop : {test::backwards(), test::threads(2), test::threads(5)}) {
-        const Answer other = solve(problem, options, loop);
+        const Solution other = solve(problem, options, loop);
         CHECK(other.r == plain.r); // bit for bit
         for (std::size_t b = 0; b < plain.v.size(); ++b)
             CHECK(other.v[b] == plain.v[b]);
-        CHECK((other.report.pivots == plain.report.pivots && other.report.sweeps == plain.report.sweeps));
-        CHECK((other.report.eta == plain.report.eta && other.report.finishedBy == plain.report.finishedBy));
+        CHECK((other.report.pivots == plain.report.pivots &&
+               other.report.gaussSeidelIterations == plain.report.gaussSeidelIterations));
+        CHECK((other.report.contactResidual == plain.report.contactResidual &&
+               other.report.finishedBy == plain.report.finishedBy));
     }
 }
 
 } // namespace
 
-TEST_CASE("islands on several threads give the same bits") {
+TEST_CASE("islands on several threads give bitwise identical results") {
     generator::Random random(3);
     Problem problem;
     for (int k = 0; k < 9; ++k)
         append(problem, generator::nest({.shells = 2 + k % 3, .perPair = 12, .mu = k % 2 == 0 ? 0.35 : 0.1}, random));
     checkSame(problem);
     for (const int pivots : {2, 8, 30}) // the budget runs out between two islands
-        checkSame(problem, {.maxSweeps = 30, .maxPivots = pivots});
+        checkSame(problem, {.maxGaussSeidelIterations = 30, .maxPivots = pivots});
 }
 
-TEST_CASE("regions on several threads give the same bits") {
+TEST_CASE("subdomains on several threads give bitwise identical results") {
     generator::Random random(5);
     Problem problem = generator::nest({.shells = 20, .perPair = 25, .mu = 0.35, .side = 2}, random);
     append(problem, generator::nest({.shells = 3, .perPair = 12}, random));
-    const Answer cold = solve(problem, {}, {});
+    const Solution cold = solve(problem, {}, {});
     CHECK(cold.report.converged);
-    CHECK(cold.report.loaded > 280); // or there are no regions: they begin at 200 in one island
+    CHECK(cold.report.activeContacts > 280); // otherwise there are no subdomains: they begin at 200 in one island
     checkSame(problem);
     problem.r0 = cold.r;
     for (Body& body : problem.bodies)
@@ -72,7 +74,7 @@ TEST_CASE("regions on several threads give the same bits") {
     checkSame(problem);
 }
 
-TEST_CASE("of several faults the first is reported on any number of threads") {
+TEST_CASE("of several errors the first is reported on any number of threads") {
     generator::Random random(7);
     Problem problem = generator::cloud({.bodies = 300, .contacts = 900}, random);
     problem.contacts[700].mu = -1.0;

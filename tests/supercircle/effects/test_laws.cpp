@@ -1,11 +1,11 @@
-// The laws by themselves: closed forms, tangents against differences, energies against work.
+// The laws alone: closed forms, tangents against differences, energies against work.
 
+#include "supercircle/effects/backlash.h"
 #include "supercircle/effects/effect.h"
-#include "supercircle/effects/laws/attraction.h"
-#include "supercircle/effects/laws/backbone.h"
+#include "supercircle/effects/laws/adhesion.h"
+#include "supercircle/effects/laws/elastic_law.h"
 #include "supercircle/effects/laws/material.h"
 #include "supercircle/effects/laws/surface.h"
-#include "supercircle/effects/play.h"
 #include "supercircle/effects/sensor.h"
 
 #include <catch2/catch.hpp>
@@ -35,20 +35,20 @@ struct Balance {
     double given = 0.0, taken = 0.0, leastDissipated = 0.0;
 };
 
-/// Bends a rod to and fro in n steps: work of the moments against what the books say, in all and at the least step.
+/// Bends a rod back and forth in n steps: work of the moments against the recorded energies, and the least dissipation.
 Balance bendToAndFro(const rod::RodModel& rod, Material material, int n, double period) {
-    Books books{};
+    EffectEnergies energies{};
     Eigen::VectorXd q = Eigen::VectorXd::Zero(rod.dofs()), q1 = q;
     const auto shape = [&](double phase, Eigen::VectorXd& out) {
         for (int e = 0; e < rod.elements(); ++e)
             out[rod.dofOfElement(e)] = 52.0 + 40.0 * std::sin(phase) * (1.0 + 0.2 * e);
     };
     shape(0.0, q);
-    storedEnergy(rod, material, q, books);
+    storedEnergy(rod, material, q, energies);
     const double B = rod.definition().bendingModulus, dt = period / n;
     const auto total = [&] {
         double sum = 0.0;
-        for (const Book& b : books)
+        for (const EffectEnergy& b : energies)
             sum += b.stored + b.dissipated;
         return sum;
     };
@@ -56,20 +56,20 @@ Balance bendToAndFro(const rod::RodModel& rod, Material material, int n, double 
     Balance out;
     for (int i = 0; i < n; ++i) {
         shape(2.0 * M_PI * 1.3 * (i + 1) / n, q1);
-        const Books before = books;
+        const EffectEnergies before = energies;
         for (int e = 0; e < rod.elements(); ++e) {
             const double a = q[rod.dofOfElement(e)], b = q1[rod.dofOfElement(e)];
             const auto extra = [&](double from, double to) { // without linear bending
-                return respond(rod, material, e, from, to, dt).moment - B * (to - 52.0);
+                return materialResponse(rod, material, e, from, to, dt).moment - B * (to - 52.0);
             };
             // Trapezoid of the moments at both ends of the step: second order, unlike the step's own backward rule.
-            // A dashpot feels the same rate at both.
+            // A dashpot has the same rate at both.
             const double dashpot = B * material.model.viscosity * (b - a) / dt;
             out.given += rod.elementLength(e) * (b - a) * 0.5 * (extra(a, b) + extra(a, a + 1e-9 * (b - a)) + dashpot);
         }
-        advance(rod, q, q1, dt, material, books);
+        advance(rod, q, q1, dt, material, energies);
         for (std::size_t k = 0; k < kKeys; ++k)
-            out.leastDissipated = std::min(out.leastDissipated, books[k].dissipated - before[k].dissipated);
+            out.leastDissipated = std::min(out.leastDissipated, energies[k].dissipated - before[k].dissipated);
         q = q1;
     }
     out.taken = total() - start;
@@ -78,7 +78,7 @@ Balance bendToAndFro(const rod::RodModel& rod, Material material, int n, double 
 
 } // namespace
 
-TEST_CASE("every label of the contract is in the catalogue, in the order of its keys, and off by default") {
+TEST_CASE("every documented label is in the catalogue, in the order of its keys, and off by default") {
     const char* const labels[] = {"viscoelastic_bending",
                                   "static_friction_excess",
                                   "rate_dependent_friction",
@@ -109,22 +109,22 @@ TEST_CASE("every label of the contract is in the catalogue, in the order of its 
         CHECK_FALSE(e.law.empty());
         CHECK_FALSE(e.literature.empty());
         CHECK_FALSE(e.fingerprint.empty());
-        bool switches = false;
+        bool isSwitch = false;
         for (const Parameter& p : e.parameters) {
             CHECK(p.off >= p.min);
             CHECK(p.off <= p.max);
             CHECK_FALSE(p.unit.empty());
-            switches = switches || p.switches;
+            isSwitch = isSwitch || p.isSwitch;
         }
-        CHECK(switches);
+        CHECK(isSwitch);
     }
 }
 
-TEST_CASE("a section turned end for end is the mirror image") {
+TEST_CASE("a profile rotated end for end is the mirror image") {
     using Shape = effects::Profile::Shape;
     for (const Shape shape : {Shape::Gauss, Shape::Flat, Shape::Linear, Shape::Thickness}) {
         const effects::Profile p{Key::LocalDamage, shape, 0.3, 0.02, -0.4, 7.0};
-        const effects::Profile t = effects::turned(p);
+        const effects::Profile t = effects::mirrored(p);
         for (const double s : {0.0, 0.013, 0.029, 0.05, 0.069, 0.1}) {
             CHECK(effects::stiffnessAt(t, 0.1, s) == Approx(effects::stiffnessAt(p, 0.1, 0.1 - s)));
             CHECK(t.curvature * effects::shapeAt(t, 0.1, s) ==
@@ -133,7 +133,7 @@ TEST_CASE("a section turned end for end is the mirror image") {
     }
 }
 
-TEST_CASE("wrong effects are refused by name, with what was meant") {
+TEST_CASE("unknown names are refused with the nearest known name") {
     std::vector<Setting> s;
     CHECK(add(s, "plasticty:My_over_B_1_m=3").find("plasticity") != std::string::npos);
     CHECK(add(s, "adhesion:range=3").find("range_m") != std::string::npos);
@@ -143,11 +143,12 @@ TEST_CASE("wrong effects are refused by name, with what was meant") {
     CHECK(add(s, "nonlinear_elasticity:law=softning").find("softening") != std::string::npos);
 }
 
-TEST_CASE("backbones: slope and energy are the derivative and the integral of the moment") {
-    for (const Backbone& b :
-         {Backbone{}, Backbone{Backbone::Law::Softening, 110.0, 3.0}, Backbone{Backbone::Law::Stiffening, 60.0, 3.0},
-          Backbone{Backbone::Law::RambergOsgood, 40.0, 5.0},
-          Backbone{Backbone::Law::Learned, 70.0, 3.0, {0.1, -0.2, 0.4, 0.3, -0.5, 0.2, 0.6}}})
+TEST_CASE("elastic laws: slope and energy are the derivative and the integral of the moment") {
+    for (const ElasticModel& b :
+         {ElasticModel{}, ElasticModel{ElasticModel::Law::Softening, 110.0, 3.0},
+          ElasticModel{ElasticModel::Law::Stiffening, 60.0, 3.0},
+          ElasticModel{ElasticModel::Law::RambergOsgood, 40.0, 5.0},
+          ElasticModel{ElasticModel::Law::Learned, 70.0, 3.0, {0.1, -0.2, 0.4, 0.3, -0.5, 0.2, 0.6}}})
         for (const double u : {-90.0, -3.0, 0.5, 20.0, 75.0}) {
             const double d = 1e-4;
             CHECK((evaluate(b, u + d).value - evaluate(b, u - d).value) / (2.0 * d) ==
@@ -191,14 +192,14 @@ TEST_CASE("the tangent of every material law is the derivative of its moment") {
         const Material material = makeMaterial(rod, m.material);
         for (const double now : {20.0, 50.0, 60.0, 95.0, 140.0}) {
             const double d = 1e-5;
-            const auto moment = [&](double k) { return respond(rod, material, 1, 52.0, k, 0.02).moment; };
+            const auto moment = [&](double k) { return materialResponse(rod, material, 1, 52.0, k, 0.02).moment; };
             CHECK((moment(now + d) - moment(now - d)) / (2.0 * d) ==
-                  Approx(respond(rod, material, 1, 52.0, now, 0.02).tangent).epsilon(1e-5));
+                  Approx(materialResponse(rod, material, 1, 52.0, now, 0.02).tangent).epsilon(1e-5));
         }
     }
 }
 
-TEST_CASE("material books close to second order in the step, and dissipation never falls") {
+TEST_CASE("the energy balance of materials holds to second order in the step, and dissipation never decreases") {
     const rod::RodModel rod = shell();
     for (const Model& m :
          {modelOf({"viscoelastic_bending:eta_over_B_s=0.1"}),
@@ -227,62 +228,65 @@ TEST_CASE("rate effects vanish in the slow limit") {
                                     "viscoelastic_bending:branch_over_B=0.4", "viscoelastic_bending:tau_s=0.3"})}) {
         const Material material = makeMaterial(rod, m.material);
         const double B = rod.definition().bendingModulus, elastic = B * 30.0;
-        const auto extra = [&](double dt) { return respond(rod, material, 0, 52.0, 82.0, dt).moment - elastic; };
+        const auto extra = [&](double dt) {
+            return materialResponse(rod, material, 0, 52.0, 82.0, dt).moment - elastic;
+        };
         CHECK(std::abs(extra(1e5)) < 1e-4 * elastic);
         CHECK(extra(2e5) == Approx(0.5 * extra(1e5)).epsilon(1e-3)); // linear in the rate
     }
 }
 
-TEST_CASE("a Maxwell branch relaxes by exp(-t / tau), whatever the steps") {
+TEST_CASE("a Maxwell branch relaxes by exp(-t / tau), for any step") {
     const rod::RodModel rod = shell();
     const Model m = modelOf({"viscoelastic_bending:law=standard_linear_solid", "viscoelastic_bending:branch_over_B=0.4",
                              "viscoelastic_bending:tau_s=0.3"});
     for (const int n : {1, 7}) {
         Material material = makeMaterial(rod, m.material);
-        Books books{};
+        EffectEnergies energies{};
         Eigen::VectorXd q = Eigen::VectorXd::Zero(rod.dofs()), q1 = q;
         q1.setConstant(10.0);
-        advance(rod, q, q1, 1e-9, material, books); // a jump
+        advance(rod, q, q1, 1e-9, material, energies); // a jump
         for (int i = 0; i < n; ++i)
-            advance(rod, q1, q1, 0.6 / n, material, books);
+            advance(rod, q1, q1, 0.6 / n, material, energies);
         CHECK(material.overstress[0][0] == Approx(10.0 * std::exp(-2.0)).epsilon(1e-6));
     }
 }
 
-TEST_CASE("yield follows the bilinear curve and unloads elastically") {
+TEST_CASE("yield follows the bilinear curve, and unloading is elastic") {
     const rod::RodModel rod = shell(1);
     const Model m = modelOf({"plasticity:My_over_B_1_m=22", "plasticity:H_over_B=0.35"});
     Material material = makeMaterial(rod, m.material);
-    Books books{};
+    EffectEnergies energies{};
     Eigen::VectorXd q = Eigen::VectorXd::Constant(rod.dofs(), 52.0), q1 = q;
     q1[rod.dofOfElement(0)] = 52.0 + 62.0;
     const double B = rod.definition().bendingModulus;
     // Beyond yield the slope is B H / (B + H) = B 0.35 / 1.35.
-    CHECK(respond(rod, material, 0, 52.0, 114.0, 1.0).moment / B == Approx(22.0 + 40.0 * 0.35 / 1.35).epsilon(1e-9));
-    advance(rod, q, q1, 1.0, material, books);
+    CHECK(materialResponse(rod, material, 0, 52.0, 114.0, 1.0).moment / B ==
+          Approx(22.0 + 40.0 * 0.35 / 1.35).epsilon(1e-9));
+    advance(rod, q, q1, 1.0, material, energies);
     const double top = 22.0 + 40.0 * 0.35 / 1.35;
-    CHECK(respond(rod, material, 0, 114.0, 104.0, 1.0).moment / B == Approx(top - 10.0).epsilon(1e-9));
+    CHECK(materialResponse(rod, material, 0, 114.0, 104.0, 1.0).moment / B == Approx(top - 10.0).epsilon(1e-9));
     CHECK(material.plastic[0] == Approx(62.0 - top).epsilon(1e-9));
 }
 
-TEST_CASE("attraction: force is the derivative of its energy, slope of its force") {
+TEST_CASE("adhesion: force is the derivative of its energy, slope of its force") {
     for (const AdhesionModel::Law law : {AdhesionModel::Law::Hump, AdhesionModel::Law::Decaying}) {
         const AdhesionModel m{law, 36.0, 1.2e-4, 0.0};
         for (const double gap : {1e-6, 3e-5, 4e-5, 9e-5, 1.19e-4}) {
             const double d = 1e-9;
-            CHECK((attractionAt(m, gap + d).energy - attractionAt(m, gap - d).energy) / (2.0 * d) ==
-                  Approx(attractionAt(m, gap).force).epsilon(1e-4).margin(1e-6));
-            CHECK((attractionAt(m, gap + d).force - attractionAt(m, gap - d).force) / (2.0 * d) ==
-                  Approx(attractionAt(m, gap).slope).epsilon(1e-4).margin(1e-3));
+            CHECK((adhesionAt(m, gap + d).energy - adhesionAt(m, gap - d).energy) / (2.0 * d) ==
+                  Approx(adhesionAt(m, gap).force).epsilon(1e-4).margin(1e-6));
+            CHECK((adhesionAt(m, gap + d).force - adhesionAt(m, gap - d).force) / (2.0 * d) ==
+                  Approx(adhesionAt(m, gap).slope).epsilon(1e-4).margin(1e-3));
         }
-        CHECK(attractionAt(m, 1.3e-4).force == 0.0);
-        CHECK(attractionAt(m, 1.3e-4).energy == 0.0);
+        CHECK(adhesionAt(m, 1.3e-4).force == 0.0);
+        CHECK(adhesionAt(m, 1.3e-4).energy == 0.0);
     }
     // Largest at a third of the range, where it is the parameter.
-    CHECK(attractionAt({AdhesionModel::Law::Hump, 36.0, 1.2e-4, 0.0}, 4e-5).force == Approx(36.0));
+    CHECK(adhesionAt({AdhesionModel::Law::Hump, 36.0, 1.2e-4, 0.0}, 4e-5).force == Approx(36.0));
 }
 
-TEST_CASE("friction weakens with slip over Dc and heals with time over tau, exactly, whatever the steps") {
+TEST_CASE("friction weakens with slip over Dc and heals with time over tau, exactly, for any step") {
     FrictionModel m;
     m.staticRatio = 1.45;
     m.slipWeakening = 2.5e-4;
@@ -309,11 +313,11 @@ TEST_CASE("friction weakens with slip over Dc and heals with time over tau, exac
     }
 }
 
-TEST_CASE("a drive with play loses its width once at each reversal") {
-    const Motion head = behindPlay({{0.0, 1.0, 2.0}, {0.0, 1e-3, 0.0}}, 1e-4);
+TEST_CASE("a drive with backlash loses its width once at each reversal") {
+    const DriveMotion head = motionBehindBacklash({{0.0, 1.0, 2.0}, {0.0, 1e-3, 0.0}}, 1e-4);
     CHECK(head.displacement.back() == Approx(1e-4));
     CHECK(*std::max_element(head.displacement.begin(), head.displacement.end()) == Approx(1e-3));
-    const Motion same = behindPlay({{0.0, 1.0, 2.0}, {0.0, 1e-3, 0.0}}, 0.0);
+    const DriveMotion same = motionBehindBacklash({{0.0, 1.0, 2.0}, {0.0, 1e-3, 0.0}}, 0.0);
     CHECK(same.displacement == std::vector<double>{0.0, 1e-3, 0.0});
 }
 

@@ -1,4 +1,4 @@
-// Effects inside the step: off is absent, books close, and what the laws say comes out.
+// Effects inside the step: off is absent, the energy balance holds, and the laws show in the motion.
 
 #include "tests/supercircle/step/setup.h"
 
@@ -49,7 +49,7 @@ step::World onSlope(FakeHost& host, const rod::RodDefinition& d, double slope, d
     return w;
 }
 
-double scale(const step::Ledger& l) {
+double scale(const step::EnergyBalance& l) {
     return std::abs(l.added) + std::abs(l.kinetic) + std::abs(l.bending) + 1e-9;
 }
 
@@ -64,7 +64,7 @@ TEST_CASE("an effect that is off is bit-identical to one that is absent") {
     CHECK(sameState(dropped(&off), without));
 }
 
-TEST_CASE("energy books close with each effect on, and dissipation is never negative") {
+TEST_CASE("the energy balance holds with each effect on, and dissipation is never negative") {
     for (const auto& texts : std::vector<std::vector<const char*>>{
              {"viscoelastic_bending:eta_over_B_s=0.002"},
              {"viscoelastic_bending:law=standard_linear_solid", "viscoelastic_bending:branch_over_B=0.5",
@@ -87,19 +87,19 @@ TEST_CASE("energy books close with each effect on, and dissipation is never nega
             REQUIRE(effects::add(settings, text).empty());
         const effects::Model model = effects::modelFor(settings, "all");
         const step::World w = dropped(&model);
-        INFO(texts.front() << ": residual " << w.ledger.residual() << " of " << scale(w.ledger) << ", numerical "
-                           << w.ledger.numerical << ", effects " << w.ledger.effects);
-        CHECK(std::abs(w.ledger.residual()) < 1e-9 * scale(w.ledger)); // round-off: every term is booked
-        CHECK(w.ledger.friction >= 0.0);
-        for (const effects::Book& b : step::effectBooks(w))
+        INFO(texts.front() << ": residual " << w.energyBalance.residual() << " of " << scale(w.energyBalance)
+                           << ", numerical " << w.energyBalance.numerical << ", effects " << w.energyBalance.effects);
+        CHECK(std::abs(w.energyBalance.residual()) <
+              1e-9 * scale(w.energyBalance)); // round-off: every term is recorded
+        CHECK(w.energyBalance.friction >= 0.0);
+        for (const effects::EffectEnergy& b : step::effectEnergies(w))
             CHECK(b.dissipated >= 0.0);
         CHECK_FALSE(sameState(w, dropped(nullptr)));
     }
 }
 
-TEST_CASE(
-    "a sliding strip stops after the way its friction says, with drag of front and back walls instead of a floor") {
-    // Free flight without gravity: m v^2 / 2 = f L x, all of it dissipated.
+TEST_CASE("a strip that slides against front and back walls stops after the distance given by its friction") {
+    // Free flight without gravity: m v^2 / 2 = f L x; all of it is dissipated.
     step::World w;
     const double v = 0.1, f = 0.05;
     rod::RodDefinition d = strip(0.05, 100.0);
@@ -117,7 +117,7 @@ TEST_CASE(
     CHECK(w.rods[0].speed < 1e-6);
 }
 
-TEST_CASE("an adhesive shell at rest takes one linearisation a step, however many of its places are near") {
+TEST_CASE("an adhesive shell at rest takes one linearisation per step, whatever the number of near points") {
     FakeHost host;
     step::World w = aboveFloor(host, 0.0, {0.0, 0.0});
     step::setEffects(w, 0, modelOf({"adhesion:F_a_N_m=0.5", "adhesion:range_m=0.002"}));
@@ -128,11 +128,11 @@ TEST_CASE("an adhesive shell at rest takes one linearisation a step, however man
     const step::Counters before = w.counters;
     for (int i = 0; i < 50; ++i)
         frame(stepper, w, host, 4e-3);
-    // Nothing moves, so the law is where it was foretold; a place that is matched and then counted as gone took four.
+    // Nothing moves, so the law is where it was predicted, and one linearisation is enough.
     CHECK(w.counters.solves - before.solves <= w.counters.steps - before.steps + 1);
 }
 
-TEST_CASE("a world with effects is restored from its copy and goes on bit for bit") {
+TEST_CASE("a world with effects restored from its copy continues bitwise identically") {
     FakeHost host;
     step::World w = aboveFloor(host, 0.3, {0.05, -0.2});
     step::setEffects(w, 0,
@@ -163,19 +163,19 @@ TEST_CASE("friction that grows with speed lets a strip creep down a slope at the
     step::Stepper stepper{step::Settings{}};
     for (int i = 0; i < 25; ++i)
         frame(stepper, w, host, 4e-3);
-    const double x = centre(w.rods[0]).x(), friction = w.ledger.friction;
+    const double x = centre(w.rods[0]).x(), friction = w.energyBalance.friction;
     for (int i = 0; i < 25; ++i)
         frame(stepper, w, host, 4e-3);
     const double way = centre(w.rods[0]).x() - x, time = 0.1;
     // A coefficient that is right to a thousandth gives the speed to 1e-3 (1 + s ln 4) / s (1 + v0 / v) = 0.9 %.
     CHECK(way == Approx(3.0 * v0 * time).epsilon(0.02));
     const double weight = d.linearMass * 0.05 * kG;
-    CHECK(w.ledger.friction - friction == Approx(weight * std::sin(slope) * way).epsilon(0.02));
+    CHECK(w.energyBalance.friction - friction == Approx(weight * std::sin(slope) * way).epsilon(0.02));
 }
 
-TEST_CASE("a contact that is elastic before it slides gives by its share of what it can hold, and less as it ages") {
-    // A strip at rest on a slope: all of its contacts are bent by e, F = mu N e / presliding, so that
-    // e = presliding tan(slope) / mu, however they share the weight; mu grows as they heal from 4/5 of their slip.
+TEST_CASE("a contact that is elastic before it slides deflects in proportion to its load, and less as it ages") {
+    // A strip at rest on a slope. All of its contacts deflect by e, with F = mu N e / presliding, so that
+    // e = presliding tan(slope) / mu, however they share the weight. mu grows as they heal from 4/5 of their slip.
     const double mu = 0.3, ratio = 1.5, presliding = 4e-6, slope = std::atan(0.1), heal = 0.05;
     FakeHost host;
     step::World w = onSlope(host, strip(0.05, 100.0), slope, mu, 0.0);
@@ -187,10 +187,10 @@ TEST_CASE("a contact that is elastic before it slides gives by its share of what
     step::Settings s;
     s.fixedDt = 1e-3;
     step::Stepper stepper{s};
-    const auto bent = [&] { // mean over the contacts by what they carry, m
+    const auto tangentialDeflection = [&] { // mean over the contacts by what they carry, m
         double sum = 0.0, load = 0.0;
         for (const step::ContactImpulse& c : w.impulses) {
-            sum += c.bent * c.normal;
+            sum += c.tangentialDeflection * c.normal;
             load += c.normal;
         }
         return std::abs(sum / load);
@@ -201,9 +201,9 @@ TEST_CASE("a contact that is elastic before it slides gives by its share of what
     for (int i = 0; i < 5; ++i)
         frame(stepper, w, host, 4e-3);
     const double x = centre(w.rods[0]).x();
-    CHECK(bent() == Approx(expected(0.02)).epsilon(0.02));
+    CHECK(tangentialDeflection() == Approx(expected(0.02)).epsilon(0.02));
     for (int i = 0; i < 50; ++i)
         frame(stepper, w, host, 4e-3);
-    CHECK(bent() == Approx(expected(0.22)).epsilon(0.02));
+    CHECK(tangentialDeflection() == Approx(expected(0.22)).epsilon(0.02));
     CHECK(x - centre(w.rods[0]).x() == Approx(expected(0.02) - expected(0.22)).epsilon(0.05));
 }

@@ -11,7 +11,7 @@ namespace supercircle::rod::shapes {
 
 inline const std::vector<int> kElementCounts = {1, 2, 3, 5, 15, 16, 31};
 
-/// A rod of length 1.3, thickness 0.01, linear mass 0.7 and modulus 0.4: no two numbers alike, none of them one.
+/// A rod of length 1.3, thickness 0.01, linear mass 0.7 and modulus 0.4: all different, none equal to one.
 inline RodModel rod(int elements, double naturalCurvature = 0.6, double tipRefinement = 1.0) {
     RodDefinition d;
     d.length = 1.3;
@@ -29,7 +29,7 @@ inline std::vector<RodModel> models(double naturalCurvature = 0.6) {
     std::vector<RodModel> list;
     for (const int n : kElementCounts)
         list.push_back(rod(n, naturalCurvature));
-    for (const int n : {3, 4, 5, 31, 32}) // an arc of the long ones turns no further than one of 15 equal ones
+    for (const int n : {3, 4, 5, 31, 32}) // the long arcs rotate no further than one of 15 equal arcs
         list.push_back(rod(n, naturalCurvature, 3.0));
     list.push_back(rod(31, naturalCurvature, 0.4));
     return list;
@@ -62,13 +62,13 @@ inline std::vector<Shape> shapesOf(const RodModel& model) {
             make("wavy", 0.0, 4.0), make("curled", -4.5, 1.0)};
 }
 
-/// Places all over the rod, both tips and the element boundaries included.
-inline std::vector<Place> placesOf(const RodModel& model) {
-    std::vector<Place> places;
+/// Material points all along the rod, including both tips and the element boundaries.
+inline std::vector<MaterialPoint> materialPointsOf(const RodModel& model) {
+    std::vector<MaterialPoint> points;
     for (int i = 0; i < model.elements(); ++i)
         for (double t : {0.0, 0.3, 0.5, 0.8, 1.0})
-            places.push_back(locate(model, i, model.nodeS(i) + t * model.elementLength(i)));
-    return places;
+            points.push_back(locate(model, i, model.nodeS(i) + t * model.elementLength(i)));
+    return points;
 }
 
 inline Kinematics at(const RodModel& model, const Eigen::VectorXd& q) {

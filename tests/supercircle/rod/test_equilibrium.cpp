@@ -29,9 +29,9 @@ TEST_CASE("a cantilever with a small tip load bends by P L^3 / 3 B", "[equilibri
     for (const int n : kElementCounts) {
         const RodModel model = rod(n, 0.0);
         EquilibriumProblem problem;
-        problem.holds = {clamp(0.0, Vec2::Zero(), 0.0)};
+        problem.supports = {clamp(0.0, Vec2::Zero(), 0.0)};
         const double P = 1e-5 * kModulus / (kLength * kLength);
-        problem.forces = {{kLength, Vec2(0.0, P)}};
+        problem.pointLoads = {{kLength, Vec2(0.0, P)}};
         const Equilibrium e = solveEquilibrium(model, problem, straightFromOrigin(model), {1e-14});
         INFO("N = " << n << ": " << e.failure);
         REQUIRE(e.converged());
@@ -52,9 +52,9 @@ TEST_CASE("reactions balance the loads, forces and moments", "[equilibrium]") {
     problem.gravity = g;
     const Eigen::VectorXd start = naturalShape(model, Vec2(0.2, 0.1), 0.3);
     const Vec2 a = pointOf(model, start, 0.1), b = pointOf(model, start, 1.2);
-    problem.holds = {pin(0.1, a + Vec2(0.05, 0.02)), clamp(1.2, b, at(model, start).angle(locate(model, 1.2)))};
-    problem.holds[0].section = Vec2(0.0, 0.03);
-    problem.forces = {{0.7, load, Vec2(0.01, -0.05)}};
+    problem.supports = {pin(0.1, a + Vec2(0.05, 0.02)), clamp(1.2, b, at(model, start).angle(locate(model, 1.2)))};
+    problem.supports[0].section = Vec2(0.0, 0.03);
+    problem.pointLoads = {{0.7, load, Vec2(0.01, -0.05)}};
     const Equilibrium e = solveEquilibrium(model, problem, start);
     INFO(e.failure);
     REQUIRE(e.converged());
@@ -66,7 +66,7 @@ TEST_CASE("reactions balance the loads, forces and moments", "[equilibrium]") {
         const Vec2 t(std::cos(angle), std::sin(angle));
         return Vec2(kin.point(locate(model, s)) + section.x() * t + section.y() * perp(t));
     };
-    CHECK((material(0.1, Vec2(0.0, 0.03)) - a - Vec2(0.05, 0.02)).norm() < 1e-10); // held where told
+    CHECK((material(0.1, Vec2(0.0, 0.03)) - a - Vec2(0.05, 0.02)).norm() < 1e-10); // at the prescribed position
     Vec2 force = model.mass() * g + load;
     double moment = model.mass() * cross(massCentre(kin, field), g) + cross(material(0.7, Vec2(0.01, -0.05)), load);
     force += e.reactions[0].force + e.reactions[1].force;
@@ -82,8 +82,8 @@ TEST_CASE("a column is stable below Euler's load and unstable above", "[equilibr
     const double critical = M_PI * M_PI * kModulus / (4.0 * kLength * kLength);
     for (const double share : {0.98, 1.02}) { // the 16 elements raise it by (pi/2)^2/(12 16^2) = 0.08 %
         EquilibriumProblem problem;
-        problem.holds = {clamp(0.0, Vec2::Zero(), 0.0)};
-        problem.forces = {{kLength, Vec2(-share * critical, 0.0)}};
+        problem.supports = {clamp(0.0, Vec2::Zero(), 0.0)};
+        problem.pointLoads = {{kLength, Vec2(-share * critical, 0.0)}};
         const Equilibrium e = solveEquilibrium(model, problem, straightFromOrigin(model));
         REQUIRE(e.converged());
         CHECK(pointOf(model, e.q, kLength).y() == Approx(0.0).margin(1e-12)); // Newton stays on the straight branch
@@ -100,7 +100,7 @@ TEST_CASE("an open arc is welded into a ring, a straight one too, through large 
             model,
             [] {
                 EquilibriumProblem p;
-                p.holds = {clamp(0.5 * kLength, Vec2::Zero(), 0.0)};
+                p.supports = {clamp(0.5 * kLength, Vec2::Zero(), 0.0)};
                 return p;
             }(),
             naturalShape(model));
@@ -110,54 +110,54 @@ TEST_CASE("an open arc is welded into a ring, a straight one too, through large 
         const double k = 2.0 * M_PI / kLength;
         for (int i = 0; i < 16; ++i)
             CHECK(e.q[i] == Approx(k).epsilon(1e-9));
-        CHECK(e.joint.force.norm() < 1e-9);
-        CHECK(e.joint.moment == Approx(kModulus * (k - natural)).epsilon(1e-9));
+        CHECK(e.closureReaction.force.norm() < 1e-9);
+        CHECK(e.closureReaction.moment == Approx(kModulus * (k - natural)).epsilon(1e-9));
         CHECK((pointOf(model, e.q, 0.0) - pointOf(model, e.q, kLength)).norm() < 1e-10);
     }
 }
 
 TEST_CASE("Newton converges quadratically, so its stiffness is the exact derivative", "[equilibrium]") {
-    // Stressed joint, tilted holds, offset force and gravity at once: every term of the stiffness takes part. From an
-    // error of 1e-3 the residuals go 1e-6, 1e-12; a wrong term would make it linear and take a dozen iterations.
+    // Stressed joint, tilted supports, offset force and gravity at once: every term of the stiffness takes part. From
+    // an error of 1e-3 the residuals go 1e-6, 1e-12; a wrong term would make it linear and take a dozen iterations.
     RodDefinition d = rod(16, 2.0).definition();
     d.closed = true;
     const RodModel model(d);
     EquilibriumProblem problem;
-    problem.holds = {clamp(0.9, Vec2(0.1, 0.2), 0.4)};
+    problem.supports = {clamp(0.9, Vec2(0.1, 0.2), 0.4)};
     problem.gravity = Vec2(1.0, -4.0);
-    problem.forces = {{0.2, Vec2(2.0, -6.0), Vec2(0.03, 0.05)}, {1.2, Vec2(-5.0, 3.0), Vec2(0.0, 0.02)}};
+    problem.pointLoads = {{0.2, Vec2(2.0, -6.0), Vec2(0.03, 0.05)}, {1.2, Vec2(-5.0, 3.0), Vec2(0.0, 0.02)}};
     const Equilibrium far = solveEquilibrium(model, problem, naturalShape(model));
     INFO(far.failure);
     REQUIRE(far.converged());
-    CHECK(far.joint.force.norm() > 1.0); // otherwise the joint's own stiffness is not tested
-    problem.forces[0].force *= 1.001;
+    CHECK(far.closureReaction.force.norm() > 1.0); // otherwise the joint's own stiffness is not tested
+    problem.pointLoads[0].force *= 1.001;
     const Equilibrium near = solveEquilibrium(model, problem, far.q);
     REQUIRE(near.converged());
     CHECK(near.loadSteps == 1);
     CHECK(near.iterations <= 4);
 }
 
-TEST_CASE("heavy loads far from the start are reached by ramping", "[equilibrium]") {
+TEST_CASE("a load ramp reaches heavy loads far from the start", "[equilibrium]") {
     const RodModel model = rod(31, 0.0);
     EquilibriumProblem problem;
-    problem.holds = {clamp(0.0, Vec2::Zero(), 0.5 * M_PI)}; // and the clamp turns by a quarter meanwhile
+    problem.supports = {clamp(0.0, Vec2::Zero(), 0.5 * M_PI)}; // and the clamp rotates by a quarter turn meanwhile
     problem.gravity = Vec2(0.0, -500.0 * kModulus / (0.7 * std::pow(kLength, 3)));
     const Equilibrium e = solveEquilibrium(model, problem, straightFromOrigin(model));
     INFO(e.failure);
     REQUIRE(e.converged());
     CHECK(e.residual < 1e-10);
-    CHECK(e.reached == 1.0);
+    CHECK(e.loadFraction == 1.0);
     CHECK(e.smallestStiffness > 0.0);
     CHECK(pointOf(model, e.q, kLength).y() < -0.8 * kLength); // hangs over the side
 }
 
-TEST_CASE("consistent repetition of a hold is harmless", "[equilibrium]") {
+TEST_CASE("a consistent redundant support is harmless", "[equilibrium]") {
     const RodModel model = rod(15, 0.0);
     EquilibriumProblem problem;
     problem.gravity = Vec2(0.0, -3.0);
-    problem.holds = {clamp(0.0, Vec2::Zero(), 0.0)};
+    problem.supports = {clamp(0.0, Vec2::Zero(), 0.0)};
     const Equilibrium once = solveEquilibrium(model, problem, straightFromOrigin(model));
-    problem.holds.push_back(pin(0.0, Vec2::Zero()));
+    problem.supports.push_back(pin(0.0, Vec2::Zero()));
     const Equilibrium twice = solveEquilibrium(model, problem, straightFromOrigin(model));
     REQUIRE(once.converged());
     REQUIRE(twice.converged());
@@ -165,7 +165,7 @@ TEST_CASE("consistent repetition of a hold is harmless", "[equilibrium]") {
     CHECK((once.reactions[0].force - twice.reactions[0].force - twice.reactions[1].force).norm() < 1e-8);
 }
 
-TEST_CASE("what has no equilibrium fails and says so", "[equilibrium]") {
+TEST_CASE("a problem without equilibrium fails with a reason", "[equilibrium]") {
     const RodModel model = rod(15, 0.0);
     const Eigen::VectorXd start = straightFromOrigin(model);
     SECTION("a free rod falls") {
@@ -174,16 +174,16 @@ TEST_CASE("what has no equilibrium fails and says so", "[equilibrium]") {
         const Equilibrium e = solveEquilibrium(model, problem, start);
         CHECK_THAT(e.failure, Catch::Contains("free to move"));
         CHECK(e.q.allFinite());
-        CHECK(e.reached < 1.0);
+        CHECK(e.loadFraction < 1.0);
     }
-    SECTION("contradicting holds") {
+    SECTION("contradicting supports") {
         EquilibriumProblem problem;
-        problem.holds = {clamp(0.0, Vec2::Zero(), 0.0), pin(0.0, Vec2(0.1, 0.0))};
+        problem.supports = {clamp(0.0, Vec2::Zero(), 0.0), pin(0.0, Vec2(0.1, 0.0))};
         CHECK_THAT(solveEquilibrium(model, problem, start).failure, Catch::Contains("contradict"));
     }
     SECTION("ends farther apart than the rod is long") {
         EquilibriumProblem problem;
-        problem.holds = {pin(0.0, Vec2::Zero()), pin(kLength, Vec2(1.1 * kLength, 0.0))};
+        problem.supports = {pin(0.0, Vec2::Zero()), pin(kLength, Vec2(1.1 * kLength, 0.0))};
         CHECK_FALSE(solveEquilibrium(model, problem, start).converged());
     }
     SECTION("bad input") {
@@ -192,22 +192,22 @@ TEST_CASE("what has no equilibrium fails and says so", "[equilibrium]") {
         Eigen::VectorXd bad = start;
         bad[2] = std::numeric_limits<double>::quiet_NaN();
         CHECK_THAT(solveEquilibrium(model, problem, bad).failure, Catch::Contains("finite"));
-        problem.holds = {pin(2.0 * kLength, Vec2::Zero())};
+        problem.supports = {pin(2.0 * kLength, Vec2::Zero())};
         CHECK_THAT(solveEquilibrium(model, problem, start).failure, Catch::Contains("not on the rod"));
-        problem.holds.clear();
-        problem.forces = {{0.1, Vec2(std::numeric_limits<double>::infinity(), 0.0)}};
-        CHECK_THAT(solveEquilibrium(model, problem, start).failure, Catch::Contains("point force"));
-        problem.forces.clear();
+        problem.supports.clear();
+        problem.pointLoads = {{0.1, Vec2(std::numeric_limits<double>::infinity(), 0.0)}};
+        CHECK_THAT(solveEquilibrium(model, problem, start).failure, Catch::Contains("point load"));
+        problem.pointLoads.clear();
         problem.gravity.x() = std::numeric_limits<double>::quiet_NaN();
         CHECK_THAT(solveEquilibrium(model, problem, start).failure, Catch::Contains("gravity"));
     }
 }
 
-TEST_CASE("the same problem gives the same bits", "[equilibrium]") {
+TEST_CASE("the same problem gives bitwise identical results", "[equilibrium]") {
     const RodModel model = rod(15, 0.8);
     EquilibriumProblem problem;
     problem.gravity = Vec2(0.0, -9.0);
-    problem.holds = {clamp(0.0, Vec2::Zero(), 0.0)};
+    problem.supports = {clamp(0.0, Vec2::Zero(), 0.0)};
     const Equilibrium first = solveEquilibrium(model, problem, straightFromOrigin(model));
     const Equilibrium second = solveEquilibrium(model, problem, straightFromOrigin(model));
     CHECK(first.q == second.q);

@@ -9,15 +9,15 @@ using namespace supercircle::rod::shapes;
 
 namespace {
 
-Eigen::VectorXd pointForce(const RodModel& model, const Kinematics& kin, const Place& place, const Vec2& section,
-                           const Vec2& f, Vec2* offset = nullptr) {
-    const double a = kin.angle(place);
+Eigen::VectorXd pointForce(const RodModel& model, const Kinematics& kin, const MaterialPoint& point,
+                           const Vec2& section, const Vec2& f, Vec2* offset = nullptr) {
+    const double a = kin.angle(point);
     const Vec2 t(std::cos(a), std::sin(a));
     const Vec2 o = section.x() * t + section.y() * perp(t);
     if (offset)
         *offset = o;
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, model.dofs());
-    kin.pointRows(model, place, o, f, Vec2::Zero(), rows);
+    kin.pointRows(model, point, o, f, Vec2::Zero(), rows);
     return rows.row(0).transpose();
 }
 
@@ -60,15 +60,15 @@ TEST_CASE("stiffness of a dead point force equals differences of J^T f", "[stiff
         for (const Shape& shape : shapesOf(model))
             for (const Vec2& section : {Vec2(0.0, 0.0), Vec2(0.02, -0.05)}) {
                 const Kinematics kin = at(model, shape.q);
-                const auto places = placesOf(model);
-                for (std::size_t i = 0; i < places.size(); i += 1 + places.size() / 12) {
-                    INFO("N = " << n << ", " << shape.name << ", place " << i);
+                const auto points = materialPointsOf(model);
+                for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 12) {
+                    INFO("N = " << n << ", " << shape.name << ", point " << i);
                     Vec2 offset;
-                    pointForce(model, kin, places[i], section, f, &offset);
+                    pointForce(model, kin, points[i], section, f, &offset);
                     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(model.dofs(), model.dofs());
-                    addPointForceStiffness(model, kin, places[i], offset, f, K);
+                    addPointForceStiffness(model, kin, points[i], offset, f, K);
                     const Eigen::MatrixXd reference = differenced(model, shape.q, [&](const Kinematics& k) {
-                        return pointForce(model, k, places[i], section, f);
+                        return pointForce(model, k, points[i], section, f);
                     });
                     CHECK((K - K.transpose()).norm() == 0.0);
                     CHECK((K - reference).cwiseAbs().maxCoeff() < 2e-9); // h^2/6 and 1e-15/h, see the kinematics test
@@ -105,7 +105,7 @@ TEST_CASE("stiffness of a uniform acceleration equals differences of uniformForc
 TEST_CASE("the stiffness adds and scales with the force", "[stiffness]") {
     const RodModel model = rod(5);
     const Kinematics kin = at(model, shapesOf(model)[2].q);
-    const Place tip = locate(model, model.definition().length);
+    const MaterialPoint tip = locate(model, model.definition().length);
     Eigen::MatrixXd one = Eigen::MatrixXd::Zero(8, 8);
     addPointForceStiffness(model, kin, tip, Vec2(0.0, 0.01), Vec2(1.0, 2.0), one);
     Eigen::MatrixXd back = one;

@@ -24,9 +24,9 @@ double clampedStrip(int elements, double tipRefinement) {
     d.elementLength = gradedLengths(d.length, elements, tipRefinement);
     const RodModel model(d);
     EquilibriumProblem problem; // one end free to come closer: no stretching
-    problem.holds = {clamp(0.0, {-1.0, 0.0}, 0.0),
-                     {1.0, false, true, false, {0.0, 0.1}, 0.0},
-                     {2.0, false, true, true, {0.0, 0.0}, 0.0}};
+    problem.supports = {clamp(0.0, {-1.0, 0.0}, 0.0),
+                        {1.0, false, true, false, {0.0, 0.1}, 0.0},
+                        {2.0, false, true, true, {0.0, 0.0}, 0.0}};
     const Equilibrium e = solveEquilibrium(model, problem, naturalShape(model));
     INFO(e.failure);
     REQUIRE(e.converged());
@@ -65,7 +65,7 @@ TEST_CASE("equal lengths that are spelled out are the same rod", "[grading]") {
     }
 }
 
-TEST_CASE("nodes of a graded rod mirror each other, and every place is found", "[grading]") {
+TEST_CASE("nodes of a graded rod mirror each other, and every element is found", "[grading]") {
     for (const RodModel& model : models()) {
         const int n = model.elements();
         INFO("N = " << n);
@@ -85,7 +85,7 @@ TEST_CASE("nodes of a graded rod mirror each other, and every place is found", "
     }
 }
 
-TEST_CASE("lengths that do not fit are refused with the reason", "[grading]") {
+TEST_CASE("invalid element lengths are refused with the reason", "[grading]") {
     const auto message = [](std::vector<double> lengths) {
         RodDefinition d;
         d.length = 1.0;
@@ -104,7 +104,7 @@ TEST_CASE("lengths that do not fit are refused with the reason", "[grading]") {
 }
 
 TEST_CASE("short elements where the moment runs steeply, and second order for any grading", "[grading]") {
-    // Elastica of the strip: no closed form, but second order lets two fine meshes tell the limit to 1e-6.
+    // Elastica of the strip: no closed form, but second order lets two fine meshes give the limit to 1e-6.
     const double limit = (4.0 * clampedStrip(256, 1.0) - clampedStrip(128, 1.0)) / 3.0;
     for (const double refinement : {1.0, 3.0, 0.4}) {
         const double coarse = clampedStrip(16, refinement) / limit - 1.0;
@@ -113,20 +113,20 @@ TEST_CASE("short elements where the moment runs steeply, and second order for an
         CHECK(coarse > 0.0); // piecewise constant curvatures are a subspace: too stiff
         CHECK(coarse / fine == Approx(4.0).epsilon(0.1));
     }
-    // The moment is a zigzag of constant slope on every stretch: equal arcs are the best there are.
+    // The moment is piecewise linear with the same slope everywhere: equal arcs are optimal.
     CHECK(clampedStrip(16, 1.0) < clampedStrip(16, 3.0));
     CHECK(clampedStrip(16, 1.0) < clampedStrip(16, 0.4));
 }
 
-TEST_CASE("elements meet where a rod is held", "[grading]") {
+TEST_CASE("a node lies where a rod is supported", "[grading]") {
     CHECK(elementsMeetingAt(0.5, 31) == 32);
     CHECK(elementsMeetingAt(0.5, 32) == 32);
-    CHECK(elementsMeetingAt(0.0, 31) == 31); // an end is always a joint
+    CHECK(elementsMeetingAt(0.0, 31) == 31); // an end is always a node
     CHECK(elementsMeetingAt(1.0, 15) == 15);
     CHECK(elementsMeetingAt(0.25, 15) == 16);
     CHECK(elementsMeetingAt(0.3, 31) == 33); // 9.9 of 33: three thousandths of the length off
 
-    // Held in its middle and bent differently left and right of it, the tips are those of two arcs, exactly.
+    // Clamped in its middle and curved differently on its two sides, the rod has exactly the tips of two arcs.
     const double left = 10.0, right = 25.0, half = 0.045;
     for (const int n : {15, 16}) {
         RodDefinition d;
@@ -136,7 +136,7 @@ TEST_CASE("elements meet where a rod is held", "[grading]") {
             d.naturalCurvature.push_back(2 * i < used ? left : right);
         const RodModel model(d);
         EquilibriumProblem problem;
-        problem.holds = {clamp(half, {0.0, 0.0}, 0.0)};
+        problem.supports = {clamp(half, {0.0, 0.0}, 0.0)};
         const Equilibrium e = solveEquilibrium(model, problem, naturalShape(model));
         REQUIRE(e.converged());
         Kinematics k;

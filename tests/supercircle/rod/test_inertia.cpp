@@ -11,8 +11,8 @@ using namespace supercircle::rod::shapes;
 
 namespace {
 
-/// Composite Gauss-Legendre (8 points on each of 8 panels per segment) of lambda J^T J ds from pointRows: an order and
-/// a panelling of its own, so agreement also shows that the 5-point rule of the model is exact to round-off.
+/// Composite Gauss-Legendre (8 points on each of 8 panels per segment) of lambda J^T J ds from pointRows. Order and
+/// panels differ from the model's, so agreement also shows that the model's 5-point rule is exact to round-off.
 Eigen::MatrixXd bruteForceMass(const RodModel& model, const Kinematics& kin) {
     static const double node[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
     static const double weight[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
@@ -25,8 +25,8 @@ Eigen::MatrixXd bruteForceMass(const RodModel& model, const Kinematics& kin) {
             for (int p = 0; p < panels; ++p)
                 for (int i = 0; i < 8; ++i) {
                     const double u = (i % 2 == 0 ? 1.0 : -1.0) * node[i / 2];
-                    const Place place{side, static_cast<int>(k), half * (2.0 * p + 1.0 + u)};
-                    kin.pointRows(model, place, Vec2::Zero(), Vec2(1, 0), Vec2(0, 1), rows);
+                    const MaterialPoint point{side, static_cast<int>(k), half * (2.0 * p + 1.0 + u)};
+                    kin.pointRows(model, point, Vec2::Zero(), Vec2(1, 0), Vec2(0, 1), rows);
                     M += model.definition().linearMass * std::abs(half) * weight[i / 2] * rows.transpose() * rows;
                 }
         }
@@ -138,10 +138,10 @@ TEST_CASE("velocity field, momentum and mass matrix are one quadrature", "[inert
                 for (std::size_t k = 0; k < model.side(side).size(); ++k)
                     for (int i = 0; i < RodModel::kGauss; ++i, ++g) {
                         const double s = RodModel::kGaussNode[i] * model.side(side)[k].signedLength;
-                        const Place place{side, static_cast<int>(k), s};
-                        kin.pointRows(model, place, Vec2::Zero(), Vec2(1, 0), Vec2(0, 1), rows);
+                        const MaterialPoint point{side, static_cast<int>(k), s};
+                        kin.pointRows(model, point, Vec2::Zero(), Vec2(1, 0), Vec2(0, 1), rows);
                         worst = std::max(worst, (u[g] - rows * v).norm());
-                        worst = std::max(worst, (kin.middle() + field.arm[g] - kin.point(place)).norm());
+                        worst = std::max(worst, (kin.middle() + field.arm[g] - kin.point(point)).norm());
                     }
             CHECK(worst < 1e-14 * n + 1e-14);
             // p(J v) = M v, and v . M v / 2 = kinetic energy: same Gauss points, so round-off only.

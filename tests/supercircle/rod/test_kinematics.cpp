@@ -9,14 +9,14 @@ using namespace supercircle::rod::shapes;
 namespace {
 
 /// The material point `offset` away from the centre line, the offset given in the section's own axes.
-Vec2 offsetPoint(const Kinematics& kin, const Place& place, const Vec2& section) {
-    const double a = kin.angle(place);
+Vec2 offsetPoint(const Kinematics& kin, const MaterialPoint& point, const Vec2& section) {
+    const double a = kin.angle(point);
     const Vec2 t(std::cos(a), std::sin(a));
-    return kin.point(place) + section.x() * t + section.y() * perp(t);
+    return kin.point(point) + section.x() * t + section.y() * perp(t);
 }
 
-Vec2 offsetOf(const Kinematics& kin, const Place& place, const Vec2& section) {
-    return offsetPoint(kin, place, section) - kin.point(place);
+Vec2 offsetOf(const Kinematics& kin, const MaterialPoint& point, const Vec2& section) {
+    return offsetPoint(kin, point, section) - kin.point(point);
 }
 
 /// r(s) by integrating the tangent from the middle with the composite midpoint rule and Richardson extrapolation:
@@ -79,7 +79,7 @@ TEST_CASE("the frame sits at mid-length, and nodes, arcs and segments agree", "[
         for (const Shape& shape : shapesOf(model)) {
             INFO("N = " << n << ", " << shape.name);
             const Kinematics kin = at(model, shape.q);
-            const Place mid = locate(model, model.midS());
+            const MaterialPoint mid = locate(model, model.midS());
             const Vec2 frame(shape.q[model.dofX()], shape.q[model.dofY()]);
             CHECK((kin.point(mid) - frame).norm() < 1e-15);
             CHECK(kin.angle(mid) == Approx(shape.q[model.dofTheta()]).epsilon(1e-15));
@@ -136,16 +136,16 @@ TEST_CASE("Jacobian rows equal central differences, with and without offset", "[
                 double worstAngle = 0.0;
                 Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, model.dofs());
                 Eigen::RowVectorXd angleRow(model.dofs());
-                for (const Place& place : placesOf(model)) {
-                    kin.pointRows(model, place, offsetOf(kin, place, section), first, second, rows);
-                    kin.angleRow(model, place, angleRow);
+                for (const MaterialPoint& point : materialPointsOf(model)) {
+                    kin.pointRows(model, point, offsetOf(kin, point, section), first, second, rows);
+                    kin.angleRow(model, point, angleRow);
                     for (int j = 0; j < model.dofs(); ++j) {
                         const auto& p = plus[static_cast<std::size_t>(j)];
                         const auto& m = minus[static_cast<std::size_t>(j)];
-                        const Vec2 dr = (offsetPoint(p, place, section) - offsetPoint(m, place, section)) / (2.0 * h);
+                        const Vec2 dr = (offsetPoint(p, point, section) - offsetPoint(m, point, section)) / (2.0 * h);
                         worst = std::max(
                             {worst, std::abs(first.dot(dr) - rows(0, j)), std::abs(second.dot(dr) - rows(1, j))});
-                        const double da = (p.angle(place) - m.angle(place)) / (2.0 * h);
+                        const double da = (p.angle(point) - m.angle(point)) / (2.0 * h);
                         worstAngle = std::max(worstAngle, std::abs(da - angleRow(j)));
                     }
                 }
@@ -156,7 +156,7 @@ TEST_CASE("Jacobian rows equal central differences, with and without offset", "[
     }
 }
 
-TEST_CASE("a point does not feel the curvatures of the other side", "[kinematics]") {
+TEST_CASE("a point does not depend on the curvatures of the other side", "[kinematics]") {
     const RodModel model = rod(15);
     const Kinematics kin = at(model, shapesOf(model)[2].q);
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, model.dofs());

@@ -8,7 +8,7 @@
 using namespace supercircle::rod;
 using namespace supercircle::rod::shapes;
 
-TEST_CASE("validate accepts a good definition and names what is wrong with a bad one", "[model]") {
+TEST_CASE("validate accepts a valid definition and names what is wrong with an invalid one", "[model]") {
     RodDefinition good;
     good.naturalCurvature.assign(15, 52.0);
     CHECK(validate(good).empty());
@@ -33,7 +33,7 @@ TEST_CASE("validate accepts a good definition and names what is wrong with a bad
     CHECK(message([](RodDefinition& d) { d.naturalCurvature.assign(1, 0.0); }).empty());
 }
 
-TEST_CASE("the coordinates are a permutation and the sides tile the rod", "[model]") {
+TEST_CASE("the coordinates are a permutation and the sides cover the rod", "[model]") {
     for (const RodModel& model : models()) {
         const int n = model.elements();
         INFO("N = " << n);

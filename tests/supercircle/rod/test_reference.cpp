@@ -1,5 +1,6 @@
 // The rod against solved references (elastica by shooting or elliptic integrals, to 1e-5 or better). Units of the
-// references: B = 1 and R = 1 or L = 1. What is left is the error of N uniform-curvature elements, of second order.
+// references: B = 1 and R = 1 or L = 1. The remaining error is that of N elements of uniform curvature, of second
+// order.
 
 #include "reference.h"
 #include "supercircle/rod/elasticity.h"
@@ -52,7 +53,7 @@ struct CantileverError {
     double angle = 0.0;     ///< rad
 };
 
-/// Walks down the table, each row started from the one before. Errors of each row.
+/// Solves row after row of the table, each started from the row before. Returns the errors of each row.
 std::vector<CantileverError> cantilever(const std::string& file, int elements, double largestGamma) {
     std::vector<CantileverError> errors;
     const auto rows = reference::read(file);
@@ -63,7 +64,7 @@ std::vector<CantileverError> cantilever(const std::string& file, int elements, d
             break;
         EquilibriumProblem problem;
         problem.gravity = Vec2(0.0, -row.at("Gamma"));
-        problem.holds = {clamp(0.0, Vec2::Zero(), 0.0)};
+        problem.supports = {clamp(0.0, Vec2::Zero(), 0.0)};
         const Equilibrium e = solveEquilibrium(model, problem, q);
         INFO(file << ", Gamma " << row.at("Gamma") << ": " << e.failure);
         REQUIRE(e.converged());
@@ -107,7 +108,7 @@ Eigen::VectorXd frequencies(const RodModel& model, bool clamped) {
     return eig.eigenvalues().cwiseMax(0.0).cwiseSqrt();
 }
 
-/// A stress-free arch of unit radius, its crown pushed down by `drop`; symmetric by the holds on the crown.
+/// A stress-free arch of unit radius, its crown pushed down by `drop`; symmetric by the supports on the crown.
 struct Arch {
     RodModel model;
     bool clamped;
@@ -120,10 +121,11 @@ struct Arch {
     [[nodiscard]] Equilibrium solve(double drop, const Eigen::VectorXd& from, bool symmetric) const {
         EquilibriumProblem problem;
         const Vec2 right(std::sin(half), std::cos(half)), left(-right.x(), right.y());
-        problem.holds = {pin(0.0, left), pin(2.0 * half, right), {half, symmetric, true, symmetric, {0.0, 1.0 - drop}}};
+        problem.supports = {
+            pin(0.0, left), pin(2.0 * half, right), {half, symmetric, true, symmetric, {0.0, 1.0 - drop}}};
         if (clamped) {
-            problem.holds[0] = clamp(0.0, left, half);
-            problem.holds[1] = clamp(2.0 * half, right, -half);
+            problem.supports[0] = clamp(0.0, left, half);
+            problem.supports[1] = clamp(2.0 * half, right, -half);
         }
         Equilibrium e = solveEquilibrium(model, problem, from);
         INFO("drop " << drop << ": " << e.failure);
@@ -134,8 +136,9 @@ struct Arch {
 
 } // namespace
 
-TEST_CASE("T4: heavy cantilevers, straight and naturally curved, at 15 elements", "[reference]") {
-    // The clamp's boundary layer is Gamma^(-1/2) L thick: 1.5 elements at Gamma = 100, where 0.2 % of L is just missed.
+TEST_CASE("gravity sag: heavy cantilevers, straight and naturally curved, at 15 elements", "[reference]") {
+    // The clamp's boundary layer is Gamma^(-1/2) L thick: 1.5 elements at Gamma = 100, where the error slightly exceeds
+    // 0.2 % of L.
     for (const char* file :
          {"T4_cantilever_straight_coarse.csv", "T4_cantilever_c+1.000.csv", "T4_cantilever_c-1.000.csv"})
         for (const double gamma : {50.0, 100.0}) {
@@ -150,15 +153,16 @@ TEST_CASE("T4: heavy cantilevers, straight and naturally curved, at 15 elements"
         }
 }
 
-TEST_CASE("T4: a very heavy cantilever, Gamma = 1000", "[reference]") {
-    // The boundary layer, Gamma^(-1/2) L = 0.03 L, is half an element at N = 15: one per cent of L is all there is.
+TEST_CASE("gravity sag: a very heavy cantilever, Gamma = 1000", "[reference]") {
+    // The boundary layer, Gamma^(-1/2) L = 0.03 L, is half an element at N = 15: the tip is accurate to one per cent of
+    // L.
     const auto coarse = cantilever("T4_cantilever_straight_coarse.csv", 15, 1000.0);
     const auto fine = cantilever("T4_cantilever_straight_coarse.csv", 60, 1000.0);
     CHECK(coarse.back().tip < 0.01);
     CHECK(fine.back().tip < 0.001);
 }
 
-TEST_CASE("T4: the tip converges with second order in the number of elements", "[reference]") {
+TEST_CASE("gravity sag: the tip converges with second order in the number of elements", "[reference]") {
     for (const char* file : {"T4_cantilever_straight_coarse.csv", "T4_cantilever_c+1.000.csv"}) {
         std::vector<double> error;
         for (const int n : {8, 16, 32, 64})
@@ -172,7 +176,7 @@ TEST_CASE("T4: the tip converges with second order in the number of elements", "
     }
 }
 
-TEST_CASE("T4: frequencies of free and clamped arcs", "[reference]") {
+TEST_CASE("gravity sag: frequencies of free and clamped arcs", "[reference]") {
     // Curvatures constant by element are a subspace of all curvatures: Rayleigh quotients converge from above, with
     // second order. At 15 elements: one per cent for two modes, two for the third (11 rad of wave on 15 elements).
     for (const auto& row : reference::read("T4_frequencies_arc_share.csv")) {
@@ -197,7 +201,7 @@ TEST_CASE("T4: frequencies of free and clamped arcs", "[reference]") {
     }
 }
 
-TEST_CASE("T6: Euler post-buckling of a pinned strip", "[reference]") {
+TEST_CASE("statics: Euler post-buckling of a pinned strip", "[reference]") {
     for (const int elements : {15, 30}) {
         const RodModel model = unitRod(elements, 1.0, 0.0);
         Eigen::VectorXd q = Eigen::VectorXd::Zero(model.dofs()); // flat; bent a little to choose the side
@@ -205,7 +209,7 @@ TEST_CASE("T6: Euler post-buckling of a pinned strip", "[reference]") {
         for (const auto& row : reference::read("T6_euler_pinned.csv")) {
             const double shortening = row.at("end_shortening_over_L");
             EquilibriumProblem problem;
-            problem.holds = {pin(0.0, Vec2::Zero()), pin(1.0, Vec2(1.0 - shortening, 0.0))};
+            problem.supports = {pin(0.0, Vec2::Zero()), pin(1.0, Vec2(1.0 - shortening, 0.0))};
             const Equilibrium e = solveEquilibrium(model, problem, q);
             INFO("N = " << elements << ", slope " << row.at("tip_slope_deg") << " deg: " << e.failure);
             REQUIRE(e.converged());
@@ -215,17 +219,17 @@ TEST_CASE("T6: Euler post-buckling of a pinned strip", "[reference]") {
             const double load = row.at("P_over_Pcr") * M_PI * M_PI;
             CHECK(std::abs(-e.reactions[1].force.x() / load - 1.0) < bound);
             CHECK(std::abs(q[model.dofY()] / row.at("mid_deflection_over_L") - 1.0) < bound);
-            // Until the pins meet (shortening = L, 130.7 degrees), where the loop can turn freely about them, the
-            // shape is stable; beyond it wants to turn over.
+            // The shape is stable until the pins meet (shortening = L, 130.7 degrees), where the loop can rotate freely
+            // about them. Beyond that it is unstable.
             CHECK((e.smallestStiffness > 0.0) == (shortening < 1.0));
         }
     }
 }
 
-TEST_CASE("T6: clamped and pinned arches, symmetric branch under prescribed crown drop", "[reference]") {
-    // Piecewise constant curvatures are too stiff, by 3 % (pinned) to 7 % (clamped) of the load with 16 elements, since
-    // the moment under the point load is a steep zigzag. The error is of second order: the claims are one per cent at
-    // 64 elements, a tenth of that after extrapolation from 32 and 64, and what remains at 16.
+TEST_CASE("statics: clamped and pinned arches, symmetric branch under prescribed crown drop", "[reference]") {
+    // Piecewise constant curvatures are too stiff, by 3 % (pinned) to 7 % (clamped) of the load with 16 elements,
+    // because the moment is steep under the point load. The error is of second order. Required: 1 % with 64 elements,
+    // 0.1 % after extrapolation from 32 and 64.
     for (const int degrees : {30, 90})
         for (const bool clamped : {false, true}) {
             const std::string name =
@@ -259,7 +263,7 @@ TEST_CASE("T6: clamped and pinned arches, symmetric branch under prescribed crow
         }
 }
 
-TEST_CASE("T6: arches lose symmetry at the reference's bifurcation", "[reference]") {
+TEST_CASE("statics: arches lose symmetry at the reference's bifurcation", "[reference]") {
     for (const auto& row : reference::read("T6_arch_summary_share.csv")) {
         if (!std::isfinite(row.at("P_bif_asym")))
             continue;
@@ -288,15 +292,15 @@ TEST_CASE("T6: arches lose symmetry at the reference's bifurcation", "[reference
     }
 }
 
-TEST_CASE("T5B: C-shape between plates", "[reference]") {
+TEST_CASE("plates: C-shape between plates", "[reference]") {
     // Beyond the tangent contact at s_c the rod is unstressed and nothing but f acts: a rod cut at s_c with f on its
     // tips.
     for (const auto& row : reference::read("T5B_C_shape.csv")) {
         const double sc = row.at("s_contact_over_R"), f = row.at("fR2_over_B");
         const RodModel model = unitRod(16, 2.0 * sc, 1.0);
         EquilibriumProblem problem;
-        problem.holds = {clamp(sc, Vec2::Zero(), 0.5 * M_PI)};
-        problem.forces = {{0.0, Vec2(0.0, f)}, {2.0 * sc, Vec2(0.0, -f)}};
+        problem.supports = {clamp(sc, Vec2::Zero(), 0.5 * M_PI)};
+        problem.pointLoads = {{0.0, Vec2(0.0, f)}, {2.0 * sc, Vec2(0.0, -f)}};
         const Equilibrium e = solveEquilibrium(model, problem, naturalShape(model, Vec2::Zero(), 0.5 * M_PI));
         INFO("f = " << f << ": " << e.failure);
         REQUIRE(e.converged());
@@ -307,8 +311,8 @@ TEST_CASE("T5B: C-shape between plates", "[reference]") {
     }
 }
 
-TEST_CASE("T5C: closed ring squeezed between plates", "[reference]") {
-    // Two point loads and a moment that swings between -0.64 and 0.36 f/2: relative error of the stiffness about
+TEST_CASE("plates: closed ring squeezed between plates", "[reference]") {
+    // Two point loads and a moment between -0.64 and 0.36 f/2. The relative error of the stiffness is about
     // h^2/12 (integral of M'^2) / (integral of M^2) = 0.43 h^2 R^-2 = 0.4 % with 64 elements, 7.6 % with 15.
     const int elements = 64;
     const RodModel ring = unitRod(elements, 2.0 * M_PI, 1.0, true);
@@ -317,7 +321,8 @@ TEST_CASE("T5C: closed ring squeezed between plates", "[reference]") {
         const double height = row.at("H_over_R"), f = row.at("fR2_over_B"), flat = row.at("flat_half_length_over_R");
         if (flat == 0.0) { // point contacts
             EquilibriumProblem problem;
-            problem.holds = {{0.0, true, true, true, Vec2::Zero(), 0.0}, {M_PI, true, true, false, Vec2(0.0, height)}};
+            problem.supports = {{0.0, true, true, true, Vec2::Zero(), 0.0},
+                                {M_PI, true, true, false, Vec2(0.0, height)}};
             const Equilibrium e = solveEquilibrium(ring, problem, q);
             INFO("H = " << height << ": " << e.failure);
             REQUIRE(e.converged());
@@ -325,12 +330,12 @@ TEST_CASE("T5C: closed ring squeezed between plates", "[reference]") {
             CHECK(std::abs(-e.reactions[1].force.y() - f) < 0.01 * std::max(f, 0.1));
         } else {
             // Flats: a quarter, from the edge of the flat to the equator. Not the whole flank: where the curvature at
-            // both edges is zero an asymmetric solution branches off, and its discrete twin is met first.
+            // both edges is zero an asymmetric solution branches off, and its discrete counterpart appears first.
             const double length = 0.5 * M_PI - flat;
             const RodModel quarter = unitRod(elements / 4, length, 1.0);
             EquilibriumProblem problem;
-            problem.holds = {clamp(0.0, Vec2::Zero(), 0.0),
-                             {length, false, true, true, {0.0, 0.5 * height}, 0.5 * M_PI}};
+            problem.supports = {clamp(0.0, Vec2::Zero(), 0.0),
+                                {length, false, true, true, {0.0, 0.5 * height}, 0.5 * M_PI}};
             const Equilibrium e = solveEquilibrium(quarter, problem, naturalFrom(quarter, 0.0, 0.0));
             INFO("H = " << height << ": " << e.failure);
             REQUIRE(e.converged());

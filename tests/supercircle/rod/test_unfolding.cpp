@@ -1,7 +1,7 @@
-// Type II on a cylinder (reference T2): the tips stick, lie down, and the shell rolls up on them until friction gives
-// way. Static and without contact detection: the contact point of the rolling branch is a pin that wanders along rod
-// and cylinder alike (s + psi = const, no slip), where the rod is tangent to the cylinder. What is left is the error of
-// N uniform-curvature elements alone.
+// Type II snap on a cylinder: the tips stick, become tangent, and the shell rolls on them until friction gives way.
+// Static, without contact detection: the contact point of the rolling branch is a pin that moves along rod and cylinder
+// alike (s + psi = const, no slip), where the rod is tangent to the cylinder. The remaining error is that of N elements
+// of uniform curvature.
 
 #include "reference.h"
 #include "supercircle/rod/equilibrium.h"
@@ -33,7 +33,7 @@ public:
         }
     }
 
-    /// Rolls to contact angle psi: the crown's height follows from tangency (secant).
+    /// Rolls to contact angle psi. The crown's height follows from tangency (secant method).
     State rollTo(double psi) {
         psi_ = psi;
         double h0 = height_, h1 = height_ - 0.02;
@@ -73,8 +73,8 @@ private:
     void solve(double height) {
         const Vec2 right(std::sin(psi_), std::cos(psi_));
         EquilibriumProblem problem;
-        problem.holds = {pin(contactS(), right), pin(2.0 * phi_ - contactS(), Vec2(-right.x(), right.y())),
-                         clamp(phi_, Vec2(0.0, height), M_PI)};
+        problem.supports = {pin(contactS(), right), pin(2.0 * phi_ - contactS(), Vec2(-right.x(), right.y())),
+                            clamp(phi_, Vec2(0.0, height), M_PI)};
         last_ = solveEquilibrium(model_, problem, q_);
         INFO("psi " << psi_ << ", height " << height << ": " << last_.failure);
         REQUIRE(last_.converged());
@@ -96,7 +96,7 @@ private:
     Equilibrium last_;
 };
 
-/// Forces at which the friction the rolling branch asks for reaches each of `mus` (ascending).
+/// Forces at which the friction needed on the rolling branch reaches each of `mus` (ascending).
 std::vector<double> unfolding(RollingShell shell, const std::vector<double>& mus) {
     shell.layDown();
     std::vector<double> forces;
@@ -116,15 +116,15 @@ std::vector<double> unfolding(RollingShell shell, const std::vector<double>& mus
 
 } // namespace
 
-TEST_CASE("T2: unfolding of a rolling shell converges to the reference", "[reference]") {
+TEST_CASE("shell on cylinder: unfolding of a rolling shell converges to the reference", "[reference]") {
     std::vector<double> mus, exact;
     for (const auto& row : reference::read("T2_typeII_unfold_threshold_coarse.csv")) {
         mus.push_back(row.at("mu"));
         exact.push_back(row.at("f_unfold_R2_over_B"));
     }
-    // Second order in 1 / elements. The shell leaves the cylinder with moment zero and natural curvature; an element
-    // that spans this point averages the moment over its length and misplaces the little it turns. With tip elements a
-    // third of the middle ones that is halved, at the cost of the crown.
+    // Second order in 1 / elements. The shell leaves the cylinder with zero moment and natural curvature. An element
+    // that spans this point averages the moment over its length and misplaces its small rotation. Tip elements of a
+    // third of the middle length halve this error, at the cost of the crown.
     for (const double refinement : {1.0, 3.0}) {
         double worst[3] = {};
         const int elements[] = {15, 31, 61};

@@ -83,8 +83,8 @@ inline bool sameBits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 /// Everything physical of two worlds agrees to the last bit.
 inline bool sameState(const step::World& a, const step::World& b) {
     bool same = a.rods.size() == b.rods.size() && a.time == b.time && a.dtNext == b.dtNext &&
-                a.counters.steps == b.counters.steps && a.ledger.friction == b.ledger.friction &&
-                a.ledger.residual() == b.ledger.residual() && a.impulses.size() == b.impulses.size();
+                a.counters.steps == b.counters.steps && a.energyBalance.friction == b.energyBalance.friction &&
+                a.energyBalance.residual() == b.energyBalance.residual() && a.impulses.size() == b.impulses.size();
     for (std::size_t i = 0; same && i < a.rods.size(); ++i)
         same = sameBits(a.rods[i].q, b.rods[i].q) && sameBits(a.rods[i].v, b.rods[i].v);
     for (std::size_t i = 0; same && i < a.impulses.size(); ++i)

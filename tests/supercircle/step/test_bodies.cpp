@@ -24,7 +24,7 @@ Standing stand(double mass, double inertia, double dt) {
     const double h = d.thickness;
     put(w, d, {0.0, kR + 0.5 * h}, M_PI, 0.5);
     host.add(2, "crate", {0.0, kR + h + 0.004 + 1e-4}, 0.0, mass, inertia)
-        .pieces.push_back(FakeHost::box(2, 0.02, 0.004, 0.5));
+        .outlines.push_back(FakeHost::box(2, 0.02, 0.004, 0.5));
     step::Stepper s({});
     const int frames = static_cast<int>(2.0 / dt), last = static_cast<int>(0.5 / dt);
     Standing out;
@@ -79,7 +79,7 @@ TEST_CASE("a step that is given up leaves the host's brakes as they were", "[ste
     BrakedHost host;
     host.strength = 1e-3;
     host.torque = 1e-5;
-    host.add(2, "puck", {0.08, 0.0}, 0.0, 0.01, 1e-6).pieces.push_back(FakeHost::box(2, 0.01, 0.03, 0.35));
+    host.add(2, "puck", {0.08, 0.0}, 0.0, 0.01, 1e-6).outlines.push_back(FakeHost::box(2, 0.01, 0.03, 0.35));
     step::World w;
     put(w, paperShell(), {0.0, 0.0}, 1.0, 0.35, {0.4, 0.0});
     step::Stepper s({});
@@ -168,7 +168,7 @@ TEST_CASE("a light crate and long frames", "[step]") {
 
 TEST_CASE("shell and body exchange momentum exactly", "[step]") {
     FakeHost host;
-    host.add(1, "puck", {0.05, 0.003}, 0.2, 0.002, 1e-7).pieces.push_back(FakeHost::box(1, 0.01, 0.01, 0.35));
+    host.add(1, "puck", {0.05, 0.003}, 0.2, 0.002, 1e-7).outlines.push_back(FakeHost::box(1, 0.01, 0.01, 0.35));
     step::World w;
     put(w, paperShell(), {0.0, 0.0}, 1.0, 0.35, {0.4, 0.0}, 2.0);
     step::Stepper s({});
@@ -178,7 +178,7 @@ TEST_CASE("shell and body exchange momentum exactly", "[step]") {
         frame(s, w, host, 4e-3);
     CHECK(host.bodies.at(1).state.velocity.norm() > 0.01); // it was hit
     CHECK((total() - before).norm() < 1e-11 * before.norm());
-    CHECK(std::abs(w.ledger.residual()) < 1e-9 * w.ledger.added);
+    CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * w.energyBalance.added);
 }
 
 TEST_CASE("a kinematic plate does exactly the work the books say", "[step]") {
@@ -187,18 +187,18 @@ TEST_CASE("a kinematic plate does exactly the work the books say", "[step]") {
     step::World w;
     const rod::RodDefinition d = paperShell(0.5);
     put(w, d, {0.0, kR + 0.5 * d.thickness}, M_PI, 0.35);
-    host.add(2, "plate", {0.0, kR + d.thickness + 0.01 + 1e-6}).pieces.push_back(FakeHost::box(2, 0.05, 0.01, 0.35));
-    w.machineBodies.push_back(2);
-    w.machineVelocity = {0.0, -0.01};
+    host.add(2, "plate", {0.0, kR + d.thickness + 0.01 + 1e-6}).outlines.push_back(FakeHost::box(2, 0.05, 0.01, 0.35));
+    w.crossheadBodies.push_back(2);
+    w.crossheadVelocity = {0.0, -0.01};
     step::Stepper s({});
     double work = 0.0, travelled = 0.0;
     for (int i = 0; i < 100; ++i)
         frame(s, w, host, 4e-3, [&](const step::World& now) {
-            work += -now.machineForce().y() * (now.machineTravel.y() - travelled);
-            travelled = now.machineTravel.y();
+            work += -now.crossheadForce().y() * (now.crossheadTravel.y() - travelled);
+            travelled = now.crossheadTravel.y();
             return false;
         });
     CHECK(work > 0.0);
-    CHECK(w.ledger.work == Approx(work).epsilon(1e-9)); // force times travel, step by step
+    CHECK(w.energyBalance.work == Approx(work).epsilon(1e-9)); // force times travel, step by step
     CHECK(host.bodies.at(2).state.centre.y() == Approx(kR + d.thickness + 0.01 + 1e-6 - 0.004).epsilon(1e-12));
 }

@@ -43,7 +43,7 @@ TEST_CASE("a strip on an incline sticks below tan(angle) = mu and slides above",
                 CHECK(x / (0.5 * a * time * time) < 1.0 + 0.0101);
                 // friction of the books: mu m g cos(angle) x; the same sum over steps, so only solver tolerance remains
                 const double heat = mu * w.rods[0].model.mass() * kG * std::cos(angle) * x;
-                CHECK(w.ledger.friction == Approx(heat).epsilon(1e-3));
+                CHECK(w.energyBalance.friction == Approx(heat).epsilon(1e-3));
             }
             CHECK(w.counters.unconverged == 0);
         }
@@ -74,18 +74,18 @@ TEST_CASE("a ring that starts sliding ends rolling", "[step]") {
         double slidTo = 0.0; // where friction did its last work
         while (t < 1.5 * tRoll) {
             frame(s, w, host, 1e-3, [&](const step::World& now) {
-                if (now.ledger.friction - last > 1e-9 * now.ledger.added)
+                if (now.energyBalance.friction - last > 1e-9 * now.energyBalance.added)
                     slidTo = centre(now.rods[0]).x() - x0;
-                last = now.ledger.friction;
+                last = now.energyBalance.friction;
                 return false;
             });
             t = w.time;
         }
         const double v = momentum(w).x() / w.rods[0].model.mass();
-        CAPTURE(slidTo, xRoll, v, vRoll, w.ledger.numerical / w.ledger.friction);
+        CAPTURE(slidTo, xRoll, v, vRoll, w.energyBalance.numerical / w.energyBalance.friction);
         CHECK(slidTo == Approx(xRoll).epsilon(0.01)); // a few steps of 0.125 ms out of t* >= 29 ms
         CHECK(v == Approx(vRoll).epsilon(0.002));     // the impulse balance does not depend on dt; the ring's give does
-        CHECK(w.ledger.friction == Approx(0.5 * w.rods[0].model.mass() * (v0 * v0 - v0 * vRoll)).epsilon(0.01));
+        CHECK(w.energyBalance.friction == Approx(0.5 * w.rods[0].model.mass() * (v0 * v0 - v0 * vRoll)).epsilon(0.01));
         CHECK(w.counters.unconverged == 0);
     }
 }
@@ -110,6 +110,6 @@ TEST_CASE("a ring rolls down an incline with half the acceleration of a sliding 
     const double a = kG * std::sin(angle) / (1.0 + 1.0 / beta);
     const double x = downhill.dot(centre(w.rods[0]) - start);
     CHECK(x / (0.5 * a * 0.04) == Approx(1.0).epsilon(0.006));
-    CHECK(w.ledger.friction < 1e-3 * w.ledger.kinetic); // rolling costs nothing
+    CHECK(w.energyBalance.friction < 1e-3 * w.energyBalance.kinetic); // rolling costs nothing
     CHECK(w.counters.unconverged == 0);
 }

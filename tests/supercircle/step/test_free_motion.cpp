@@ -43,7 +43,7 @@ TEST_CASE("free fall follows the implicit Euler closed form and closes the books
         REQUIRE(s.advance(w, 1e-3, nullptr, {}).failure.empty());
     // implicit Euler: y = -g dt^2 n (n + 1) / 2 exactly; only round-off remains
     CHECK(w.rods[0].q[model.dofY()] - y0 == Approx(-9.81 * 1e-6 * 200 * 201 / 2).epsilon(1e-10));
-    CHECK(std::abs(w.ledger.residual()) < 1e-12 * w.ledger.kinetic + 1e-15);
+    CHECK(std::abs(w.energyBalance.residual()) < 1e-12 * w.energyBalance.kinetic + 1e-15);
 }
 
 TEST_CASE("a rigidly spinning shell keeps its momenta and loses next to no energy", "[step]") {
@@ -54,7 +54,7 @@ TEST_CASE("a rigidly spinning shell keeps its momenta and loses next to no energ
     v[model.dofX()] = 0.3;
     step::addRod(w, shell(), natural(model), v, 0.35);
     step::Stepper s(fixedStep(1e-4));
-    const double before = w.ledger.kinetic;
+    const double before = w.energyBalance.kinetic;
     const auto momentum = [&] {
         Vec2 p = Vec2::Zero();
         for (std::size_t g = 0; g < w.rods[0].u.size(); ++g)
@@ -67,10 +67,10 @@ TEST_CASE("a rigidly spinning shell keeps its momenta and loses next to no energ
     CHECK((momentum() - p0).norm() < 1e-12 * p0.norm() + 1e-18);
     // a plain projection scheme loses 10 % here (docs/architecture.md); the mean rotation carries the velocities along.
     // What is left is real stretching of the open shell by spin, stored as bending and partly damped by implicit Euler.
-    const double total = w.ledger.kinetic + w.ledger.bending;
+    const double total = w.energyBalance.kinetic + w.energyBalance.bending;
     CHECK(total <= before * (1.0 + 1e-11)); // 5000 steps of round-off
     CHECK(total > 0.99 * before);
-    CHECK(std::abs(w.ledger.residual()) < 1e-10 * before);
+    CHECK(std::abs(w.energyBalance.residual()) < 1e-10 * before);
 }
 
 TEST_CASE("free vibration: implicit Euler takes energy and books every joule", "[step]") {
@@ -81,14 +81,14 @@ TEST_CASE("free vibration: implicit Euler takes energy and books every joule", "
         q[model.dofOfElement(i)] *= 1.0 + 0.2 * std::sin(0.7 * i);
     step::addRod(w, shell(), q, Eigen::VectorXd::Zero(model.dofs()), 0.35);
     step::Stepper s(fixedStep(1e-4));
-    const double before = w.ledger.bending;
+    const double before = w.energyBalance.bending;
     double last = before;
     for (int i = 0; i < 500; ++i) {
         REQUIRE(s.advance(w, 1e-4, nullptr, {}).failure.empty());
-        const double now = w.ledger.stored();
+        const double now = w.energyBalance.stored();
         CHECK(now <= last * (1.0 + 1e-12));
         last = now;
     }
-    CHECK(w.ledger.numerical == Approx(before - last).epsilon(1e-9));
-    CHECK(std::abs(w.ledger.residual()) < 1e-10 * before);
+    CHECK(w.energyBalance.numerical == Approx(before - last).epsilon(1e-9));
+    CHECK(std::abs(w.energyBalance.residual()) < 1e-10 * before);
 }

@@ -19,7 +19,7 @@ TEST_CASE("detection sees a graded rod where it is", "[step]") {
         step::World w;
         put(w, graded(paperShell(0.75, elements), 3.0), {0.01, 0.02}, 0.4, 0.35);
         const step::Rod& r = w.rods[0];
-        contact::Curve curve;
+        contact::RodCurve curve;
         step::toCurve(r, r.kin, curve);
         CHECK(curve.nodeS.front() == 0.0);
         for (std::size_t i = 0; i < curve.arcs.size(); ++i) {
@@ -44,19 +44,19 @@ TEST_CASE("graded shells dropped on the floor never gain energy", "[step]") {
         put(w, graded(paperShell(), refinement), {0.0, 0.06}, 0.6, 0.35, {0.2, 0.0}, 5.0);
         put(w, graded(paperShell(0.6, 16), refinement), {0.01, 0.12}, 2.5, 0.35);
         step::Stepper s({});
-        double last = w.ledger.stored(), gain = 0.0;
+        double last = w.energyBalance.stored(), gain = 0.0;
         const double scale = w.rods[0].model.mass() * kG * 0.06;
         for (int i = 0; i < 125; ++i)
             frame(s, w, host, 4e-3, [&](const step::World& now) {
-                gain = std::max(gain, now.ledger.stored() - last);
-                last = now.ledger.stored();
+                gain = std::max(gain, now.energyBalance.stored() - last);
+                last = now.energyBalance.stored();
                 return false;
             });
         // The bounds of equal arcs (test_invariants.cpp).
         CAPTURE(gain / scale);
         CHECK(gain < 1e-4 * scale); // two shells
-        CHECK(std::abs(w.ledger.residual()) < 1e-9 * scale);
-        CHECK(w.ledger.friction >= 0.0);
+        CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * scale);
+        CHECK(w.energyBalance.friction >= 0.0);
         CHECK(w.counters.penetrationMax < 0.04 * 5e-4);
         CHECK(w.counters.unconverged == 0);
     }

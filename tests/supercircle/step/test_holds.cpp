@@ -7,12 +7,12 @@ using namespace supercircle::test;
 
 namespace {
 
-step::Hold holdAt(const step::Rod& r, double fraction, bool clamped, bool onMachine = false) {
+step::Hold holdAt(const step::Rod& r, double fraction, bool clamped, bool onCrosshead = false) {
     step::Hold h;
     h.s = fraction * r.model.definition().length;
     h.clamped = clamped;
-    h.onMachine = onMachine;
-    const rod::Place at = rod::locate(r.model, h.s);
+    h.onCrosshead = onCrosshead;
+    const rod::MaterialPoint at = rod::locate(r.model, h.s);
     h.target.point = r.kin.point(at);
     h.target.angle = r.kin.angle(at);
     return h;
@@ -52,8 +52,9 @@ TEST_CASE("a hold anywhere on a swinging shell keeps its place", "[step]") {
                 if (clamped)
                     CHECK(turned < 1e-10);
                 CHECK(w.rods[0].holds[0].target.point == first.target.point);
-                CHECK(std::abs(w.ledger.residual()) < 1e-9 * std::abs(w.ledger.gravity) + 1e-13);
-                CHECK(std::abs(w.ledger.work) < 1e-4 * std::abs(w.ledger.gravity)); // a hold at rest does no work
+                CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * std::abs(w.energyBalance.gravity) + 1e-13);
+                CHECK(std::abs(w.energyBalance.work) <
+                      1e-4 * std::abs(w.energyBalance.gravity)); // a hold at rest does no work
             }
             // The rows belong to the middle of the step: what they miss is of third order in its motion, and is made
             // good in the next step, so it does not accumulate.
@@ -99,16 +100,17 @@ TEST_CASE("a hold on the machine follows its travel exactly", "[step]") {
     put(w, paperShell(), {0.0, 0.0}, M_PI, 0.35);
     w.rods[0].holds.push_back(holdAt(w.rods[0], 0.5, true, true));
     const Vec2 from = w.rods[0].holds[0].target.point;
-    w.machineVelocity = {0.003, -0.005};
+    w.crossheadVelocity = {0.003, -0.005};
     step::Stepper s({});
     for (int i = 0; i < 250; ++i)
         REQUIRE(s.advance(w, 4e-3, nullptr, {}).failure.empty());
-    const Vec2 travel(0.003, -0.005);                 // one second
-    CHECK((w.machineTravel - travel).norm() < 1e-14); // round-off of 1000 sums
+    const Vec2 travel(0.003, -0.005);                   // one second
+    CHECK((w.crossheadTravel - travel).norm() < 1e-14); // round-off of 1000 sums
     CHECK((w.rods[0].holds[0].target.point - from - travel).norm() < 1e-14);
     CHECK((placeOf(w.rods[0], w.rods[0].holds[0]) - from - travel).norm() < 1e-10);
     // afterwards the shell travels along as a whole: all work went into kinetic energy and what implicit Euler took
-    CHECK(w.ledger.work == Approx(w.ledger.stored() - w.ledger.added + w.ledger.numerical).epsilon(1e-9));
+    CHECK(w.energyBalance.work ==
+          Approx(w.energyBalance.stored() - w.energyBalance.added + w.energyBalance.numerical).epsilon(1e-9));
 }
 
 TEST_CASE("the reaction of a clamp carries weight and moment of what hangs from it", "[step]") {
@@ -145,9 +147,9 @@ TEST_CASE("a squashed ring stays closed and follows the solved force curve", "[s
     d.thickness = 5e-5; // the curves are for zero thickness; B and mass stay those of the paper's shell
     const double h = d.thickness;
     put(w, d, {0.0, 0.5 * h}, 0.0, 0.35);
-    host.add(2, "plate", {0.0, 2.0 * kR + h + 0.01 + 1e-8}).pieces.push_back(FakeHost::box(2, 0.05, 0.01, 0.35));
-    w.machineBodies.push_back(2);
-    w.machineVelocity = {0.0, -0.01};
+    host.add(2, "plate", {0.0, 2.0 * kR + h + 0.01 + 1e-8}).outlines.push_back(FakeHost::box(2, 0.05, 0.01, 0.35));
+    w.crossheadBodies.push_back(2);
+    w.crossheadVelocity = {0.0, -0.01};
     step::Stepper s({});
     const double unit = d.bendingModulus / (kR * kR), L = d.length;
     double gap = 0.0;
@@ -155,11 +157,11 @@ TEST_CASE("a squashed ring stays closed and follows the solved force curve", "[s
     const double rows[][2] = {{0.0428016473, 0.278612922}, {0.112290042, 0.696532305}, {0.188507216, 1.11445169}};
     std::size_t next = 0;
     double lastD = 0.0, lastF = 0.0;
-    while (w.machineTravel.y() > -0.9 * kR)
+    while (w.crossheadTravel.y() > -0.9 * kR)
         frame(s, w, host, 4e-3, [&](const step::World& now) {
             const step::Rod& r = now.rods[0];
             gap = std::max(gap, (r.kin.node(r.model.elements()) - r.kin.node(0)).norm());
-            const double delta = (-now.machineTravel.y() - 1e-8) / kR, f = now.machineForce().y() / unit;
+            const double delta = (-now.crossheadTravel.y() - 1e-8) / kR, f = now.crossheadForce().y() / unit;
             if (next < 3 && delta >= rows[next][0]) {
                 const double atRow = lastF + (f - lastF) * (rows[next][0] - lastD) / (delta - lastD);
                 // 64 arcs: 0.4 % (second order: 1.7 % with 32); the plate comes with 10 mm/s

@@ -13,8 +13,8 @@ namespace {
 void makePile(step::World& w, FakeHost& host, int count) {
     host.g = {0.0, -kG};
     host.addGround(1, 0.35);
-    host.add(2, "left", {-0.17, 0.5}).pieces.push_back(FakeHost::box(2, 0.1, 0.5, 0.35));
-    host.add(3, "right", {0.17, 0.5}).pieces.push_back(FakeHost::box(3, 0.1, 0.5, 0.35));
+    host.add(2, "left", {-0.17, 0.5}).outlines.push_back(FakeHost::box(2, 0.1, 0.5, 0.35));
+    host.add(3, "right", {0.17, 0.5}).outlines.push_back(FakeHost::box(3, 0.1, 0.5, 0.35));
     for (int i = 0; i < count; ++i)
         put(w, paperShell(), {(i % 2 == 0 ? -0.03 : 0.03), 0.05 + 0.042 * (i / 2)}, 0.9 * i, 0.35);
 }
@@ -31,19 +31,19 @@ TEST_CASE("a shell dropped on the floor never gains energy", "[step]") {
         w.gravity = host.g;
         put(w, paperShell(), {0.0, 0.06}, angle, 0.35, {0.2, 0.0}, 5.0);
         step::Stepper s({});
-        double last = w.ledger.stored(), gain = 0.0;
+        double last = w.energyBalance.stored(), gain = 0.0;
         const double scale = w.rods[0].model.mass() * kG * 0.06;
         for (int i = 0; i < 125; ++i)
             frame(s, w, host, 4e-3, [&](const step::World& now) {
-                gain = std::max(gain, now.ledger.stored() - last);
-                last = now.ledger.stored();
+                gain = std::max(gain, now.energyBalance.stored() - last);
+                last = now.energyBalance.stored();
                 return false;
             });
-        CAPTURE(gain / scale, w.ledger.pushOut / scale);
+        CAPTURE(gain / scale, w.energyBalance.positionCorrection / scale);
         // overlap (below 0.006 h, see Settings::relinearise) pushed out by the weight: m g 3 um against m g 60 mm
         CHECK(gain < 5e-5 * scale);
-        CHECK(std::abs(w.ledger.residual()) < 1e-9 * scale);
-        CHECK(w.ledger.friction >= 0.0);
+        CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * scale);
+        CHECK(w.energyBalance.friction >= 0.0);
         CHECK(w.counters.penetrationMax < 0.04 * 5e-4);
         CHECK(w.counters.unconverged == 0);
     }
@@ -64,10 +64,12 @@ TEST_CASE("the impact of a stiff stick on its tip loses the closed-form energy",
             frame(s, w, host, 2.5e-4);
         const double m = w.rods[0].model.mass();
         const double loss = 0.5 * m * 0.01 / (1.0 + 3.0 * std::cos(a) * std::cos(a));
-        CAPTURE(w.ledger.impact / loss, w.ledger.numerical / loss, w.ledger.pushOut / loss, w.time);
-        CHECK((w.ledger.added - w.ledger.stored()) / loss == Approx(1.0).epsilon(0.01));
-        CHECK(w.ledger.impact / loss == Approx(1.0).epsilon(0.02)); // the rest is the closing of the speculative gap
-        CHECK(std::abs(w.ledger.residual()) < 1e-12 * loss + 1e-18);
+        CAPTURE(w.energyBalance.impact / loss, w.energyBalance.numerical / loss,
+                w.energyBalance.positionCorrection / loss, w.time);
+        CHECK((w.energyBalance.added - w.energyBalance.stored()) / loss == Approx(1.0).epsilon(0.01));
+        CHECK(w.energyBalance.impact / loss ==
+              Approx(1.0).epsilon(0.02)); // the rest is the closing of the speculative gap
+        CHECK(std::abs(w.energyBalance.residual()) < 1e-12 * loss + 1e-18);
     }
 }
 
@@ -80,10 +82,11 @@ TEST_CASE("a stiff ring that falls flat loses all its energy in the impact", "[s
     step::Stepper s({});
     for (int i = 0; i < 8; ++i)
         frame(s, w, host, 2.5e-4);
-    const double before = w.ledger.added;
-    CAPTURE(w.ledger.impact / before, w.ledger.numerical / before, w.ledger.pushOut / before);
-    CHECK(w.ledger.stored() < 1e-3 * before); // what the ring keeps by its slight give
-    CHECK(w.ledger.impact / before == Approx(1.0).epsilon(0.02));
+    const double before = w.energyBalance.added;
+    CAPTURE(w.energyBalance.impact / before, w.energyBalance.numerical / before,
+            w.energyBalance.positionCorrection / before);
+    CHECK(w.energyBalance.stored() < 1e-3 * before); // what the ring keeps by its slight give
+    CHECK(w.energyBalance.impact / before == Approx(1.0).epsilon(0.02));
 }
 
 TEST_CASE("two shells that collide in free space keep their momentum", "[step]") {
@@ -91,13 +94,13 @@ TEST_CASE("two shells that collide in free space keep their momentum", "[step]")
     put(w, paperShell(), {-0.03, 0.0}, 0.5, 0.35, {0.5, 0.02}, 3.0);
     put(w, paperShell(), {0.03, 0.012}, 2.0, 0.35, {-0.3, 0.0}, -2.0);
     const Vec2 before = momentum(w);
-    const double scale = w.rods[0].model.mass() * 0.5, kinetic = w.ledger.kinetic;
+    const double scale = w.rods[0].model.mass() * 0.5, kinetic = w.energyBalance.kinetic;
     step::Stepper s({});
     for (int i = 0; i < 100; ++i)
         REQUIRE(s.advance(w, 2e-3, nullptr, {}).failure.empty());
-    CHECK(w.ledger.impact + w.ledger.friction > 0.01 * kinetic); // they did meet
-    CHECK((momentum(w) - before).norm() < 1e-11 * scale);        // round-off of a few thousand steps
-    CHECK(std::abs(w.ledger.residual()) < 1e-9 * kinetic);
+    CHECK(w.energyBalance.impact + w.energyBalance.friction > 0.01 * kinetic); // they did meet
+    CHECK((momentum(w) - before).norm() < 1e-11 * scale);                      // round-off of a few thousand steps
+    CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * kinetic);
     CHECK(w.counters.unconverged == 0);
 }
 
@@ -172,7 +175,7 @@ void spoil(bool inPosition, int victims) {
         const step::Rod& healthy = w.rods.back();
         CHECK_FALSE(healthy.quarantined);
         CHECK((healthy.q - alone.rods[0].q).norm() < 1e-12 * alone.rods[0].q.norm());
-        CHECK(std::isfinite(w.ledger.kinetic));
+        CHECK(std::isfinite(w.energyBalance.kinetic));
     }
 }
 
@@ -217,7 +220,7 @@ TEST_CASE("a fixed step takes exactly the steps asked for", "[step]") {
     CHECK(w.time == Approx(0.2).epsilon(1e-12));
     CHECK(w.counters.unconverged == 0);
     CHECK(w.counters.penetrationMax < 0.25 * 5e-4); // beyond that even a fixed step is redone smaller
-    CHECK(std::abs(w.ledger.residual()) < 1e-9 * std::abs(w.ledger.added));
+    CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * std::abs(w.energyBalance.added));
 }
 
 TEST_CASE("the observer can stop a frame, and the rest of it is not lost", "[step]") {

@@ -40,8 +40,9 @@ std::uint64_t stateHash(const step::World& w) {
         add(&c.id, sizeof c.id);
         number(c.gap);
     }
-    for (const double x : {w.time, w.dtNext, w.ledger.kinetic, w.ledger.bending, w.ledger.gravity, w.ledger.friction,
-                           w.ledger.impact, w.ledger.numerical, w.ledger.pushOut, w.ledger.work})
+    for (const double x : {w.time, w.dtNext, w.energyBalance.kinetic, w.energyBalance.bending, w.energyBalance.gravity,
+                           w.energyBalance.friction, w.energyBalance.impact, w.energyBalance.numerical,
+                           w.energyBalance.positionCorrection, w.energyBalance.work})
         number(x);
     return hash;
 }
@@ -56,15 +57,15 @@ struct Pile {
         host.g = {0.0, -kG};
         host.addGround(1, 0.35);
         const double pitch = 2.05 * kR, wall = (0.5 * columns + 0.05) * pitch, half = 0.5 * rows * pitch + 0.1;
-        host.add(2, "left", {-wall - 0.05, half}).pieces.push_back(FakeHost::box(2, 0.05, half + 0.1, 0.35));
-        host.add(3, "right", {wall + 0.05, half}).pieces.push_back(FakeHost::box(3, 0.05, half + 0.1, 0.35));
+        host.add(2, "left", {-wall - 0.05, half}).outlines.push_back(FakeHost::box(2, 0.05, half + 0.1, 0.35));
+        host.add(3, "right", {wall + 0.05, half}).outlines.push_back(FakeHost::box(3, 0.05, half + 0.1, 0.35));
         FakeHost::Body& plate = host.add(4, "plate", {0.0, rows * pitch + 0.02});
         plate.kinematic = true;
-        plate.pieces.push_back(FakeHost::box(4, wall - 5e-5, 0.02, 0.35));
+        plate.outlines.push_back(FakeHost::box(4, wall - 5e-5, 0.02, 0.35));
         for (int i = 0; i < columns * rows; ++i) // `put` takes the middle of the arc, which lies R from its centre
             add({(i % columns - 0.5 * (columns - 1)) * pitch, 1.03 * kR + pitch * (i / columns)}, 0.7 * i);
-        world.machineBodies = {4};
-        world.machineVelocity = {0.0, -0.25};
+        world.crossheadBodies = {4};
+        world.crossheadVelocity = {0.0, -0.25};
     }
 
     void add(const Vec2& centre, double angle) {
@@ -81,13 +82,13 @@ struct Squeezed {
 Squeezed squeeze(Pile& pile, int frames, int threads, const parallel::For& hostLoop = {}) {
     step::Settings settings;
     settings.threads = threads;
-    settings.witness = true;
+    settings.crossingCheck = true;
     settings.localError = 1.0;
     step::Stepper s(settings);
     s.loop = hostLoop;
     Squeezed out;
     s.onSolve = [&out](const coulomb::Problem&, const coulomb::SolveReport& report) {
-        out.loaded = std::max(out.loaded, static_cast<std::size_t>(report.loaded));
+        out.loaded = std::max(out.loaded, static_cast<std::size_t>(report.activeContacts));
     };
     for (int i = 0; i < frames; ++i) {
         frame(s, pile.world, pile.host, 4e-3);
@@ -114,7 +115,8 @@ TEST_CASE("a squeezed stack of twelve shells has the same digits from one to fou
     }
 }
 
-TEST_CASE("a big pile with regions and islands has the same digits from any number of threads and any loop", "[step]") {
+TEST_CASE("a big pile with subdomains and islands has the same digits from any number of threads and any loop",
+          "[step]") {
     Pile start(16, 4);
     for (int i = 0; i < 6; ++i) // islands of their own, outside of the box
         start.add({1.0 + 0.2 * i, 1.01 * kR}, 0.3 * i);

@@ -1,5 +1,5 @@
 #pragma once
-// Shells in a picture that b2Draw makes: the same debug renderer shows Box2D's bodies and the shells.
+// Draws shells with a b2Draw: one debug renderer shows Box2D's bodies and the shells.
 
 #include <supercircle/draw.hpp>
 
@@ -9,8 +9,8 @@ class b2Draw;
 
 namespace supercircle::bridge {
 
-/// Hands what Shells::draw() says to a b2Draw, in Box2D's units. Lines become segments, marks become points. The b2Draw
-/// must outlive it; its flags are its user's business and not looked at.
+/// Passes the output of Shells::draw() to a b2Draw, in Box2D units. Lines become segments, marks become points. The
+/// b2Draw must outlive this object; its flags are not evaluated.
 class DrawAdapter : public DebugDraw {
 public:
     /// `units_per_metre` as given to attach(). A value that is not finite and positive counts as 1.

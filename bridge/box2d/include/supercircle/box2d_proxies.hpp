@@ -1,5 +1,5 @@
 #pragma once
-// Shells for the eyes of Box2D: rays, queries, sensors' contacts and the contact listener of a b2World see them.
+// Proxies of shells in a b2World, for ray casts, queries, sensor contacts and contact listeners.
 
 #include <supercircle/draw.hpp>
 
@@ -13,14 +13,14 @@ class b2World;
 
 namespace supercircle::bridge {
 
-/// Kinematic bodies with sensor edges along the surfaces of the shells. Optional; they push nobody, and the coupling
-/// does not see them. Each frame, after post_step():
+/// Kinematic bodies with sensor edges along the surfaces of the shells. Optional; they exert no force, and the coupling
+/// ignores them. Each frame, after post_step():
 ///
 ///     proxies.begin();  shells.draw(proxies, proxies.options());  proxies.end();
 ///
 /// b2World::RayCast, b2World::QueryAABB and dynamic bodies (their fixtures' sensor contacts: BeginContact, EndContact)
-/// meet them where the shells were at the last end(). Sensors on static or kinematic bodies do not: Box2D 2.4 wants
-/// one dynamic body in a contact. The world must outlive this object, or release() be called before it goes.
+/// find them where the shells were at the last end(). Sensors on static or kinematic bodies do not, because a contact
+/// of Box2D 2.4 needs a dynamic body. The world must outlive this object, unless release() is called before.
 class ShellProxies : public DebugDraw {
 public:
     static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -31,17 +31,18 @@ public:
     ShellProxies(const ShellProxies&) = delete;
     ShellProxies& operator=(const ShellProxies&) = delete;
 
-    /// What Shells::draw should say: outlines, nothing else.
+    /// Options for Shells::draw: outlines only.
     [[nodiscard]] static DrawOptions options();
+    /// Starts a frame: discards the outlines of the last one.
     void begin();
-    /// False, and nothing moved, inside the world's own callbacks.
+    /// Updates the proxies. Returns false and changes nothing inside the world's callbacks.
     bool end();
-    /// The how manyeth outline a fixture stands for, kNone: for none. Shells::draw gives them in the order of
-    /// Shells::list(), one per shell and two (outer and inner) per ring.
+    /// Index of the outline that a fixture represents, or kNone. Outlines are in the order of Shells::shells(), one per
+    /// shell and two (outer and inner) per ring.
     [[nodiscard]] std::size_t outline_of(const b2Fixture& fixture) const;
-    /// Takes the bodies out of the world (not inside its callbacks). The next end() makes them anew.
+    /// Removes the bodies from the world (not inside its callbacks). The next end() creates them again.
     void release();
-    /// Of all proxy fixtures, as in b2Filter; for those made later.
+    /// Filter of proxy fixtures created later, as in b2Filter.
     std::uint16_t category = 0x0001;
     std::uint16_t mask = 0xFFFF;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a user writes down: plain structs, SI units, defaults in the initialisers. No Box2D, no JSON, no Eigen.
+// Definitions of shells: plain structs in SI units, defaults in the initialisers. No Box2D, no JSON, no Eigen.
 
 #include <cstdint>
 #include <string>
@@ -12,17 +12,16 @@ struct Point {
     double y = 0.0; ///< m
 };
 
-/// Names a kind of surface whose friction against others can be set pair by pair; 0: no particular one.
-using MaterialId = std::uint32_t;
+/// Number of a surface material. Shells::set_friction sets the friction of a pair of them; 0: none.
+using FrictionMaterial = std::uint32_t;
 
 /// A flexible open shell: an inextensible elastic rod of circular arcs. The default is the paper's shell
 /// (PET-G, R = 19.2 mm, h = 0.5 mm, w = 10 mm) with phi_bar = 0.75.
 struct ShellDef {
-    Point position{}; ///< of the middle of the shell, m
-    double angle =
-        0.0; ///< tangent direction at the middle, rad; pi with positive curvature is a dome opening downwards
+    Point position{};       ///< of the middle of the shell, m
+    double angle = 0.0;     ///< of the tangent at the middle, rad; pi: a dome that opens downwards
     double length = 0.0;    ///< arc length, m; 0: opening angle times natural radius
-    double phi_bar = 0.75;  ///< opening angle / 2 pi, used when length is 0
+    double phi_bar = 0.75;  ///< opening angle / 2 pi, 1; used when length is 0
     double radius = 0.0192; ///< natural radius, m (natural curvature is 1/radius); infinite: a straight strip
     std::vector<double> natural_curvature; ///< per element, 1/m; empty: 1/radius everywhere
     std::vector<double> curvature;         ///< initial, per element, 1/m; empty: the natural one
@@ -32,28 +31,27 @@ struct ShellDef {
     double young_modulus = 2.2e9;          ///< Pa
     double mu = 0.35;                      ///< friction coefficient, 1
     int elements = 15;                     ///< number of arcs
-    double tip_refinement = 1.0;           ///< length of the middle arcs over that of the tip arcs; 1: all alike
-    bool closed = false;                   ///< ends welded into a ring
+    double tip_refinement = 1.0;           ///< length of the middle arcs over that of the tip arcs, 1
+    bool closed = false;                   ///< a ring: the ends are welded
     Point velocity{};                      ///< m/s
     double spin = 0.0;                     ///< rad/s
     std::uint16_t category = 1;            ///< collision filter as in Box2D
     std::uint16_t mask = 0xffff;
-    std::int16_t group = 0;  ///< as in Box2D: negative groups never collide among themselves, positive ones always
-    MaterialId material = 0; ///< for friction of pairs (Shells::set_friction), 0: none
+    std::int16_t group = 0; ///< as in Box2D: negative groups never collide among themselves, positive ones always
+    FrictionMaterial friction_material = 0; ///< 0: none
     std::uint64_t user_data = 0;
     std::string name;
 };
 
 /// Bending modulus B = E w h^3 / 12, N m^2.
-inline double bendingModulus(const ShellDef& d) {
+inline double bending_modulus(const ShellDef& d) {
     return d.young_modulus * d.width * d.thickness * d.thickness * d.thickness / 12.0;
 }
 
-/// The paper's shell at another size, for games: thickness and bending stiffness keep their proportions to radius and
-/// weight, so that under gravity 9.81 m/s^2 a shell of radius 1 m sags, rolls and snaps as one of 19.2 mm does.
-/// Its width (depth of the plane) is 1 m. `stiffness` multiplies the bending modulus.
-/// `radius` m and `mass` kg must be positive.
-inline ShellDef scaledShell(double radius, double mass, double phi_bar = 0.75, double stiffness = 1.0) {
+/// The default shell at another size, for games. Thickness over radius and weight R^2 / B stay the same, so that under
+/// gravity of 9.81 m/s^2 a shell of radius 1 m sags, rolls and snaps as one of 19.2 mm does. Its width is 1 m.
+/// `radius` (m) and `mass` (kg) must be positive; `stiffness` (1) multiplies the bending modulus.
+inline ShellDef scaled_shell(double radius, double mass, double phi_bar = 0.75, double stiffness = 1.0) {
     const ShellDef paper;
     const double k = radius / paper.radius;
     ShellDef d;
@@ -71,12 +69,18 @@ enum class HoldKind : std::uint8_t {
     Clamp ///< position and direction held
 };
 
-/// Holds one point of a shell, on the ground or on the machine that the protocol drives.
+/// What a held point is attached to.
+enum class HoldBase : std::uint8_t {
+    Fixed, ///< the ground; Shells::set_target moves it
+    Moving ///< the crosshead of the testing machine; Shells::set_crosshead_velocity moves it
+};
+
+/// Holds one point of a shell that is found by its name, as scene files do.
 struct HoldDef {
     std::string shell;         ///< name of the shell
     double arc_fraction = 0.5; ///< place along the shell, 0 = first end, 1 = last end
     HoldKind kind = HoldKind::Clamp;
-    bool on_machine = false; ///< carried by the machine head instead of the ground
+    HoldBase base = HoldBase::Fixed;
 };
 
 } // namespace supercircle

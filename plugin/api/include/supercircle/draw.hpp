@@ -1,6 +1,6 @@
 #pragma once
-// Pictures for debugging: derive from DebugDraw and give it to Shells::draw(), or use the adapter to b2Draw in
-// bridge/debug_draw.h. Curves come as polylines that are nowhere farther from the true arcs than the tolerance.
+// Debug drawing: derive from DebugDraw and pass it to Shells::draw(), or use the adapter to b2Draw in
+// <supercircle/box2d_draw.hpp>. Curves are polylines that deviate from the true arcs by at most the tolerance.
 
 #include "definitions.hpp"
 
@@ -8,7 +8,7 @@
 
 namespace supercircle {
 
-/// Each from 0 to 1.
+/// Components from 0 to 1.
 struct Colour {
     float red = 1.0F;
     float green = 1.0F;
@@ -16,7 +16,7 @@ struct Colour {
     float alpha = 1.0F;
 };
 
-/// Receives the picture; lengths in metres.
+/// Receives lines and marks; lengths in metres.
 class DebugDraw {
 public:
     virtual ~DebugDraw() = default;
@@ -29,23 +29,23 @@ public:
 };
 
 struct DrawOptions {
-    bool centre_lines = true;             ///< of the shells, an element a line when coloured by strain
+    bool centre_lines = true;             ///< of the shells; one line per element when coloured by strain
     bool outlines = true;                 ///< of the thick shells
     bool contacts = true;                 ///< a mark at each contact that carries force
     bool forces = true;                   ///< a line from each such contact along the force on shell a
-    bool holds = true;                    ///< a mark at each
+    bool holds = true;                    ///< a mark at each hold
     bool strain = true;                   ///< centre lines coloured by surface strain, else all in `line`
-    double tolerance = 2e-5;              ///< farthest a polyline may stray from its arc, m
+    double tolerance = 2e-5;              ///< largest deviation of a polyline from its arc, m
     double metres_per_newton = 0.01;      ///< length of force lines, m/N
-    double full_strain = 0.02;            ///< surface strain that has the warmest colour, 1
+    double full_strain = 0.02;            ///< surface strain that is drawn red, 1
     Colour line{0.2F, 0.4F, 0.8F};        ///< of centre lines without strain
     Colour outline{0.5F, 0.5F, 0.5F};     ///< of the thick shells
     Colour contact{0.9F, 0.2F, 0.2F};     ///< of contacts and forces
     Colour hold{0.1F, 0.6F, 0.2F};        ///< of holds
-    Colour quarantined{1.0F, 0.0F, 1.0F}; ///< of shells that were taken out of the motion
+    Colour quarantined{1.0F, 0.0F, 1.0F}; ///< of quarantined shells
 };
 
-/// The colour of a strain between 0 and `full` (and beyond): blue over green to red.
-Colour strainColour(double strain, double full);
+/// Colour of a strain: blue at 0, green at half of `full`, red from `full` on.
+Colour strain_colour(double strain, double full);
 
 } // namespace supercircle

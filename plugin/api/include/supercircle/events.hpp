@@ -1,8 +1,8 @@
 #pragma once
-// What happened during the last pre_step. Nothing is called back while the shells are solved: read Shells::events()
-// afterwards. Every list is in the order of time, except `impulses`, which is in the order of the pairs; what falls on
-// one inner step is in the order of creation of the shells (of pairs: of `a`, then of `b`, bodies first by their ids).
-// The same input gives the same events, bit for bit, whatever the number of threads.
+// Events of the last pre_step: read Shells::events() afterwards; there are no callbacks. Lists are in the order of
+// time, `impulses` in the order of the pairs. Within an inner step the order is that of creation of the shells; of
+// pairs by `a`, then by `b`, with bodies first by their ids. The same input gives bitwise identical events for any
+// number of threads.
 
 #include "definitions.hpp"
 #include "handle.hpp"
@@ -14,85 +14,84 @@
 
 namespace supercircle {
 
-/// A place where a shell touches another one, itself, or a body of the host.
-struct Touch {
-    ShellHandle a{};         ///< of two shells the one made first
+/// A point where a shell touches another one, itself, or a body of the host.
+struct ContactPoint {
+    ShellHandle a{};         ///< of two shells the one created first
     ShellHandle b{};         ///< the other shell (equal to `a`: the shell touches itself); null: a body
     std::uint64_t body = 0;  ///< id of the host's body (bridge: Box2dPort::bodyOf), 0 when `b` is a shell
     double fraction_a = 0.0; ///< arc fraction on `a`, 0 = first end, 1 = last end
     double fraction_b = 0.0; ///< arc fraction on `b`; 0 for a body
     Point point{};           ///< between the two surfaces, m
-    Point normal{};          ///< unit vector from the other one towards `a`
+    Point normal{};          ///< unit vector from the other surface towards `a`
 };
 
-/// A pair begins to touch when a contact of it first carries force, at the place that carries most. Pairs that bounce
-/// between their thicknesses' 5 % do not begin anew.
+/// A pair comes into contact: one of its contact points carries force. `at` is the point with the largest force. A pair
+/// that bounces within 5 % of its mean thickness stays in contact.
 struct ContactBeginEvent {
     double time = 0.0; ///< s
-    Touch at{};
+    ContactPoint at{};
     double approach_speed = 0.0; ///< along the normal just before, positive when closing, m/s
 };
 
-/// A pair no longer touches: it carries no force and has parted by 5 % of the mean thickness (a body counts as the
-/// shell), or one of them is gone. `at` is where it last carried force.
+/// A pair leaves contact: it carries no force and its gap exceeds 5 % of the mean thickness (of the shell, against a
+/// body), or one of the two is destroyed. `at` is where it last carried force.
 struct ContactEndEvent {
     double time = 0.0; ///< s
-    Touch at{};
+    ContactPoint at{};
 };
 
-/// What a pair exchanged in the frame came to more than EventSettings::impulse_threshold.
+/// The normal impulse of a pair in the frame exceeds EventSettings::impulse_threshold.
 struct ImpulseEvent {
-    double time = 0.0;             ///< of the strongest inner step, s
-    Touch at{};                    ///< where that step's strongest contact was
+    double time = 0.0;             ///< of the inner step with the largest normal impulse, s
+    ContactPoint at{};             ///< the contact point with the largest force in that step
     double normal_impulse = 0.0;   ///< of all contacts of the pair over the whole frame, N s
-    double friction_impulse = 0.0; ///< the same of the friction's size, N s
+    double friction_impulse = 0.0; ///< sum of the magnitudes of friction, N s
     double peak_force = 0.0;       ///< largest normal force of the pair in one inner step, N
 };
 
-/// A shell begins to snap: within a short time its stored energy fell below everything it was in a longer time before.
-/// So neither vibration nor slow unloading counts. Times and energies are measured in the shell's own units,
-/// T = L^2 sqrt(lambda / B) and B / L (see EventSettings).
+/// A shell begins to snap: within a short time its elastic energy falls below its minimum over a longer time before.
+/// Vibration and slow unloading do not count. Times and energies are in the shell's own units, T = L^2 sqrt(lambda / B)
+/// and B / L (see EventSettings).
 struct SnapBeginEvent {
-    double time = 0.0; ///< when it was noticed, s
+    double time = 0.0; ///< of the detection, s
     ShellHandle shell{};
-    double energy_before = 0.0; ///< lowest elastic energy of the time before, J
+    double energy_before = 0.0; ///< minimum of the elastic energy over the longer time before, J
     double energy = 0.0;        ///< elastic energy now, J
 };
 
-/// The elastic energy of a snapping shell has found no new minimum for some time.
+/// The elastic energy of a snapping shell has had no new minimum for some time.
 struct SnapEndEvent {
     double time = 0.0;  ///< s
     double begun = 0.0; ///< time of the SnapBeginEvent, s
     ShellHandle shell{};
     double energy_released = 0.0; ///< elastic energy before minus the lowest reached, J
-    double kinetic_peak = 0.0;    ///< largest kinetic energy of the shell on the way, J
+    double kinetic_peak = 0.0;    ///< largest kinetic energy of the shell during the snap, J
 };
 
-/// A shell was taken out of the motion: its numbers were not finite, or even the smallest step would have moved it
-/// faster than sound in its material, curled an element up beyond all bounds or led its centre line through something
-/// (shells put deep into each other do, and bodies made inside a shell). It
-/// stays where it was last good, neither moves nor collides any more, and can still be asked and destroyed; teleport
-/// brings it back.
+/// A shell is taken out of the motion. Its coordinates were not finite, or the smallest step would move it faster than
+/// sound in its material, curve an element excessively, or make its centre line cross something. (Causes are shells
+/// created deep inside each other and bodies created inside a shell.) It stays in its last accepted place and neither
+/// moves nor collides. It can be queried and destroyed; teleport returns it to the motion.
 struct QuarantineEvent {
     double time = 0.0; ///< end of the frame in which it happened, s
     ShellHandle shell{};
 };
 
-/// Everything of one frame.
+/// All events of one frame.
 struct FrameEvents {
     std::vector<ContactBeginEvent> contact_begin;
     std::vector<ContactEndEvent> contact_end;
-    std::vector<ImpulseEvent> impulses; ///< in the order of the pairs, one each
+    std::vector<ImpulseEvent> impulses; ///< at most one a pair
     std::vector<SnapBeginEvent> snap_begin;
     std::vector<SnapEndEvent> snap_end;
     std::vector<QuarantineEvent> quarantined;
 };
 
-/// What counts as an event. T = L^2 sqrt(lambda / B) is 43 ms for the default shell, B / L is 2.5 mJ.
+/// Thresholds of events. T = L^2 sqrt(lambda / B) is 43 ms for the default shell, B / L is 2.5 mJ.
 struct EventSettings {
     double impulse_threshold = std::numeric_limits<double>::infinity(); ///< N s; infinite: no impulse events
     double snap_energy = 0.02;                                          ///< least elastic energy released, in B / L, 1
-    double snap_time = 0.1; ///< within this time, in T, 1; compared with six times as long a time before
+    double snap_time = 0.1; ///< the short time, in T, 1; the longer time before is six times as long
 };
 
 } // namespace supercircle

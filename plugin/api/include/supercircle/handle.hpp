@@ -1,15 +1,13 @@
 #pragma once
-// What every public header needs: how a shell is named, and how a call says no.
+// How a shell is named, and how a call answers.
+
+#include "result.hpp"
 
 #include <cstdint>
-#include <optional>
-#include <string>
-#include <utility>
-#include <variant>
 
 namespace supercircle {
 
-/// Names a shell; survives misuse: a stale or foreign handle gives an error, never a crash. Zero is nobody.
+/// Names a shell. A stale or foreign handle gives an error, never a crash. The default is null: no shell.
 struct ShellHandle {
     std::uint32_t index = 0;
     std::uint32_t generation = 0;
@@ -18,29 +16,8 @@ struct ShellHandle {
     friend bool operator==(const ShellHandle&, const ShellHandle&) = default;
 };
 
-/// A value or the reason why there is none.
-template <class T>
-class Result {
-public:
-    Result(T value) : value_(std::move(value)) {}
-    static Result failure(std::string why) {
-        Result r;
-        r.error_ = std::move(why);
-        return r;
-    }
-    explicit operator bool() const { return value_.has_value(); }
-    [[nodiscard]] const T& value() const { return *value_; }
-    [[nodiscard]] const T& operator*() const { return *value_; }
-    [[nodiscard]] const T* operator->() const { return &*value_; }
-    [[nodiscard]] const std::string& error() const { return error_; }
-
-private:
-    Result() = default;
-    std::optional<T> value_;
-    std::string error_;
-};
-
-/// Done, or the reason why not.
-using Outcome = Result<std::monostate>;
+/// The error of a call that would change shells during pre_step.
+inline const char* const kWorldLocked =
+    "the shells are being stepped: change them after pre_step, not from its observer";
 
 } // namespace supercircle

@@ -1,10 +1,10 @@
 #pragma once
-// What holds, joins and pulls shells: definitions in, handles out. SI units throughout.
+// Holds, joints, mouse joints and forces: definitions in, handles out, SI units.
 //
-// A part (hold, joint, grab, force) lives as long as its shells and host bodies: it goes with the first of them, and
-// its handle is stale from then on. All of them act in the contact problem itself or in the same implicit step, not
-// between the steps, and are exact as long as the step converges: a clamp is where it is driven, a joint's drift is
-// corrected in the next step, a tether is never longer than its length by more than about 1e-7 of it.
+// These constraints belong to their shells and host bodies. When one of those is destroyed, the constraint is destroyed
+// too and its handle is stale. All of them are solved implicitly inside the step, holds and joints together with
+// contact. A driven clamp reaches its target, the drift of a joint is corrected in the next step, and a tether exceeds
+// its length by at most 1e-7 of it, as long as the step converges.
 
 #include "definitions.hpp"
 #include "handle.hpp"
@@ -17,34 +17,35 @@
 
 namespace supercircle {
 
-/// Names a part of a world of shells; stale and foreign ones give errors, never crashes. Zero is nobody.
+/// Names a constraint of a world of shells. A stale or foreign handle gives an error, never a crash. The default is
+/// null.
 template <class Kind>
-struct PartHandle {
+struct ConstraintHandle {
     std::uint32_t index = 0;      ///< of its shell, 0 for joints
-    std::uint32_t generation = 0; ///< counts all parts of a world: never given twice
+    std::uint32_t generation = 0; ///< counts all constraints of a world: never given twice
     std::uint32_t world = 0;      ///< which Shells it belongs to
     [[nodiscard]] bool null() const { return generation == 0; }
-    friend bool operator==(const PartHandle&, const PartHandle&) = default;
+    friend bool operator==(const ConstraintHandle&, const ConstraintHandle&) = default;
 };
 
-using HoldHandle = PartHandle<struct HoldPart>;   ///< a clamp or a pin, on the ground or moving
-using JointHandle = PartHandle<struct JointPart>; ///< a pin, weld or tether to a body, a shell or a place
-using GrabHandle = PartHandle<struct GrabPart>;   ///< a soft hand (mouse)
-using ForceHandle = PartHandle<struct ForcePart>; ///< a force that lasts
+using HoldHandle = ConstraintHandle<struct HoldTag>;             ///< a clamp or a pin
+using JointHandle = ConstraintHandle<struct JointTag>;           ///< a pin, weld or tether to a body, shell or point
+using MouseJointHandle = ConstraintHandle<struct MouseJointTag>; ///< a soft spring to a target, for a mouse
+using ForceHandle = ConstraintHandle<struct ForceTag>;           ///< a force that lasts
 
-/// Names a body of the host; Shells::body finds it by name, the host's bridge by its own object. 0 is nobody.
+/// Names a body of the host: Shells::body finds it by name, the bridge by the host's own object. 0: none.
 using BodyId = std::uint64_t;
 
-/// What a hold, joint or grab does to its (first) shell, mean over the last inner step.
+/// What a hold, joint or mouse joint does to its (first) shell, mean over the last inner step.
 struct Reaction {
     Point force{};       ///< N
     double torque = 0.0; ///< on the shell's section at that point, N m; clamps and welds only
 };
 
-/// Where a held point shall be at the end of the coming frame, and how it goes on from there. Within the frame it goes
-/// along a cubic that begins with its present velocity, so that a target sampled frame by frame from a smooth motion is
-/// followed without jerks; afterwards straight on until it is driven anew.
-struct DriveDef {
+/// Target of a held point at the end of the coming frame, and its velocity from then on. Within the frame the point
+/// follows a cubic that begins with its present velocity. Targets sampled frame by frame from a smooth motion therefore
+/// give a smooth motion. Without a new target the point goes on straight.
+struct TargetDef {
     Point position{};   ///< m
     double angle = 0.0; ///< of the tangent, rad, not modulo 2 pi: start from Shells::target; clamps only
     Point velocity{};   ///< at and after the end of the frame, m/s
@@ -52,12 +53,12 @@ struct DriveDef {
 };
 
 enum class JointKind : std::uint8_t {
-    Pin,   ///< the two points stay together, free to turn
-    Weld,  ///< and their sections keep their angle
+    Pin,   ///< the two points coincide, the angle is free
+    Weld,  ///< the two points coincide and the angle between their sections is fixed
     Tether ///< an inextensible string between the two points: pulls, never pushes
 };
 
-/// Joins a point of a shell to a point of something else as both are *now*: nothing moves by making a joint.
+/// Joins a point of a shell to a point of something else in their present positions: making a joint moves nothing.
 struct JointDef {
     JointKind kind = JointKind::Weld;
     ShellHandle shell{};
@@ -66,25 +67,25 @@ struct JointDef {
     ShellHandle other{};         ///< a shell (or the same one), if not null
     double other_fraction = 0.5; ///< place on it
     BodyId body = 0;             ///< a body of the host, if not 0
-    /// Tethers to a body: where on it the string is tied, as a point of the world now, m. Tethers to neither shell nor
-    /// body: the place in the world, which can be driven. Pins and welds need none: they join what is at the shell's
-    /// point.
+    /// Present world position of the other end of a tether, m: on `body`, or in the world if there is neither shell nor
+    /// body. Such a tether to the world has a target. Pins and welds ignore it: they join at the shell's point.
     Point point{};
-    double length = 0.0;            ///< of a tether, m; 0: the present distance. Not shorter than that: reel it in
-    bool collide_connected = false; ///< whether the two may touch each other elsewhere (and a tethered pair at all)
+    double length = 0.0;            ///< of a tether, m; 0: the present distance, which is also the least
+    bool collide_connected = false; ///< whether the two collide with each other (a tethered pair always does)
 };
 
-/// A soft hand that pulls a point of a shell to a place: spring and damper, implicit, hence stable however stiff.
-struct GrabDef {
+/// Soft spring that pulls a point of a shell to a target, for a mouse: spring and damper, implicit, hence always
+/// stable.
+struct MouseJointDef {
     double arc_fraction = 0.5;
     Point target{};             ///< m
     double frequency = 5.0;     ///< of the whole shell's mass on that spring, Hz
     double damping_ratio = 0.7; ///< 1: critical for the whole shell's mass
-    double max_force = 0.0;     ///< N; 0: mass of the shell times 1000 m/s^2, as Box2D's mouse has it
+    double max_force = 0.0;     ///< N; 0: mass of the shell times 1000 m/s^2, as Box2D's mouse joint has it
 };
 
-/// What of a shell's material changes; what is not set stays. Shape and motion stay; energy that comes or goes with the
-/// change is booked as `added`.
+/// Changes of a shell's material; what is not set stays. Shape and motion stay. The change of energy is recorded as
+/// EnergyBalance::added.
 struct MaterialDef {
     std::optional<double> mu;                             ///< friction coefficient, 1
     std::optional<double> young_modulus;                  ///< Pa
@@ -92,21 +93,22 @@ struct MaterialDef {
     std::optional<std::vector<double>> natural_curvature; ///< 1/m, one for all elements or one each
 };
 
-/// Who collides with whom, as in Box2D: of two things of the same group other than 0 a positive group always collides
-/// and a negative never; else each one's mask must contain the other's category. A shell and itself: category and mask.
+/// Collision filter as in Box2D. Two members of the same group other than 0 always collide (positive group) or never
+/// (negative group). Otherwise each one's mask must contain the other's category. A shell against itself: category and
+/// mask.
 struct FilterDef {
     std::uint16_t category = 1;
     std::uint16_t mask = 0xffff;
     std::int16_t group = 0;
 };
 
-/// When shells at rest fall asleep. Off by default: in a pile that is being dropped the impacts wake everything again
-/// and again, which costs more than it saves; in a level full of things at rest it is worth switching on.
+/// When shells at rest fall asleep. Off by default: while a pile is being dropped the impacts wake it again and again,
+/// which costs more than sleep saves. Switch it on for levels in which most things rest.
 struct SleepSettings {
     bool automatic = false;
-    double drift = 0.1; ///< no tip or middle of an island may have come farther than so many thicknesses (of the
-                        ///< thinnest shell) from where it was
-    double delay = 0.5; ///< so many seconds ago
+    double drift = 0.1; ///< largest displacement of any tip or middle of the island within `delay`, in thicknesses of
+                        ///< its thinnest shell, 1
+    double delay = 0.5; ///< s
 };
 
 } // namespace supercircle

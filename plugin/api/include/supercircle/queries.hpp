@@ -1,7 +1,7 @@
 #pragma once
-// Questions about where shells are and how they feel. Shells are what contact takes them for: their arcs, thickened by
-// half the thickness on both sides and round at the ends; answers are exact up to rounding, no polygons in between.
-// Questions change nothing (Shells::hash() stays what it is) and may be asked at any time, from an observer too.
+// Queries of the geometry and the state of shells. A shell is its arcs, thickened by half the thickness on both sides
+// and round at the ends, as contact takes it. Results are exact up to rounding; no polygons are involved. Queries
+// change nothing (Shells::hash() stays equal) and are allowed at any time, also in an observer.
 
 #include "definitions.hpp"
 #include "handle.hpp"
@@ -10,7 +10,7 @@
 
 namespace supercircle {
 
-/// An upright box.
+/// An axis-aligned box.
 struct Box {
     Point lower{}; ///< m
     Point upper{}; ///< m
@@ -21,21 +21,21 @@ struct RayHit {
     ShellHandle shell{};
     Point point{};             ///< on the shell's surface, m
     Point normal{};            ///< unit vector out of the shell; where the ray starts inside, away from the centre line
-    double fraction = 0.0;     ///< of the way from start to end of the ray, in [0, 1]; 0 where the ray starts inside
-    double arc_fraction = 0.0; ///< of the nearest point of the centre line, 0 = first end, 1 = last end
+    double fraction = 0.0;     ///< of the ray, from 0 at its start to 1 at its end; 0 where the ray starts inside
+    double arc_fraction = 0.0; ///< of the closest point of the centre line, 0 = first end, 1 = last end
 };
 
-/// The point of a shell's surface that is nearest to a given point.
-struct NearestPoint {
+/// The point of a shell's surface that is closest to a given point.
+struct ClosestPoint {
     ShellHandle shell{};
     Point point{};             ///< on the surface, m
     Point normal{};            ///< unit vector from the centre line towards the given point
     double distance = 0.0;     ///< of the given point from the surface, negative inside the shell, m
-    double arc_fraction = 0.0; ///< of the nearest point of the centre line, 1
+    double arc_fraction = 0.0; ///< of the closest point of the centre line, 1
 };
 
-/// A shell at one place of its length. At a joint of two elements curvature and what follows from it belong to the
-/// element behind it.
+/// A shell at one place of its length. At a node between two elements, curvature and what follows from it are those of
+/// the second element.
 struct ShellSection {
     Point position{};               ///< of the centre line, m
     Point tangent{};                ///< unit vector towards the last end
@@ -50,7 +50,7 @@ struct ShellSection {
 };
 
 /// A shell as a whole.
-struct ShellMeasures {
+struct ShellState {
     double length = 0.0;             ///< m
     double mass = 0.0;               ///< kg
     Point centre{};                  ///< of mass, m
@@ -60,10 +60,10 @@ struct ShellMeasures {
     double stored_energy = 0.0;      ///< elastic, J
     double max_surface_strain = 0.0; ///< largest h |kappa - kappa0| / 2, 1
     Box box{};                       ///< exact, thickness included, m
-    bool quarantined = false;        ///< taken out of the motion: bad numbers, or a body inside it
+    bool quarantined = false;        ///< taken out of the motion (QuarantineEvent)
 };
 
-/// Which shells a query sees: those whose category has a bit in common with it.
+/// Selects the shells of a query: those whose category has a bit in common with it.
 using QueryMask = std::uint16_t;
 
 } // namespace supercircle

@@ -1,5 +1,5 @@
 #pragma once
-// A JSON scene (docs/scenes.md) inside a loop of your own:
+// A JSON scene (docs/reference/scene_format.md) in your own loop:
 //
 //     auto loaded = supercircle::load_scene("scenes/stack30.json", shells);
 //     if (!loaded) return complain(loaded.error());            // file:line:column: what is wrong
@@ -20,28 +20,27 @@
 namespace supercircle {
 
 struct SceneOptions {
-    std::vector<std::pair<std::string, double>> parameters; ///< values for the scene's knobs, by name
+    std::vector<std::pair<std::string, double>> parameters; ///< values of the scene's parameters, by name
     std::uint64_t seed = 1;                                 ///< of the random drop
 };
 
-/// A scene being played. A cheap handle: copies play the same scene. The Shells it was loaded into must stay where they
-/// are and outlive it.
+/// Plays a scene. Copies refer to the same scene. The Shells it was loaded into must not be moved and must outlive it.
 class ScenePlayer {
 public:
-    /// Advances the scene by at most dt (s): drops shells when their turn comes, moves the machine as the protocol
-    /// says, and calls Shells::pre_step. A move that ends inside the frame ends the frame: step your world by
-    /// FrameReport::advanced.
+    /// Advances the scene by at most dt (s): drops shells, moves the crosshead according to the protocol, and calls
+    /// Shells::pre_step. The end of a protocol segment ends the frame: step your world by FrameReport::advanced.
     FrameReport pre_step(double dt);
     /// Shells::post_step().
     void post_step();
 
-    /// The protocol (or, without one, the scene's duration) is over, or the shells could not go on.
+    /// The end of the protocol (or, without one, of the scene's duration), or a failure.
     [[nodiscard]] bool finished() const;
-    /// What is going on: "drop 7", "settle", "approach", "load 1", "unload 1", "hold", "free", "done".
+    /// The present phase: "drop 7", "settle", "approach", "load 1", "unload 1", "hold", "free", "done".
     [[nodiscard]] std::string phase() const;
-    [[nodiscard]] double travel() const; ///< m, of the machine along its direction, since first touch if so defined
-    [[nodiscard]] double force() const;  ///< N, on the machine, positive while the specimen resists
-    [[nodiscard]] const std::vector<ShellHandle>& shells() const; ///< so far, in order of appearance
+    [[nodiscard]] double
+    travel() const; ///< of the crosshead along its direction, m; from the first contact if the scene says so
+    [[nodiscard]] double force() const; ///< on the crosshead, N; positive while the specimen resists
+    [[nodiscard]] const std::vector<ShellHandle>& shells() const; ///< created so far, in order
     [[nodiscard]] const std::string& name() const;
 
 private:
@@ -51,9 +50,9 @@ private:
     std::shared_ptr<Impl> impl_;
 };
 
-/// Reads and checks a scene file, builds its rigid bodies and joints in the host world of `shells` (whose gravity
-/// becomes the scene's; the scene's lengthScale is ignored, the world's own scale rules) and puts its shells there.
-/// On failure nothing was added, and the error has one line per problem: file:line:column: pointer: what is wrong.
+/// Reads and checks a scene file and creates its bodies, joints and shells in the host world of `shells`. The world's
+/// gravity becomes that of the scene; its length scale stays (lengthScale of the scene is ignored). After a failure
+/// nothing was added, and the error has one line per problem: file:line:column: pointer: what is wrong.
 Result<ScenePlayer> load_scene(const std::string& path, Shells& shells, const SceneOptions& options = {});
 
 } // namespace supercircle

@@ -1,12 +1,11 @@
 #pragma once
 // Saved states and recorded calls.
 //
-// A snapshot holds all that the shells' future depends on: restored into the same Shells or into a fresh one (with the
-// same host around it) it goes on bit for bit. It does not hold the host. Box2D 2.4.1 in particular cannot be put back
-// exactly by anybody: positions and velocities can be set, but the impulses its contacts and joints start from, the
-// order of its contact list, the enlarged boxes of its broad phase and its sleep timers cannot be reached from outside.
-// Where only static and kinematic bodies touch shells none of this matters. With dynamic bodies, repeat instead of
-// restoring: record the calls (CallLog), build the Box2D world anew and replay them.
+// A snapshot holds the state that determines the shells' future. Restored into the same Shells or into new ones with
+// the same host, it continues bitwise identically. It does not hold the host, and Box2D 2.4.1 cannot be restored
+// exactly: its warm-starting impulses, contact order, enlarged boxes and sleep timers are not accessible. Static and
+// kinematic bodies do not need them. With dynamic bodies record the calls (CallLog), build the Box2D world anew and
+// replay them.
 
 #include "handle.hpp"
 
@@ -18,13 +17,13 @@ namespace supercircle {
 
 class Shells;
 
-/// The state of all shells at one moment; a plain value, to be copied at will.
+/// The state of all shells at one time; a plain value.
 class Snapshot {
 public:
     Snapshot() = default;
-    /// From bytes written by bytes(), on any machine. Refused with a reason: other files, other versions, damage.
+    /// From bytes written by bytes(), on any machine. Fails with a reason on other files, other versions and damage.
     static Result<Snapshot> from_bytes(std::vector<std::uint8_t> bytes);
-    /// Header with name, version and checksum, then the state; what to write into a file.
+    /// Header with name, version and checksum, then the state: the content of a file.
     [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
     [[nodiscard]] bool empty() const { return bytes_.empty(); }
     friend bool operator==(const Snapshot& a, const Snapshot& b) { return a.bytes_ == b.bytes_; }
@@ -32,11 +31,11 @@ public:
 private:
     friend class Shells;
     std::vector<std::uint8_t> bytes_;
-    std::uint32_t origin_ = 0; ///< which Shells of this process saved it; 0: read from bytes
+    std::uint32_t origin_ = 0; ///< id() of the Shells of this process that saved it; 0: from bytes
 };
 
-/// Every call that changed a Shells, in order, from Shells::start_log() on. The calls of the host are its
-/// user's: keep them in the same order between the same frames.
+/// The calls that changed a Shells since Shells::start_log(), in order. Calls of the host are not recorded: repeat them
+/// in the same order between the same frames.
 class CallLog {
 public:
     CallLog() = default;
@@ -45,7 +44,7 @@ public:
     [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
     [[nodiscard]] std::uint64_t seed() const { return seed_; } ///< the user's, given to start_log
     [[nodiscard]] std::uint64_t calls() const { return calls_; }
-    [[nodiscard]] std::uint64_t frames() const { return frames_; } ///< how often pre_step was called
+    [[nodiscard]] std::uint64_t frames() const { return frames_; } ///< calls of pre_step
 
 private:
     friend class Shells;

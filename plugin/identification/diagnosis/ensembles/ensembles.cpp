@@ -1,8 +1,8 @@
 #include "plugin/identification/diagnosis/ensembles.h"
 
 #include "plugin/identification/diagnosis/model/random.h"
-#include "plugin/identification/diagnosis/result/conclude.h"
-#include "plugin/identification/diagnosis/selection/weigh.h"
+#include "plugin/identification/diagnosis/result/verdict.h"
+#include "plugin/identification/diagnosis/selection/model_weights.h"
 #include "plugin/recording/table/rounded.h"
 
 #include <Eigen/Cholesky>
@@ -45,11 +45,11 @@ Eigen::MatrixXd pooled(const std::vector<const Ensemble*>& all) {
     return sum;
 }
 
-HeldOut scored(const Ensemble& recorded, const Ensemble& model, const Eigen::MatrixXd& covariance) {
+PredictiveScore scored(const Ensemble& recorded, const Ensemble& model, const Eigen::MatrixXd& covariance) {
     const double widened = 1.0 + 1.0 / static_cast<double>(model.values.rows());
     const Eigen::LLT<Eigen::MatrixXd> llt(covariance * widened);
     const Eigen::MatrixXd d = recorded.values.rowwise() - model.values.colwise().mean();
-    HeldOut out;
+    PredictiveScore out;
     out.energy = llt.matrixL().solve(d.transpose()).colwise().squaredNorm().transpose();
     const double volume = 2.0 * llt.matrixLLT().diagonal().array().log().sum();
     out.volume = Eigen::VectorXd::Constant(d.rows(), volume);
@@ -92,19 +92,20 @@ std::string statement(const EnsembleDiagnosis& d) {
     const std::string shift = most->quantity + " is " + rounded(most->recorded, 3) + " in the recordings and " +
                               rounded(most->simulated, 3) +
                               " in the simulation without extra physics (family-wise p = " + rounded(most->p, 3) + ")";
-    if (d.verdict == "nothing_missing")
-        return "The recorded ensemble agrees with the simulated one: at most, " + shift + ".";
-    if (d.verdict == "not_enough_information") {
-        const std::string believed = "nothing is missing with a probability of " + rounded(d.nothing, 3) + ".";
+    if (d.verdict == "adequate")
+        return "The recorded ensemble agrees with the simulated one. Largest shift: " + shift + ".";
+    if (d.verdict == "inconclusive") {
+        const std::string believed = "the probability that no effect is missing is " + rounded(d.adequate, 3) + ".";
         return d.p <= kFamilyWise
-                   ? "The ensembles differ: " + shift + ", too little to believe in an effect: " + believed
-                   : "These stacks do not decide whether the ensembles differ: at most, " + shift + "; " + believed;
+                   ? "The ensembles differ: " + shift + ", but too little to conclude that an effect acts: " + believed
+                   : "These stacks do not decide whether the ensembles differ. Largest shift: " + shift + "; " +
+                         believed;
     }
-    if (d.verdict == "named")
-        return "The ensembles differ: " + shift + "; " + d.effects.front().label + " shifts them alike.";
-    if (d.verdict == "unexplained")
-        return "The ensembles differ: " + shift + ", and none of the effects that were simulated shifts them alike.";
-    return "The ensembles differ: " + shift + "; these stacks do not decide which effect it is.";
+    if (d.verdict == "identified")
+        return "The ensembles differ: " + shift + "; " + plainWords(d.effects.front().label) + " explains it.";
+    if (d.verdict == "outside_catalogue")
+        return "The ensembles differ: " + shift + ", and none of the simulated effects explains it.";
+    return "The ensembles differ: " + shift + "; these stacks do not decide which effect explains it.";
 }
 
 } // namespace
@@ -123,43 +124,44 @@ EnsembleDiagnosis diagnoseEnsembles(const std::vector<std::string>& quantities, 
         }
     shiftsOf(quantities, recorded, nominal, seed, out);
     const Eigen::MatrixXd covariance = pooled(all);
-    const HeldOut nothing = scored(recorded, nominal, covariance);
-    std::vector<HeldOut> held;
+    const PredictiveScore baseline = scored(recorded, nominal, covariance);
+    std::vector<PredictiveScore> held;
     for (const Ensemble& e : effects)
         held.push_back(scored(recorded, e, covariance));
-    Weighing given;
+    WeightingInput given;
     given.catalogue = std::max<std::size_t>(1, effects.size());
     given.p = out.p;
     given.seed = seed + 1;
-    const Weighed w = weigh(nothing, held, given);
-    out.nothing = w.nothing;
-    out.unknown = w.unknown;
+    const ModelWeights w = modelWeights(baseline, held, given);
+    out.adequate = w.adequate;
+    out.outsideCatalogue = w.outsideCatalogue;
     std::vector<std::size_t> order(effects.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return w.effects[a] > w.effects[b]; });
     Evidence e;
     e.p = out.p;
-    e.nothing = w.nothing;
-    e.unknown = w.unknown;
+    e.adequate = w.adequate;
+    e.outsideCatalogue = w.outsideCatalogue;
     e.any = !effects.empty();
     for (const std::size_t i : order) {
-        FoundEffect f;
+        FittedEffect f;
         f.label = effects[i].label;
         f.probability = w.effects[i];
         f.gain = w.gain[i];
         f.gainError = w.gainError[i];
-        f.group = {f.label};
-        for (const std::size_t k : order) // means that these recordings cannot tell apart
+        f.confoundedWith = {f.label};
+        for (const std::size_t k : order) // means that these recordings cannot distinguish
             if (k != i && alike(held[i], held[k], 1e9, w.dispersion))
-                f.group.push_back(effects[k].label);
+                f.confoundedWith.push_back(effects[k].label);
         if (out.effects.empty()) {
             e.gain = f.gain;
             e.gainLow = w.gainLow[i];
-            e.bestGroup = f.probability;
+            e.groupProbability = f.probability;
             for (const std::size_t k : order)
-                if (k != i && std::find(f.group.begin(), f.group.end(), effects[k].label) != f.group.end())
-                    e.bestGroup += w.effects[k];
+                if (k != i && std::find(f.confoundedWith.begin(), f.confoundedWith.end(), effects[k].label) !=
+                                  f.confoundedWith.end())
+                    e.groupProbability += w.effects[k];
         }
         out.effects.push_back(std::move(f));
     }

@@ -1,7 +1,7 @@
 #include "plugin/identification/diagnosis/fit.h"
 
-#include "plugin/identification/diagnosis/box.h"
-#include "plugin/identification/diagnosis/estimation/grow.h"
+#include "plugin/identification/diagnosis/box_qp.h"
+#include "plugin/identification/diagnosis/estimation/progressive_fit.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -11,7 +11,7 @@
 
 namespace supercircle::diagnosis {
 
-Variables::Variables(const Model& model, const Point& like) : scalars_(model.nominal()), like_(like) {
+Variables::Variables(const Model& model, const ParameterPoint& like) : scalars_(model.nominal()), like_(like) {
     nominal = static_cast<Eigen::Index>(scalars_.size());
     for (const Term& t : like.terms)
         for (const Scalar& s : model.candidates()[t.candidate].parameters)
@@ -27,21 +27,21 @@ Variables::Variables(const Model& model, const Point& like) : scalars_(model.nom
     for (const Term& t : like.terms) {
         const auto n = static_cast<Eigen::Index>(t.values.size());
         if (model.candidates()[t.candidate].learned)
-            penalty.block(first, first, n, n) = roughness(n, t.smoothing);
+            penalty.block(first, first, n, n) = smoothingPenalty(n, t.smoothing);
         first += n;
     }
 }
 
 /// P. H. C. Eilers, B. D. Marx (1996): second differences of neighbouring coefficients, and their size.
-Eigen::MatrixXd roughness(Eigen::Index n, double smoothing) {
-    constexpr double kBend = 1.0, kSize = 6.0; // steps: deviations of second differences and of coefficients
+Eigen::MatrixXd smoothingPenalty(Eigen::Index n, double smoothing) {
+    constexpr double kBend = 1.0, kSize = 6.0; // in steps: sigma of second differences and of coefficients
     Eigen::MatrixXd d = Eigen::MatrixXd::Zero(n - 2, n);
     for (Eigen::Index i = 0; i + 2 < n; ++i)
         d.row(i).segment(i, 3) << 1.0, -2.0, 1.0;
     return smoothing / (kBend * kBend) * d.transpose() * d + Eigen::MatrixXd::Identity(n, n) / (kSize * kSize);
 }
 
-Eigen::VectorXd Variables::of(const Point& point) const {
+Eigen::VectorXd Variables::of(const ParameterPoint& point) const {
     Eigen::VectorXd x(size());
     Eigen::Index i = 0;
     const auto put = [&](double v) {
@@ -54,8 +54,8 @@ Eigen::VectorXd Variables::of(const Point& point) const {
     return x.cwiseMax(lower).cwiseMin(upper);
 }
 
-Point Variables::at(const Eigen::VectorXd& x) const {
-    Point p = like_;
+ParameterPoint Variables::at(const Eigen::VectorXd& x) const {
+    ParameterPoint p = like_;
     Eigen::Index i = 0;
     const auto put = [&](double& v) {
         const Scalar& s = scalar(i);
@@ -92,9 +92,9 @@ struct Neighbours {
     double toUp = 0.0, toDown = 0.0;
 };
 
-/// Above and below, of one after the other.
-std::vector<Point> pointsOf(const Variables& v, const std::vector<Neighbours>& all) {
-    std::vector<Point> points;
+/// Upper and lower neighbour of each in turn.
+std::vector<ParameterPoint> pointsOf(const Variables& v, const std::vector<Neighbours>& all) {
+    std::vector<ParameterPoint> points;
     for (const Neighbours& n : all) {
         points.push_back(v.at(n.up));
         points.push_back(v.at(n.down));
@@ -102,50 +102,46 @@ std::vector<Point> pointsOf(const Variables& v, const std::vector<Neighbours>& a
     return points;
 }
 
-/// How far to go for the derivative by a number, where over `span` it changed all readings by `change`.
-/// Where a step of the simulation ends just before a kink of the force at one place and just behind it at the next, a
-/// single reading changes by half a noise unit. Beside a number that hardly changes any reading that is most of its
-/// column: of an arch's thickness two thirds were such readings, so that a residual projected on what the nominal
-/// numbers can do kept what they can do, and gravity stood out of a recording that lacks nothing (p = .007). Over a
-/// difference k times as wide they are divided by k, and numbers as faint as that are linear enough for it.
+/// Difference step for a parameter that changed all readings by `change` sigma over a unit step. Kinks of the simulated
+/// force shift single readings by half a sigma. For a parameter with a faint effect these dominate its column; a wider
+/// step divides them (decision 0076).
 double widened(double difference, double change) {
-    constexpr double kPlain = 20.0, kWidest = 1.0; // noise units; of the stated half-width
+    constexpr double kPlain = 20.0, kWidest = 1.0; // sigma; fraction of the stated half-width
     return change > 0.0 ? std::clamp(difference * kPlain / change, difference, kWidest) : kWidest;
 }
 
-/// Derivatives by the numbers `only`, those that are faint over more of their interval. Only stated numbers: what an
-/// effect does may begin at a threshold, and numbers of free scenes have no bounds.
+/// Derivatives with respect to the parameters `only`; faint ones again over a wider step. Only stated parameters are
+/// widened: effects may begin at a threshold, and parameters of free scenes have no bounds.
 /// @param take fills columns of `into` from their neighbours in x
-template <class Take>
-void inTwoGoes(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x, double difference,
-               const std::vector<Eigen::Index>& only, const Evaluator& evaluator, Eigen::MatrixXd& into,
-               const Take& take) {
-    // A fifth of what is open of the spin at which a free body is let go turns its last swing by half a swing; its
-    // motion is smooth, and a hundredth is enough.
+template <class Fill>
+void differentiateInTwoPasses(const Likelihood& likelihood, const Variables& v, const Eigen::VectorXd& x,
+                              double difference, const std::vector<Eigen::Index>& only, const Evaluator& evaluator,
+                              Eigen::MatrixXd& into, const Fill& fill) {
+    // The phase of a free motion is very sensitive to its initial state. The motion is smooth, so a small step is
+    // accurate.
     constexpr double kFree = 0.05;
     std::vector<Neighbours> near, wide;
     for (const Eigen::Index c : only) {
         into.col(c).setZero();
-        near.emplace_back(v, x, c, misfit.data().free ? kFree * difference : difference);
+        near.emplace_back(v, x, c, likelihood.data().free ? kFree * difference : difference);
     }
-    take(near);
+    fill(near);
     for (const Neighbours& n : near)
         if (const double wider = widened(difference, into.col(n.column).norm() * n.span());
-            wider > difference && n.column < v.nominal && !misfit.data().free)
+            wider > difference && n.column < v.nominal && !likelihood.data().free)
             wide.emplace_back(v, x, n.column, wider);
     if (!wide.empty() && !evaluator.stopped())
-        take(wide);
+        fill(wide);
 }
 
-/// The quieter of two one-sided derivatives, if a branch ends between the other neighbour and here: a strip that slips
-/// or buckles to the other side reads something else everywhere. Such a column (17 472 noise units per half-width, 97
-/// on the branch) held its number, and with it what it stands for, where the search began: a control's nominal fit
-/// ended 160 squares above its minimum, and gravity and a defect of the curvature had it beaten (47 of seed 2039).
-std::optional<Eigen::VectorXd> onThisBranch(const Misfit& misfit, const std::vector<Response>& here,
+/// The smaller of the two one-sided derivatives, if a neighbour lies on another solution branch: a strip that slips or
+/// buckles the other way changes every reading. Such a column would hold its parameter where the search began (decision
+/// 0076).
+std::optional<Eigen::VectorXd> onSameBranch(const Likelihood& likelihood, const std::vector<Response>& here,
                                             const Neighbours& n, const std::vector<Response>& up,
                                             const std::vector<Response>& down) {
-    constexpr double kElsewhere = 4.0; // times as much to one side as to the other
-    const auto above = misfit.difference(up, here), below = misfit.difference(here, down);
+    constexpr double kElsewhere = 4.0; // ratio of the two one-sided changes
+    const auto above = likelihood.whitenedDifference(up, here), below = likelihood.whitenedDifference(here, down);
     if (!above || !below || !(n.toUp > 0.0) || !(n.toDown > 0.0))
         return std::nullopt;
     const double a = above->norm() / n.toUp, b = below->norm() / n.toDown;
@@ -154,70 +150,69 @@ std::optional<Eigen::VectorXd> onThisBranch(const Misfit& misfit, const std::vec
     return Eigen::VectorXd(a < b ? *above / n.toUp : *below / n.toDown);
 }
 
-/// Of two neighbours of which one cannot be simulated. Friction that falls with speed makes a specimen stick and slip a
-/// little further on; with the column zero its strength stayed where the search began, with an error of what is
-/// plausible at all, and no further run was found that could tell it from nothing (27 of seed 2039).
-std::optional<Eigen::VectorXd> fromTheOtherSide(const Misfit& misfit, const std::vector<Response>& here,
-                                                const Neighbours& n, const std::vector<Response>& up,
-                                                const std::vector<Response>& down) {
-    if (const auto above = n.toUp > 0.0 ? misfit.difference(up, here) : std::nullopt)
+/// The one-sided derivative where one of the two neighbours cannot be simulated, as where friction that falls with
+/// speed makes the specimen stick and slip (decision 0076).
+std::optional<Eigen::VectorXd> oneSidedDifference(const Likelihood& likelihood, const std::vector<Response>& here,
+                                                  const Neighbours& n, const std::vector<Response>& up,
+                                                  const std::vector<Response>& down) {
+    if (const auto above = n.toUp > 0.0 ? likelihood.whitenedDifference(up, here) : std::nullopt)
         return Eigen::VectorXd(*above / n.toUp);
-    if (const auto below = n.toDown > 0.0 ? misfit.difference(here, down) : std::nullopt)
+    if (const auto below = n.toDown > 0.0 ? likelihood.whitenedDifference(here, down) : std::nullopt)
         return Eigen::VectorXd(*below / n.toDown);
     return std::nullopt;
 }
 
 } // namespace
 
-bool differentiate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x,
-                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into, Fineness fineness) {
-    constexpr double kLoud = 5.0; // noise units a reading: no stated number does that nearby, if noise can be seen
-    const double loud = kLoud * std::sqrt(static_cast<double>(misfit.present()));
+bool differentiate(Evaluator& evaluator, const Likelihood& likelihood, const Variables& v, const Eigen::VectorXd& x,
+                   double difference, const std::vector<Eigen::Index>& only, Eigen::MatrixXd& into, Fidelity fidelity) {
+    constexpr double kLoud = 5.0; // sigma a reading: more than a nearby stated parameter does
+    const double limit = kLoud * std::sqrt(static_cast<double>(likelihood.countedRows()));
     bool edge = false;
-    std::vector<Eigen::Index> lost; // to both sides
+    std::vector<Eigen::Index> failed; // neither neighbour can be simulated
     std::vector<Response> here;
     const auto middle = [&]() -> const std::vector<Response>& {
         if (here.empty())
-            here = evaluator.everywhere({v.at(x)}, fineness).front();
+            here = evaluator.simulateAllRuns({v.at(x)}, fidelity).front();
         return here;
     };
-    into.conservativeResize(misfit.rows(), v.size());
-    inTwoGoes(misfit, v, x, difference, only, evaluator, into, [&](const std::vector<Neighbours>& beside) {
-        const auto answers = evaluator.everywhere(pointsOf(v, beside), fineness);
-        for (std::size_t i = 0; i < beside.size(); ++i) {
-            const Neighbours& n = beside[i];
-            const std::vector<Response>&up = answers[2 * i], &down = answers[2 * i + 1];
-            const auto change = misfit.difference(up, down);
-            if (!(n.span() > 0.0))
-                continue;
-            if (!change) {
-                if (const auto one = fromTheOtherSide(misfit, middle(), n, up, down))
-                    into.col(n.column) = *one;
-                else if (into.col(n.column).isZero(0.0))
-                    lost.push_back(n.column);
-                continue;
-            }
-            into.col(n.column) = *change / n.span();
-            // What an effect does may begin at a threshold, and free bodies go where they like.
-            if (change->norm() < loud || n.column >= v.nominal || misfit.data().free)
-                continue;
-            if (const auto quieter = onThisBranch(misfit, middle(), n, up, down)) {
-                into.col(n.column) = *quieter;
-                edge = true;
-            }
-        }
-    });
-    // What sticks and slips may be too much for the coarse simulation alone.
-    if (fineness == Fineness::Coarse && !lost.empty() && !evaluator.stopped())
-        edge = differentiate(evaluator, misfit, v, x, difference, lost, into, Fineness::Fine) || edge;
+    into.conservativeResize(likelihood.rows(), v.size());
+    differentiateInTwoPasses(likelihood, v, x, difference, only, evaluator, into,
+                             [&](const std::vector<Neighbours>& beside) {
+                                 const auto answers = evaluator.simulateAllRuns(pointsOf(v, beside), fidelity);
+                                 for (std::size_t i = 0; i < beside.size(); ++i) {
+                                     const Neighbours& n = beside[i];
+                                     const std::vector<Response>&up = answers[2 * i], &down = answers[2 * i + 1];
+                                     const auto change = likelihood.whitenedDifference(up, down);
+                                     if (!(n.span() > 0.0))
+                                         continue;
+                                     if (!change) {
+                                         if (const auto one = oneSidedDifference(likelihood, middle(), n, up, down))
+                                             into.col(n.column) = *one;
+                                         else if (into.col(n.column).isZero(0.0))
+                                             failed.push_back(n.column);
+                                         continue;
+                                     }
+                                     into.col(n.column) = *change / n.span();
+                                     // Effects may begin at a threshold, and free motions are not bounded.
+                                     if (change->norm() < limit || n.column >= v.nominal || likelihood.data().free)
+                                         continue;
+                                     if (const auto smaller = onSameBranch(likelihood, middle(), n, up, down)) {
+                                         into.col(n.column) = *smaller;
+                                         edge = true;
+                                     }
+                                 }
+                             });
+    // Stick-slip may fail at coarse fidelity alone.
+    if (fidelity == Fidelity::Coarse && !failed.empty() && !evaluator.stopped())
+        edge = differentiate(evaluator, likelihood, v, x, difference, failed, into, Fidelity::Fine) || edge;
     return edge;
 }
 
 namespace {
 
-/// Of the slopes to either side the smaller one, reading by reading; of one that does not exist (a bound, a run that
-/// failed) the other.
-Eigen::VectorXd nearerToZero(const Departure& up, double toUp, const Departure& down, double toDown,
+/// The smaller of the two one-sided slopes in each reading; the other one where one does not exist.
+Eigen::VectorXd smallerSlope(const RawDifference& up, double toUp, const RawDifference& down, double toDown,
                              Eigen::Index rows) {
     const bool above = toUp > 0.0 && up.rows.size() == rows, below = toDown > 0.0 && down.rows.size() == rows;
     if (!above && !below)
@@ -227,84 +222,88 @@ Eigen::VectorXd nearerToZero(const Departure& up, double toUp, const Departure& 
     return a.binaryExpr(b, [](double p, double q) { return std::abs(p) < std::abs(q) ? p : q; });
 }
 
-/// Whitened, of all readings; zero where it is not known.
-Eigen::VectorXd slope(const Misfit& misfit, const std::vector<Response>& here, const std::vector<Response>& above,
-                      double toUp, const std::vector<Response>& below, double toDown) {
-    Eigen::VectorXd out(misfit.rows()); // slopes before they are whitened: whitening spreads a jump
+/// Whitened slope of all readings; zero where it is unknown.
+Eigen::VectorXd slope(const Likelihood& likelihood, const std::vector<Response>& here,
+                      const std::vector<Response>& above, double toUp, const std::vector<Response>& below,
+                      double toDown) {
+    Eigen::VectorXd out(likelihood.rows()); // whitening would spread a jump, so slopes are selected before it
     for (std::size_t r = 0; r < here.size(); ++r)
-        out.segment(misfit.start(r), misfit.rowsOf(r)) =
-            misfit.whiten(r, nearerToZero(misfit.change(r, above[r], here[r]), toUp,
-                                          misfit.change(r, here[r], below[r]), toDown, misfit.rowsOf(r)));
-    return out.allFinite() ? out : Eigen::VectorXd::Zero(misfit.rows());
+        out.segment(likelihood.start(r), likelihood.rowsOf(r)) = likelihood.whiten(
+            r, smallerSlope(likelihood.rawDifference(r, above[r], here[r]), toUp,
+                            likelihood.rawDifference(r, here[r], below[r]), toDown, likelihood.rowsOf(r)));
+    return out.allFinite() ? out : Eigen::VectorXd::Zero(likelihood.rows());
 }
 
 } // namespace
 
-Eigen::MatrixXd differentiateCarefully(Evaluator& evaluator, const Misfit& misfit, const Variables& v,
-                                       const Eigen::VectorXd& x, double difference) {
-    Eigen::MatrixXd out(misfit.rows(), v.size());
-    const auto here = evaluator.everywhere({v.at(x)}, Fineness::Coarse).front();
-    inTwoGoes(misfit, v, x, difference, range(0, v.size()), evaluator, out, [&](const std::vector<Neighbours>& beside) {
-        const auto answers = evaluator.everywhere(pointsOf(v, beside), Fineness::Coarse);
-        for (std::size_t i = 0; i < beside.size(); ++i)
-            out.col(beside[i].column) =
-                slope(misfit, here, answers[2 * i], beside[i].toUp, answers[2 * i + 1], beside[i].toDown);
-    });
+Eigen::MatrixXd differentiateRobustly(Evaluator& evaluator, const Likelihood& likelihood, const Variables& v,
+                                      const Eigen::VectorXd& x, double difference) {
+    Eigen::MatrixXd out(likelihood.rows(), v.size());
+    const auto here = evaluator.simulateAllRuns({v.at(x)}, Fidelity::Coarse).front();
+    differentiateInTwoPasses(
+        likelihood, v, x, difference, range(0, v.size()), evaluator, out, [&](const std::vector<Neighbours>& beside) {
+            const auto answers = evaluator.simulateAllRuns(pointsOf(v, beside), Fidelity::Coarse);
+            for (std::size_t i = 0; i < beside.size(); ++i)
+                out.col(beside[i].column) =
+                    slope(likelihood, here, answers[2 * i], beside[i].toUp, answers[2 * i + 1], beside[i].toDown);
+        });
     return out;
 }
 
-Eigen::VectorXd slopeAlong(Evaluator& evaluator, const Misfit& misfit, const Variables& v, const Eigen::VectorXd& x,
-                           const Eigen::VectorXd& up, const Eigen::VectorXd& down, Eigen::Index by) {
-    const auto answers = evaluator.everywhere({v.at(x), v.at(up), v.at(down)}, Fineness::Coarse);
-    return slope(misfit, answers[0], answers[1], up[by] - x[by], answers[2], x[by] - down[by]);
+Eigen::VectorXd slopeAlong(Evaluator& evaluator, const Likelihood& likelihood, const Variables& v,
+                           const Eigen::VectorXd& x, const Eigen::VectorXd& up, const Eigen::VectorXd& down,
+                           Eigen::Index by) {
+    const auto answers = evaluator.simulateAllRuns({v.at(x), v.at(up), v.at(down)}, Fidelity::Coarse);
+    return slope(likelihood, answers[0], answers[1], up[by] - x[by], answers[2], x[by] - down[by]);
 }
 
-bool evaluate(Evaluator& evaluator, const Misfit& misfit, const Variables& v, Fitted& f) {
+bool evaluate(Evaluator& evaluator, const Likelihood& likelihood, const Variables& v, FitResult& f) {
     f.point = v.at(f.x);
-    f.responses = evaluator.everywhere({f.point}, Fineness::Fine).front();
+    f.responses = evaluator.simulateAllRuns({f.point}, Fidelity::Fine).front();
     for (const Response& r : f.responses)
         if (!r.failure.empty())
             f.failure = r.failure;
-    const auto residual = misfit.residual(f.responses);
+    const auto residual = likelihood.residual(f.responses);
     if (!residual)
         return false;
     f.residual = *residual;
-    f.misfit = f.residual.squaredNorm() + misfit.charge(f.responses).sum();
-    f.cost = f.misfit + f.x.dot(v.penalty * f.x);
+    f.chiSquared = f.residual.squaredNorm() + likelihood.maskPenalty(f.responses).sum();
+    f.cost = f.chiSquared + f.x.dot(v.penalty * f.x);
     return true;
 }
 
-void learnFrom(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change) {
+void broydenUpdate(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change) {
     jacobian += (change - jacobian * step) * step.transpose() / step.squaredNorm();
 }
 
 namespace {
 
-/// One search from a start; a class because its steps share much.
-class Search {
+/// A search from one start.
+class LevenbergMarquardt {
 public:
-    Search(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings)
-        : evaluator_(evaluator), misfit_(misfit), settings_(settings), v_(evaluator.model(), start) {
+    LevenbergMarquardt(Evaluator& evaluator, const Likelihood& likelihood, const ParameterPoint& start,
+                       const FitSettings& settings)
+        : evaluator_(evaluator), likelihood_(likelihood), settings_(settings), v_(evaluator.model(), start) {
         now_.x = v_.of(start);
     }
 
-    Fitted run(const Eigen::MatrixXd& known) {
+    FitResult run(const Eigen::MatrixXd& known) {
         if (!evaluate(now_)) {
             now_.failure = now_.failure.empty() ? "the start cannot be simulated" : now_.failure;
             return now_;
         }
-        const bool fits = known.rows() == misfit_.rows() && known.cols() <= v_.size();
+        const bool fits = known.rows() == likelihood_.rows() && known.cols() <= v_.size();
         const Eigen::Index given = fits ? known.cols() : 0;
-        now_.jacobian.setZero(misfit_.rows(), v_.size());
+        now_.jacobian.setZero(likelihood_.rows(), v_.size());
         if (given > 0)
             now_.jacobian.leftCols(given) = known;
         if (given < v_.size())
-            differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, range(given, v_.size()),
+            differentiate(evaluator_, likelihood_, v_, now_.x, settings_.differenceStep, range(given, v_.size()),
                           now_.jacobian);
-        // Of two effects the first one's columns come from its own search, which has learnt them on the way.
+        // Columns of the first effect come from its own search, where Broyden's updates have changed them.
         if (given > v_.nominal && v_.size() > v_.nominal)
             age_ = Age::Learnt;
-        constexpr int kMoreTrials = 8; // steps that fail cost simulations, but not the way that is left
+        constexpr int kMoreTrials = 8; // failed steps count apart from accepted ones
         while (!done_ && now_.iterations < settings_.iterations && trials_ < settings_.iterations + kMoreTrials &&
                !evaluator_.stopped())
             iterate();
@@ -312,7 +311,7 @@ public:
     }
 
 private:
-    bool evaluate(Fitted& f) const { return supercircle::diagnosis::evaluate(evaluator_, misfit_, v_, f); }
+    bool evaluate(FitResult& f) const { return supercircle::diagnosis::evaluate(evaluator_, likelihood_, v_, f); }
 
     void iterate() {
         ++trials_;
@@ -323,24 +322,24 @@ private:
         constexpr double kFar = 2.0; // steps in one go
         const Eigen::VectorXd far = Eigen::VectorXd::Constant(v_.size(), kFar);
         const Eigen::VectorXd step =
-            boxMinimum(G, g, (v_.lower - now_.x).cwiseMax(-far), (v_.upper - now_.x).cwiseMin(far));
+            solveBoxQp(G, g, (v_.lower - now_.x).cwiseMax(-far), (v_.upper - now_.x).cwiseMin(far));
         const Eigen::VectorXd to = now_.x + step;
-        // What hides behind a late jump is charged for (Misfit::charge) and stays, as far as derivatives know.
-        const double foreseen = now_.residual.squaredNorm() + now_.x.dot(v_.penalty * now_.x) -
-                                (now_.residual - now_.jacobian * step).squaredNorm() - to.dot(v_.penalty * to);
-        if (foreseen < settings_.enough) {
+        // The penalty for masked rows (Likelihood::maskPenalty) has no derivative.
+        const double predictedGain = now_.residual.squaredNorm() + now_.x.dot(v_.penalty * now_.x) -
+                                     (now_.residual - now_.jacobian * step).squaredNorm() - to.dot(v_.penalty * to);
+        if (predictedGain < settings_.smallestGain) {
             finishOrRefresh();
             return;
         }
-        Fitted trial;
+        FitResult trial;
         trial.x = to;
         if (evaluate(trial) && trial.cost < now_.cost)
-            accept(std::move(trial), step, foreseen);
+            accept(std::move(trial), step, predictedGain);
         else
             reject();
     }
 
-    /// Damping of .001, .01 and .1 shortens a step by nothing, 1 and 9 %: what failed would fail again.
+    /// Damping below 0.3 shortens a step by at most 9 %, so a failed step would fail again.
     void reject() {
         damping_ = std::max(10.0 * damping_, 0.3);
         const int most = age_ == Age::Fresh ? 4 : 2;
@@ -348,33 +347,35 @@ private:
             finishOrRefresh();
     }
 
-    void accept(Fitted&& trial, const Eigen::VectorXd& step, double foreseen) {
+    void accept(FitResult&& trial, const Eigen::VectorXd& step, double predictedGain) {
         rejected_ = 0;
         age_ = Age::Learnt;
         trial.iterations = now_.iterations + 1;
         const double gain = now_.cost - trial.cost;
-        const bool hopeless = trials_ >= 5 && trial.misfit > 3.0 * settings_.rival && gain < 0.1 * trial.misfit;
+        const bool stalled =
+            trials_ >= 5 && trial.chiSquared > 3.0 * settings_.competitor && gain < 0.1 * trial.chiSquared;
         trial.jacobian = std::move(now_.jacobian);
-        if (const auto change = misfit_.difference(trial.responses, now_.responses))
-            learnFrom(trial.jacobian, step, *change);
-        damping_ = std::max(1e-6, gain > 0.5 * foreseen ? damping_ / 10.0 : damping_);
+        if (const auto change = likelihood_.whitenedDifference(trial.responses, now_.responses))
+            broydenUpdate(trial.jacobian, step, *change);
+        damping_ = std::max(1e-6, gain > 0.5 * predictedGain ? damping_ / 10.0 : damping_);
         now_ = std::move(trial);
-        if (settings_.rival > 0.0 && hopeless)
+        if (settings_.competitor > 0.0 && stalled)
             done_ = true;
-        else if (gain < settings_.enough)
+        else if (gain < settings_.smallestGain)
             finishOrRefresh();
-        else if (gain < 0.5 * foreseen && !behind()) // the derivatives are not those of this place
-            refreshMoved();
+        else if (gain < 0.5 * predictedGain && !farBehind()) // the derivatives are those of another point
+            refreshEffect();
     }
 
-    [[nodiscard]] bool behind() const { return settings_.rival > 0.0 && now_.misfit > 3.0 * settings_.rival; }
+    [[nodiscard]] bool farBehind() const {
+        return settings_.competitor > 0.0 && now_.chiSquared > 3.0 * settings_.competitor;
+    }
 
-    /// At a dead end of old derivatives new ones may know the way on: those that have moved most first, and where they
-    /// do not help the nominal ones.
-    void finishOrRefresh() { done_ = behind() || !(refreshMoved() || refreshRest()); }
+    /// Refreshes old derivatives where no step is found: those with respect to the effect first, then the nominal ones.
+    void finishOrRefresh() { done_ = farBehind() || !(refreshEffect() || refreshNominal()); }
 
-    /// Derivatives by the effect's numbers; by the nominal ones where they are alone.
-    bool refreshMoved() {
+    /// Refreshes the derivatives with respect to the effect's parameters, or the nominal ones where there is no effect.
+    bool refreshEffect() {
         if (age_ != Age::Learnt || refreshes_ >= settings_.refreshes)
             return false;
         ++refreshes_;
@@ -384,46 +385,47 @@ private:
         return true;
     }
 
-    bool refreshRest() {
-        if (age_ == Age::Fresh || v_.size() == v_.nominal || rests_ >= settings_.rests)
+    bool refreshNominal() {
+        if (age_ == Age::Fresh || v_.size() == v_.nominal || nominalRefreshes_ >= settings_.nominalRefreshes)
             return false;
-        ++rests_;
+        ++nominalRefreshes_;
         refresh(range(0, age_ == Age::Moved ? v_.nominal : v_.size()));
         age_ = Age::Fresh;
         return true;
     }
 
     void refresh(const std::vector<Eigen::Index>& columns) {
-        differentiate(evaluator_, misfit_, v_, now_.x, settings_.difference, columns, now_.jacobian);
+        differentiate(evaluator_, likelihood_, v_, now_.x, settings_.differenceStep, columns, now_.jacobian);
         rejected_ = 0;
         damping_ = std::min(damping_, 1e-2);
     }
 
     Evaluator& evaluator_;
-    const Misfit& misfit_;
+    const Likelihood& likelihood_;
     const FitSettings& settings_;
     Variables v_;
-    Fitted now_;
+    FitResult now_;
     double damping_ = 1e-3;
-    int trials_ = 0, rejected_ = 0, refreshes_ = 0, rests_ = 0;
-    /// Of the derivatives: all of them taken here, only those that have moved, or learnt from steps.
+    int trials_ = 0, rejected_ = 0, refreshes_ = 0, nominalRefreshes_ = 0;
+    /// Of the derivatives: all taken at this point, only those of the effect, or updated from steps.
     enum class Age : std::uint8_t { Fresh, Moved, Learnt } age_ = Age::Fresh;
     bool done_ = false;
 };
 
 } // namespace
 
-Fitted fit(Evaluator& evaluator, const Misfit& misfit, const Point& start, const FitSettings& settings,
-           const Eigen::MatrixXd& known) {
-    const bool grow = settings.grow && misfit.data().free;
+FitResult fit(Evaluator& evaluator, const Likelihood& likelihood, const ParameterPoint& start,
+              const FitSettings& settings, const Eigen::MatrixXd& known) {
+    const bool progressive = settings.progressive && likelihood.data().free;
     FitSettings given = settings;
-    if (misfit.data().free) // runs are cheap, and bends of long swings are hardly learnt from steps
-        given.refreshes = given.rests = given.iterations;
-    return Search(evaluator, misfit, grow ? grown(evaluator, misfit, start, given) : start, given)
-        .run(grow ? Eigen::MatrixXd() : known);
+    if (likelihood.data().free) // runs are cheap, and long oscillations are too nonlinear for Broyden's update
+        given.refreshes = given.nominalRefreshes = given.iterations;
+    return LevenbergMarquardt(evaluator, likelihood,
+                              progressive ? progressiveStart(evaluator, likelihood, start, given) : start, given)
+        .run(progressive ? Eigen::MatrixXd() : known);
 }
 
-Eigen::MatrixXd posteriorOf(const Variables& v, const Eigen::MatrixXd& jacobian, double dispersion) {
+Eigen::MatrixXd posteriorCovariance(const Variables& v, const Eigen::MatrixXd& jacobian, double dispersion) {
     Eigen::MatrixXd precision = jacobian.transpose() * jacobian / std::max(1.0, dispersion);
     for (Eigen::Index k = 0; k < v.size(); ++k) {
         const double width = std::min(v.upper[k] - v.lower[k], 1e3);
@@ -432,11 +434,11 @@ Eigen::MatrixXd posteriorOf(const Variables& v, const Eigen::MatrixXd& jacobian,
     return precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
 }
 
-double misfitPerRow(const Misfit& misfit, const Fitted& f) {
-    return f.misfit / static_cast<double>(std::max<Eigen::Index>(1, misfit.present()));
+double chiSquaredPerReading(const Likelihood& likelihood, const FitResult& f) {
+    return f.chiSquared / static_cast<double>(std::max<Eigen::Index>(1, likelihood.countedRows()));
 }
 
-Eigen::MatrixXd freeColumns(const Model& model, const Fitted& f) {
+Eigen::MatrixXd freeColumns(const Model& model, const FitResult& f) {
     const Variables v(model, f.point);
     std::vector<Eigen::Index> free;
     for (Eigen::Index i = 0; i < v.size(); ++i)
@@ -448,8 +450,8 @@ Eigen::MatrixXd freeColumns(const Model& model, const Fitted& f) {
     return columns;
 }
 
-std::vector<Eigen::Index> pressedAmplitudes(const Model& model, const Fitted& f, double dispersion) {
-    constexpr double kDeviations = 3.0;
+std::vector<Eigen::Index> amplitudesAtBound(const Model& model, const FitResult& f, double dispersion) {
+    constexpr double kSigma = 3.0;
     std::vector<Eigen::Index> out;
     const Variables v(model, f.point);
     if (f.residual.size() == 0 || f.jacobian.rows() != f.residual.size() || f.jacobian.cols() != v.size())
@@ -457,7 +459,7 @@ std::vector<Eigen::Index> pressedAmplitudes(const Model& model, const Fitted& f,
     const Eigen::MatrixXd free = freeColumns(model, f);
     const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> follow(free);
     for (Eigen::Index i = v.nominal; i < v.size(); ++i) {
-        // The bound at which an effect is absent is no far end.
+        // The bound at which an effect is absent does not count.
         const bool up = f.x[i] >= v.upper[i] - 1e-6 && v.upper[i] > 1e-6,
                    down = f.x[i] <= v.lower[i] + 1e-6 && v.lower[i] < -1e-6;
         if (!v.scalar(i).amplitude || (!up && !down))
@@ -466,7 +468,7 @@ std::vector<Eigen::Index> pressedAmplitudes(const Model& model, const Fitted& f,
         if (free.cols() > 0)
             own -= free * follow.solve(own);
         const double size = own.norm();
-        if (size > 0.0 && (up ? 1.0 : -1.0) * own.dot(f.residual) / size > kDeviations * std::sqrt(dispersion))
+        if (size > 0.0 && (up ? 1.0 : -1.0) * own.dot(f.residual) / size > kSigma * std::sqrt(dispersion))
             out.push_back(i);
     }
     return out;

@@ -6,12 +6,12 @@
 
 namespace supercircle::diagnosis {
 
-Homogeneity homogeneityOf(const Misfit& misfit, const Fitted& fitted) {
+Homogeneity homogeneityOf(const Likelihood& likelihood, const FitResult& fitted) {
     Homogeneity out;
     double own = 0.0, ranks = 0.0;
-    for (std::size_t r = 0; r < misfit.runs(); ++r) {
-        const Eigen::MatrixXd Q = basisOf(fitted.jacobian.middleRows(misfit.start(r), misfit.rowsOf(r)));
-        own += (Q.transpose() * fitted.residual.segment(misfit.start(r), misfit.rowsOf(r))).squaredNorm();
+    for (std::size_t r = 0; r < likelihood.runs(); ++r) {
+        const Eigen::MatrixXd Q = basisOf(fitted.jacobian.middleRows(likelihood.start(r), likelihood.rowsOf(r)));
+        own += (Q.transpose() * fitted.residual.segment(likelihood.start(r), likelihood.rowsOf(r))).squaredNorm();
         ranks += static_cast<double>(Q.cols());
     }
     const Eigen::MatrixXd Q = basisOf(fitted.jacobian);

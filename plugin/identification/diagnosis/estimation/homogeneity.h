@@ -1,14 +1,14 @@
 #pragma once
-// Do single runs ask for the same nominal parameters? A bending modulus that depends on the speed is missing physics.
+// Test whether single runs agree on the nominal parameters. A bending modulus that depends on speed is missing physics.
 
 #include "plugin/identification/diagnosis/fit.h"
 #include "plugin/identification/diagnosis/result.h"
 
 namespace supercircle::diagnosis {
 
-/// The gain of misfit from giving every run parameters of its own (linearised, not bounded), which is chi^2 with
-/// (runs - 1) x (identifiable directions) degrees of freedom if one set serves all. Cochran's Q of meta-analysis
-/// (W. G. Cochran, Biometrics 10 (1954) 101) in several dimensions.
-Homogeneity homogeneityOf(const Misfit& misfit, const Fitted& fitted);
+/// Decrease of chi-squared if every run has parameters of its own (linearised, without bounds). With common parameters
+/// it is chi-squared distributed with (runs - 1) x (identifiable directions) degrees of freedom.
+/// Source: Cochran's Q of meta-analysis (W. G. Cochran, Biometrics 10 (1954) 101), in several dimensions.
+Homogeneity homogeneityOf(const Likelihood& likelihood, const FitResult& fitted);
 
 } // namespace supercircle::diagnosis

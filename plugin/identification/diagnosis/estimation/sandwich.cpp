@@ -13,32 +13,32 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Rows of one stroke of one run, force (and jumps) or markers.
-std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> blocksOf(const Misfit& misfit) {
+/// Rows of one stroke of one run, force and jumps apart from markers.
+std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> blocksOf(const Likelihood& likelihood) {
     std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> out;
-    for (std::size_t r = 0; r < misfit.runs(); ++r)
-        for (Index k = 0; k < misfit.rowsOf(r); ++k)
-            if (misfit.counts(r, k))
-                out[{r, misfit.stroke(r, k), misfit.isMarker(r, k)}].push_back(misfit.start(r) + k);
+    for (std::size_t r = 0; r < likelihood.runs(); ++r)
+        for (Index k = 0; k < likelihood.rowsOf(r); ++k)
+            if (likelihood.counts(r, k))
+                out[{r, likelihood.stroke(r, k), likelihood.isMarker(r, k)}].push_back(likelihood.start(r) + k);
     return out;
 }
 
 } // namespace
 
-Eigen::VectorXd dispersionsOf(const Misfit& misfit, const Variables& v, const Eigen::VectorXd& residual,
-                              const Eigen::MatrixXd& jacobian, double perRow) {
-    constexpr double kPromised = 4.0;       // strokes' worth of what the model promises
-    constexpr double kLeastOfItsOwn = 0.02; // of a stroke's share that it has not pulled the fit to
-    const double least = std::max(1.0, perRow);
+Eigen::VectorXd dispersionsOf(const Likelihood& likelihood, const Variables& v, const Eigen::VectorXd& residual,
+                              const Eigen::MatrixXd& jacobian, double perReading) {
+    constexpr double kPromised = 4.0;       // prior weight of the model-based variance, in strokes
+    constexpr double kLeastOfItsOwn = 0.02; // lower bound of 1 - leverage of a stroke
+    const double least = std::max(1.0, perReading);
     Eigen::VectorXd out = Eigen::VectorXd::Constant(v.size(), least);
     if (v.size() == 0 || residual.size() != jacobian.rows())
         return out;
-    const Eigen::MatrixXd covariance = posteriorOf(v, jacobian, 1.0);
+    const Eigen::MatrixXd covariance = posteriorCovariance(v, jacobian, 1.0);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
     const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
                                  eigen.eigenvectors().transpose();
     Eigen::VectorXd scatter = Eigen::VectorXd::Zero(v.size()), promised = scatter, squares = scatter;
-    for (const auto& [block, rows] : blocksOf(misfit)) {
+    for (const auto& [block, rows] : blocksOf(likelihood)) {
         const Eigen::MatrixXd J = jacobian(rows, Eigen::all);
         const Eigen::MatrixXd information = J.transpose() * J;
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> share(root * information * root);
@@ -53,7 +53,7 @@ Eigen::VectorXd dispersionsOf(const Misfit& misfit, const Variables& v, const Ei
     }
     for (Index k = 0; k < v.size(); ++k)
         if (promised[k] > 0.0 && std::isfinite(scatter[k])) {
-            const double strokes = promised[k] * promised[k] / squares[k]; // that say something
+            const double strokes = promised[k] * promised[k] / squares[k]; // effective number of strokes
             out[k] = std::max(least, (strokes * scatter[k] / promised[k] + kPromised * least) / (strokes + kPromised));
             const double t = quantile(boost::math::students_t(strokes + kPromised), 0.95) / k90;
             out[k] *= t * t;

@@ -17,20 +17,21 @@ std::vector<double> listOf(const Eigen::VectorXd& v) {
 std::vector<replay::Landmark> whileMoving(const RecordedRun& run, const Eigen::VectorXd& force, double share) {
     std::vector<replay::Landmark> all =
         replay::findLandmarks({listOf(run.time), listOf(run.displacement), listOf(force)}, share);
-    all.erase(std::remove_if(
-                  all.begin(), all.end(),
-                  [&](const replay::Landmark& jump) { return run.legs.empty() || run.legAt(jump.time).speed == 0.0; }),
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&](const replay::Landmark& jump) {
+                                 return run.segments.empty() || run.segmentAt(jump.time).speed == 0.0;
+                             }),
               all.end());
     return all;
 }
 
-/// Mean of up to three rows that count and are not hidden, going from `k` in steps of `way`; its time in `at`.
+/// Mean of up to three rows that count and are not masked, from `k` in steps of `way`; its time in `at`.
 bool beside(const Eigen::Ref<Eigen::VectorXd>& d, const Eigen::VectorXd& time,
-            const Eigen::Ref<const Eigen::VectorXd>& errors, const std::vector<bool>& hidden, Index k, Index way,
+            const Eigen::Ref<const Eigen::VectorXd>& errors, const std::vector<bool>& masked, Index k, Index way,
             double& mean, double& at) {
     double n = mean = at = 0.0;
     for (; k >= 0 && k < d.size() && n < 3.0; k += way)
-        if (!hidden[static_cast<std::size_t>(k)] && std::isfinite(errors[k]) && std::isfinite(d[k])) {
+        if (!masked[static_cast<std::size_t>(k)] && std::isfinite(errors[k]) && std::isfinite(d[k])) {
             mean += d[k];
             at += time[k];
             n += 1.0;
@@ -42,7 +43,7 @@ bool beside(const Eigen::Ref<Eigen::VectorXd>& d, const Eigen::VectorXd& time,
 
 } // namespace
 
-bool atTurningPoint(const RecordedRun& run, double time) {
+bool atReversal(const RecordedRun& run, double time) {
     const double dt = run.spacing();
     return std::any_of(run.strokes.begin(), run.strokes.end(), [&](const Stroke& stroke) {
         return time > stroke.from - 2.0 * dt && time < stroke.from + 0.1 + 2.0 * dt;
@@ -53,7 +54,7 @@ std::vector<replay::Landmark> recordedJumps(const RecordedRun& run, double share
     std::vector<replay::Landmark> all = whileMoving(run, run.force, share);
     all.erase(std::remove_if(all.begin(), all.end(),
                              [&](const replay::Landmark& jump) {
-                                 return atTurningPoint(run, jump.time) || std::abs(jump.after - jump.before) < least;
+                                 return atReversal(run, jump.time) || std::abs(jump.after - jump.before) < least;
                              }),
               all.end());
     return all;
@@ -73,25 +74,25 @@ std::vector<replay::Landmark> simulatedJumps(const RecordedRun& run, const Respo
     return all;
 }
 
-double reachOf(const RecordedRun& run, double time, double share) {
-    constexpr double kLeast = 0.5; // s: beyond what is left out around a jump
+double jumpReachOf(const RecordedRun& run, double time, double share) {
+    constexpr double kLeast = 0.5; // s, longer than the excluded interval around a jump
     const Stroke& stroke = run.strokeAt(time);
     return std::max(kLeast, share * (stroke.to - stroke.from));
 }
 
-std::vector<int> sameJumps(const RecordedRun& run, const std::vector<replay::Landmark>& a,
-                           const std::vector<replay::Landmark>& b, double share) {
-    // Alignment of two sequences by dynamic programming: a pair costs its distance, a jump without a partner half its
-    // reach, so that two are a pair if they lie within reach.
+std::vector<int> matchJumps(const RecordedRun& run, const std::vector<replay::Landmark>& a,
+                            const std::vector<replay::Landmark>& b, double share) {
+    // Alignment of two sequences by dynamic programming. A pair costs its distance, an unpaired jump half its reach, so
+    // two jumps are paired within reach.
     const std::size_t n = a.size(), m = b.size();
-    const auto alone = [&](const replay::Landmark& jump) { return 0.5 * reachOf(run, jump.time, share); };
+    const auto alone = [&](const replay::Landmark& jump) { return 0.5 * jumpReachOf(run, jump.time, share); };
     const auto apart = [&](std::size_t i, std::size_t j) {
         const bool alike = (a[i].after > a[i].before) == (b[j].after > b[j].before);
-        return alike && run.legAt(a[i].time).stroke == run.legAt(b[j].time).stroke
+        return alike && run.segmentAt(a[i].time).stroke == run.segmentAt(b[j].time).stroke
                    ? std::abs(a[i].time - b[j].time)
                    : std::numeric_limits<double>::infinity();
     };
-    Eigen::MatrixXd cost(static_cast<Index>(n + 1), static_cast<Index>(m + 1)); // of the first i and j
+    Eigen::MatrixXd cost(static_cast<Index>(n + 1), static_cast<Index>(m + 1)); // of the first i and j jumps
     cost.setZero();
     const auto at = [&](std::size_t i, std::size_t j) -> double& {
         return cost(static_cast<Index>(i), static_cast<Index>(j));
@@ -119,7 +120,7 @@ std::vector<int> sameJumps(const RecordedRun& run, const std::vector<replay::Lan
     return partner;
 }
 
-std::vector<bool> rowsIn(const Stretches& stretches, const Eigen::VectorXd& time) {
+std::vector<bool> rowsInside(const TimeRanges& stretches, const Eigen::VectorXd& time) {
     std::vector<bool> in(static_cast<std::size_t>(time.size()), false);
     for (const auto& [from, to] : stretches) {
         const auto first = std::upper_bound(time.begin(), time.end(), from) - time.begin();
@@ -129,17 +130,17 @@ std::vector<bool> rowsIn(const Stretches& stretches, const Eigen::VectorXd& time
     return in;
 }
 
-void bridge(Eigen::Ref<Eigen::VectorXd> difference, const Eigen::VectorXd& time,
-            const Eigen::Ref<const Eigen::VectorXd>& errors, const std::vector<bool>& hidden) {
+void interpolateMasked(Eigen::Ref<Eigen::VectorXd> difference, const Eigen::VectorXd& time,
+                       const Eigen::Ref<const Eigen::VectorXd>& errors, const std::vector<bool>& masked) {
     for (Index first = 0, end = 0; first < difference.size(); first = end) {
         end = first + 1;
-        if (!hidden[static_cast<std::size_t>(first)])
+        if (!masked[static_cast<std::size_t>(first)])
             continue;
-        while (end < difference.size() && hidden[static_cast<std::size_t>(end)])
+        while (end < difference.size() && masked[static_cast<std::size_t>(end)])
             ++end;
         double left = 0.0, right = 0.0, t0 = 0.0, t1 = 0.0;
-        const bool before = beside(difference, time, errors, hidden, first - 1, -1, left, t0);
-        const bool behind = beside(difference, time, errors, hidden, end, 1, right, t1);
+        const bool before = beside(difference, time, errors, masked, first - 1, -1, left, t0);
+        const bool behind = beside(difference, time, errors, masked, end, 1, right, t1);
         for (Index k = first; k < end && (before || behind); ++k)
             if (std::isfinite(errors[k])) {
                 const double share = !before ? 1.0 : !behind ? 0.0 : (time[k] - t0) / (t1 - t0);

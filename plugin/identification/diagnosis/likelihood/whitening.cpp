@@ -4,17 +4,17 @@
 
 namespace supercircle::diagnosis {
 
-Whitening::Whitening(const Eigen::VectorXd& time, double white, double coloured, double memory,
-                     const Eigen::VectorXd& modelError, double modelMemory) {
+Whitening::Whitening(const Eigen::VectorXd& time, double white, double correlated, double correlationTime,
+                     const Eigen::VectorXd& modelError, double modelCorrelationTime) {
     // Covariance of the two states (sensor a in N, model b with unit variance), predicted and then corrected.
-    double aa = coloured * coloured, ab = 0.0, bb = modelError.size() > 0 ? 1.0 : 0.0;
+    double aa = correlated * correlated, ab = 0.0, bb = modelError.size() > 0 ? 1.0 : 0.0;
     for (Eigen::Index k = 0; k < time.size(); ++k) {
         Row row;
         const double dt = k > 0 ? time[k] - time[k - 1] : 0.0;
         if (k > 0) {
-            row.decayA = std::exp(-dt / memory);
-            row.decayB = std::exp(-dt / modelMemory);
-            aa = row.decayA * row.decayA * aa + coloured * coloured * (1.0 - row.decayA * row.decayA);
+            row.decayA = std::exp(-dt / correlationTime);
+            row.decayB = std::exp(-dt / modelCorrelationTime);
+            aa = row.decayA * row.decayA * aa + correlated * correlated * (1.0 - row.decayA * row.decayA);
             ab *= row.decayA * row.decayB;
             bb = modelError.size() > 0 ? 1.0 + row.decayB * row.decayB * (bb - 1.0) : 0.0;
         }
@@ -25,7 +25,7 @@ Whitening::Whitening(const Eigen::VectorXd& time, double white, double coloured,
             const double variance = va + e * vb + white * white;
             row.gainA = va / variance;
             row.gainB = vb / variance;
-            row.deviation = std::sqrt(variance);
+            row.sigma = std::sqrt(variance);
             aa -= row.gainA * va;
             ab -= row.gainA * vb;
             bb -= row.gainB * vb;
@@ -43,12 +43,12 @@ Eigen::VectorXd Whitening::apply(const Eigen::VectorXd& raw) const {
         const Row& row = rows_[k];
         a *= row.decayA;
         b *= row.decayB;
-        if (row.deviation == 0.0)
+        if (row.sigma == 0.0)
             continue;
         const double innovation = raw[static_cast<Eigen::Index>(k)] - a - row.amplitude * b;
         a += row.gainA * innovation;
         b += row.gainB * innovation;
-        out[static_cast<Eigen::Index>(k)] = innovation / row.deviation;
+        out[static_cast<Eigen::Index>(k)] = innovation / row.sigma;
     }
     return out;
 }
@@ -62,12 +62,12 @@ Eigen::MatrixXd Whitening::columns(const Eigen::MatrixXd& raw) const {
 
 Eigen::VectorXd Whitening::transposed(const Eigen::VectorXd& whitened) const {
     Eigen::VectorXd out = Eigen::VectorXd::Zero(whitened.size());
-    double a = 0.0, b = 0.0; // by how much the sum rises with the states behind a row
+    double a = 0.0, b = 0.0; // derivative of the sum with respect to the states after a row
     for (std::size_t k = rows_.size(); k-- > 0;) {
         const Row& row = rows_[k];
-        if (row.deviation != 0.0) {
+        if (row.sigma != 0.0) {
             const double innovation =
-                whitened[static_cast<Eigen::Index>(k)] / row.deviation + row.gainA * a + row.gainB * b;
+                whitened[static_cast<Eigen::Index>(k)] / row.sigma + row.gainA * a + row.gainB * b;
             out[static_cast<Eigen::Index>(k)] = innovation;
             a -= innovation;
             b -= row.amplitude * innovation;

@@ -1,10 +1,10 @@
 #pragma once
-// Noise that remembers, turned into noise that does not, in a time proportional to the number of rows.
+// Whitening of correlated noise, in time proportional to the number of rows.
 //
-// Model of a force reading's error: white + AR(1) of the sensor + error of the simulation, which is AR(1) with an
-// amplitude of its own in every row (large where the curve is steep or the discretisation shows). A Kalman filter over
-// the two remembering parts gives the innovations; divided by their standard deviations they are what L^-1 of the
-// Cholesky factor of the covariance gives. The map is linear, so it is applied to residuals and signatures alike.
+// Model of a reading's error: white noise + AR(1) of the sensor + AR(1) of the model, the latter with an amplitude in
+// every row. A Kalman filter over the two AR(1) states gives the innovations. Divided by their standard deviations they
+// equal L^-1 applied to the errors, L the Cholesky factor of the covariance. The map is linear and is applied to
+// residuals and signatures alike.
 //
 // Source: J. Durbin, S. J. Koopman, "Time Series Analysis by State Space Methods", 2nd ed. (2012), 4.3 (prediction
 // error decomposition) and 4.10 (missing observations).
@@ -17,14 +17,14 @@ namespace supercircle::diagnosis {
 class Whitening {
 public:
     Whitening() = default;
-    /// @param time rows, s, increasing
-    /// @param white, coloured standard deviations, N
-    /// @param memory time in which the coloured noise falls to 1/e, s
-    /// @param modelError standard deviation of the simulation's error in each row, N; empty: none. Rows with infinite
-    ///        ones are missing.
-    /// @param modelMemory its memory, s
-    Whitening(const Eigen::VectorXd& time, double white, double coloured, double memory,
-              const Eigen::VectorXd& modelError = {}, double modelMemory = 1.0);
+    /// @param time of the rows, s, increasing
+    /// @param white, correlated standard deviations, N
+    /// @param correlationTime of the AR(1) noise, s (decay to 1/e)
+    /// @param modelError standard deviation of the model error in each row, N; empty: none; infinite: the row is
+    /// missing
+    /// @param modelCorrelationTime of the model error, s
+    Whitening(const Eigen::VectorXd& time, double white, double correlated, double correlationTime,
+              const Eigen::VectorXd& modelError = {}, double modelCorrelationTime = 1.0);
 
     /// Standardised innovations of `raw`; 0 in missing rows.
     [[nodiscard]] Eigen::VectorXd apply(const Eigen::VectorXd& raw) const;
@@ -40,7 +40,7 @@ private:
         double decayA = 0.0, decayB = 0.0; ///< from the row before
         double gainA = 0.0, gainB = 0.0;
         double amplitude = 0.0; ///< of the model error
-        double deviation = 0.0; ///< of the innovation; 0: missing
+        double sigma = 0.0;     ///< of the innovation; 0: missing
     };
     std::vector<Row> rows_;
     double logDeterminant_ = 0.0;

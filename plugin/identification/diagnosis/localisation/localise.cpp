@@ -12,87 +12,85 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-double signOf(const Spot& c, std::size_t row) {
+double signOf(const WindowRows& c, std::size_t row) {
     return c.sign.size() > 0 ? c.sign[static_cast<Eigen::Index>(row)] : 1.0;
 }
 
 /// Whitened unit shift of the window's raw readings.
-Eigen::VectorXd shiftOf(const Misfit& misfit, const Spot& c) {
-    Eigen::VectorXd raw = Eigen::VectorXd::Zero(misfit.rows());
+Eigen::VectorXd shiftOf(const Likelihood& likelihood, const WindowRows& c) {
+    Eigen::VectorXd raw = Eigen::VectorXd::Zero(likelihood.rows());
     for (std::size_t i = 0; i < c.rows.size(); ++i)
         raw[c.rows[i]] = signOf(c, i);
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(misfit.rows());
-    for (std::size_t r = 0; r < misfit.runs(); ++r) {
-        const auto part = raw.segment(misfit.start(r), misfit.rowsOf(r));
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(likelihood.rows());
+    for (std::size_t r = 0; r < likelihood.runs(); ++r) {
+        const auto part = raw.segment(likelihood.start(r), likelihood.rowsOf(r));
         if (part.squaredNorm() > 0.0)
-            out.segment(misfit.start(r), misfit.rowsOf(r)) = misfit.whiten(r, part);
+            out.segment(likelihood.start(r), likelihood.rowsOf(r)) = likelihood.whiten(r, part);
     }
     return out;
 }
 
-/// In statistics that decide a reading counts as no more than this many noise units, either way. Noise with heavy tails
-/// otherwise has its largest statistics in windows of four rows: taken for normal it raised an alarm in a third of all
-/// cases, and known for what it is it raised the bar for all other windows. Whether tails are heavy is hard to tell
-/// from readings that have kinks wherever friction turns. Which of the windows that pass are shown is decided by
-/// statistics in which readings count in full.
-constexpr double kLoudest = 3.0;
-/// So does the place of a jump, which is no reading of a sensor; beyond this two simulators may differ.
-constexpr double kLoudestJump = 6.0;
+/// Clip of a reading in the decisive statistics, sigma. Heavy tails otherwise dominate windows of few rows. Which
+/// significant windows are shown is decided without the clip (decision 0077).
+constexpr double kReadingClip = 3.0;
+/// Clip of the time of a jump, sigma. It is no sensor reading; beyond this two simulators may differ.
+constexpr double kJumpClip = 6.0;
 
-/// @param loudest of each row
-Eigen::MatrixXd quieted(const Eigen::MatrixXd& u, const Eigen::VectorXd& loudest) {
-    const Eigen::MatrixXd most = loudest.replicate(1, u.cols());
+/// @param clip of each row, sigma
+Eigen::MatrixXd clippedAt(const Eigen::MatrixXd& u, const Eigen::VectorXd& clip) {
+    const Eigen::MatrixXd most = clip.replicate(1, u.cols());
     return u.cwiseMax(-most).cwiseMin(most);
 }
 
-/// Whitened noise of all runs beyond the most probable one, as large as a draw of its posterior has it; where that is
-/// smaller, none. Of slow noise counts c^2 tau, its power at low frequencies.
-Eigen::VectorXd beyondProbable(const Misfit& misfit, const Noise::Possible& p, Random& random) {
-    const Noise& n = misfit.noise();
+/// Whitened noise of all runs in excess of the most probable one, as a posterior draw has it; none where that is
+/// smaller. The slow part counts by its power at low frequencies, c^2 tau.
+Eigen::VectorXd excessNoise(const Likelihood& likelihood, const Noise::PosteriorDraw& p, Random& random) {
+    const Noise& n = likelihood.noise();
     const auto excess = [](double square) { return std::sqrt(std::max(0.0, square)); };
     const double white = excess(p.white * p.white - n.white * n.white);
-    const double slow = excess(p.coloured * p.coloured - n.coloured * n.coloured * n.memory / p.memory);
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(misfit.rows());
-    for (std::size_t r = 0; r < misfit.runs() && white + slow > 0.0; ++r) {
-        const RecordedRun& run = misfit.data().runs[r];
-        Eigen::VectorXd raw = Eigen::VectorXd::Zero(misfit.rowsOf(r));
+    const double slow =
+        excess(p.correlated * p.correlated - n.correlated * n.correlated * n.correlationTime / p.correlationTime);
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(likelihood.rows());
+    for (std::size_t r = 0; r < likelihood.runs() && white + slow > 0.0; ++r) {
+        const RecordedRun& run = likelihood.data().runs[r];
+        Eigen::VectorXd raw = Eigen::VectorXd::Zero(likelihood.rowsOf(r));
         double state = random.normal();
         for (Eigen::Index k = 0; k < run.force.size(); ++k) {
-            const double keep = k > 0 ? std::exp(-(run.time[k] - run.time[k - 1]) / p.memory) : 1.0;
+            const double keep = k > 0 ? std::exp(-(run.time[k] - run.time[k - 1]) / p.correlationTime) : 1.0;
             state = keep * state + std::sqrt(1.0 - keep * keep) * random.normal();
             raw[k] = slow * state + white * random.normal();
         }
-        out.segment(misfit.start(r), misfit.rowsOf(r)) = misfit.whiten(r, raw);
+        out.segment(likelihood.start(r), likelihood.rowsOf(r)) = likelihood.whiten(r, raw);
     }
     return out;
 }
 
-/// Mean and deviation of every statistic under the null.
-struct Standard {
-    explicit Standard(const Eigen::MatrixXd& null, Eigen::Index shifts)
-        : mean(null.rowwise().mean()), deviation(((null.colwise() - mean).rowwise().squaredNorm() /
-                                                  std::max<double>(1.0, static_cast<double>(null.cols() - 1)))
-                                                     .cwiseSqrt()
-                                                     .cwiseMax(1e-12)) {
-        mean.head(shifts).setZero(); // they are of either sign
-        deviation.head(shifts) = deviation.head(shifts).cwiseMax(1e-3);
+/// Mean and standard deviation of every statistic under the null.
+struct Standardiser {
+    explicit Standardiser(const Eigen::MatrixXd& null, Eigen::Index shifts)
+        : mean(null.rowwise().mean()), sigma(((null.colwise() - mean).rowwise().squaredNorm() /
+                                              std::max<double>(1.0, static_cast<double>(null.cols() - 1)))
+                                                 .cwiseSqrt()
+                                                 .cwiseMax(1e-12)) {
+        mean.head(shifts).setZero(); // shifts have either sign
+        sigma.head(shifts) = sigma.head(shifts).cwiseMax(1e-3);
     }
-    [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& t) const {
-        return (t - mean).cwiseQuotient(deviation);
-    }
-    Eigen::VectorXd mean, deviation;
+    [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& t) const { return (t - mean).cwiseQuotient(sigma); }
+    Eigen::VectorXd mean, sigma;
 };
 
-/// What the draws of the null have, each one number; large ones are rare.
-class Draws {
+/// Distribution of one number over the draws of the null; large values are rare.
+class NullDistribution {
 public:
-    explicit Draws(std::vector<double> all) : sorted_(std::move(all)) { std::sort(sorted_.begin(), sorted_.end()); }
-    /// Of a number as large as t; what was recorded counts as one more draw.
+    explicit NullDistribution(std::vector<double> all) : sorted_(std::move(all)) {
+        std::sort(sorted_.begin(), sorted_.end());
+    }
+    /// p-value of t; the recorded value counts as one more draw.
     [[nodiscard]] double p(double t) const {
         const auto above = sorted_.end() - std::lower_bound(sorted_.begin(), sorted_.end(), t);
         return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(sorted_.size()));
     }
-    /// The number beyond which a share p of the draws lies.
+    /// Value exceeded by a share p of the draws.
     [[nodiscard]] double critical(double p) const {
         const double n = static_cast<double>(sorted_.size());
         return sorted_[static_cast<std::size_t>(std::clamp(std::ceil((1.0 - p) * (n + 1.0)), 1.0, n)) - 1];
@@ -102,34 +100,34 @@ private:
     std::vector<double> sorted_;
 };
 
-/// Windows and signatures, each with the largest statistic of every draw, and of both the smaller p. Some 90 signatures
-/// know what they look for; beside thousands of windows in one maximum they had to reach 4.2 deviations where 3.6 are
-/// enough. Without signatures the windows are all there is.
-struct Families {
-    Families(const std::vector<double>& largestWindows, const std::vector<double>& largestSignatures)
-        : windows(largestWindows), signatures(largestSignatures), both(rarer(largestWindows, largestSignatures)) {}
-    /// Family-wise, of a p within one of the two.
+/// Two families, windows and signatures, each by its maximum over all statistics, combined by the smaller p (min-p). In
+/// one common family the few signatures would need a larger statistic (decision 0077). Without signatures only windows
+/// count.
+struct StatisticFamilies {
+    StatisticFamilies(const std::vector<double>& largestWindows, const std::vector<double>& largestSignatures)
+        : windows(largestWindows), signatures(largestSignatures), both(smallerP(largestWindows, largestSignatures)) {}
+    /// Family-wise p of a p within one family.
     [[nodiscard]] double overall(double p) const { return both.p(-p); }
-    /// p within one of the two at which the family-wise one is this.
+    /// p within one family that corresponds to this family-wise p.
     [[nodiscard]] double within(double p) const { return -both.critical(p); }
-    Draws windows, signatures;
+    NullDistribution windows, signatures;
 
 private:
-    [[nodiscard]] Draws rarer(const std::vector<double>& w, const std::vector<double>& s) const {
+    [[nodiscard]] NullDistribution smallerP(const std::vector<double>& w, const std::vector<double>& s) const {
         std::vector<double> out;
         for (std::size_t b = 0; b < w.size(); ++b)
             out.push_back(-std::min(windows.p(w[b]), s.empty() ? 1.0 : signatures.p(s[b])));
-        return Draws(std::move(out));
+        return NullDistribution(std::move(out));
     }
-    Draws both; ///< -p: rare is large
+    NullDistribution both; ///< -p: rare is large
 };
 
-/// Whether two windows are of one kind, so that they can be compared.
-bool sameKind(const Window& a, const Window& b) {
+/// Whether two windows are comparable: same run, channel and axis.
+bool sameKind(const ResidualWindow& a, const ResidualWindow& b) {
     return a.run == b.run && a.channel == b.channel && a.axis == b.axis && (a.axis == "time" || a.phase == b.phase);
 }
 
-bool overlaps(const Window& a, const Window& b) {
+bool overlaps(const ResidualWindow& a, const ResidualWindow& b) {
     const bool byTime = a.axis == "time";
     const double a0 = byTime ? a.timeFrom : a.displacementFrom, a1 = byTime ? a.timeTo : a.displacementTo;
     const double b0 = byTime ? b.timeFrom : b.displacementFrom, b1 = byTime ? b.timeTo : b.displacementTo;
@@ -137,9 +135,9 @@ bool overlaps(const Window& a, const Window& b) {
     return shared > 1e-3 * std::min(a1 - a0, b1 - b0);
 }
 
-/// Whether the window lies before the head's first move, in readings whose mean there was taken for zero: a misfit
-/// elsewhere pulls the run's zero along, and the rest before anything happens stands out of the noise for it.
-bool beforeAnything(const Window& w, const Data& data) {
+/// Whether the window lies before the first motion, in readings whose mean there was taken as zero. A misfit elsewhere
+/// shifts the zero of the run and makes this rest significant.
+bool beforeFirstMotion(const ResidualWindow& w, const RecordedData& data) {
     if (data.zeroWindow <= 0.0 || w.axis != "time" || w.ofMarker())
         return false;
     return std::any_of(data.runs.begin(), data.runs.end(), [&](const RecordedRun& run) {
@@ -148,37 +146,37 @@ bool beforeAnything(const Window& w, const Data& data) {
     });
 }
 
-/// Leaves those that do not pass out, unless none does.
+/// Removes windows that do not pass, unless none does.
 template <class Passes>
-void prefer(std::vector<Window>& all, const Passes& passes) {
+void prefer(std::vector<ResidualWindow>& all, const Passes& passes) {
     const auto others = std::stable_partition(all.begin(), all.end(), passes);
     if (others != all.begin())
         all.erase(others, all.end());
 }
 
-/// Windows that say more than any they overlap, the largest first. Windows over all runs only say what those of single
-/// runs are too weak to say.
-std::vector<Window> selected(std::vector<Window> all) {
-    prefer(all, [](const Window& w) { return w.run != "all"; });
+/// Disjoint windows, largest statistic first. Windows over all runs are used only if no window of a single run is
+/// significant.
+std::vector<ResidualWindow> largestDisjoint(std::vector<ResidualWindow> all) {
+    prefer(all, [](const ResidualWindow& w) { return w.run != "all"; });
     std::stable_sort(all.begin(), all.end(),
-                     [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
-    // A large misfit that changes its sign fills whole runs; in which phases it sits is said by windows inside one.
+                     [](const ResidualWindow& a, const ResidualWindow& b) { return std::abs(a.z) > std::abs(b.z); });
+    // A large misfit of changing sign fills whole runs; windows inside one phase tell where it sits.
     std::stable_partition(all.begin(), all.end(),
-                          [](const Window& w) { return w.axis != "time" || w.phase != "all" || w.ofMarker(); });
-    // Of the reading and of the markers: tracks, which stand out by more, cannot crowd the force out.
+                          [](const ResidualWindow& w) { return w.axis != "time" || w.phase != "all" || w.ofMarker(); });
+    // Separate quotas for the reading and for markers, which are often larger.
     constexpr std::size_t kMost = 60;
-    std::vector<Window> kept;
+    std::vector<ResidualWindow> kept;
     std::array<std::size_t, 2> count = {};
-    for (const Window& w : all) {
+    for (const ResidualWindow& w : all) {
         std::size_t& n = count[w.ofMarker() ? 1 : 0];
-        if (n < kMost &&
-            std::none_of(kept.begin(), kept.end(), [&](const Window& k) { return sameKind(k, w) && overlaps(k, w); })) {
+        if (n < kMost && std::none_of(kept.begin(), kept.end(),
+                                      [&](const ResidualWindow& k) { return sameKind(k, w) && overlaps(k, w); })) {
             kept.push_back(w);
             ++n;
         }
     }
     std::stable_sort(kept.begin(), kept.end(),
-                     [](const Window& a, const Window& b) { return std::abs(a.z) > std::abs(b.z); });
+                     [](const ResidualWindow& a, const ResidualWindow& b) { return std::abs(a.z) > std::abs(b.z); });
     return kept;
 }
 
@@ -199,83 +197,84 @@ Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
 
 namespace {
 
-/// What is looked for: windows, then signatures; projected as the residual is.
-///
-/// The whitened shift of a window W e has a number in every row of its run, and there are hundreds of windows a run:
-/// kept as a matrix they took 1.6 GB for three runs at 500 Hz. What is wanted is its product with a residual u, freed
-/// of what the fit absorbs: e'W'u - (Q'W e)'(Q'u). W'u is taken once for all windows, and e sums its rows.
-class Search {
+/// The statistics: windows, then signatures, projected as the residual is. Whitened window indicators are not stored,
+/// because they fill whole runs. Their product with a projected residual u is e'W'u - (Q'W e)'(Q'u). W'u is computed
+/// once, and e sums its rows.
+class WindowScan {
 public:
-    Search(const Misfit& misfit, const Eigen::MatrixXd& free, const Eigen::MatrixXd& signatures)
-        : misfit_(misfit), windows_(windowsOf(misfit)), absorbed_(basisOf(free)) {
+    WindowScan(const Likelihood& likelihood, const Eigen::MatrixXd& free, const Eigen::MatrixXd& signatures)
+        : likelihood_(likelihood), windows_(windowsOf(likelihood)), absorbed_(basisOf(free)) {
         const Eigen::Index n = windows();
         perSize_ = Eigen::VectorXd::Zero(n);
-        imitated_.resize(n, absorbed_.cols());
+        absorbedParts_.resize(n, absorbed_.cols());
         for (Eigen::Index i = 0; i < n; ++i) {
-            Eigen::VectorXd s = shiftOf(misfit, spot(i));
-            imitated_.row(i) = (absorbed_.transpose() * s).transpose();
-            perSize_[i] = perNorm(s, 0.0);
+            Eigen::VectorXd s = shiftOf(likelihood, spot(i));
+            absorbedParts_.row(i) = (absorbed_.transpose() * s).transpose();
+            perSize_[i] = inverseNorm(s, 0.0);
         }
-        signatures_.resize(misfit.rows(), signatures.cols());
+        signatures_.resize(likelihood.rows(), signatures.cols());
         for (Eigen::Index i = 0; i < signatures.cols(); ++i) {
             Eigen::VectorXd s = signatures.col(i);
-            // What the nominal parameters imitate to a per cent is round-off, not evidence.
-            const double scale = perNorm(s, 0.01);
+            // A signature that nominal parameters explain to 1 % is round-off, no evidence.
+            const double scale = inverseNorm(s, 0.01);
             signatures_.col(i) = scale * s;
         }
-        counted_ = Eigen::VectorXd::Zero(misfit.rows());
-        loudest_.resize(misfit.rows());
-        for (std::size_t r = 0; r < misfit.runs(); ++r)
-            for (Eigen::Index k = 0; k < misfit.rowsOf(r); ++k) {
-                counted_[misfit.start(r) + k] = misfit.counts(r, k) ? 1.0 : 0.0;
-                loudest_[misfit.start(r) + k] = misfit.isJump(r, k) ? kLoudestJump : kLoudest;
+        counted_ = Eigen::VectorXd::Zero(likelihood.rows());
+        clip_.resize(likelihood.rows());
+        for (std::size_t r = 0; r < likelihood.runs(); ++r)
+            for (Eigen::Index k = 0; k < likelihood.rowsOf(r); ++k) {
+                counted_[likelihood.start(r) + k] = likelihood.counts(r, k) ? 1.0 : 0.0;
+                clip_[likelihood.start(r) + k] = likelihood.isJump(r, k) ? kJumpClip : kReadingClip;
             }
     }
     [[nodiscard]] Eigen::Index windows() const { return static_cast<Eigen::Index>(windows_.size()); }
     [[nodiscard]] Eigen::Index directions() const { return windows() + signatures_.cols(); } ///< and signatures
-    [[nodiscard]] const Spot& spot(Eigen::Index window) const { return windows_[static_cast<std::size_t>(window)]; }
+    [[nodiscard]] const WindowRows& spot(Eigen::Index window) const {
+        return windows_[static_cast<std::size_t>(window)];
+    }
 
-    /// Takes out what the fit could have absorbed.
+    /// Removes the part that the fit could have absorbed.
     template <class Matrix>
     void project(Matrix& v) const {
         if (absorbed_.cols() > 0)
             v -= absorbed_ * (absorbed_.transpose() * v);
     }
 
-    /// Statistics, a column each: the shifts of all directions, then the energies of all windows.
+    /// Statistics, one column each: shifts of windows and signatures, then energies of windows.
     struct Statistics {
-        Eigen::MatrixXd quiet; ///< in which no reading counts as more than three noise units: they decide
-        Eigen::MatrixXd full;  ///< they say which of the windows that pass are shown
+        Eigen::MatrixXd clipped;   ///< with clipped readings: decide significance
+        Eigen::MatrixXd unclipped; ///< without the clip: decide which windows are shown
     };
     [[nodiscard]] Statistics of(const Eigen::MatrixXd& projected) const {
-        return {statistics(quieted(projected, loudest_)), statistics(projected)};
+        return {statistics(clippedAt(projected, clip_)), statistics(projected)};
     }
 
-    /// The same of noise alone.
+    /// Statistics of simulated noise.
     [[nodiscard]] Statistics null(std::uint64_t seed, int draws) const {
-        const double tails = misfit_.noise().tails;
-        const double degrees = tails > 0.0 ? 4.0 + 6.0 / tails : 0.0; // Student's t with this kurtosis
-        const auto& possible = misfit_.noise().possible;              // in the order of its grid
+        const double excessKurtosis = likelihood_.noise().excessKurtosis;
+        const double degrees =
+            excessKurtosis > 0.0 ? 4.0 + 6.0 / excessKurtosis : 0.0; // Student's t with this kurtosis
+        const auto& posterior = likelihood_.noise().posterior;       // in the order of its grid
         Random random(seed);
         Statistics out{Eigen::MatrixXd(directions() + windows(), draws),
                        Eigen::MatrixXd(directions() + windows(), draws)};
-        // Draws at a time: products of matrices instead of many of vectors, some tens of megabytes of them.
+        // Draws in blocks, as matrix products of some tens of megabytes.
         constexpr Eigen::Index kNumbers = 2000000;
-        const int kBlock = static_cast<int>(std::clamp<Eigen::Index>(kNumbers / misfit_.rows(), 8, 64));
+        const int kBlock = static_cast<int>(std::clamp<Eigen::Index>(kNumbers / likelihood_.rows(), 8, 64));
         for (int first = 0; first < draws; first += kBlock) {
             const int count = std::min(kBlock, draws - first);
-            Eigen::MatrixXd v(misfit_.rows(), count);
-            for (int b = 0; b < count; ++b) // rows that are missing stay 0 here too
+            Eigen::MatrixXd v(likelihood_.rows(), count);
+            for (int b = 0; b < count; ++b) // missing rows stay 0
                 for (Eigen::Index k = 0; k < v.rows(); ++k)
                     v(k, b) = counted_[k] *
-                              (degrees > 0.0 && loudest_[k] == kLoudest ? random.student(degrees) : random.normal());
-            for (int b = 0; b < count && !possible.empty(); ++b)
-                v.col(b) += beyondProbable(
-                    misfit_, possible[static_cast<std::size_t>(41 * (first + b)) % possible.size()], random);
+                              (degrees > 0.0 && clip_[k] == kReadingClip ? random.student(degrees) : random.normal());
+            for (int b = 0; b < count && !posterior.empty(); ++b)
+                v.col(b) += excessNoise(
+                    likelihood_, posterior[static_cast<std::size_t>(41 * (first + b)) % posterior.size()], random);
             project(v);
             const Statistics block = of(v);
-            out.quiet.middleCols(first, count) = block.quiet;
-            out.full.middleCols(first, count) = block.full;
+            out.clipped.middleCols(first, count) = block.clipped;
+            out.unclipped.middleCols(first, count) = block.unclipped;
         }
         return out;
     }
@@ -283,42 +282,42 @@ public:
     [[nodiscard]] double largestWindow(const Eigen::VectorXd& t) const {
         return std::max(t.head(windows()).cwiseAbs().maxCoeff(), t.tail(windows()).maxCoeff());
     }
-    /// Of one signature at least.
+    /// At least one signature is needed.
     [[nodiscard]] double largestSignature(const Eigen::VectorXd& t) const {
         return t.segment(windows(), directions() - windows()).cwiseAbs().maxCoeff();
     }
     [[nodiscard]] bool signatures() const { return directions() > windows(); }
 
 private:
-    /// Projects s; 1 over what is left of its length, 0 where that is round-off.
-    double perNorm(Eigen::VectorXd& s, double share) const {
+    /// Projects s; returns 1 over its remaining norm, or 0 where that is round-off.
+    double inverseNorm(Eigen::VectorXd& s, double share) const {
         const double whole = s.norm();
         project(s);
         const double left = s.norm();
         return left > 1e-9 && left > share * whole ? 1.0 / left : 0.0;
     }
 
-    /// Whitening's transposed map of each column, transposed: rows of one window lie apart, draws together.
+    /// Transposed whitening of each column, stored transposed: rows of a window apart, draws together.
     [[nodiscard]] Eigen::ArrayXXd unwhitened(const Eigen::MatrixXd& u) const {
         Eigen::ArrayXXd out(u.cols(), u.rows());
-        for (std::size_t r = 0; r < misfit_.runs(); ++r) {
-            const Eigen::Index from = misfit_.start(r), n = misfit_.rowsOf(r);
+        for (std::size_t r = 0; r < likelihood_.runs(); ++r) {
+            const Eigen::Index from = likelihood_.start(r), n = likelihood_.rowsOf(r);
             for (Eigen::Index b = 0; b < u.cols(); ++b)
-                out.row(b).segment(from, n) = misfit_.whitenTransposed(r, u.col(b).segment(from, n)).transpose();
+                out.row(b).segment(from, n) = likelihood_.whitenTransposed(r, u.col(b).segment(from, n)).transpose();
         }
         return out;
     }
 
-    /// Of residuals, a column each: shifts and signatures first, then energies.
+    /// Statistics of residuals, one column each: shifts and signatures first, then energies.
     [[nodiscard]] Eigen::MatrixXd statistics(const Eigen::MatrixXd& u) const {
         const Eigen::Index n = windows(), m = directions();
         Eigen::MatrixXd t(m + n, u.cols());
-        t.topRows(n).noalias() = -imitated_ * (absorbed_.transpose() * u);
+        t.topRows(n).noalias() = -absorbedParts_ * (absorbed_.transpose() * u);
         t.middleRows(n, m - n).noalias() = signatures_.transpose() * u;
         const Eigen::ArrayXXd squares = u.array().square().transpose(), sums = unwhitened(u);
         for (Eigen::Index i = 0; i < n; ++i) {
             Eigen::ArrayXd e = Eigen::ArrayXd::Zero(u.cols()), s = e;
-            const Spot& c = spot(i);
+            const WindowRows& c = spot(i);
             for (std::size_t k = 0; k < c.rows.size(); ++k) {
                 e += squares.col(c.rows[k]);
                 s += signOf(c, k) * sums.col(c.rows[k]);
@@ -329,24 +328,24 @@ private:
         return t;
     }
 
-    const Misfit& misfit_;
-    std::vector<Spot> windows_;
-    Eigen::MatrixXd absorbed_;   ///< Q, orthonormal
-    Eigen::MatrixXd imitated_;   ///< of each window (Q'W e)'
-    Eigen::VectorXd perSize_;    ///< of each window 1 / |(1 - QQ') W e|, or 0
-    Eigen::MatrixXd signatures_; ///< projected, of unit length, or 0
-    Eigen::VectorXd counted_;    ///< of each row, 0 or 1
-    Eigen::VectorXd loudest_;
+    const Likelihood& likelihood_;
+    std::vector<WindowRows> windows_;
+    Eigen::MatrixXd absorbed_;      ///< Q, orthonormal
+    Eigen::MatrixXd absorbedParts_; ///< of each window (Q'W e)'
+    Eigen::VectorXd perSize_;       ///< of each window 1 / |(1 - QQ') W e|, or 0
+    Eigen::MatrixXd signatures_;    ///< projected, of unit length, or 0
+    Eigen::VectorXd counted_;       ///< of each row, 0 or 1
+    Eigen::VectorXd clip_;
 };
 
 /// The largest statistics of every draw.
-Families familiesOf(const Search& search, const Standard& standard, const Eigen::MatrixXd& null) {
+StatisticFamilies familiesOf(const WindowScan& scan, const Standardiser& standard, const Eigen::MatrixXd& null) {
     std::vector<double> windows, signatures;
     for (Eigen::Index b = 0; b < null.cols(); ++b) {
         const Eigen::VectorXd t = standard(null.col(b));
-        windows.push_back(search.largestWindow(t));
-        if (search.signatures())
-            signatures.push_back(search.largestSignature(t));
+        windows.push_back(scan.largestWindow(t));
+        if (scan.signatures())
+            signatures.push_back(scan.largestSignature(t));
     }
     return {windows, signatures};
 }
@@ -358,45 +357,44 @@ double bonferroni(Eigen::Index count, double deviate) {
 
 } // namespace
 
-Localisation localise(const Misfit& misfit, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
+Localisation localise(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
                       std::uint64_t seed, int draws, const Eigen::MatrixXd& signatures) {
-    const Search search(misfit, free, signatures);
-    const Eigen::Index n = search.windows(), m = search.directions();
+    const WindowScan scan(likelihood, free, signatures);
+    const Eigen::Index n = scan.windows(), m = scan.directions();
     Localisation out;
-    out.family = static_cast<std::size_t>(m + n);
-    if (n == 0) { // too few rows count: nothing stands out, and no effect would
+    out.familySize = static_cast<std::size_t>(m + n);
+    if (n == 0) { // too few rows count: nothing can be significant
         out.critical = std::numeric_limits<double>::infinity();
         return out;
     }
-    const Search::Statistics null = search.null(seed, draws);
-    const Standard standard(null.quiet, m), standardFull(null.full, m);
-    const Families families = familiesOf(search, standard, null.quiet);
-    out.critical =
-        (search.signatures() ? families.signatures : families.windows).critical(families.within(kFamilyWise));
+    const WindowScan::Statistics null = scan.null(seed, draws);
+    const Standardiser standard(null.clipped, m), standardUnclipped(null.unclipped, m);
+    const StatisticFamilies families = familiesOf(scan, standard, null.clipped);
+    out.critical = (scan.signatures() ? families.signatures : families.windows).critical(families.within(kFamilyWise));
     Eigen::VectorXd u = residual;
-    search.project(u);
-    const Search::Statistics seen = search.of(u);
-    const Eigen::VectorXd t = standard(seen.quiet), full = standardFull(seen.full);
-    std::vector<Window> found;
+    scan.project(u);
+    const WindowScan::Statistics recorded = scan.of(u);
+    const Eigen::VectorXd t = standard(recorded.clipped), unclipped = standardUnclipped(recorded.unclipped);
+    std::vector<ResidualWindow> found;
     for (Eigen::Index i = 0; i < n; ++i) {
-        Window w = search.spot(i).window;
+        ResidualWindow w = scan.spot(i).window;
         w.p = families.overall(families.windows.p(std::max(std::abs(t[i]), t[m + i])));
-        w.by = std::abs(full[i]) >= full[m + i] ? Seen::Shift : Seen::Energy;
-        w.z = w.by == Seen::Shift ? full[i] : full[m + i];
+        w.kind = std::abs(unclipped[i]) >= unclipped[m + i] ? StatisticKind::Shift : StatisticKind::Energy;
+        w.z = w.kind == StatisticKind::Shift ? unclipped[i] : unclipped[m + i];
         out.p = std::min(out.p, w.p);
         if (w.p <= kFamilyWise)
             found.push_back(w);
     }
-    double tail = bonferroni(2 * n, search.largestWindow(t));
-    if (search.signatures()) {
-        const double largest = search.largestSignature(t);
+    double tail = bonferroni(2 * n, scan.largestWindow(t));
+    if (scan.signatures()) {
+        const double largest = scan.largestSignature(t);
         out.p = std::min(out.p, families.overall(families.signatures.p(largest)));
-        out.signature = largest;
+        out.largestSignature = largest;
         tail = 2.0 * std::min(tail, bonferroni(m - n, largest));
     }
-    out.tail = out.p * (draws + 1) < 1.5 ? std::min(out.p, tail) : out.p;
-    prefer(found, [&](const Window& w) { return !beforeAnything(w, misfit.data()); });
-    out.significant = selected(std::move(found));
+    out.extendedP = out.p * (draws + 1) < 1.5 ? std::min(out.p, tail) : out.p;
+    prefer(found, [&](const ResidualWindow& w) { return !beforeFirstMotion(w, likelihood.data()); });
+    out.significant = largestDisjoint(std::move(found));
     return out;
 }
 

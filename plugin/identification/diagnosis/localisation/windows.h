@@ -1,9 +1,8 @@
 #pragma once
-// Where a misfit is looked for: windows of readings, dyadic in time in each run and each stroke of its protocol (half
-// overlapping), dyadic in displacement per phase over all runs (there unload against load too: a mean shift of opposite
-// sign), whole runs, each coordinate of each marker over time, and the place of each jump.
+// Windows in which a misfit is tested: dyadic in time in each run and stroke (half overlapping), dyadic in displacement
+// per phase over all runs, loading against unloading, whole runs, each marker coordinate over time, and each jump.
 
-#include "plugin/identification/diagnosis/misfit.h"
+#include "plugin/identification/diagnosis/likelihood.h"
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -12,11 +11,11 @@
 
 namespace supercircle::diagnosis {
 
-/// What says that something is there: a mean that is shifted, squares that are too large, or not the window itself but
-/// the trace of an effect in all readings, which shows here.
-enum class Seen : std::uint8_t { Shift, Energy, Trace };
+/// The significant statistic: a shifted mean, excess energy, or the signature of an effect in all readings that appears
+/// here.
+enum class StatisticKind : std::uint8_t { Shift, Energy, Signature };
 
-struct Window {
+struct ResidualWindow {
     std::string run;                                     ///< name, or "all"
     std::string phase;                                   ///< loading, unloading, hold, all
     std::string axis;                                    ///< time, displacement, contrast (loading against unloading)
@@ -25,22 +24,22 @@ struct Window {
     double displacementFrom = 0.0, displacementTo = 0.0; ///< m
     double arcFraction = -1.0;                           ///< of a marker, -1: none
     double z = 0.0;                                      ///< standardised statistic
-    Seen by = Seen::Shift;
+    StatisticKind kind = StatisticKind::Shift;
     double p = 1.0; ///< family-wise
     [[nodiscard]] bool ofMarker() const { return arcFraction >= 0.0; }
 };
 
-/// A window and what of the stacked readings lies in it.
-struct Spot {
-    Window window;
-    std::vector<Eigen::Index> rows; ///< of the stack, increasing
+/// A window and its rows in the stacked readings.
+struct WindowRows {
+    ResidualWindow window;
+    std::vector<Eigen::Index> rows; ///< in the stack, increasing
     Eigen::VectorXd sign;           ///< of each row, for opposite shifts; empty: all +1
 };
 
-/// All windows of a misfit; those with fewer than four rows that count are none, but for the jumps' own.
-std::vector<Spot> windowsOf(const Misfit& misfit);
+/// All windows with at least four rows that count, and those of jumps.
+std::vector<WindowRows> windowsOf(const Likelihood& likelihood);
 
-/// Times, displacements and phase of a window that is rows [from, to) of a run's force.
-void setSpan(const RecordedRun& run, Eigen::Index from, Eigen::Index to, Window& window);
+/// Sets times, displacements and phase of a window from rows [from, to) of a run's force.
+void setSpan(const RecordedRun& run, Eigen::Index from, Eigen::Index to, ResidualWindow& window);
 
 } // namespace supercircle::diagnosis

@@ -12,13 +12,14 @@ void put(std::string& to, const void* raw, std::size_t n) {
     to.append(static_cast<const char*>(raw), n);
 }
 
-/// The question as bytes: equal exactly if the simulations are.
-std::string keyOf(const Question& q) {
+/// The request as bytes: equal exactly if the simulations are.
+std::string keyOf(const SimulationRequest& request) {
     std::string key;
-    const std::uint64_t head[] = {q.run, static_cast<std::uint64_t>(q.fineness), q.point.nominal.size()};
+    const std::uint64_t head[] = {request.run, static_cast<std::uint64_t>(request.fidelity),
+                                  request.point.nominal.size()};
     put(key, head, sizeof head);
-    put(key, q.point.nominal.data(), q.point.nominal.size() * sizeof(double));
-    for (const Term& t : q.point.terms) {
+    put(key, request.point.nominal.data(), request.point.nominal.size() * sizeof(double));
+    for (const Term& t : request.point.terms) {
         const std::uint64_t at[] = {t.candidate, t.values.size()};
         put(key, at, sizeof at);
         put(key, t.values.data(), t.values.size() * sizeof(double));
@@ -32,34 +33,35 @@ bool same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 
 } // namespace
 
-void Evaluator::checkStore(const Point& point, Fineness fineness) {
+void Evaluator::checkCache(const ParameterPoint& point, Fidelity fidelity) {
     std::vector<char> differs(runs_, 0);
-    spread(runs_, [&](std::size_t r) {
-        if (model_.twin(r) != r)
+    forEach(runs_, [&](std::size_t r) {
+        if (model_.replicateOf(r) != r)
             return;
-        const Question question{r, model_.simulated(point), fineness};
-        const auto known = store_.find(keyOf(question));
+        const SimulationRequest request{r, model_.simulated(point), fidelity};
+        const auto known = cache_.find(keyOf(request));
         if (!known || stopped())
             return;
-        const Response again = model_.simulate(r, question.point, fineness, interrupt_);
+        const Response again = model_.simulate(r, request.point, fidelity, interrupt_);
         differs[r] = again.failure != known->failure || !same(again.force, known->force) ||
                      !same(again.markers, known->markers) || !same(again.jumps, known->jumps);
     });
     if (!stopped() && std::any_of(differs.begin(), differs.end(), [](char d) { return d != 0; }))
-        store_.forget();
+        cache_.clear();
 }
 
-std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
+std::vector<Response> Evaluator::simulate(const std::vector<SimulationRequest>& requests) {
     std::vector<std::string> keys;
-    std::vector<Question> inner;
-    std::map<std::string, std::size_t> first; // twins within a batch are simulated once
+    std::vector<SimulationRequest> internal;
+    std::map<std::string, std::size_t> first; // replicates within a batch are simulated once
     std::vector<std::size_t> open;
-    std::vector<Response> results(questions.size());
-    for (std::size_t i = 0; i < questions.size(); ++i) {
-        inner.push_back({model_.twin(questions[i].run), model_.simulated(questions[i].point), questions[i].fineness});
-        keys.push_back(keyOf(inner[i]));
-        asked_.insert(keys.back());
-        if (auto known = store_.find(keys[i]))
+    std::vector<Response> results(requests.size());
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        internal.push_back(
+            {model_.replicateOf(requests[i].run), model_.simulated(requests[i].point), requests[i].fidelity});
+        keys.push_back(keyOf(internal[i]));
+        distinctRequests_.insert(keys.back());
+        if (auto known = cache_.find(keys[i]))
             results[i] = std::move(*known);
         else if (first.emplace(keys[i], i).second)
             open.push_back(i);
@@ -70,26 +72,26 @@ std::vector<Response> Evaluator::ask(const std::vector<Question>& questions) {
             results[i].failure = "interrupted";
             return;
         }
-        results[i] = model_.simulate(inner[i].run, inner[i].point, inner[i].fineness, interrupt_);
+        results[i] = model_.simulate(internal[i].run, internal[i].point, internal[i].fidelity, interrupt_);
         if (stopped()) // it may have ended early
             return;
-        store_.keep(keys[i], results[i]);
+        cache_.insert(keys[i], results[i]);
         if (onRun) {
-            const std::lock_guard<std::mutex> lock(speaking_);
+            const std::lock_guard<std::mutex> lock(callbackMutex_);
             onRun();
         }
     };
-    spread(open.size(), work);
-    for (std::size_t i = 0; i < questions.size(); ++i)
+    forEach(open.size(), work);
+    for (std::size_t i = 0; i < requests.size(); ++i)
         if (const auto at = first.find(keys[i]); at != first.end() && at->second != i)
             results[i] = results[at->second];
-    for (std::size_t i = 0; i < questions.size(); ++i)
+    for (std::size_t i = 0; i < requests.size(); ++i)
         if (results[i].failure.empty())
-            model_.read(questions[i].run, questions[i].point, results[i]);
+            model_.read(requests[i].run, requests[i].point, results[i]);
     return results;
 }
 
-void Evaluator::spread(std::size_t n, const std::function<void(std::size_t)>& work) const {
+void Evaluator::forEach(std::size_t n, const std::function<void(std::size_t)>& work) const {
     if (loop_)
         loop_(n, work);
     else
@@ -97,23 +99,25 @@ void Evaluator::spread(std::size_t n, const std::function<void(std::size_t)>& wo
             work(i);
 }
 
-std::vector<DesignResponse> Evaluator::foretell(std::size_t design, const std::vector<Point>& points) {
-    std::vector<DesignResponse> results(points.size());
-    spread(points.size(), [&](std::size_t i) {
+std::vector<CandidateRunResponse> Evaluator::predict(std::size_t candidateRun,
+                                                     const std::vector<ParameterPoint>& points) {
+    std::vector<CandidateRunResponse> results(points.size());
+    forEach(points.size(), [&](std::size_t i) {
         if (!stopped())
-            results[i] = model_.simulateDesign(design, points[i], interrupt_);
+            results[i] = model_.simulateCandidateRun(candidateRun, points[i], interrupt_);
         if (stopped()) // it may have ended early
             results[i].failure = "interrupted";
     });
     return results;
 }
 
-std::vector<std::vector<Response>> Evaluator::everywhere(const std::vector<Point>& points, Fineness fineness) {
-    std::vector<Question> questions;
-    for (const Point& p : points)
+std::vector<std::vector<Response>> Evaluator::simulateAllRuns(const std::vector<ParameterPoint>& points,
+                                                              Fidelity fidelity) {
+    std::vector<SimulationRequest> requests;
+    for (const ParameterPoint& p : points)
         for (std::size_t r = 0; r < runs_; ++r)
-            questions.push_back({r, p, fineness});
-    std::vector<Response> flat = ask(questions);
+            requests.push_back({r, p, fidelity});
+    std::vector<Response> flat = simulate(requests);
     std::vector<std::vector<Response>> results(points.size());
     for (std::size_t i = 0; i < flat.size(); ++i)
         results[i / runs_].push_back(std::move(flat[i]));

@@ -4,7 +4,7 @@
 
 namespace supercircle::diagnosis {
 
-double outer(Scale scale, double x) {
+double toPhysical(Scale scale, double x) {
     switch (scale) {
     case Scale::Reciprocal:
         return x > 0.0 ? 1.0 / x : std::numeric_limits<double>::infinity();
@@ -18,7 +18,7 @@ double outer(Scale scale, double x) {
     return x;
 }
 
-double inner(Scale scale, double x) {
+double toInternal(Scale scale, double x) {
     switch (scale) {
     case Scale::Reciprocal:
         return 1.0 / x;

@@ -1,5 +1,5 @@
 #pragma once
-// Normal and exponential numbers that are the same on every machine (the standard fixes engines, not distributions).
+// Normal and exponential numbers that are equal on every machine (the standard fixes engines, not distributions).
 
 #include <cmath>
 #include <cstdint>

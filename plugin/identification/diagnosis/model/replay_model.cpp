@@ -1,10 +1,9 @@
-// A reciprocal amplitude of 0 stands for an infinite stiffness; the catalogue takes infinity as "off", so nothing needs
-// to be left out by hand.
+// A reciprocal amplitude of 0 means an infinite stiffness, which the catalogue treats as "off".
 
 #include "plugin/identification/diagnosis/replay_model.h"
 
-#include "plugin/identification/diagnosis/next_experiment/designs.h"
-#include "plugin/identification/diagnosis/store.h"
+#include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
+#include "plugin/identification/diagnosis/simulation_cache.h"
 #include "plugin/identification/replay/compare.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
@@ -22,7 +21,7 @@ bool alike(const experiment::Stated& a, const experiment::Stated& b) {
     return a.value == b.value && a.halfWidth == b.halfWidth;
 }
 
-/// Whether all specimens are of one batch: described alike in everything.
+/// Whether all specimens have the same description.
 bool oneBatch(const experiment::Experiment& e) {
     for (const experiment::Specimen& s : e.specimens) {
         const experiment::Specimen& first = e.specimens.front();
@@ -33,19 +32,18 @@ bool oneBatch(const experiment::Experiment& e) {
     return true;
 }
 
-/// Every set-up gives a little, and no description says so: frames, clamps and contacts of this size together 20 kN/m
-/// and more, and a machine made for large forces not more than half a per cent of its way. Up to that it is not worth a
-/// name; beyond, it is the effect machine_compliance.
-Scalar ordinaryGive(const experiment::Experiment& e) {
-    const Sizes sizes = sizesOf(e);
-    const double most = std::min(5e-5, 0.005 * sizes.travel / sizes.force); // m/N
+/// Compliance of an ordinary set-up, a nominal parameter: 20 kN/m or stiffer, at most 0.5 % of the travel at the
+/// largest force. Beyond that it is the effect machine_compliance.
+Scalar ordinaryCompliance(const experiment::Experiment& e) {
+    const ExperimentScales scales = scalesOf(e);
+    const double most = std::min(5e-5, 0.005 * scales.travel / scales.force); // m/N
     const replay::Parameters nominal = replay::nominal(e);
-    // A strip that is pressed lengthwise is too stiff for where it gives to be all the same: see touchCompliance.
+    // A strip pressed lengthwise is so stiff that the place of the compliance does not matter: see touchCompliance.
     const bool touches = e.protocol == experiment::Protocol::StripOnRigidFloor;
     Scalar s;
     s.name = touches ? "touch_compliance" : "series_compliance";
     s.unit = "m/N";
-    s.about = "give of an ordinary set-up";
+    s.about = "compliance of an ordinary set-up";
     s.lower = touches ? nominal.touchCompliance : nominal.seriesCompliance;
     s.upper = s.lower + most;
     s.step = 0.5 * most;
@@ -53,7 +51,7 @@ Scalar ordinaryGive(const experiment::Experiment& e) {
     return s;
 }
 
-/// Parameters with a stated interval; those of specimens that are described differently on their own.
+/// Parameters with a stated interval. Specimens with different descriptions have parameters of their own.
 std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
     std::vector<Scalar> all;
     const bool apart = !oneBatch(e);
@@ -76,7 +74,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         all.push_back(s);
     }
     if (!e.scene)
-        all.push_back(ordinaryGive(e));
+        all.push_back(ordinaryCompliance(e));
     return all;
 }
 
@@ -86,7 +84,8 @@ std::vector<double> filled(const std::vector<double>& v, std::size_t rows) {
     return out;
 }
 
-/// A search may ask for values at which every step is tiny. The limit counts steps, not time: the same everywhere.
+/// Simulation with a limit on the number of steps: a search may ask for values that need tiny steps. Steps, not time,
+/// are counted, so results are reproducible.
 replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t run, const replay::Parameters& p,
                                  const replay::Resolution& resolution, const std::atomic<bool>* interrupt) {
     double way = 0.0, time = 0.0; // of the drive, m, s
@@ -110,7 +109,7 @@ replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t ru
     return s;
 }
 
-/// Largest curvature change of the run that goes farthest, as described: where moments can be learned.
+/// Largest curvature change in the run with the largest displacement, with the stated parameters.
 double largestBend(const experiment::Experiment& e, const std::atomic<bool>* interrupt) {
     std::size_t farthest = 0;
     double most = 0.0;
@@ -122,15 +121,17 @@ double largestBend(const experiment::Experiment& e, const std::atomic<bool>* int
             }
     if (e.runs.empty())
         return 0.0;
-    return simulateWithin(e, farthest, replay::nominal(e), replay::Resolution::coarse(), interrupt).bendMost;
+    return simulateWithin(e, farthest, replay::nominal(e), replay::Resolution::coarse(), interrupt)
+        .largestCurvatureChange;
 }
 
-/// Of each run the first one that is simulated alike.
-std::vector<std::size_t> twinsOf(const experiment::Experiment& e) {
+/// Index of the first run with the same simulation, for each run.
+std::vector<std::size_t> replicatesOf(const experiment::Experiment& e) {
     const auto alikeInAll = [](const experiment::Run& a, const experiment::Run& b) {
-        return a.driveTime == b.driveTime && a.driveDisplacement == b.driveDisplacement && a.turned == b.turned &&
-               a.readings.time == b.readings.time && a.samplingRate == b.samplingRate &&
-               a.markers.time == b.markers.time && a.markersSamplingRate == b.markersSamplingRate;
+        return a.driveTime == b.driveTime && a.driveDisplacement == b.driveDisplacement &&
+               a.specimenReversed == b.specimenReversed && a.readings.time == b.readings.time &&
+               a.samplingRate == b.samplingRate && a.markers.time == b.markers.time &&
+               a.markersSamplingRate == b.markersSamplingRate;
     };
     std::vector<std::size_t> out;
     for (std::size_t r = 0; r < e.runs.size(); ++r) {
@@ -146,7 +147,7 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
-/// x of marker 0 over `rows` times, its y, x of marker 1, ...; not a number where a simulation ended before.
+/// x of marker 0 over `rows` times, its y, x of marker 1, ...; not a number after the end of a simulation.
 Eigen::VectorXd stacked(const experiment::MarkerTracks& tracks, std::size_t markers, std::size_t rows) {
     Eigen::VectorXd out(static_cast<Eigen::Index>(2 * markers * rows));
     for (std::size_t m = 0; m < markers; ++m) {
@@ -162,38 +163,38 @@ Eigen::VectorXd stacked(const experiment::MarkerTracks& tracks, std::size_t mark
 
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without,
                          const std::atomic<bool>* interrupt)
-    : experiment_(e), nominal_(nominalOf(e)), menu_(menuFor(e, without, largestBend(e, interrupt))),
-      twins_(twinsOf(e)) {
-    const Sizes s = sizesOf(e);
+    : experiment_(e), nominal_(nominalOf(e)),
+      candidateEffects_(candidateEffectsFor(e, without, largestBend(e, interrupt))), replicates_(replicatesOf(e)) {
+    const ExperimentScales s = scalesOf(e);
     travel_ = s.travel;
     duration_ = s.duration;
 }
 
-Point ReplayModel::simulated(const Point& point) const {
-    Point out = point;
+ParameterPoint ReplayModel::simulated(const ParameterPoint& point) const {
+    ParameterPoint out = point;
     out.terms.clear();
     for (const Term& t : point.terms)
-        if (menu_.recipes[t.candidate].reading == Reading::None)
+        if (candidateEffects_.mappings[t.candidate].readingEffect == ReadingEffect::None)
             out.terms.push_back(t);
     return out;
 }
 
-void ReplayModel::read(std::size_t run, const Point& point, Response& response) const {
+void ReplayModel::read(std::size_t run, const ParameterPoint& point, Response& response) const {
     const std::vector<double>& time = experiment_.runs[run].readings.time;
     if (response.force.size() != static_cast<Eigen::Index>(time.size()))
         return;
-    for (const bool gain : {true, false}) // the chain multiplies first
+    for (const bool gain : {true, false}) // gain before offset, as in the sensor
         for (const Term& t : point.terms)
-            if (const Reading r = menu_.recipes[t.candidate].reading;
-                r != Reading::None && (r == Reading::Gain) == gain)
+            if (const ReadingEffect r = candidateEffects_.mappings[t.candidate].readingEffect;
+                r != ReadingEffect::None && (r == ReadingEffect::Gain) == gain)
                 addReading(t, run, time, response.force);
 }
 
 void ReplayModel::addReading(const Term& term, std::size_t run, const std::vector<double>& time,
                              Eigen::VectorXd& force) const {
-    const Recipe& recipe = menu_.recipes[term.candidate];
+    const EffectMapping& mapping = candidateEffects_.mappings[term.candidate];
     const experiment::Run& recorded = experiment_.runs[run];
-    // What is added shows in the zero too, which is the mean of the first stretch.
+    // An added reading shifts the zero too, the mean of the first interval.
     const auto add = [&](Eigen::VectorXd& to, const std::vector<double>& at, const auto& value) {
         double zero = 0.0, count = 0.0;
         for (std::size_t k = 0; k < at.size(); ++k) {
@@ -207,21 +208,21 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
         if (count > 0.0)
             to.array() -= zero / count;
     };
-    if (recipe.reading == Reading::Gain || recipe.reading == Reading::Drift) {
-        effects::Setting setting = recipe.base;
+    if (mapping.readingEffect == ReadingEffect::Gain || mapping.readingEffect == ReadingEffect::Drift) {
+        effects::Setting setting = mapping.base;
         for (std::size_t i = 0; i < term.values.size(); ++i)
-            setting.values[recipe.parameterAt[i]] =
-                outer(menu_.candidates[term.candidate].parameters[i].scale, term.values[i]);
+            setting.values[mapping.parameterAt[i]] =
+                toPhysical(candidateEffects_.candidates[term.candidate].parameters[i].scale, term.values[i]);
         const effects::SensorModel sensor = effects::modelFor({setting}, "all").sensor;
         force *= 1.0 + sensor.gain;
-        if (recipe.reading == Reading::Drift)
+        if (mapping.readingEffect == ReadingEffect::Drift)
             add(force, time, [&](std::size_t k) {
                 const double age = std::max(0.0, time[k] - recorded.driveTime.front());
                 return sensor.driftRate * age - sensor.drift * std::expm1(-age / sensor.driftTime);
             });
         return;
     }
-    const Curve& curve = menu_.candidates[term.candidate].curve;
+    const LearnedCurve& curve = candidateEffects_.candidates[term.candidate].curve;
     double direction = 1.0;
     add(force, time, [&](std::size_t k) {
         std::size_t i = 1;
@@ -231,26 +232,27 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
         const double way = recorded.driveDisplacement[i] - d0, span = recorded.driveTime[i] - t0;
         const double d = d0 + way * std::clamp((time[k] - t0) / span, 0.0, 1.0);
         direction = way != 0.0 ? std::copysign(1.0, way) : direction;
-        const double at =
-            recipe.reading == Reading::ByTime ? (time[k] - recorded.driveTime.front()) / duration_ : d / travel_;
+        const double at = mapping.readingEffect == ReadingEffect::ByTime
+                              ? (time[k] - recorded.driveTime.front()) / duration_
+                              : d / travel_;
         const double value = curve.scale * curve.evaluate(term.values, {at}).front();
-        return recipe.reading == Reading::ByDirection ? direction * value : value;
+        return mapping.readingEffect == ReadingEffect::ByDirection ? direction * value : value;
     });
 }
 
-std::string ReplayModel::parametersAt(const Point& point, replay::Parameters& p) const {
+std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Parameters& p) const {
     p = replay::nominal(experiment_);
     for (std::size_t i = 0; i < nominal_.size() && i < point.nominal.size(); ++i)
         if (std::string why = replay::set(p, experiment_, nominal_[i].name, point.nominal[i]); !why.empty())
             return why;
     for (const Term& t : point.terms) {
-        const Recipe& recipe = menu_.recipes[t.candidate];
-        if (recipe.reading != Reading::None && recipe.parameterAt.empty())
+        const EffectMapping& mapping = candidateEffects_.mappings[t.candidate];
+        if (mapping.readingEffect != ReadingEffect::None && mapping.parameterAt.empty())
             continue; // a learned one has no setting
-        effects::Setting setting = recipe.base;
+        effects::Setting setting = mapping.base;
         for (std::size_t i = 0; i < t.values.size(); ++i) {
-            const Scalar& s = menu_.candidates[t.candidate].parameters[i];
-            setting.values[recipe.parameterAt[i]] = outer(s.scale, t.values[i]);
+            const Scalar& s = candidateEffects_.candidates[t.candidate].parameters[i];
+            setting.values[mapping.parameterAt[i]] = toPhysical(s.scale, t.values[i]);
         }
         if (!effects::isOff(setting))
             p.effects.push_back(setting);
@@ -258,17 +260,17 @@ std::string ReplayModel::parametersAt(const Point& point, replay::Parameters& p)
     return replay::checkEffects(p, experiment_);
 }
 
-std::vector<Design> ReplayModel::designs() const {
-    return designsFor(experiment_);
+std::vector<CandidateRun> ReplayModel::candidateRuns() const {
+    return candidateRunsFor(experiment_);
 }
 
-DesignResponse ReplayModel::simulateDesign(std::size_t index, const Point& point,
-                                           const std::atomic<bool>* interrupt) const {
-    DesignResponse out;
+CandidateRunResponse ReplayModel::simulateCandidateRun(std::size_t index, const ParameterPoint& point,
+                                                       const std::atomic<bool>* interrupt) const {
+    CandidateRunResponse out;
     replay::Parameters p;
     if (out.failure = parametersAt(point, p); !out.failure.empty())
         return out;
-    const experiment::Experiment e = designed(experiment_, index);
+    const experiment::Experiment e = withCandidateRun(experiment_, index);
     const replay::Simulated s = simulateWithin(e, 0, p, replay::Resolution::coarse(), interrupt);
     out.failure = s.failure;
     out.time = vectorOf(s.readings.time);
@@ -279,14 +281,14 @@ DesignResponse ReplayModel::simulateDesign(std::size_t index, const Point& point
     return out;
 }
 
-Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fineness,
+Response ReplayModel::simulate(std::size_t run, const ParameterPoint& point, Fidelity fidelity,
                                const std::atomic<bool>* interrupt) const {
     Response out;
     replay::Parameters p;
     if (out.failure = parametersAt(point, p); !out.failure.empty())
         return out;
-    const replay::Resolution resolution = fineness == Fineness::Fine    ? replay::Resolution::full()
-                                          : fineness == Fineness::Finer ? replay::Resolution::finer()
+    const replay::Resolution resolution = fidelity == Fidelity::Fine    ? replay::Resolution::fine()
+                                          : fidelity == Fidelity::Finer ? replay::Resolution::finer()
                                                                         : replay::Resolution::coarse();
     const replay::Simulated s = simulateWithin(experiment_, run, p, resolution, interrupt);
     out.failure = s.failure;
@@ -294,17 +296,17 @@ Response ReplayModel::simulate(std::size_t run, const Point& point, Fineness fin
     out.force =
         experiment::channel(experiment_).perUnit * vectorOf(filled(s.readings.force, recorded.readings.time.size()));
     out.jumps = vectorOf(replay::jumpTimes(s));
-    const std::size_t seen = recorded.markers.time.size();
-    out.markers = stacked(s.markers, seen > 0 ? experiment_.markers.size() : 0, seen);
+    const std::size_t frames = recorded.markers.time.size();
+    out.markers = stacked(s.markers, frames > 0 ? experiment_.markers.size() : 0, frames);
     return out;
 }
 
 std::string ReplayModel::identity() const {
-    std::error_code lost; // a file that is gone keeps the name it was read by
+    std::error_code lost; // a deleted file keeps its name
     std::filesystem::path file = std::filesystem::absolute(experiment_.file, lost);
     file = lost ? file : std::filesystem::weakly_canonical(file, lost);
     std::string id = (lost ? experiment_.file : file.string()) + "\n" + simulatorStamp() + "\n";
-    id += experiment_.text + '\n'; // geometry, clamps, markers' places: all that is declared
+    id += experiment_.text + '\n'; // the whole description
     if (experiment_.scene)
         id += experiment_.scene->text + "\n";
     const auto add = [&](double v) {
@@ -324,12 +326,12 @@ std::string ReplayModel::identity() const {
             std::for_each(column->begin(), column->end(), add);
         }
     }
-    for (const Candidate& c : menu_.candidates) {
-        id += '\n' + c.label + '/' + c.form;
+    for (const CandidateEffect& c : candidateEffects_.candidates) {
+        id += '\n' + c.label + '/' + c.variant;
         for (const Scalar& s : c.parameters)
             id += ' ' + s.name;
     }
-    for (const Recipe& r : menu_.recipes)
+    for (const EffectMapping& r : candidateEffects_.mappings)
         for (const double v : r.base.values)
             add(std::isfinite(v) ? v : -1.0);
     return id;

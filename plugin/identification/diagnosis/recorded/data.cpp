@@ -13,15 +13,15 @@ Eigen::VectorXd vectorOf(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
-/// A free run is cut at its turning points: half swings are what it repeats.
-std::vector<Leg> swingsOf(const experiment::Run& run) {
+/// Splits a free run at its turning points into half oscillations.
+std::vector<DriveSegment> halfOscillationsOf(const experiment::Run& run) {
     const std::vector<double>&t = run.readings.time, &v = run.readings.force;
     const auto [least, most] = std::minmax_element(v.begin(), v.end()); // NaN: compares false, is passed over
     const double back = v.empty() ? 0.0 : 0.02 * (*most - *least);
-    std::vector<Leg> legs;
+    std::vector<DriveSegment> segments;
     double from = run.driveTime.front();
     std::size_t turn = 0;
-    int way = 0; // of the present half swing; 0: not known yet
+    int way = 0; // direction of the present half oscillation; 0: unknown
     for (std::size_t i = 1; i < v.size(); ++i) {
         if (!std::isfinite(v[i]))
             continue;
@@ -30,40 +30,40 @@ std::vector<Leg> swingsOf(const experiment::Run& run) {
             turn = way == 0 && std::abs(moved) < back ? turn : i;
             way = way == 0 && std::abs(moved) >= back ? (moved > 0.0 ? 1 : -1) : way;
         } else if (std::abs(moved) > back) {
-            legs.push_back({Phase::Free, from, t[turn], 0.0});
+            segments.push_back({Phase::Free, from, t[turn], 0.0});
             from = t[turn];
             turn = i;
             way = -way;
         }
     }
-    legs.push_back({Phase::Free, from, run.driveTime.back(), 0.0});
-    return legs;
+    segments.push_back({Phase::Free, from, run.driveTime.back(), 0.0});
+    return segments;
 }
 
-std::vector<Leg> legsOf(const experiment::Run& run) {
-    std::vector<Leg> legs;
+std::vector<DriveSegment> segmentsOf(const experiment::Run& run) {
+    std::vector<DriveSegment> segments;
     for (std::size_t i = 1; i < run.driveTime.size(); ++i) {
         const double way = run.driveDisplacement[i] - run.driveDisplacement[i - 1];
         const double time = run.driveTime[i] - run.driveTime[i - 1];
-        legs.push_back({way > 0.0   ? Phase::Loading
-                        : way < 0.0 ? Phase::Unloading
-                                    : Phase::Hold,
-                        run.driveTime[i - 1], run.driveTime[i], way / time});
+        segments.push_back({way > 0.0   ? Phase::Loading
+                            : way < 0.0 ? Phase::Unloading
+                                        : Phase::Hold,
+                            run.driveTime[i - 1], run.driveTime[i], way / time});
     }
-    return legs;
+    return segments;
 }
 
-int legAt(const std::vector<Leg>& legs, double t) {
+int segmentAt(const std::vector<DriveSegment>& segments, double t) {
     std::size_t i = 0;
-    while (i + 1 < legs.size() && t > legs[i].to)
+    while (i + 1 < segments.size() && t > segments[i].to)
         ++i;
     return static_cast<int>(i);
 }
 
-std::vector<int> legsAt(const std::vector<Leg>& legs, const Eigen::VectorXd& times) {
+std::vector<int> segmentsAt(const std::vector<DriveSegment>& segments, const Eigen::VectorXd& times) {
     std::vector<int> all;
     for (const double t : times)
-        all.push_back(legAt(legs, t));
+        all.push_back(segmentAt(segments, t));
     return all;
 }
 
@@ -78,43 +78,43 @@ RecordedRun recordedRun(const experiment::Run& from, std::size_t markers, bool f
         run.displacement[k] = experiment::commanded(from, run.time[k]);
     run.markerTime = vectorOf(from.markers.time);
     run.markerCount = from.markers.time.empty() ? 0 : std::min(markers, from.markers.x.size());
-    const Eigen::Index seen = run.markerTime.size();
-    run.markers.resize(2 * static_cast<Eigen::Index>(run.markerCount) * seen);
+    const Eigen::Index frames = run.markerTime.size();
+    run.markers.resize(2 * static_cast<Eigen::Index>(run.markerCount) * frames);
     for (std::size_t m = 0; m < run.markerCount; ++m) {
-        run.markers.segment(2 * static_cast<Eigen::Index>(m) * seen, seen) = vectorOf(from.markers.x[m]);
-        run.markers.segment((2 * static_cast<Eigen::Index>(m) + 1) * seen, seen) = vectorOf(from.markers.y[m]);
+        run.markers.segment(2 * static_cast<Eigen::Index>(m) * frames, frames) = vectorOf(from.markers.x[m]);
+        run.markers.segment((2 * static_cast<Eigen::Index>(m) + 1) * frames, frames) = vectorOf(from.markers.y[m]);
     }
-    run.turned = from.turned;
-    run.drivenBy(free ? swingsOf(from) : legsOf(from));
+    run.specimenReversed = from.specimenReversed;
+    run.setDrive(free ? halfOscillationsOf(from) : segmentsOf(from));
     return run;
 }
 
-const Leg& RecordedRun::legAt(double t) const {
-    return legs[static_cast<std::size_t>(diagnosis::legAt(legs, t))];
+const DriveSegment& RecordedRun::segmentAt(double t) const {
+    return segments[static_cast<std::size_t>(diagnosis::segmentAt(segments, t))];
 }
 
-void RecordedRun::drivenBy(std::vector<Leg> pieces) {
+void RecordedRun::setDrive(std::vector<DriveSegment> mustBeat) {
     constexpr double kRows = 3.0;
-    const double shortest = time.size() > 1 ? kRows * spacing() : 0.0; // s, of a rest that cuts
-    legs = std::move(pieces);
+    const double shortest = time.size() > 1 ? kRows * spacing() : 0.0; // s, shortest dwell that separates strokes
+    segments = std::move(mustBeat);
     strokes.clear();
-    for (std::size_t l = 0; l < legs.size(); ++l) {
-        const Leg& piece = legs[l];
-        const auto joins = [&](const Stroke& s) { return s.phase == piece.phase && piece.phase != Phase::Free; };
+    for (std::size_t l = 0; l < segments.size(); ++l) {
+        const DriveSegment& part = segments[l];
+        const auto joins = [&](const Stroke& s) { return s.phase == part.phase && part.phase != Phase::Free; };
         const std::size_t n = strokes.size();
         if (n > 1 && joins(strokes[n - 2]) && strokes[n - 1].phase == Phase::Hold &&
             strokes[n - 1].to - strokes[n - 1].from < shortest) {
             strokes.pop_back();
-            for (std::size_t k = l; k-- > 0 && legs[k].stroke == n - 1;)
-                legs[k].stroke = n - 2;
+            for (std::size_t k = l; k-- > 0 && segments[k].stroke == n - 1;)
+                segments[k].stroke = n - 2;
         }
         if (strokes.empty() || !joins(strokes.back()))
-            strokes.push_back({piece.phase, piece.from, piece.to});
-        strokes.back().to = piece.to;
-        legs[l].stroke = strokes.size() - 1;
+            strokes.push_back({part.phase, part.from, part.to});
+        strokes.back().to = part.to;
+        segments[l].stroke = strokes.size() - 1;
     }
-    leg = legsAt(legs, time);
-    markerLeg = legsAt(legs, markerTime);
+    segmentOfRow = segmentsAt(segments, time);
+    segmentOfMarkerRow = segmentsAt(segments, markerTime);
 }
 
 const char* name(Phase phase) {
@@ -125,33 +125,35 @@ const char* name(Phase phase) {
 }
 
 bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
-    if (a.legs.size() != b.legs.size())
+    if (a.segments.size() != b.segments.size())
         return false;
-    for (std::size_t l = 0; l < a.legs.size(); ++l)
-        if (std::abs(a.legs[l].to - b.legs[l].to) > 1e-6 || std::abs(a.legs[l].speed - b.legs[l].speed) > 1e-9)
+    for (std::size_t l = 0; l < a.segments.size(); ++l)
+        if (std::abs(a.segments[l].to - b.segments[l].to) > 1e-6 ||
+            std::abs(a.segments[l].speed - b.segments[l].speed) > 1e-9)
             return false;
     return true;
 }
 
-std::size_t Data::firstOf(std::size_t run) const {
-    std::size_t first = free ? run : 0; // nothing drives free runs alike
-    while (first < run && (!sameDrive(runs[first], runs[run]) || runs[first].turned != runs[run].turned))
+std::size_t RecordedData::firstOf(std::size_t run) const {
+    std::size_t first = free ? run : 0; // free runs have no drive to compare
+    while (first < run &&
+           (!sameDrive(runs[first], runs[run]) || runs[first].specimenReversed != runs[run].specimenReversed))
         ++first;
     return first;
 }
 
-std::size_t Data::repeatsOf(std::size_t run) const {
+std::size_t RecordedData::repeatsOf(std::size_t run) const {
     std::size_t alike = 0;
     for (std::size_t r = 0; r < runs.size(); ++r)
         alike += r == run || (!free && sameDrive(runs[r], runs[run])) ? 1 : 0;
     return alike;
 }
 
-std::string Data::markerChannel(Eigen::Index coordinate) const {
+std::string RecordedData::markerChannel(Eigen::Index coordinate) const {
     return markerNames[static_cast<std::size_t>(coordinate / 2)] + (coordinate % 2 == 0 ? "_x" : "_y");
 }
 
-double Data::peakForce() const {
+double RecordedData::peakForce() const {
     double most = 0.0;
     for (const RecordedRun& run : runs)
         for (const double f : run.force)
@@ -159,8 +161,8 @@ double Data::peakForce() const {
     return most;
 }
 
-Data dataOf(const experiment::Experiment& e) {
-    Data data;
+RecordedData recordedDataOf(const experiment::Experiment& e) {
+    RecordedData data;
     const experiment::Channel& channel = experiment::channel(e);
     data.channel = channel.name;
     data.unit = channel.unit;

@@ -1,14 +1,12 @@
 #pragma once
-// A first look at every effect: how much of the misfit its signature could explain beside the nominal parameters, and
-// the smallest size these runs could have shown.
+// Screening of all effects: how much of chi-squared a signature could explain beside the nominal parameters, and the
+// detectable amplitude.
 //
-// Signatures are finite differences between simulations with and without the effect at sizes that matter: yield,
-// adhesion, gaps or an offset of a symmetric set-up have no derivative at zero. With s the whitened signature of a
-// probe and J the nominal Jacobian, the gain is
-//     min |u - J d|^2 - min |u - J d - a s|^2    over d inside the stated intervals and a >= 0 (either sign where the
-// effect has one). The size seen with 80 % power is (c + 0.84) / |(I - QQ') s| of the probe, c the critical value of
-// the whole search; it is given in units of the effect's first probe. This only chooses what is fitted; a screen alone
-// confuses effects.
+// Signatures are finite differences at relevant amplitudes, because yield, adhesion, play and offsets have no
+// derivative at zero (decision 0078). With s the whitened signature of a probe and J the nominal Jacobian, the gain is
+// min |u - J d|^2 - min |u - J d - a s|^2 over d inside the stated intervals and a >= 0 (either sign where allowed).
+// The amplitude detectable with 80 % power is (c + 0.84) / |(I - QQ') s|, c the critical value of the localisation, in
+// units of the first probe. Screening only selects what is fitted.
 
 #include "plugin/identification/diagnosis/fit.h"
 
@@ -16,39 +14,38 @@
 
 namespace supercircle::diagnosis {
 
-struct Screened {
+struct ScreenedProbe {
     std::size_t candidate = 0;
     std::size_t probe = 0;
-    std::vector<double> values; ///< inner, the probe stretched by `stretch`
-    double stretch = 0.0;       ///< best a
-    double gain = 0.0;          ///< drop of |residual|^2
-    double size = 0.0;          ///< |s| of the probe
-    double own = 0.0;           ///< |(I - QQ') s|: what the nominal parameters cannot absorb
-    double times = 1.0;         ///< the probe in units of a size that matters, the candidate's first probe
+    std::vector<double> values;     ///< internal values, the probe scaled by `factor`
+    double factor = 0.0;            ///< best a
+    double gain = 0.0;              ///< decrease of |residual|^2
+    double norm = 0.0;              ///< |s| of the probe
+    double independentNorm = 0.0;   ///< |(I - QQ') s|: the part that nominal parameters cannot absorb
+    double relativeAmplitude = 1.0; ///< the probe in relevant amplitudes (those of the first probe)
     bool simulated = false;
     Eigen::VectorXd signature; ///< whitened change of all readings; empty: not simulated
-    /// In units of a size that matters; infinite: never.
-    [[nodiscard]] double visible(double critical) const {
-        return own > 1e-9 ? times * (critical + 0.84) / own : std::numeric_limits<double>::infinity();
+    /// Detectable amplitude in relevant amplitudes; infinite: never.
+    [[nodiscard]] double detectable(double critical) const {
+        return independentNorm > 1e-9 ? relativeAmplitude * (critical + 0.84) / independentNorm
+                                      : std::numeric_limits<double>::infinity();
     }
 };
 
-/// One entry per probe of every candidate, in their order.
-/// @param share of the probes' sizes at which effects are simulated; signatures are stretched back
-std::vector<Screened> screen(Evaluator& evaluator, const Misfit& misfit, const Fitted& nominal, double share = 1.0);
+/// @param share of the probe amplitudes at which effects are simulated; signatures are scaled back
+std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& nominal,
+                                  double share = 1.0);
 
-/// Sets gain, stretch and values of a probe whose signature is known, against the residual of a fit.
+/// Sets gain, factor and values of a probe with known signature, against the residual of a fit.
 /// @param out its values are those of the probe
-void explain(const Fitted& fitted, const Variables& variables, const Candidate& candidate, Screened& out);
+void explain(const FitResult& fitted, const Variables& variables, const CandidateEffect& candidate, ScreenedProbe& out);
 
-/// The values of a probe at the size that explains most beside a fit. Where the size that the signature, stretched,
-/// asks for does not keep half of what it promises, sizes between it and the probe's own are simulated: a law with a
-/// threshold does nothing below it (a yield moment that was never reached made a fit stand still where plasticity was
-/// hidden).
-std::vector<double> settledValues(Evaluator& evaluator, const Misfit& misfit, const Fitted& fitted,
-                                  const Screened& probe);
+/// The values of a probe at the amplitude with the largest gain. If the linearised amplitude keeps less than half of
+/// its gain, others are simulated, because a law with a threshold has no effect below it.
+std::vector<double> bestAmplitudeValues(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& fitted,
+                                        const ScreenedProbe& probe);
 
 /// The values of a candidate with its amplitudes multiplied by `factor`, inside its bounds.
-std::vector<double> stretched(const Candidate& candidate, const std::vector<double>& values, double factor);
+std::vector<double> scaledValues(const CandidateEffect& candidate, const std::vector<double>& values, double factor);
 
 } // namespace supercircle::diagnosis

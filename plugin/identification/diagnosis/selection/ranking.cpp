@@ -1,7 +1,7 @@
 #include "plugin/identification/diagnosis/selection/ranking.h"
 
-#include "plugin/identification/diagnosis/result/conclude.h"
-#include "plugin/identification/diagnosis/selection/learn.h"
+#include "plugin/identification/diagnosis/result/verdict.h"
+#include "plugin/identification/diagnosis/selection/fit_learned_laws.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,20 +12,20 @@ const std::string& Ranking::labelOf(std::size_t candidate) const {
     return model_.candidates()[candidate].label;
 }
 
-bool Ranking::contains(const Tried& tried, const std::string& label) const {
-    return std::any_of(tried.candidates.begin(), tried.candidates.end(),
+bool Ranking::contains(const FittedHypothesis& hypotheses, const std::string& label) const {
+    return std::any_of(hypotheses.candidates.begin(), hypotheses.candidates.end(),
                        [&](std::size_t c) { return labelOf(c) == label; });
 }
 
-/// The best hypothesis with an effect and without another one: beside it nothing is its rival, but alone it may be.
-const Tried* Ranking::best(const std::string& with, const std::string& without) const {
-    const Tried* found = nullptr;
+/// The best hypothesis that contains one effect and not another one.
+const FittedHypothesis* Ranking::best(const std::string& with, const std::string& without) const {
+    const FittedHypothesis* found = nullptr;
     std::size_t at = 0;
-    for (std::size_t i = 0; i < tried_.size(); ++i) {
-        if (tried_[i].learned || !contains(tried_[i], with) || contains(tried_[i], without) ||
-            (found && !weighed_.better(i, at)))
+    for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+        if (hypotheses_[i].learned || !contains(hypotheses_[i], with) || contains(hypotheses_[i], without) ||
+            (found && !weights_.better(i, at)))
             continue;
-        found = &tried_[i];
+        found = &hypotheses_[i];
         at = i;
     }
     return found;
@@ -35,39 +35,41 @@ std::vector<std::string> Ranking::groupOf(const std::vector<Entry>& entries, std
                                           const std::vector<std::string>& with) const {
     const Entry& e = entries[of];
     std::vector<std::string> group = {e.label};
-    const Tried& s = tried_[e.model];
+    const FittedHypothesis& s = hypotheses_[e.model];
     for (std::size_t b = 0; b < entries.size(); ++b) {
-        const std::string& rival = entries[b].label;
-        if (of == b || std::find(with.begin(), with.end(), rival) != with.end())
+        const std::string& competitor = entries[b].label;
+        if (of == b || std::find(with.begin(), with.end(), competitor) != with.end())
             continue;
-        const Tried* t = best(rival, e.label);
-        const auto apart = t ? misfit_.difference(s.fit.responses, t->fit.responses) : std::optional<Eigen::VectorXd>();
-        if ((apart && alike(s.held, t->held, apart->norm(), weighed_.dispersion)) ||
-            alikeByNature(misfit_.data(), e.label, rival))
-            group.push_back(rival);
+        const FittedHypothesis* t = best(competitor, e.label);
+        const auto apart =
+            t ? likelihood_.whitenedDifference(s.fit.responses, t->fit.responses) : std::optional<Eigen::VectorXd>();
+        if ((apart && alike(s.held, t->held, apart->norm(), weights_.dispersion)) ||
+            structurallyIndistinguishable(likelihood_.data(), e.label, competitor))
+            group.push_back(competitor);
     }
     return group;
 }
 
 double Ranking::probabilityOf(const std::vector<std::string>& group) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < tried_.size(); ++i)
-        if (!tried_[i].learned && std::any_of(group.begin(), group.end(),
-                                              [&](const std::string& label) { return contains(tried_[i], label); }))
-            sum += weighed_.effects[i];
+    for (std::size_t i = 0; i < hypotheses_.size(); ++i)
+        if (!hypotheses_[i].learned && std::any_of(group.begin(), group.end(), [&](const std::string& label) {
+                return contains(hypotheses_[i], label);
+            }))
+            sum += weights_.effects[i];
     return sum;
 }
 
 std::vector<LearnedLaw> Ranking::learned() const {
     std::vector<LearnedLaw> out;
-    for (std::size_t i = 0; i < tried_.size(); ++i) {
-        if (!tried_[i].learned)
+    for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+        if (!hypotheses_[i].learned)
             continue;
-        LearnedLaw law = describe(model_, misfit_, tried_[i]);
-        law.probability = weighed_.effects[i];
-        law.gain = weighed_.gain[i];
-        law.gainError = weighed_.gainError[i];
-        law.heldOutRmse = tried_[i].held.forceRmse;
+        LearnedLaw law = learnedLawOf(model_, likelihood_, hypotheses_[i]);
+        law.probability = weights_.effects[i];
+        law.gain = weights_.gain[i];
+        law.gainError = weights_.gainError[i];
+        law.heldOutRmse = hypotheses_[i].held.forceRmse;
         out.push_back(std::move(law));
     }
     std::stable_sort(out.begin(), out.end(), [](const LearnedLaw& a, const LearnedLaw& b) {
@@ -76,41 +78,41 @@ std::vector<LearnedLaw> Ranking::learned() const {
     return out;
 }
 
-/// Which of two that are alike by nature fits better is no evidence for either: they share what they have.
-void Ranking::shareAlike(std::vector<Entry>& entries) const {
+/// Structurally indistinguishable effects share their probability.
+void Ranking::shareIndistinguishable(std::vector<Entry>& entries) const {
     for (std::size_t a = 0; a < entries.size(); ++a)
         for (std::size_t b = a + 1; b < entries.size(); ++b)
-            if (alikeByNature(misfit_.data(), entries[a].label, entries[b].label))
+            if (structurallyIndistinguishable(likelihood_.data(), entries[a].label, entries[b].label))
                 entries[a].probability = entries[b].probability =
                     0.5 * (entries[a].probability + entries[b].probability);
 }
 
-/// Of a label by itself.
+/// Gain of a label alone.
 double Ranking::ownGain(const std::string& label) const {
     double most = -1e300;
-    for (std::size_t i = 0; i < tried_.size(); ++i)
-        if (!tried_[i].learned && tried_[i].candidates.size() == 1 && contains(tried_[i], label))
-            most = std::max(most, weighed_.gain[i]);
+    for (std::size_t i = 0; i < hypotheses_.size(); ++i)
+        if (!hypotheses_[i].learned && hypotheses_[i].candidates.size() == 1 && contains(hypotheses_[i], label))
+            most = std::max(most, weights_.gain[i]);
     return most;
 }
 
 std::vector<Entry> Ranking::entries() const {
     std::vector<Entry> out;
-    for (std::size_t i = 0; i < tried_.size(); ++i)
-        for (std::size_t term = 0; term < tried_[i].candidates.size() && !tried_[i].learned; ++term) {
-            const std::string& label = labelOf(tried_[i].candidates[term]);
+    for (std::size_t i = 0; i < hypotheses_.size(); ++i)
+        for (std::size_t term = 0; term < hypotheses_[i].candidates.size() && !hypotheses_[i].learned; ++term) {
+            const std::string& label = labelOf(hypotheses_[i].candidates[term]);
             const auto at = std::find_if(out.begin(), out.end(), [&](const Entry& e) { return e.label == label; });
             if (at == out.end()) {
-                out.push_back({label, i, term, weighed_.effects[i]});
+                out.push_back({label, i, term, weights_.effects[i]});
                 continue;
             }
-            at->probability += weighed_.effects[i];
-            if (weighed_.better(i, at->model)) {
+            at->probability += weights_.effects[i];
+            if (weights_.better(i, at->model)) {
                 at->model = i;
                 at->term = term;
             }
         }
-    shareAlike(out);
+    shareIndistinguishable(out);
     std::stable_sort(out.begin(), out.end(), [&](const Entry& a, const Entry& b) {
         return std::abs(a.probability - b.probability) > 1e-3 ? a.probability > b.probability
                                                               : ownGain(a.label) > ownGain(b.label);

@@ -77,7 +77,7 @@ TEST_CASE("one outcome alone bounds the coefficient from one side") {
     CHECK(std::isinf(always.value.high));
 }
 
-TEST_CASE("trials that contradict each other, and simulations that end in nothing, are said to") {
+TEST_CASE("contradictory trials and failed simulations are reported") {
     CHECK_THAT(frictionFromSwitch({smooth(0.9), abrupt(0.8)}, exact, {}).error, Contains("contradict"));
     CHECK_THAT(frictionFromSwitch({}, exact, {}).error, Contains("no trials"));
     CHECK_THAT(frictionFromSwitch({abrupt(0.6)}, exact, {}).error, Contains("takes more friction"));

@@ -8,7 +8,7 @@ using namespace supercircle::diagnosis;
 
 namespace {
 
-/// Stacks whose heights and losses scatter together around given means.
+/// Stacks with correlated heights and losses around given means.
 Ensemble stacks(const std::string& label, double height, double loss, int n, std::uint64_t seed) {
     Random random(seed);
     Ensemble e{label, Eigen::MatrixXd(n, 3)};
@@ -20,31 +20,30 @@ Ensemble stacks(const std::string& label, double height, double loss, int n, std
     return e;
 }
 
-const std::vector<std::string> kQuantities = {"H0_over_R", "eta", "snap_fits"};
+const std::vector<std::string> kQuantities = {"H0_over_R", "dissipation_ratio", "snap_fits"};
 
 } // namespace
 
-TEST_CASE("an ensemble of stacks that agrees lacks nothing, one that is shifted is named by what shifts it",
-          "[diagnosis]") {
+TEST_CASE("equal ensembles are adequate, a shift is identified", "[diagnosis]") {
     const Ensemble nominal = stacks("nominal", 5.0, 0.15, 40, 1);
     const std::vector<Ensemble> effects = {stacks("adhesion", 5.0, 0.25, 40, 2), stacks("gravity", 4.6, 0.15, 40, 3)};
     const auto with = [&](double height, double loss, std::uint64_t seed) {
         return diagnoseEnsembles(kQuantities, stacks("recorded", height, loss, 30, seed), nominal, effects, 7);
     };
     const EnsembleDiagnosis same = with(5.0, 0.15, 11);
-    CHECK(same.verdict == "nothing_missing");
-    CHECK(same.nothing > 0.75);
+    CHECK(same.verdict == "adequate");
+    CHECK(same.adequate > 0.75);
     const EnsembleDiagnosis lossy = with(5.0, 0.25, 12);
     INFO(lossy.statement);
-    CHECK(lossy.verdict == "named");
+    CHECK(lossy.verdict == "identified");
     CHECK(lossy.effects.front().label == "adhesion");
     CHECK(lossy.shifts[1].p < 0.01);
     CHECK(lossy.shifts[2].p > 0.01);
     CHECK(with(4.6, 0.15, 13).effects.front().label == "gravity");
-    CHECK(with(6.0, 0.15, 14).verdict == "unexplained"); // higher than anything that was simulated
+    CHECK(with(6.0, 0.15, 14).verdict == "outside_catalogue"); // higher than any simulated ensemble
 }
 
-TEST_CASE("equal ensembles raise an alarm in one case of twenty", "[diagnosis]") {
+TEST_CASE("equal ensembles differ significantly in one case of twenty", "[diagnosis]") {
     int alarms = 0;
     constexpr int kTrials = 60;
     for (std::uint64_t i = 0; i < kTrials; ++i)
@@ -56,24 +55,24 @@ TEST_CASE("equal ensembles raise an alarm in one case of twenty", "[diagnosis]")
     CHECK(alarms <= 8); // 3 expected; more than 8 in one of 200
 }
 
-TEST_CASE("ensembles that are too small or incomplete are refused with a reason", "[diagnosis]") {
+TEST_CASE("too small or incomplete ensembles are rejected with a reason", "[diagnosis]") {
     const Ensemble good = stacks("a", 1.0, 0.1, 10, 1), few = stacks("b", 1.0, 0.1, 3, 2);
     CHECK(diagnoseEnsembles(kQuantities, few, good, {}, 1).failure.find("at least 4") != std::string::npos);
     CHECK_FALSE(diagnoseEnsembles({"one"}, good, good, {}, 1).failure.empty());
 }
 
-TEST_CASE("stacks that do not decide are not said to agree", "[diagnosis]") {
+TEST_CASE("inconclusive stacks are not reported as equal", "[diagnosis]") {
     const Ensemble nominal = stacks("nominal", 5.0, 0.15, 40, 1);
     int hints = 0, open = 0;
     for (std::uint64_t seed = 500; seed < 560; ++seed)
         for (const double height : {5.05, 5.1, 5.2}) {
             const EnsembleDiagnosis d = diagnoseEnsembles(kQuantities, stacks("recorded", height, 0.15, 12, seed),
                                                           nominal, {stacks("wear", 5.1, 0.15, 40, 3)}, 7);
-            if (d.verdict != "not_enough_information")
+            if (d.verdict != "inconclusive")
                 continue;
             INFO(d.statement);
             CHECK_THAT(d.statement, !Catch::Contains("agrees"));
-            CHECK_THAT(d.statement, Catch::Contains("nothing is missing with a probability of "));
+            CHECK_THAT(d.statement, Catch::Contains("the probability that no effect is missing is "));
             const bool stands = d.p <= kFamilyWise;
             CHECK((d.statement.find("The ensembles differ") == 0) == stands);
             ++(stands ? hints : open);
@@ -82,7 +81,7 @@ TEST_CASE("stacks that do not decide are not said to agree", "[diagnosis]") {
     CHECK(open > 0);
 }
 
-TEST_CASE("a file of ensembles is refused at its line and column", "[diagnosis]") {
+TEST_CASE("a bad ensemble file is rejected with line and column", "[diagnosis]") {
     const supercircle::test::Folder folder;
     const std::string head = "eta,snap_fits\n", rows = "0.1,1\n0.2,2\n0.15,1\n0.12,3\n";
     folder.write("good.csv", head + rows);

@@ -1,5 +1,5 @@
-// Real recordings, read from where they lie beside the project (docs/real.md). Where they are absent these tests say
-// so.
+// Real recordings beside the project (docs/how-to/real-recordings.md). Without them these tests are skipped with a
+// message.
 
 #include "tests/support/folder.h"
 
@@ -47,18 +47,18 @@ double rms(const Json& replay, const std::string& key) {
     return std::sqrt(sum);
 }
 
-/// Its three releases, the hand's half swing left out.
+/// Its three releases, without the half oscillation held by hand.
 void importPendulum(const std::string& recordings, const std::string& folder) {
     std::string files;
     for (const char* n : {"3", "1", "2"})
         files += " " + recordings + "/pendulum_free_swing/free_swing_0" + n + ".txt";
-    done("import" + files + " --columns 'angle[deg]' --from-turn 2 --average 5 --scene " + SC_SOURCE_DIR +
+    done("import" + files + " --columns 'angle[deg]' --from-turning-point 2 --average 5 --scene " + SC_SOURCE_DIR +
          "/scenes/pendulum.json" + example("pendulum") + " --out " + folder + "/pendulum");
 }
 
 } // namespace
 
-TEST_CASE("a real bow of a steel strip lacks nothing", "[diagnosis][real]") {
+TEST_CASE("a real strung bow of a steel strip is adequate", "[diagnosis][real][slow]") {
     const auto recordings = real();
     if (!recordings)
         return;
@@ -67,28 +67,28 @@ TEST_CASE("a real bow of a steel strip lacks nothing", "[diagnosis][real]") {
          folder.path + "/bow");
     const std::string experiment = folder.path + "/bow/experiment.json";
     done("replay " + experiment + " --out " + folder.path + "/replay");
-    // Nothing fitted: the elastica with E = 210 GPa leaves 0.103 N by another solver (SOURCE.txt), of 16.9 N.
+    // No fit: the elastica with E = 210 GPa leaves 0.103 N by another solver (SOURCE.txt), of 16.9 N.
     CHECK(rms(read(folder.path + "/replay/replay.json"), "rmse_N") < 0.15);
     done("diagnose " + experiment + " --quiet --out " + folder.path + "/diagnosis");
     const Json d = read(folder.path + "/diagnosis/diagnosis.json");
     INFO(d.at("statement"));
-    CHECK((d.at("verdict") == "nothing_missing" || d.at("verdict") == "not_enough_information"));
-    CHECK(d.at("probability_nothing").get<double>() + d.at("probability_unseen").get<double>() > 0.9);
+    CHECK((d.at("verdict") == "adequate" || d.at("verdict") == "inconclusive"));
+    CHECK(d.at("probability_adequate").get<double>() + d.at("probability_undetectable").get<double>() > 0.9);
     CHECK(d.at("fit").at("baseline").at("training_rmse_N").get<double>() < 0.06); // read to .05 N
-    if (d.at("verdict") == "nothing_missing")
+    if (d.at("verdict") == "adequate")
         CHECK(d.at("fit").at("improved") == d.at("fit").at("baseline"));
 }
 
-TEST_CASE("friction of a real bearing accounts for a real pendulum's losses", "[diagnosis][real]") {
+TEST_CASE("bearing friction explains the losses of a real pendulum", "[diagnosis][real]") {
     const auto recordings = real();
     if (!recordings)
         return;
     const Folder folder;
     importPendulum(*recordings, folder.path);
     const std::string replay = "replay " + folder.path + "/pendulum/experiment.json --out " + folder.path;
-    // A rod of w^2 = 1.5 g / l = 120.3 1/s^2 fits each run on its own to .2 to .6 degrees with dry friction of 2.6 to 3
-    // rad/s^2 and a little drag (least squares, Runge and Kutta; no part of this program). One number for all three
-    // runs leaves more; without friction the swings run out of step.
+    // A rod with w^2 = 1.5 g / l = 120.3 1/s^2 fits each run alone to 0.2 to 0.6 degrees with dry friction of 2.6 to 3
+    // rad/s^2 and small drag (independent least squares). One value for all runs leaves more; without friction the
+    // phase is lost.
     const std::string length = " --param length=0.12232 --param hub_inertia=0";
     done(replay + "/with" + length +
          " --effect bearing_friction:torque_N_m=1.8e-4 --effect air_drag:quadratic_N_s2_m3=0.012");
@@ -99,7 +99,7 @@ TEST_CASE("friction of a real bearing accounts for a real pendulum's losses", "[
     CHECK(with < 0.1 * without);
 }
 
-TEST_CASE("a release of a real pendulum is foretold by the others", "[diagnosis][real][slow]") {
+TEST_CASE("a release of a real pendulum is predicted from the others", "[diagnosis][real][slow]") {
     const auto recordings = real();
     if (!recordings)
         return;
@@ -108,10 +108,11 @@ TEST_CASE("a release of a real pendulum is foretold by the others", "[diagnosis]
     done("diagnose " + folder.path + "/pendulum/experiment.json --quiet --out " + folder.path + "/diagnosis");
     const Json d = read(folder.path + "/diagnosis/diagnosis.json");
     INFO(d.at("statement"));
-    // The encoder is good to .06 degrees and a kick in every swing is left: none of the catalogue, friction nearest.
-    CHECK(d.at("verdict") == "unexplained");
+    // The encoder is accurate to 0.06 degrees and an impulse in every oscillation remains: outside the catalogue,
+    // friction nearest.
+    CHECK(d.at("verdict") == "outside_catalogue");
     CHECK(d.at("effects").at(0).at("label") == "bearing_friction");
-    // The least that Gauss and Newton find by hand with friction in proportion to the load is .73.
+    // A manual Gauss-Newton fit with load-dependent friction reaches 0.73.
     CHECK(d.at("fit").at("improved").at("training_rmse_deg").get<double>() < 0.8);
     CHECK(d.at("fit").at("improved").at("heldout_rmse_deg").get<double>() < 1.0);
     CHECK(d.at("fit").at("baseline").at("heldout_rmse_deg").get<double>() > 60.0);

@@ -1,4 +1,4 @@
-// Diagnoses of shells: recordings of another simulator, without noise, to which noise is added here.
+// Diagnoses of shells: recordings of the reference simulator with added noise.
 
 #include "toy.h"
 
@@ -19,7 +19,7 @@ using namespace supercircle::diagnosis;
 
 namespace {
 
-constexpr double kNoise = 0.004; // share of the peak, white and remembering part alike
+constexpr double kNoise = 0.004; // share of the peak, white and correlated part alike
 
 experiment::Experiment noisy(int number, std::uint64_t seed) {
     auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/case_" + std::to_string(number) +
@@ -50,9 +50,9 @@ experiment::Experiment noisy(int number, std::uint64_t seed) {
 
 Diagnosis run(const experiment::Experiment& e) {
     const ReplayModel model(e);
-    Store store;
-    Evaluator evaluator(model, e.runs.size(), step::threadLoop(2), store);
-    return diagnose(dataOf(e), evaluator, {});
+    SimulationCache cache;
+    Evaluator evaluator(model, e.runs.size(), step::threadLoop(2), cache);
+    return diagnose(recordedDataOf(e), evaluator, {});
 }
 
 int exitCode(const std::string& arguments) {
@@ -62,14 +62,14 @@ int exitCode(const std::string& arguments) {
 
 } // namespace
 
-TEST_CASE("another simulator's arch without extra physics lacks nothing", "[diagnosis][slow]") {
+TEST_CASE("the reference simulator's arch without extra physics is adequate", "[diagnosis][slow]") {
     const Diagnosis d = run(noisy(106, 1));
     INFO(d.statement);
-    CHECK(d.verdict == "nothing_missing");
-    CHECK(d.baselinePerRow < 1.3);
+    CHECK(d.verdict == "adequate");
+    CHECK(d.baselineChiSquaredPerReading < 1.3);
 }
 
-TEST_CASE("a planted drift of the sensor is named", "[diagnosis][slow]") {
+TEST_CASE("a concealed sensor drift is identified", "[diagnosis][slow]") {
     experiment::Experiment e = noisy(106, 2);
     for (experiment::Run& r : e.runs)
         for (std::size_t k = 0; k < r.readings.time.size(); ++k)
@@ -80,7 +80,7 @@ TEST_CASE("a planted drift of the sensor is named", "[diagnosis][slow]") {
     CHECK(d.effects.front().label == "sensor_drift");
 }
 
-TEST_CASE("the verb answers bad input with code 2", "[diagnosis]") {
+TEST_CASE("diagnose: bad input has exit code 2", "[diagnosis]") {
     CHECK(exitCode("no_such_file.json") == 2);
     CHECK(exitCode(std::string(SC_TEST_DATA) + "/recordings/baseline/case_106/experiment.json --without no_such") == 2);
     CHECK(exitCode(std::string(SC_TEST_DATA) + "/recordings/baseline/case_106/experiment.json --jobs 0") == 2);
@@ -88,7 +88,7 @@ TEST_CASE("the verb answers bad input with code 2", "[diagnosis]") {
                    "/recordings/baseline/case_106/experiment.json --out /proc/no/such/place") == 4);
 }
 
-TEST_CASE("the verb says which run cannot be simulated, when, and what to do", "[diagnosis]") {
+TEST_CASE("diagnose reports which run cannot be simulated and what to do", "[diagnosis]") {
     const test::Folder folder;
     const std::string from = std::string(SC_TEST_DATA) + "/recordings/baseline/case_106/experiment.json";
     auto e = nlohmann::json::parse(std::ifstream(from));
@@ -108,7 +108,7 @@ TEST_CASE("the verb says which run cannot be simulated, when, and what to do", "
     const auto end = test::start(std::string(SC_PROGRAM) + " diagnose " + file + " --out " + folder.path + "/out");
     CHECK(end.code == 3);
     using Catch::Contains;
-    CHECK_THAT(end.text, Contains(file + ": run_1.csv cannot be simulated as it is described: ") &&
+    CHECK_THAT(end.text, Contains(file + ": run_1.csv cannot be simulated with the stated parameters: ") &&
                              Contains("(at t = ") && Contains("`supercircle replay " + file + "`") &&
-                             Contains("leave the run out"));
+                             Contains("leave it out"));
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A machine that pushes a spring with dry friction, in closed form: everything a diagnosis must find is known.
+// A drive that compresses a spring with dry friction, in closed form, so that all parameters are known.
 
 #include "plugin/identification/diagnosis/diagnose.h"
 #include "plugin/identification/diagnosis/model/random.h"
@@ -15,19 +15,19 @@ namespace toy {
 
 using namespace supercircle::diagnosis;
 
-/// Triangles of motion of two speeds with a rest at the top.
+/// Triangular motions of two speeds with a dwell at the top.
 inline RecordedRun motion(const std::string& name, double speed, double rate) {
     RecordedRun run;
     run.name = name;
-    const double way = 0.01, leg = way / speed;
-    const double knots[] = {0.0, 1.0, 1.0 + leg, 3.0 + leg, 3.0 + 2.0 * leg, 4.0 + 2.0 * leg};
+    const double way = 0.01, segment = way / speed;
+    const double knots[] = {0.0, 1.0, 1.0 + segment, 3.0 + segment, 3.0 + 2.0 * segment, 4.0 + 2.0 * segment};
     const double speeds[] = {0.0, speed, 0.0, -speed, 0.0};
-    std::vector<Leg> legs;
+    std::vector<DriveSegment> segments;
     for (int i = 0; i < 5; ++i)
-        legs.push_back({speeds[i] > 0.0   ? Phase::Loading
-                        : speeds[i] < 0.0 ? Phase::Unloading
-                                          : Phase::Hold,
-                        knots[i], knots[i + 1], speeds[i]});
+        segments.push_back({speeds[i] > 0.0   ? Phase::Loading
+                            : speeds[i] < 0.0 ? Phase::Unloading
+                                              : Phase::Hold,
+                            knots[i], knots[i + 1], speeds[i]});
     const auto n = static_cast<Eigen::Index>(std::floor(knots[5] * rate));
     run.time.resize(n);
     run.displacement.resize(n);
@@ -41,15 +41,15 @@ inline RecordedRun motion(const std::string& name, double speed, double rate) {
         run.time[k] = t;
         run.displacement[k] = d + speeds[l] * (t - knots[l]);
     }
-    run.drivenBy(std::move(legs));
+    run.setDrive(std::move(segments));
     return run;
 }
 
-/// Force = stiffness x + friction sign(v) + what is added. Others alter what comes out.
+/// Force = stiffness x + friction sign(v) + additions. Derived models change the result.
 class Spring : public Model {
 public:
-    /// @param learns offers a law of displacement to be learned, and no cubic
-    explicit Spring(const Data& data, bool dashpot = true, bool learns = false) : data_(data) {
+    /// @param learns offers a law of displacement to learn, and no cubic law
+    explicit Spring(const RecordedData& data, bool dashpot = true, bool learns = false) : data_(data) {
         nominal_ = {{"stiffness", "N/m", "", 100.0, 94.0, 106.0, 6.0, Scale::Linear, false},
                     {"friction", "N", "", 0.1, 0.05, 0.15, 0.05, Scale::Linear, false}};
         if (dashpot)
@@ -62,7 +62,7 @@ public:
         candidates_.push_back(
             {"drift", "sensor", "", "a t", {{"a", "N/s", "", 0.0, -1.0, 1.0, 1e-3, Scale::Linear, true}}, {{5e-3}}});
         if (learns) {
-            Candidate c;
+            CandidateEffect c;
             c.label = "learned_force";
             c.slot = "material";
             c.law = "S(x)";
@@ -81,15 +81,17 @@ public:
                                {{1e5}}});
     }
     [[nodiscard]] const std::vector<Scalar>& nominal() const override { return nominal_; }
-    [[nodiscard]] const std::vector<Candidate>& candidates() const override { return candidates_; }
+    [[nodiscard]] const std::vector<CandidateEffect>& candidates() const override { return candidates_; }
     [[nodiscard]] std::string identity() const override { return "spring"; }
-    [[nodiscard]] Response simulate(std::size_t r, const Point& p, Fineness, const std::atomic<bool>*) const override {
+    [[nodiscard]] Response simulate(std::size_t r, const ParameterPoint& p, Fidelity,
+                                    const std::atomic<bool>*) const override {
         const RecordedRun& run = data_.runs[r];
         Response out;
         out.force.resize(run.time.size());
         out.markers.resize(0);
         for (Eigen::Index k = 0; k < run.time.size(); ++k) {
-            const double v = run.legs[static_cast<std::size_t>(run.leg[static_cast<std::size_t>(k)])].speed;
+            const double v =
+                run.segments[static_cast<std::size_t>(run.segmentOfRow[static_cast<std::size_t>(k)])].speed;
             const double x = run.displacement[k];
             double f = p.nominal[0] * x + p.nominal[1] * (v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0);
             for (const Term& t : p.terms) {
@@ -118,21 +120,21 @@ public:
     }
 
 protected:
-    const Data& data_;
+    const RecordedData& data_;
 
 private:
-    /// What another model does to the response of run `r`.
-    virtual void alter(std::size_t /*r*/, const Point& /*p*/, Response& /*out*/) const {}
+    /// Change of the response of run `r` by a derived model.
+    virtual void alter(std::size_t /*r*/, const ParameterPoint& /*p*/, Response& /*out*/) const {}
 
     std::vector<Scalar> nominal_;
-    std::vector<Candidate> candidates_;
+    std::vector<CandidateEffect> candidates_;
 };
 
-/// Adds what effects change to recordings of the toy.
-inline void hide(Data& data, const Model& model, const std::vector<Term>& effects) {
+/// Adds effects to recordings of the toy.
+inline void hide(RecordedData& data, const Model& model, const std::vector<Term>& effects) {
     for (std::size_t r = 0; r < data.runs.size(); ++r)
-        data.runs[r].force += model.simulate(r, Point{{103.0, 0.08}, effects}, Fineness::Fine, nullptr).force -
-                              model.simulate(r, Point{{103.0, 0.08}, {}}, Fineness::Fine, nullptr).force;
+        data.runs[r].force += model.simulate(r, ParameterPoint{{103.0, 0.08}, effects}, Fidelity::Fine, nullptr).force -
+                              model.simulate(r, ParameterPoint{{103.0, 0.08}, {}}, Fidelity::Fine, nullptr).force;
 }
 
 constexpr double kWhite = 0.009, kColoured = 0.005, kMemory = 0.25; // N, N, s
@@ -146,21 +148,22 @@ inline void addNoise(RecordedRun& run, Random& random) {
     }
 }
 
-/// Recordings of a spring with true values inside the stated ones, and something hidden.
-inline Data recordings(std::uint64_t seed, const std::string& hidden = {}, double size = 0.0, double rate = 25.0) {
-    Data data;
+/// Recordings of a spring with true values inside the stated intervals, and a concealed effect.
+inline RecordedData recordings(std::uint64_t seed, const std::string& masked = {}, double size = 0.0,
+                               double rate = 25.0) {
+    RecordedData data;
     data.statedForceNoise = 0.01;
     data.zeroWindow = 0.0;
     data.runs = {motion("slow", 1e-3, rate), motion("fast", 5e-3, rate), motion("slower", 2e-3, rate)};
     const Spring spring(data);
-    Point truth{{103.0, 0.08}, {}};
+    ParameterPoint truth{{103.0, 0.08}, {}};
     for (std::size_t c = 0; c < spring.candidates().size(); ++c)
-        if (spring.candidates()[c].label == hidden)
+        if (spring.candidates()[c].label == masked)
             truth.terms.push_back({c, {size}});
     Random random(seed);
     std::vector<Eigen::VectorXd> forces;
     for (std::size_t r = 0; r < data.runs.size(); ++r)
-        forces.push_back(spring.simulate(r, truth, Fineness::Fine, nullptr).force);
+        forces.push_back(spring.simulate(r, truth, Fidelity::Fine, nullptr).force);
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         data.runs[r].force = forces[r];
         addNoise(data.runs[r], random);
@@ -168,9 +171,8 @@ inline Data recordings(std::uint64_t seed, const std::string& hidden = {}, doubl
     return data;
 }
 
-/// The first run's specimen carries markers at these arc fractions, seen where they stood at every reading, or at
-/// fewer.
-inline RecordedRun& withMarkers(Data& data, const std::vector<double>& arcFraction, Eigen::Index every = 1) {
+/// Adds fixed markers at these arc fractions to the first run, at every reading or fewer.
+inline RecordedRun& withMarkers(RecordedData& data, const std::vector<double>& arcFraction, Eigen::Index every = 1) {
     data.statedMarkerNoise = 3e-5;
     data.arcFraction = arcFraction;
     for (std::size_t m = 0; m < arcFraction.size(); ++m)
@@ -179,17 +181,17 @@ inline RecordedRun& withMarkers(Data& data, const std::vector<double>& arcFracti
     run.markerCount = arcFraction.size();
     run.markerTime = run.time(Eigen::seq(0, Eigen::last, every)).eval();
     run.markers = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(run.markerCount) * run.markerTime.size());
-    run.drivenBy(run.legs);
+    run.setDrive(run.segments);
     return run;
 }
 
-/// Nothing is known to be inexact in a closed form.
-inline Settings exact(std::uint64_t seed = 1) {
-    Settings s;
+/// A closed form has no model error.
+inline DiagnosisSettings exact(std::uint64_t seed = 1) {
+    DiagnosisSettings s;
     s.seed = seed;
     s.draws = 199;
-    s.misfit.contactPlace = s.misfit.shareOfPeak = s.misfit.scale = 0.0;
-    s.misfit.touchPlace = s.misfit.turnRows = 0.0;
+    s.likelihood.contactPosition = s.likelihood.shareOfPeak = s.likelihood.scale = 0.0;
+    s.likelihood.contactAccuracy = s.likelihood.reversalRows = 0.0;
     return s;
 }
 

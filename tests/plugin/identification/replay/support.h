@@ -29,7 +29,7 @@ inline replay::Simulated simulated(const experiment::Experiment& e, const replay
     return s;
 }
 
-/// Force at a time, between rows.
+/// Force at a time, interpolated.
 inline double forceAt(const replay::Simulated& s, double time) {
     const std::vector<double>& t = s.readings.time;
     std::size_t i = 1;

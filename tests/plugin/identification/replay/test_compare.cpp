@@ -1,4 +1,4 @@
-// Errors and landmarks on made-up curves.
+// Errors and landmarks on synthetic curves.
 
 #include "tests/plugin/identification/replay/support.h"
 
@@ -39,7 +39,7 @@ TEST_CASE("smooth curves have no landmarks", "[replay]") {
     CHECK(replay::findLandmarks(r).empty());
 }
 
-TEST_CASE("a simulation's jump is timed by its own steps, not by its readings", "[replay]") {
+TEST_CASE("a simulated jump has the time of a step, not of a reading", "[replay]") {
     replay::Simulated s;
     s.readings = ramp(6.013); // every 20 ms
     for (int i = 0; i <= 10000; ++i) {
@@ -55,7 +55,7 @@ TEST_CASE("a simulation's jump is timed by its own steps, not by its readings", 
     CHECK(replay::jumpTimes(s) == std::vector<double>{replay::findLandmarks(s.readings)[0].time});
 }
 
-TEST_CASE("errors leave a window around matched jumps out", "[replay]") {
+TEST_CASE("errors exclude intervals around matched jumps", "[replay]") {
     experiment::Run run;
     run.readings = ramp(6.01);
     replay::Simulated s;
@@ -63,16 +63,16 @@ TEST_CASE("errors leave a window around matched jumps out", "[replay]") {
     const replay::Comparison c = replay::compare(run, s);
     REQUIRE(c.matches.size() == 1);
     CHECK(c.simulated[0].displacement - c.recorded[0].displacement == Approx(4e-5).margin(2.1e-5));
-    // outside: the offset, and the slopes that differ by 0.7 %
+    // not excluded: the offset, and slopes that differ by 0.7 %
     CHECK(c.rmse < 0.01);
     CHECK(c.maxError < 0.01);
     CHECK(c.rmseAll > 0.03);
-    CHECK(c.leftOut == Approx(0.44 / 10.0).margin(0.006));
+    CHECK(c.excludedFraction == Approx(0.44 / 10.0).margin(0.006));
     CHECK(c.residual.size() == 501);
     CHECK(c.peakRecorded == Approx(1.0).epsilon(0.01));
 }
 
-TEST_CASE("a run that ended early is compared as far as it goes", "[replay]") {
+TEST_CASE("an incomplete run is compared up to its end", "[replay]") {
     experiment::Run run;
     run.readings = ramp(20.0);
     replay::Simulated s;
@@ -81,7 +81,7 @@ TEST_CASE("a run that ended early is compared as far as it goes", "[replay]") {
         column->resize(100);
     const replay::Comparison c = replay::compare(run, s);
     CHECK(c.rmse == Approx(0.1).epsilon(1e-9));
-    CHECK(c.zero == Approx(0.1).epsilon(1e-9));
-    CHECK(c.rmseZeroed == Approx(0.0).margin(1e-8)); // root of a difference of equal numbers near .01
+    CHECK(c.residualMean == Approx(0.1).epsilon(1e-9));
+    CHECK(c.rmseAboutMean == Approx(0.0).margin(1e-8)); // root of a small difference of numbers near 0.01
     CHECK(std::isnan(c.residual[100]));
 }

@@ -1,4 +1,4 @@
-// Free scenes as recorded experiments, from the exported angles to the replay, as a user does it.
+// Free scenes as recorded experiments, from exported angles to the replay.
 
 #include "tests/plugin/identification/replay/support.h"
 #include "tests/support/folder.h"
@@ -17,7 +17,7 @@ using test::Folder;
 
 const std::string kScene = std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json";
 
-test::Ending start(const std::string& arguments) {
+test::CommandResult start(const std::string& arguments) {
     return test::start(std::string(SC_PROGRAM) + " " + arguments);
 }
 
@@ -27,7 +27,7 @@ json readJson(const std::string& path) {
     return json::parse(in);
 }
 
-/// Angles of a rod of 124 mm as an encoder of .09 degrees writes them, the hand lifting for the first .2 s.
+/// Angles of a rod of 124 mm, an encoder of 0.09 degrees, held by hand for the first 0.2 s.
 std::string encoderText(double release) {
     constexpr double kDegree = 3.14159265358979323846 / 180.0;
     const double w0 = 1.5 * 9.81 / 0.124;
@@ -37,7 +37,7 @@ std::string encoderText(double release) {
         const double t = 1e-3 * i;
         if (t < 0.2) {
             angle = release * (1.0 - 0.5 * (t - 0.2) * (t - 0.2) / 0.04);
-        } else { // leap-frog: 1e-5 of a swing at 1 ms
+        } else { // leapfrog: error 1e-5 per oscillation at 1 ms
             spin -= 1e-3 * w0 * std::sin(angle);
             angle += 1e-3 * spin;
         }
@@ -48,8 +48,8 @@ std::string encoderText(double release) {
 
 std::string imported(const Folder& folder, const std::string& more = "") {
     const std::string swing = folder.write("swing.txt", encoderText(-1.0));
-    const auto end = start("import " + swing + " --columns 'angle[deg]' --from-turn 1 --average 5 --scene " + kScene +
-                           more + " --out " + folder.path + "/exp");
+    const auto end = start("import " + swing + " --columns 'angle[deg]' --from-turning-point 1 --average 5 --scene " +
+                           kScene + more + " --out " + folder.path + "/exp");
     INFO(end.text);
     REQUIRE(end.code == 0);
     CHECK_THAT(end.text, Contains("rows up to turning point 1") && Contains("ready: supercircle replay"));
@@ -58,12 +58,12 @@ std::string imported(const Folder& folder, const std::string& more = "") {
 
 } // namespace
 
-TEST_CASE("a swing may begin at any of its turning points", "[replay][free]") {
+TEST_CASE("an oscillation may start at any turning point", "[replay][free]") {
     const Folder folder;
     const std::string swing = folder.write("swing.txt", encoderText(-1.0));
     const std::string words =
-        "import " + swing + " --columns 'angle[deg]' --average 5 --scene " + kScene + " --from-turn ";
-    // Nothing slows this one down: it turns at -1 and +1 rad, again and again.
+        "import " + swing + " --columns 'angle[deg]' --average 5 --scene " + kScene + " --from-turning-point ";
+    // Without friction it turns at -1 and +1 rad.
     for (const int turn : {1, 2, 3}) {
         const std::string out = folder.path + "/from" + std::to_string(turn);
         const auto end = start(words + std::to_string(turn) + " --out " + out);
@@ -75,17 +75,17 @@ TEST_CASE("a swing may begin at any of its turning points", "[replay][free]") {
     }
     const auto never = start(words + "1000 --out " + folder.path + "/never");
     CHECK(never.code == 0);
-    CHECK_THAT(never.text, Contains("nothing is cut off its start"));
+    CHECK_THAT(never.text, Contains("no rows are removed at its start"));
 }
 
-TEST_CASE("a swing that an encoder saw is imported, checked and replayed", "[replay][free]") {
+TEST_CASE("an encoder recording is imported, checked and replayed", "[replay][free]") {
     const Folder folder;
     const std::string experiment = imported(folder);
     const json description = readJson(experiment);
     CHECK(description["protocol"] == "free_scene");
     CHECK(description["observed"]["body"] == "rod");
     const json& released = description["runs"][0]["parameters"]["release_angle"];
-    // The encoder's steps leave a tenth of a degree, and the first mean lies 2 ms behind the turn.
+    // The encoder leaves a tenth of a degree, and the first mean is 2 ms after the turning point.
     CHECK(released["value"].get<double>() == Approx(-1.0).margin(released["unc"].get<double>() + 1e-3));
     const auto check = start("check " + experiment);
     CHECK(check.code == 0);
@@ -94,7 +94,7 @@ TEST_CASE("a swing that an encoder saw is imported, checked and replayed", "[rep
     INFO(end.text);
     REQUIRE(end.code == 0);
     const json out = readJson(folder.path + "/replay/replay.json");
-    // Let go within half a degree and a few degrees a second: some degrees after three swings.
+    // Release known to half a degree and a few degrees a second: some degrees after three oscillations.
     CHECK(out["runs"][0]["rmse_deg"].get<double>() < 3.0);
     CHECK(out["runs"][0]["peak_recorded_deg"].get<double>() == Approx(57.3).epsilon(0.01));
     std::ifstream csv(folder.path + "/replay/run_1_replay.csv");
@@ -106,13 +106,13 @@ TEST_CASE("a swing that an encoder saw is imported, checked and replayed", "[rep
     CHECK(readJson(folder.path + "/dry/replay.json")["effects"]["bearing_friction"]["torque_N_m"] == 1e-4);
 }
 
-TEST_CASE("effects and scenes that do not belong to each other are refused", "[replay][free]") {
+TEST_CASE("effects that do not fit a scene are rejected", "[replay][free]") {
     const Folder folder;
     const std::string experiment = imported(folder), out = " --out " + folder.path + "/x";
     CHECK_THAT(start("replay " + experiment + " --effect plasticity:My_over_B_1_m=3" + out).text,
                Contains("free scene of rigid bodies"));
     CHECK_THAT(start("replay " + baselinePath(106) + " --effect air_drag:linear_N_s_m2=1" + out).text,
-               Contains("there are none here"));
+               Contains("which this experiment is not"));
     json wrong = readJson(experiment);
     wrong["observed"]["body"] = "rood";
     folder.write("exp/wrong.json", wrong.dump());
@@ -128,7 +128,7 @@ TEST_CASE("effects and scenes that do not belong to each other are refused", "[r
     CHECK_THAT(start("check " + folder.path + "/exp/wrong.json").text, Contains("there is no column x_mm"));
 }
 
-TEST_CASE("markers on bodies are recorded beside the angle, and both resolutions agree", "[replay][free]") {
+TEST_CASE("markers on bodies are recorded beside the angle at both fidelities", "[replay][free]") {
     const Folder folder;
     json description = readJson(imported(folder));
     description["markers"] = json::array({{{"name", "tip"}, {"body", "rod"}, {"local_point_m", {0.0, -0.124}}}});
@@ -137,17 +137,18 @@ TEST_CASE("markers on bodies are recorded beside the angle, and both resolutions
     const auto e = experiment::load(folder.write("exp/tip.json", description.dump()), problems);
     REQUIRE(e);
     const replay::Parameters p = replay::nominal(*e);
-    const replay::Simulated fine = replay::simulate(*e, 0, p, replay::Resolution::full()),
+    const replay::Simulated fine = replay::simulate(*e, 0, p, replay::Resolution::fine()),
                             coarse = replay::simulate(*e, 0, p, replay::Resolution::coarse());
     REQUIRE(fine.failure.empty());
     REQUIRE(fine.markers.time.size() > 80);
     for (std::size_t k = 0; k < fine.markers.time.size(); ++k)
-        CHECK(std::hypot(fine.markers.x[0][k], fine.markers.y[0][k]) == Approx(0.124).epsilon(1e-6)); // cubics between
+        CHECK(std::hypot(fine.markers.x[0][k], fine.markers.y[0][k]) ==
+              Approx(0.124).epsilon(1e-6)); // cubic interpolation
     for (std::size_t k = 0; k < fine.readings.time.size(); ++k)
         CHECK(coarse.readings.force[k] == Approx(fine.readings.force[k]).margin(2e-5)); // rad: a thousandth of a degree
 }
 
-TEST_CASE("sensitivities of a swing are those of the pendulum's own clock", "[replay][free]") {
+TEST_CASE("sensitivities of a pendulum agree with its time scale", "[replay][free]") {
     const Folder folder;
     const std::string experiment = imported(folder);
     const auto e = experiment::load(experiment);
@@ -158,8 +159,8 @@ TEST_CASE("sensitivities of a swing are those of the pendulum's own clock", "[re
         replay::Parameters a = p, b = p;
         REQUIRE(replay::set(a, e.value(), name, value + step).empty());
         REQUIRE(replay::set(b, e.value(), name, value - step).empty());
-        const auto hi = replay::simulate(e.value(), 0, a, replay::Resolution::full()).readings.force;
-        const auto lo = replay::simulate(e.value(), 0, b, replay::Resolution::full()).readings.force;
+        const auto hi = replay::simulate(e.value(), 0, a, replay::Resolution::fine()).readings.force;
+        const auto lo = replay::simulate(e.value(), 0, b, replay::Resolution::fine()).readings.force;
         return (hi.back() - lo.back()) / (2.0 * step);
     };
     CHECK(0.124 * derivative("length", 0.124, 1e-5) ==

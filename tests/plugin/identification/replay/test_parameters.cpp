@@ -26,7 +26,7 @@ TEST_CASE("parameters have names, units and the stated intervals", "[replay]") {
         CHECK(replay::get(nominal, e, p.name) == p.stated.value);
 }
 
-TEST_CASE("a strip gives by its length over its stretch modulus where it touches", "[replay]") {
+TEST_CASE("the contact compliance of a strip is its length over its axial stiffness", "[replay]") {
     const experiment::Experiment e = baseline(104);
     CHECK(replay::nominal(e).touchCompliance == Approx(0.06 / 11000.0).epsilon(1e-12));
     CHECK(replay::nominal(e).seriesCompliance == 0.0);
@@ -50,7 +50,7 @@ TEST_CASE("every listed name can be set, shared or per specimen", "[replay]") {
     CHECK(p.specimens[1].thickness == 7e-4);
 }
 
-TEST_CASE("bad names and values are refused", "[replay]") {
+TEST_CASE("bad names and values are rejected", "[replay]") {
     const experiment::Experiment e = baseline(101);
     replay::Parameters p = replay::nominal(e);
     CHECK_THAT(replay::set(p, e, "bending_moduls", 1.0), Contains("did you mean \"bending_modulus\"?"));

@@ -1,4 +1,4 @@
-// Derivatives of simulated shells against what mechanics says they are, and the verb.
+// Derivatives of simulated shells against mechanics, and the subcommand.
 
 #include "plugin/identification/sensitivity/sensitivity.h"
 #include "plugin/recording/experiment/load.h"
@@ -32,7 +32,8 @@ double rms(const Eigen::VectorXd& v) {
 
 } // namespace
 
-TEST_CASE("without weight the force is proportional to the bending modulus, and follows the head", "[sensitivity]") {
+TEST_CASE("without weight the force is proportional to the bending modulus and follows the crosshead",
+          "[sensitivity]") {
     const experiment::Experiment e = baseline(101);
     replay::Parameters p = replay::nominal(e);
     p.gravity = {};
@@ -40,18 +41,18 @@ TEST_CASE("without weight the force is proportional to the bending modulus, and 
     const sensitivity::Model model = sensitivity::replayModel(e, p, replay::Resolution::coarse(),
                                                               {"bending_modulus", "gap_shift", "linear_mass"}, error);
     REQUIRE(error.empty());
-    sensitivity::Settings settings;
+    sensitivity::SensitivitySettings settings;
     settings.jobs = 2;
     const sensitivity::Sensitivities s = sensitivity::differentiate(model, e, settings);
     const sensitivity::RunSensitivity& run = s.runs.at(0);
     const experiment::Readings& r = run.base.readings;
     const Eigen::Map<const Eigen::VectorXd> force(r.force.data(), static_cast<Eigen::Index>(r.force.size()));
-    // dF/dB = F / B: elastic and Coulomb forces scale with B, inertia is 1e-7 of them. The noise is 0.7 %.
+    // dF/dB = F / B: elastic and Coulomb forces scale with B, inertia is 1e-7 of them. The solver noise is 0.7 %.
     const Eigen::VectorXd exact = force / e.specimens[0].bendingModulus.value;
     const Eigen::VectorXd away = run.usable.col(0).select((run.force.col(0) - exact).array(), 0.0);
     CHECK(rms(away) < 0.015 * rms(exact));
-    // A head that starts higher is at the same place later: dF/dgap = -dF/dx on the way down, away from the first touch
-    // and the reversal, where the friction turns.
+    // A higher crosshead is at the same position later: dF/dgap = -dF/dx in loading, away from first contact and
+    // reversal.
     double error2 = 0.0, size2 = 0.0;
     for (std::size_t i = 80; i + 20 < r.time.size() && r.time[i] < 12.0; ++i) {
         const double slope = (r.force[i + 1] - r.force[i - 1]) / (r.displacement[i + 1] - r.displacement[i - 1]);
@@ -59,8 +60,8 @@ TEST_CASE("without weight the force is proportional to the bending modulus, and 
         size2 += slope * slope;
     }
     CHECK(std::sqrt(error2 / size2) < 0.03); // slopes of samples 40 ms apart, and a noise of 6 % per sample
-    CHECK(run.quality[2].weak);              // without gravity mass is inertia only
-    // the bending modulus moves no jump; energy is proportional to it
+    CHECK(run.quality[2].belowNoise);        // without gravity mass is inertia only
+    // the bending modulus shifts no jump; energy is proportional to it
     const auto at = std::find(run.landmarks.names.begin(), run.landmarks.names.end(), "loop_area");
     REQUIRE(at != run.landmarks.names.end());
     const auto row = static_cast<Eigen::Index>(at - run.landmarks.names.begin());
@@ -69,7 +70,7 @@ TEST_CASE("without weight the force is proportional to the bending modulus, and 
               .epsilon(0.005));
 }
 
-TEST_CASE("a parameter of one specimen and a shared one are told apart", "[sensitivity]") {
+TEST_CASE("a parameter of one specimen and a shared one are distinguished", "[sensitivity]") {
     const experiment::Experiment e = baseline(103);
     std::string error;
     const replay::Parameters p = replay::nominal(e);
@@ -105,15 +106,15 @@ TEST_CASE("jumps are placed between samples by the trace", "[sensitivity]") {
     const sensitivity::Landmarks coarse = sensitivity::measure(run, samples);
     const sensitivity::Landmarks fine = sensitivity::measure(run, samples, &trace);
     REQUIRE(coarse.names.at(0) == "jump1_displacement");
-    CHECK(std::abs(coarse.values[0] - 1e-3 * jump) <= coarse.grain[0]);
-    CHECK(coarse.grain[0] == Approx(1e-4));
+    CHECK(std::abs(coarse.values[0] - 1e-3 * jump) <= coarse.samplingError[0]);
+    CHECK(coarse.samplingError[0] == Approx(1e-4));
     CHECK(fine.values[0] == Approx(1e-3 * jump).margin(1e-6));
     // work: 1 N over 4.137 mm and 0.2 N over the rest, known to a sample
     const auto at = std::find(fine.names.begin(), fine.names.end(), "loop_area") - fine.names.begin();
     CHECK(fine.values[static_cast<std::size_t>(at)] == Approx(4.137e-3 + 0.2 * 5.863e-3).margin(1e-4));
 }
 
-TEST_CASE("the verb writes tables and pictures", "[sensitivity]") {
+TEST_CASE("sensitivity writes tables and figures", "[sensitivity]") {
     const test::Folder own;
     const std::string& folder = own.path;
     const auto start = [](const std::string& arguments) {
@@ -128,7 +129,7 @@ TEST_CASE("the verb writes tables and pictures", "[sensitivity]") {
     CHECK_FALSE(std::filesystem::exists(folder + "/b"));
 }
 
-TEST_CASE("amplitudes of effects are columns, also those that are off at infinity", "[sensitivity]") {
+TEST_CASE("amplitudes of effects are columns, including those that are infinite when absent", "[sensitivity]") {
     const experiment::Experiment e = baseline(106);
     const replay::Parameters p = replay::nominal(e);
     std::string error;
@@ -150,12 +151,12 @@ TEST_CASE("amplitudes of effects are columns, also those that are off at infinit
         aa += run.force(i, 0) * run.force(i, 0);
         bb += run.force(i, 1) * run.force(i, 1);
         const auto k = static_cast<std::size_t>(i);
-        // Gain and steady drift are exact: the force itself, and the time. The drift's zero is taken with the force's.
+        // Gain and steady drift are exact: the force itself, and the time, with the same zero.
         CHECK(run.force(i, 2) == Approx(run.base.readings.force[k]).margin(1e-3));
         CHECK(run.force(i, 3) == Approx(run.base.readings.time[k] - 0.25).margin(0.05));
     }
-    // Both are give in series with the head. One is differentiated over ten times the other's step, which shifts the
-    // reversals by some samples: the same direction (cosine .948), not the same numbers.
+    // Both are compliances in series with the crosshead. One has a ten times larger step, which shifts the reversals by
+    // some samples: the same direction (cosine 0.948), other values.
     CHECK(ab > 0.9 * std::sqrt(aa * bb));
     CHECK(sensitivity::effectNames(e).size() >= 20);
 }

@@ -1,23 +1,23 @@
-// The demonstration scene: every kind of missing physics acts in a scene, and the books close with it.
+// The demonstration scene: every effect acts in a scene, and the energy balance holds with it.
 
-#include "tests/plugin/lab/session/play.h"
+#include "tests/plugin/lab/session/simulation.h"
 
 using namespace supercircle;
 using namespace supercircle::test;
 
 namespace {
 
-struct Slider {
+struct EffectSetting {
     const char* name;
     double value;
-    double least; ///< change of the force that it makes at least somewhere, as a share of the peak
+    double least; ///< smallest expected change of the force, as a fraction of the peak
     bool sensor = false;
 };
 
 record::Recording demonstrate(const Overrides& more) {
     Overrides all = {{"elements", 8}, {"travel_over_R", 0.3}, {"speed", 0.01}};
     all.insert(all.end(), more.begin(), more.end());
-    return play(loadScene("effects", all)).recording;
+    return simulate(loadScene("effects", all)).recording;
 }
 
 double forceAt(const record::Recording& r, double displacement) {
@@ -32,18 +32,21 @@ double forceAt(const record::Recording& r, double displacement) {
 
 } // namespace
 
-TEST_CASE("every effect of the demonstration scene changes the force, and the books close with it", "[lab]") {
+TEST_CASE("every effect of the demonstration scene changes the force, and the energy balance holds", "[lab]") {
     const record::Recording plain = demonstrate({});
     const double peak = number(plain, "peak_force_N");
-    // The least changes are a fifth of what these settings make: enough to tell an effect from one that is not there.
-    for (const Slider& s :
-         {Slider{"viscosity", 0.5, 0.05},  Slider{"stiffness_drop", 0.6, 0.005}, Slider{"flattening", -30, 0.01},
-          Slider{"gradient", 0.3, 0.0005}, Slider{"softening", 0.3, 0.005},      Slider{"drag", 0.1, 0.02},
-          Slider{"sideways", 5, 1e-6},     Slider{"static_ratio", 1.8, 1e-4},    Slider{"stribeck", -0.5, 0.02},
-          Slider{"wear_change", 1, 0.002}, Slider{"attraction", 36, 0.005},      Slider{"contact_give", 0.001, 0.002},
-          Slider{"play", 0.001, 1e-9},     Slider{"offset", 0.003, 0.01},        Slider{"drift", 0.03, 0.01},
-          Slider{"gain_error", 0.2, 0.15}, Slider{"delay", 0.1, 0.01},           Slider{"knee", 20, 0.002},
-          Slider{"yield", 4, 0.002},       Slider{"machine_stiffness", 20, 0.01}}) {
+    // The least changes are a fifth of those of these settings: enough to detect whether an effect acts.
+    for (const EffectSetting& s :
+         {EffectSetting{"viscosity", 0.5, 0.05},  EffectSetting{"stiffness_drop", 0.6, 0.005},
+          EffectSetting{"flattening", -30, 0.01}, EffectSetting{"gradient", 0.3, 0.0005},
+          EffectSetting{"softening", 0.3, 0.005}, EffectSetting{"drag", 0.1, 0.02},
+          EffectSetting{"sideways", 5, 1e-6},     EffectSetting{"static_ratio", 1.8, 1e-4},
+          EffectSetting{"stribeck", -0.5, 0.02},  EffectSetting{"wear_change", 1, 0.002},
+          EffectSetting{"attraction", 36, 0.005}, EffectSetting{"contact_give", 0.001, 0.002},
+          EffectSetting{"play", 0.001, 1e-9},     EffectSetting{"offset", 0.003, 0.01},
+          EffectSetting{"drift", 0.03, 0.01},     EffectSetting{"gain_error", 0.2, 0.15},
+          EffectSetting{"delay", 0.1, 0.01},      EffectSetting{"knee", 20, 0.002},
+          EffectSetting{"yield", 4, 0.002},       EffectSetting{"machine_stiffness", 20, 0.01}}) {
         INFO(s.name << " = " << s.value);
         const record::Recording r = demonstrate({{s.name, s.value}});
         CHECK(std::abs(number(r, "energy_residual_relative")) < 1e-9); // round-off

@@ -1,6 +1,6 @@
 // A snap that rings is one snap.
 
-#include "plugin/lab/session/curve.h"
+#include "plugin/lab/session/force_curve.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,26 +1,26 @@
 // Pinning test (experiment E6): a strip pressed lengthwise on a rough floor, against T7 (L = B = 1).
 
-#include "tests/plugin/lab/session/play.h"
+#include "tests/plugin/lab/session/simulation.h"
 
 using namespace supercircle;
 using namespace supercircle::test;
 
 namespace {
 
-/// A thin strip (the references have no thickness; a round tip rolls by h/2 times its angle) and a slow start: the
-/// strip is inextensible, so the machine's first step hits it like a hammer.
-lab::Outcome press(double mu, double travel, double speed, double imperfection) {
+/// A thin strip (the references have no thickness; a round tip rolls by h/2 times its angle) and a slow start, because
+/// the first step of the crosshead is an impact on an inextensible strip.
+lab::RunResult press(double mu, double travel, double speed, double imperfection) {
     scene::Scene s = loadScene(
         "pinning",
         {{"mu", mu}, {"travel_over_L", travel}, {"speed", speed}, {"imperfection", imperfection}, {"elements", 31}});
     s.shells[0].position.y -= 0.5 * (s.shells[0].thickness - 5e-5);
     keepFrequencies(s, 5e-5);
-    return play(s);
+    return simulate(s);
 }
 
 /// First displacement (over L) at which the force leaves the smooth branch (19 to 25): the tip has slipped. 0: never.
 double slipAt(const record::Recording& r) {
-    const Curve load = legs(r).first;
+    const ForceCurve load = loadingAndUnloading(r).first;
     for (std::size_t i = 0; i < load.f.size(); ++i)
         if (load.d[i] > 0.01 && load.d[i] < load.d.back() - 1e-9 && (load.f[i] < 15.0 || load.f[i] > 30.0))
             return load.d[i];
@@ -30,8 +30,8 @@ double slipAt(const record::Recording& r) {
 } // namespace
 
 TEST_CASE("a strip pressed lengthwise carries the critical load", "[lab]") {
-    const lab::Outcome out = press(0.5, 0.02, 2e-4, 0.005);
-    const Curve load = legs(out.recording).first;
+    const lab::RunResult out = press(0.5, 0.02, 2e-4, 0.005);
+    const ForceCurve load = loadingAndUnloading(out.recording).first;
     // T7: 20.19 at once, 20.218 at a strain of 0.0036, 20.312 at 0.016. A natural curvature of 0.005 / L lowers it by
     // about 0.005 / kappa_clamp: 1 % at 0.0036 (kappa 0.54), 0.4 % at 0.016 (1.14).
     CAPTURE(load.at(0.0036), load.at(0.01596));
@@ -40,9 +40,9 @@ TEST_CASE("a strip pressed lengthwise carries the critical load", "[lab]") {
     checkInvariants(out.recording);
 }
 
-TEST_CASE("the end of a move leaves no spike in the force", "[lab]") {
-    const Curve load = legs(press(0.5, 0.06, 2e-4, 0.005).recording).first;
-    CHECK(load.f.back() == Approx(load.at(0.0599)).epsilon(0.01)); // the branch rises by 0.01 % over this stretch
+TEST_CASE("the end of a segment leaves no spike in the force", "[lab]") {
+    const ForceCurve load = loadingAndUnloading(press(0.5, 0.06, 2e-4, 0.005).recording).first;
+    CHECK(load.f.back() == Approx(load.at(0.0599)).epsilon(0.01)); // the branch rises by 0.01 % over this range
 }
 
 TEST_CASE("the tip slips where the ratio of forces reaches mu", "[lab]") {

@@ -1,8 +1,8 @@
-// A scene enlarged: all lengths times k, the same material, the same speed of the machine. Periods then grow like k and
-// so does the time a shell has for a length of its own, so without gravity the dimensionless curve is the same, to the
-// last digit if no setting of the numerics is a length or a time of its own.
+// A scaled scene: all lengths times k, the same material, the same crosshead speed. Periods grow like k, and so does
+// the time of a test, so without gravity the dimensionless curve is the same. It would be bitwise identical if no
+// numerical setting were an absolute length or time.
 
-#include "tests/plugin/lab/session/play.h"
+#include "tests/plugin/lab/session/simulation.h"
 #include "tests/support/text.h"
 
 using namespace supercircle;
@@ -10,7 +10,7 @@ using namespace supercircle::test;
 
 namespace {
 
-lab::Outcome pressOfSize(double R, double phiBar) {
+lab::RunResult pressOfSize(double R, double phiBar) {
     const std::string path = std::string(SC_SOURCE_DIR) + "/scenes/shell_on_cylinder.json";
     const double k = R / 0.0192;
     std::string text = with(contentOf(path), "\"R\": 0.0192", "\"R\": " + std::to_string(R));
@@ -24,21 +24,21 @@ lab::Outcome pressOfSize(double R, double phiBar) {
     for (const scene::Problem& p : problems)
         UNSCOPED_INFO(p.toString());
     REQUIRE(scene);
-    return play(*scene);
+    return simulate(*scene);
 }
 
 } // namespace
 
 TEST_CASE("shells of 5 mm, 5 cm and 1 m give one dimensionless curve", "[lab]") {
     for (const double phiBar : {0.65, 0.9}) { // smooth and abrupt
-        const lab::Outcome middle = pressOfSize(0.05, phiBar);
-        const auto [load, pull] = legs(middle.recording);
+        const lab::RunResult middle = pressOfSize(0.05, phiBar);
+        const auto [load, pull] = loadingAndUnloading(middle.recording);
         for (const double R : {0.005, 1.0}) {
             INFO("phi_bar " << phiBar << ", R " << R << " m");
-            const lab::Outcome other = pressOfSize(R, phiBar);
-            const auto [otherLoad, otherPull] = legs(other.recording);
-            // A row of the one between rows of the other: steps differ in the last digits, and at a snap by some.
-            const auto rms = [](const Curve& a, const Curve& b, double peak) {
+            const lab::RunResult other = pressOfSize(R, phiBar);
+            const auto [otherLoad, otherPull] = loadingAndUnloading(other.recording);
+            // Interpolated: steps differ in the last digits, and at a snap by several steps.
+            const auto rms = [](const ForceCurve& a, const ForceCurve& b, double peak) {
                 double sum = 0.0, count = 0.0;
                 const double from = std::max(std::min(a.d.front(), a.d.back()), std::min(b.d.front(), b.d.back()));
                 const double to = std::min(std::max(a.d.front(), a.d.back()), std::max(b.d.front(), b.d.back()));

@@ -1,6 +1,6 @@
 // One shell between two plates against the solved curves T5A (standing on its tips) and T5B (lying on its back).
 
-#include "tests/plugin/lab/session/play.h"
+#include "tests/plugin/lab/session/simulation.h"
 
 using namespace supercircle;
 using namespace supercircle::test;
@@ -38,8 +38,8 @@ TEST_CASE("a shell standing between plates follows the solved curves", "[lab]") 
     } cases[] = {{0.75, 0.1, 0.36, "T5A_cap_Phi0.75_mu0.10.csv"}, {0.60, 0.2, 0.62, "T5A_cap_Phi0.60_mu0.20.csv"}};
     for (const auto& c : cases) {
         INFO(c.file);
-        const lab::Outcome out = play(squeeze(c.phiBar, c.mu, c.travel));
-        const Curve load = legs(out.recording).first, up = reference(c.file);
+        const lab::RunResult out = simulate(squeeze(c.phiBar, c.mu, c.travel));
+        const ForceCurve load = loadingAndUnloading(out.recording).first, up = reference(c.file);
         double worst = 0.0;
         for (const double share : {0.2, 0.4, 0.6, 0.8, 0.95})
             worst = std::max(worst, std::abs(load.at(share * c.travel) / up.at(share * c.travel) - 1.0));
@@ -59,8 +59,8 @@ TEST_CASE("a shell lying on its back between plates, whatever the friction", "[l
         for (step::BodyDefinition& b : s.rigid.bodies)
             if (b.name == "plate")
                 b.position.y() = 2.0 * R + h + 2.0 * gap;
-        const lab::Outcome out = play(s);
-        const Curve load = legs(out.recording).first;
+        const lab::RunResult out = simulate(s);
+        const ForceCurve load = loadingAndUnloading(out.recording).first;
         double worst = 0.0;
         for (const double f : {0.05, 0.1, 0.2, 0.4}) {
             const double d = 2.0 - heightOfC(f);
@@ -70,7 +70,7 @@ TEST_CASE("a shell lying on its back between plates, whatever the friction", "[l
         CAPTURE(worst);
         CHECK(worst < 0.02); // 31 arcs
         checkInvariants(out.recording);
-        // the horizontal balance leaves nothing for friction to do
+        // the horizontal balance holds without friction
         CHECK(*std::max_element(out.recording.series.find("friction_J")->begin(),
                                 out.recording.series.find("friction_J")->end()) <
               1e-3 * number(out.recording, "plate_work_J"));

@@ -1,4 +1,4 @@
-// Sweep files: what they say, what is wrong with them, and that the JSON Schema agrees with the loader.
+// Sweep files: content, errors, and agreement of the JSON Schema with the loader.
 
 // valijson uses std::regex, where g++ 12 with sanitizers sees an uninitialised variable that is none.
 #if defined(__GNUC__) && !defined(__clang__)
@@ -25,7 +25,7 @@ using nlohmann::json;
 
 namespace {
 
-std::optional<Definition> read(const std::string& text, std::string& complaints) {
+std::optional<SweepDefinition> read(const std::string& text, std::string& complaints) {
     std::vector<scene::Problem> problems;
     auto sweep = loadText(text, "folder/s.json", problems);
     complaints.clear();
@@ -34,7 +34,7 @@ std::optional<Definition> read(const std::string& text, std::string& complaints)
     return sweep;
 }
 
-Definition good(const std::string& text) {
+SweepDefinition valid(const std::string& text) {
     std::string complaints;
     const auto sweep = read(text, complaints);
     INFO(complaints);
@@ -61,7 +61,7 @@ const std::string kHead = R"({"schema": "supercircle-sweep/1", "scene": "../a.js
 } // namespace
 
 TEST_CASE("a grid is the product of its axes, cases multiply it, the first name varies slowest") {
-    const Definition s = good(kHead + R"(, "cases": [{"shells": 30, "width": 0.2}, {"shells": 100, "width": 0.4}],
+    const SweepDefinition s = valid(kHead + R"(, "cases": [{"shells": 30, "width": 0.2}, {"shells": 100, "width": 0.4}],
         "grid": {"mu": [0.1, 1], "x": {"from": 0, "to": 1, "count": 3}}, "fixed": {"cycles": 2},
         "seeds": {"first": 5, "last": 7}, "report": {"x": "shells"}})");
     CHECK(s.scene == "a.json"); // relative to the sweep's folder
@@ -72,17 +72,17 @@ TEST_CASE("a grid is the product of its axes, cases multiply it, the first name 
     CHECK(s.sets.back() == std::vector<double>{100, 0.4, 1, 1});
     CHECK(s.seeds == std::vector<std::int64_t>{5, 6, 7});
     CHECK(s.x == "shells");
-    CHECK(keyOf(s.settings(1)) == "cycles=2 mu=0.1 shells=30 width=0.2 x=0.5");
+    CHECK(keyOf(s.parameterValues(1)) == "cycles=2 mu=0.1 shells=30 width=0.2 x=0.5");
 }
 
 TEST_CASE("a sweep without a grid is one set, without seeds it is one run") {
-    const Definition s = good(kHead + "}");
+    const SweepDefinition s = valid(kHead + "}");
     CHECK(s.sets.size() == 1);
     CHECK(s.seeds == std::vector<std::int64_t>{1});
     CHECK(s.x.empty());
 }
 
-TEST_CASE("what is wrong with a sweep is said where it stands") {
+TEST_CASE("errors of a sweep are reported with their place") {
     const auto refused = [](const std::string& rest, const std::string& what) {
         std::string complaints;
         CHECK_FALSE(read(kHead + rest + "}", complaints));
@@ -91,7 +91,7 @@ TEST_CASE("what is wrong with a sweep is said where it stands") {
     };
     refused(R"(, "grid": {"mu": []})", "/grid/mu: no values");
     refused(R"(, "grid": {"mu": [1, "a"]})", "/grid/mu/1: this is a text");
-    refused(R"(, "grid": {"mu": [1, 2, 1]})", "/grid/mu/2: this value is there twice");
+    refused(R"(, "grid": {"mu": [1, 2, 1]})", "/grid/mu/2: this value appears twice");
     refused(R"(, "grid": {"mu": {"from": 1, "too": 2, "count": 3}})", "did you mean \"to\"");
     refused(R"(, "grid": {"mu": [1]}, "cases": [{"mu": 2}])", "varies in \"cases\" already");
     refused(R"(, "grid": {"mu": [1]}, "fixed": {"mu": 2})", "/fixed/mu: this parameter varies");
@@ -133,7 +133,7 @@ TEST_CASE("the sweeps of the project agree with loader and schema, and the schem
 }
 
 TEST_CASE("shards share the runs without gap or overlap, and every set grows evenly") {
-    const Definition s = good(kHead + R"(, "grid": {"a": [1, 2, 3], "b": [1, 2]}, "seeds": {"last": 7}})");
+    const SweepDefinition s = valid(kHead + R"(, "grid": {"a": [1, 2, 3], "b": [1, 2]}, "seeds": {"last": 7}})");
     const std::vector<Task> all = tasks(s, {});
     REQUIRE(all.size() == 42);
     for (std::size_t i = 0; i < all.size(); ++i) { // at any time no set is ahead of another by more than one run

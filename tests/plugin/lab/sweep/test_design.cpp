@@ -1,4 +1,4 @@
-// Design: a surface that is known is found again.
+// Inverse design on a known response surface.
 
 #include "plugin/lab/sweep/design.h"
 
@@ -11,10 +11,10 @@ using Catch::Contains;
 namespace {
 
 /// Runs whose number is 10 phi + 2 log10(mu), scattered symmetrically by 0.2.
-Table tableOf(Definition& sweep) {
+RunTable tableOf(SweepDefinition& sweep) {
     sweep.names = {"phi_bar", "mu"};
     sweep.x = "phi_bar";
-    Table table;
+    RunTable table;
     table.columns = {"delta"};
     for (const double phi : {0.5, 0.6, 0.9})
         for (const double mu : {0.1, 1.0}) {
@@ -33,37 +33,37 @@ Table tableOf(Definition& sweep) {
 
 } // namespace
 
-TEST_CASE("what is linear in angle and logarithm of friction is interpolated exactly, and solved for") {
-    Definition sweep;
-    const Table table = tableOf(sweep);
-    const auto surface = surfaceOf(sweep, table, "delta");
+TEST_CASE("a surface linear in angle and logarithm of friction is interpolated and inverted exactly") {
+    SweepDefinition sweep;
+    const RunTable table = tableOf(sweep);
+    const auto surface = responseSurface(sweep, table, "delta");
     REQUIRE(surface);
-    const Surface& s = surface.value;
+    const ResponseSurface& s = surface.value;
     for (const double phi : {0.5, 0.55, 0.73, 0.9})
         for (const double mu : {0.1, 0.2, 0.5, 1.0})
             CHECK(s.at(phi, mu).mean == Approx(10.0 * phi + 2.0 * std::log10(mu)).epsilon(1e-12));
     CHECK(s.at(0.7, 0.3).spread == Approx(1.4826 * 0.1).epsilon(1e-4)); // MAD of -0.2, -0.18, ..., 0.2: 0.1
-    const auto solutions = solve(s, 6.0, 0.3);
+    const auto solutions = solveFor(s, 6.0, 0.3);
     REQUIRE(solutions.size() == 1);
     CHECK(solutions[0].x == Approx(0.6 - 0.2 * std::log10(0.3)).epsilon(1e-12));
     CHECK(solutions[0].xError == Approx(solutions[0].value.error / 10.0));
-    CHECK(solve(s, 100.0, 0.3).empty());
-    CHECK(solve(s, 9.0, 1.0).size() == 1); // the end of the grid belongs to it
-    CHECK(solve(s, 6.0, 1.0).size() == 1); // a point of the grid is found once
+    CHECK(solveFor(s, 100.0, 0.3).empty());
+    CHECK(solveFor(s, 9.0, 1.0).size() == 1); // the end of the grid belongs to it
+    CHECK(solveFor(s, 6.0, 1.0).size() == 1); // a point of the grid is found once
 }
 
 TEST_CASE("scatter falls with the root of the number of shells") {
-    CHECK(spreadAt(0.3, 30.0, 30.0) == 0.3);
-    CHECK(spreadAt(0.3, 30.0, 120.0) == Approx(0.15));
+    CHECK(scaledSpread(0.3, 30.0, 30.0) == 0.3);
+    CHECK(scaledSpread(0.3, 30.0, 120.0) == Approx(0.15));
 }
 
-TEST_CASE("what cannot be a surface is said to be none") {
-    Definition sweep;
-    Table table = tableOf(sweep);
-    CHECK_THAT(surfaceOf(sweep, table, "delto").error, Contains("did you mean \"delta\""));
-    Definition holes = sweep;
+TEST_CASE("results that give no surface are refused") {
+    SweepDefinition sweep;
+    RunTable table = tableOf(sweep);
+    CHECK_THAT(responseSurface(sweep, table, "delto").error, Contains("did you mean \"delta\""));
+    SweepDefinition holes = sweep;
     holes.sets.pop_back();
-    CHECK_THAT(surfaceOf(holes, table, "delta").error, Contains("no full grid"));
+    CHECK_THAT(responseSurface(holes, table, "delta").error, Contains("do not form a full grid"));
     table.rows.resize(30);
-    CHECK_THAT(surfaceOf(sweep, table, "delta").error, Contains("too few runs"));
+    CHECK_THAT(responseSurface(sweep, table, "delta").error, Contains("too few runs"));
 }

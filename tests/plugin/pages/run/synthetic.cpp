@@ -10,7 +10,7 @@ namespace {
 
 using namespace record;
 constexpr double pi = std::numbers::pi;
-constexpr double R = 0.0192, h = 0.5e-3, B = 2.29e-4, fall = 6.0, rest = 1.0, leg = 12.0;
+constexpr double R = 0.0192, h = 0.5e-3, B = 2.29e-4, fall = 6.0, rest = 1.0, branch = 12.0;
 constexpr int elements = 15, snapFits = 9;
 
 /// Repeatable numbers in 0 .. 1 from a pair of integers.
@@ -26,7 +26,7 @@ double chance(int i, int k) {
 struct Stack {
     int shells, cycles, columns;
     double width, height, travel;
-    [[nodiscard]] double end() const { return fall + rest + 2.0 * leg * cycles; }
+    [[nodiscard]] double end() const { return fall + rest + 2.0 * branch * cycles; }
 };
 
 Stack layout(int shells, int cycles) {
@@ -36,7 +36,7 @@ Stack layout(int shells, int cycles) {
     return {shells, cycles, columns, columns * 2.1 * R, height, 0.36 * height};
 }
 
-struct Machine {
+struct CrossheadState {
     double displacement, force;
     std::string phase;
     bool load;
@@ -53,12 +53,12 @@ double loadingForce(double u) {
     return std::max(f, 0.0);
 }
 
-Machine machineAt(const Stack& stack, double t) {
+CrossheadState crossheadAt(const Stack& stack, double t) {
     const double start = fall + rest;
     if (t < start)
         return {0.0, 0.0, t < fall ? "drop" : "settle", true, 0};
-    const int half = std::min(static_cast<int>((t - start) / leg), 2 * stack.cycles - 1);
-    const double s = std::min((t - start) / leg - half, 1.0);
+    const int half = std::min(static_cast<int>((t - start) / branch), 2 * stack.cycles - 1);
+    const double s = std::min((t - start) / branch - half, 1.0);
     const bool load = half % 2 == 0;
     const double u = load ? s : 1.0 - s;
     const int cycle = half / 2 + 1;
@@ -97,17 +97,17 @@ ShellPose poseOf(const Stack& stack, int i, double t, double squeeze) {
 }
 
 Frame frameOf(const Stack& stack, double t) {
-    const Machine machine = machineAt(stack, t);
-    Frame frame{t, machine.displacement, machine.force, machine.phase, {}, {}, {}};
-    const double squeeze = machine.displacement / stack.travel;
+    const CrossheadState crosshead = crossheadAt(stack, t);
+    Frame frame{t, crosshead.displacement, crosshead.force, crosshead.phase, {}, {}, {}};
+    const double squeeze = crosshead.displacement / stack.travel;
     const int there =
         t >= fall ? stack.shells : std::min(stack.shells, 1 + static_cast<int>(t / fall * (stack.shells + 1)));
     for (int i = 0; i < there; ++i)
         frame.shells.push_back(poseOf(stack, i, t, squeeze));
     frame.bodies.push_back({});
-    frame.bodies.push_back({0.5 * stack.width, stack.height - machine.displacement, 0.0});
+    frame.bodies.push_back({0.5 * stack.width, stack.height - crosshead.displacement, 0.0});
     for (int i = 0; i + stack.columns < there; ++i) {
-        const double f = (0.05 + machine.force / stack.columns) * (0.2 + 1.6 * chance(i, 5)),
+        const double f = (0.05 + crosshead.force / stack.columns) * (0.2 + 1.6 * chance(i, 5)),
                      a = 2.0 * chance(i, 6) - 1.0;
         const double x = (i % stack.columns + 0.5) * stack.width / stack.columns;
         frame.contacts.push_back({x, (1.0 * (i / stack.columns) + 1.0) * 1.9 * R * (1.0 - 0.36 * squeeze),
@@ -129,15 +129,26 @@ void addOutlines(Recording& recording, const Stack& stack) {
 }
 
 void addSeries(Recording& recording, const Stack& stack, int rows) {
-    recording.series.names = {"time_s",      "displacement_m", "force_N",    "work_in_J", "elastic_J",
-                              "gravity_J",   "kinetic_J",      "friction_J", "impact_J",  "effects_J",
-                              "numerical_J", "push_out_J",     "residual_J", "step_s"};
+    recording.series.names = {"time_s",
+                              "displacement_m",
+                              "force_N",
+                              "work_in_J",
+                              "elastic_J",
+                              "gravity_J",
+                              "kinetic_J",
+                              "friction_J",
+                              "impact_J",
+                              "effects_J",
+                              "numerical_dissipation_J",
+                              "position_correction_J",
+                              "residual_J",
+                              "step_s"};
     recording.series.columns.resize(recording.series.names.size());
     double work = 0.0, lost = 0.0;
-    Machine before = machineAt(stack, 0.0);
+    CrossheadState before = crossheadAt(stack, 0.0);
     for (int i = 0; i < rows; ++i) {
         const double t = stack.end() * i / std::max(rows - 1, 1);
-        const Machine now = machineAt(stack, t);
+        const CrossheadState now = crossheadAt(stack, t);
         const double dw = 0.5 * (now.force + before.force) * (now.displacement - before.displacement);
         work += dw;
         lost += now.load ? 0.45 * dw : 0.0;
@@ -166,27 +177,26 @@ void addSeries(Recording& recording, const Stack& stack, int rows) {
 
 void addEvents(Recording& recording, const Stack& stack) {
     const double start = fall + rest;
-    recording.events.push_back({start, 0.0, 0.0, "touch", "plate meets the pile"});
+    recording.events.push_back({start, 0.0, 0.0, "first_contact", "plate meets the pile"});
     for (int k = 1; k <= snapFits; ++k) {
         const double u = 0.2 + 0.7 * (k - 0.5 + 0.4 * chance(k, 1)) / snapFits;
         recording.events.push_back(
-            {start + u * leg, u * stack.travel, loadingForce(u), "snap_fit",
+            {start + u * branch, u * stack.travel, loadingForce(u), "snap_fit",
              "shell " + std::to_string(k * 3) + " closes over shell " + std::to_string(k * 3 + 1)});
     }
-    recording.events.push_back({start + leg, stack.travel, loadingForce(1.0), "peak", ""});
-    recording.events.push_back({start + leg, stack.travel, loadingForce(1.0), "reversal", "force reached 5 N"});
+    recording.events.push_back({start + branch, stack.travel, loadingForce(1.0), "peak", ""});
+    recording.events.push_back({start + branch, stack.travel, loadingForce(1.0), "reversal", "force reached 5 N"});
 }
 
 void addNumbers(Recording& recording, const Stack& stack) {
     recording.summary = {{"scene", std::string("stack30")},
                          {"seed", std::int64_t{1}},
                          {"simulated_s", stack.end()},
-                         {"wall_s", 41.7},
                          {"steps", std::int64_t{30412}},
                          {"threads", std::int64_t{2}},
                          {"H0_over_R", stack.height / R},
                          {"delta_max_over_R", stack.travel / R},
-                         {"eta", 0.1342},
+                         {"dissipation_ratio", 0.1342},
                          {"snap_fits", std::int64_t{snapFits}},
                          {"peak_force_N", 5.0},
                          {"peak_force_R2_over_B", 8.05},
@@ -197,6 +207,7 @@ void addNumbers(Recording& recording, const Stack& stack) {
                          {"contact_residual_max", 8.1e-9},
                          {"unconverged_steps", std::int64_t{0}},
                          {"converged", true}};
+    recording.timing = {{"wall_s", 41.7}};
     recording.parameters = {
         {"shells", 1.0 * stack.shells}, {"phi_bar", 0.75},  {"mu", 0.35},      {"cycles", 1.0 * stack.cycles},
         {"plate_speed", 0.005},         {"max_force", 5.0}, {"elements", 15.0}};
@@ -227,7 +238,7 @@ Recording squeezedStack(int shells, int frames, int rows, int cycles) {
         const auto at = [&](double t) {
             return static_cast<std::int32_t>(std::lround(t / stack.end() * (frames - 1)));
         };
-        recording.keyFrames = {at(fall + rest), at(fall + rest + leg), frames - 1};
+        recording.keyFrames = {at(fall + rest), at(fall + rest + branch), frames - 1};
     }
     addSeries(recording, stack, rows);
     addEvents(recording, stack);

@@ -1,5 +1,5 @@
 #pragma once
-// A small experiment to be spoilt, and folders that go away.
+// A small experiment for invalid variants, and temporary folders.
 
 #include "plugin/recording/experiment/load.h"
 #include "tests/support/folder.h"

@@ -14,28 +14,28 @@ const std::string& good() {
 
 } // namespace
 
-TEST_CASE("a misspelled key is found and the right one named", "[experiment]") {
+TEST_CASE("a misspelled key is reported with the correct one", "[experiment]") {
     const std::string all = problemsOf(with(good(), "\"bending_modulus_N_m2\"", "\"bending_modulus_Nm2\""));
     CHECK_THAT(all, Contains("e.json:22:4: /specimens/0/bending_modulus_Nm2: unknown key"));
     CHECK_THAT(all, Contains("did you mean \"bending_modulus_N_m2\"?"));
     CHECK_THAT(all, Contains("/specimens/0: \"bending_modulus_N_m2\" is missing"));
-    // an optional key too: a silent zero uncertainty would be worse than a refusal
+    // optional keys too: a silent zero uncertainty would be worse
     CHECK_THAT(problemsOf(with(good(), "thickness_unc_m", "thickness_uncm")),
                Contains("did you mean \"thickness_unc_m\"?") && !Contains("note:"));
 }
 
-TEST_CASE("a key of no meaning here is noted, not refused", "[experiment]") {
+TEST_CASE("a key without meaning is noted, not rejected", "[experiment]") {
     const std::string all = problemsOf(with(good(), "\"schema\"", "\"laboratory_xyz\": 3, \"schema\""));
-    CHECK_THAT(all, Contains("note: /laboratory_xyz: key without meaning here"));
+    CHECK_THAT(all, Contains("note: /laboratory_xyz: this key has no meaning here"));
 }
 
-TEST_CASE("wrong values are placed", "[experiment]") {
+TEST_CASE("wrong values are reported with their position", "[experiment]") {
     CHECK_THAT(problemsOf(with(good(), "\"thickness_m\": 0.0005", "\"thickness_m\": -0.0005")),
                Contains("/specimens/0/thickness_m: -0.0005 is out of range; expected a number > 0"));
     CHECK_THAT(problemsOf(with(good(), "\"coefficient\": 0.3", "\"coefficient\": \"0.3\"")),
                Contains("/friction/coefficient: this is a text; expected a number >= 0"));
     CHECK_THAT(problemsOf(with(good(), "shell_on_rigid_cylinder", "shell_on_rigid_cilinder")),
-               Contains("/protocol: unknown word") && Contains("did you mean \"shell_on_rigid_cylinder\"?"));
+               Contains("/protocol: unknown value") && Contains("did you mean \"shell_on_rigid_cylinder\"?"));
     CHECK_THAT(problemsOf(with(good(), "rod-recordings/1", "rod-recordings/7")),
                Contains("e.json:2:12: /schema: this is \"rod-recordings/7\""));
     CHECK_THAT(problemsOf(with(good(), "\"arc_fraction\": 0.02", "\"arc_fraction\": 1.02")),
@@ -48,7 +48,7 @@ TEST_CASE("wrong values are placed", "[experiment]") {
     CHECK_THAT(problemsOf(""), Contains("the file is empty"));
 }
 
-TEST_CASE("the commanded motion must make sense", "[experiment]") {
+TEST_CASE("the drive must be valid", "[experiment]") {
     CHECK_THAT(problemsOf(with(good(), "13.0,", "0.5,")),
                Contains("/runs/0/drive_time_s") && Contains("break point 2"));
     CHECK_THAT(problemsOf(with(good(), "    24,\n", "")),
@@ -58,8 +58,7 @@ TEST_CASE("the commanded motion must make sense", "[experiment]") {
 TEST_CASE("what the protocol needs must be there", "[experiment]") {
     CHECK_THAT(problemsOf(with(good(), "shell_on_rigid_cylinder", "two_shells")),
                Contains("does not fit the protocol two_shells; expected two specimens"));
-    CHECK_THAT(problemsOf(with(good(), "\"machine_head\"", "\"ground\"")),
-               Contains("the machine head carries nothing"));
+    CHECK_THAT(problemsOf(with(good(), "\"machine_head\"", "\"ground\"")), Contains("the crosshead carries nothing"));
 }
 
 TEST_CASE("a force zero in other words is noted", "[experiment]") {

@@ -1,4 +1,4 @@
-// Experiments that are good: every field arrives, in SI units.
+// Valid experiments: every field in SI units.
 
 #include "tests/plugin/recording/experiment/support.h"
 
@@ -28,7 +28,7 @@ TEST_CASE("a shell on a cylinder is read field by field", "[experiment]") {
     CHECK(s.bendingModulus.lower() == Approx(0.94 * 0.0002291666666666667).epsilon(1e-12));
     CHECK(s.stretchModulus == 11000.0);
     CHECK(s.clamp.where == ClampPlace::Middle);
-    CHECK(s.clamp.carriedBy == Carrier::MachineHead);
+    CHECK(s.clamp.carriedBy == Carrier::Crosshead);
     CHECK(s.clamp.arcPosition == 0.04523893421169302);
     CHECK(s.clamp.initialPoint.y == 0.0466529);
     CHECK(s.clamp.initialTangentAngle == Approx(M_PI).epsilon(1e-15));
@@ -56,7 +56,7 @@ TEST_CASE("the other protocols are read", "[experiment]") {
     REQUIRE(two);
     CHECK(two->protocol == Protocol::TwoShells);
     CHECK(two->specimens[0].clamp.carriedBy == Carrier::Ground);
-    CHECK(two->specimens[1].clamp.carriedBy == Carrier::MachineHead);
+    CHECK(two->specimens[1].clamp.carriedBy == Carrier::Crosshead);
     CHECK(two->markers[4].specimen == 1);
     const auto strip = experiment::load(baseline(104));
     REQUIRE(strip);
@@ -65,7 +65,7 @@ TEST_CASE("the other protocols are read", "[experiment]") {
     const auto arch = experiment::load(baseline(106));
     REQUIRE(arch);
     CHECK(arch->specimens[0].clamp.where == ClampPlace::None);
-    CHECK(arch->obstacles[1].carriedBy == Carrier::MachineHead);
+    CHECK(arch->obstacles[1].carriedBy == Carrier::Crosshead);
     CHECK(arch->obstacles[1].normal.y == -1.0);
     for (const int number : {102, 105})
         CHECK(experiment::load(baseline(number)));
@@ -79,7 +79,7 @@ TEST_CASE("the description alone can be read", "[experiment]") {
     CHECK(e->runs[0].readings.time.empty());
 }
 
-TEST_CASE("a run says whether its specimen was turned end for end", "[experiment]") {
+TEST_CASE("a run may have its specimen mounted end for end", "[experiment]") {
     const std::string path = std::string(SC_TEST_DATA) + "/recordings/baseline/case_101/experiment.json";
     std::ifstream in(path);
     const std::string text((std::istreambuf_iterator<char>(in)), {});
@@ -90,8 +90,8 @@ TEST_CASE("a run says whether its specimen was turned end for end", "[experiment
         return changed.insert(changed.find(key), "\"specimen_turned\": " + value + ", ");
     };
     std::vector<scene::Problem> problems;
-    CHECK_FALSE(experiment::loadText(text, path, problems)->runs[0].turned);
-    CHECK(experiment::loadText(with("true"), path, problems)->runs[0].turned);
+    CHECK_FALSE(experiment::loadText(text, path, problems)->runs[0].specimenReversed);
+    CHECK(experiment::loadText(with("true"), path, problems)->runs[0].specimenReversed);
     CHECK(problems.empty());
     CHECK_FALSE(experiment::loadText(with("1"), path, problems));
     REQUIRE(problems.size() == 1);
@@ -113,6 +113,6 @@ TEST_CASE("runs have names of their own, whatever their files are called", "[exp
     CHECK(experiment::runNames(e, true) == Names{"run_1.csv", "run_2.csv"});
     CHECK(named({"slow/a.csv", "fast/a.csv", "b.csv"}) == Names{"slow_a", "fast_a", "b"}); // results lie in one folder
     CHECK(experiment::runNames(e, true) == Names{"slow/a.csv", "fast/a.csv", "b.csv"});
-    CHECK(named({"a.csv", "a.csv", "a.csv"}) == Names{"a", "a_2", "a_3"}); // a recording that counts thrice
+    CHECK(named({"a.csv", "a.csv", "a.csv"}) == Names{"a", "a_2", "a_3"}); // a recording used three times
     CHECK(named({"a.csv", "a.csv", "a_2.csv"}) == Names{"a", "a_2", "a_2_2"});
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Exports made up in tests: one known run of a machine, written in many ways.
+// Synthetic exports: one known run, written in many formats.
 
 #include "plugin/recording/import/import.h"
 #include "tests/support/folder.h"
@@ -21,8 +21,8 @@ using test::contentOf;
 using test::Folder;
 using test::with;
 
-/// The run: 1 s rest, 0.5 mm/s down for 8 s and up again, 1 s rest; rows at 20 Hz. The specimen is touched at 1 mm and
-/// pushes back with 2 N/mm.
+/// The run: 1 s dwell, 0.5 mm/s loading for 8 s and unloading, 1 s dwell; rows at 20 Hz. First contact at 1 mm,
+/// stiffness 2 N/mm.
 inline constexpr int rows = 361;
 inline double timeOf(int i) {
     return 0.05 * i;
@@ -95,10 +95,10 @@ inline std::string errorOf(const std::string& text, const importing::Hints& hint
 
 /// The values of a run are those that were written, to `digits` of the file (SI).
 inline void checkValues(const importing::ImportedRun& run, double slack = 1e-6, int from = 0, int to = rows) {
-    const auto *t = run.track.find(Quantity::Time), *d = run.track.find(Quantity::Displacement),
-               *f = run.track.find(Quantity::Force);
+    const auto *t = run.signals.find(Quantity::Time), *d = run.signals.find(Quantity::Displacement),
+               *f = run.signals.find(Quantity::Force);
     REQUIRE((t != nullptr && d != nullptr && f != nullptr));
-    REQUIRE(run.track.rows() == static_cast<std::size_t>(to - from));
+    REQUIRE(run.signals.rows() == static_cast<std::size_t>(to - from));
     for (int i = from; i < to; ++i) {
         const auto k = static_cast<std::size_t>(i - from);
         const double time = timeOf(i);

@@ -1,4 +1,4 @@
-// One known run in the ways machines write it: the values must come out the same every time.
+// One known run in many machine formats: the values must be equal.
 
 #include "tests/plugin/recording/import/support.h"
 
@@ -129,7 +129,7 @@ TEST_CASE("other columns, sparse remarks, blank lines and sums below are left ou
                                     Contains("line 365: \"Maximum;4;1;6;\": column 1 \"time_s\" holds no number"));
 }
 
-TEST_CASE("of two columns of one quantity the more direct one is taken, and said", "[importing]") {
+TEST_CASE("the more direct of two columns of one quantity is used and reported", "[importing]") {
     std::string text = "time_s,crosshead position (mm),compressive displacement (mm),force_N,force setpoint (N)\n";
     for (int i = 0; i < rows; ++i) {
         const double t = timeOf(i);
@@ -144,10 +144,10 @@ TEST_CASE("of two columns of one quantity the more direct one is taken, and said
     hints.columns = {"time[s]", "displacement[mm]", "-", "force[N]", "-"};
     const auto all = read(text, hints);
     REQUIRE(all);
-    CHECK((*all.value.runs[0].track.find(Quantity::Displacement))[180] == Approx(1.1 * 4e-3));
+    CHECK((*all.value.runs[0].signals.find(Quantity::Displacement))[180] == Approx(1.1 * 4e-3));
 }
 
-TEST_CASE("without headings columns are guessed, and said to be", "[importing]") {
+TEST_CASE("without headings columns are guessed and reported", "[importing]") {
     Style s;
     s.head = "test 7";
     same(exported(s));
@@ -163,15 +163,15 @@ TEST_CASE("without times they come from a rate or a speed", "[importing]") {
     hints.rate = 20.0;
     same(text, hints);
     same("Sampling rate: 20 Hz\n" + text);
-    CHECK_THAT(accountOf(text), Contains("assumed    there is no time; the head is taken to move at 1 mm/s"));
-    const auto all = read("Speed: 30 mm/min\n" + text); // rests cannot be timed: 16 s of motion are left
+    CHECK_THAT(accountOf(text), Contains("assumed    there is no time; the crosshead is assumed to move at 1 mm/s"));
+    const auto all = read("Speed: 30 mm/min\n" + text); // dwells cannot be timed: 16 s of motion remain
     REQUIRE(all);
     CHECK(all.value.runs[0].drive.time.back() == Approx(16.0).margin(0.05));
     CHECK_THAT(importing::account(all.value),
-               Contains("line 1: there is no time; the head moves at 0.5 mm/s as the header"));
+               Contains("line 1: there is no time; the crosshead moves at 0.5 mm/s as stated in the header"));
 }
 
-TEST_CASE("a number that could be thousands is said to be assumed", "[importing]") {
+TEST_CASE("an ambiguous decimal mark is reported", "[importing]") {
     std::string text = "t;d (mm);F (N)\n";
     for (int i = 0; i < 50; ++i)
         text += std::to_string(i) + ";" + std::to_string(1 + i) + ".500;" + std::to_string(2 + i) + ".125\n";
@@ -200,7 +200,7 @@ TEST_CASE("markers come with the run or in a file of their own", "[importing]") 
 }
 
 TEST_CASE("markers keep their time against the run", "[importing]") {
-    // both clocks start at 100 s, the camera 2 s later: its first picture belongs to 2 s of the run
+    // both clocks start at 100 s, the camera 2 s later: its first frame is at 2 s of the run
     std::string run = "time_s,displacement_mm,force_N\n", markers = "time_s,m_x_mm,m_y_mm\n";
     for (int i = 0; i < rows; ++i)
         run += printed(100.0 + timeOf(i), 3) + "," + printed(wayOf(timeOf(i)), 6) + "," +
@@ -212,7 +212,7 @@ TEST_CASE("markers keep their time against the run", "[importing]") {
     auto all = importing::readExports({runFile, folder.write("b.csv", markers)}, {});
     REQUIRE(all);
     CHECK(all.value.runs[0].markers.find(Quantity::Time)->front() == Approx(2.0));
-    // another clock: they are taken to start together, which is said
+    // another clock: both are assumed to start together, with a remark
     std::string other = "time_s,m_x_mm,m_y_mm\n";
     for (int i = 0; i < rows; i += 4)
         other += printed(timeOf(i), 3) + ",1,2\n";
@@ -232,12 +232,12 @@ TEST_CASE("an angle alone is converted", "[importing]") {
     const auto all = read(text, hints);
     INFO(all.error);
     REQUIRE(all);
-    CHECK(all.value.runs[0].track.find(Quantity::Angle)->at(10) == Approx(-91.0 * M_PI / 180.0));
+    CHECK(all.value.runs[0].signals.find(Quantity::Angle)->at(10) == Approx(-91.0 * M_PI / 180.0));
     CHECK(all.value.runs[0].rate == Approx(1000.0));
     CHECK_THAT(importing::account(all.value), Contains("assumed    line 2: there is no time; rows come at 1000 Hz"));
 }
 
-TEST_CASE("the same export gives the same bytes", "[importing]") {
+TEST_CASE("an export gives bitwise identical files", "[importing]") {
     const auto a = read(exported()), b = read(exported());
     REQUIRE((a && b));
     CHECK(importing::runFiles(a.value).value == importing::runFiles(b.value).value);

@@ -1,5 +1,4 @@
-// Files that cannot be imported: each says where and what was expected. And texts of random bytes, which must not do
-// more than that.
+// Files that cannot be imported: each error says where and what was expected. Random bytes do no more harm.
 
 #include "tests/plugin/recording/import/support.h"
 
@@ -23,7 +22,7 @@ TEST_CASE("empty and near empty files", "[importing]") {
     CHECK_THAT(importing::readExports({"/"}, {}).error, Contains("cannot read /"));
 }
 
-TEST_CASE("a channel that says nothing is refused where it begins", "[importing]") {
+TEST_CASE("a constant channel is refused where it begins", "[importing]") {
     std::string constant = "a test\ntime_s,displacement_mm,force_N\n", missing = constant, still = constant;
     for (int i = 0; i < 50; ++i) {
         constant += std::to_string(i) + "," + std::to_string(i) + ",0.25\n";
@@ -40,7 +39,7 @@ TEST_CASE("a channel that says nothing is refused where it begins", "[importing]
                Contains("doubtful   the displacement never changes: nothing was commanded in this run"));
 }
 
-TEST_CASE("times that cannot be mended are refused where they begin", "[importing]") {
+TEST_CASE("times that cannot be corrected are refused where they begin", "[importing]") {
     std::string stopped = "time_s,displacement_mm,force_N\n", back = stopped, missing = stopped;
     for (int i = 0; i < 50; ++i) {
         const std::string rest = "," + std::to_string(i) + "," + std::to_string(i * i) + "\n";
@@ -53,7 +52,7 @@ TEST_CASE("times that cannot be mended are refused where they begin", "[importin
     CHECK_THAT(errorOf(missing), Contains("x.csv:2:1: 33 of 50 times are missing"));
 }
 
-TEST_CASE("columns that are not understood are placed", "[importing]") {
+TEST_CASE("unknown columns are reported with their position", "[importing]") {
     Style s;
     s.head = "Operator;me\ntime (s),displacement (mm),force (bananas)";
     CHECK(errorOf(exported(s)) == "x.csv:2:28: column 3 \"force (bananas)\": \"bananas\" is no unit of force; expected "
@@ -62,7 +61,7 @@ TEST_CASE("columns that are not understood are placed", "[importing]") {
     CHECK_THAT(errorOf(exported(s)), Contains("x.csv:1:1: column 1 \"time (N)\": \"N\" is no unit of time"));
     s.head = "a,b,c";
     CHECK(errorOf(exported(s)) == "x.csv:1:1: no column is recognised among \"a\", \"b\", \"c\"; expected time, "
-                                  "displacement and force, or say which is which with --columns "
+                                  "displacement and force, or name them with --columns "
                                   "time[s],displacement[mm],force[N]");
     s.head = "time (s),displacement (mm),colour";
     CHECK_THAT(errorOf(exported(s)), Contains("x.csv:1:1: there is neither a force nor an angle"));
@@ -75,7 +74,7 @@ TEST_CASE("columns that are not understood are placed", "[importing]") {
     CHECK_THAT(errorOf(exported(), hints), Contains("\"way[mm]\" is no quantity; expected time, displacement, force"));
 }
 
-TEST_CASE("rows that are none are left out one by one, then counted", "[importing]") {
+TEST_CASE("invalid rows are reported one by one, then counted", "[importing]") {
     std::string text = exported();
     for (const char* at : {"\n2.000000", "\n3.000000", "\n4.000000", "\n5.000000", "\n6.000000"})
         text = with(text, at, std::string("\nx") + at);
@@ -95,7 +94,7 @@ TEST_CASE("a file given twice is refused", "[importing]") {
 
 namespace {
 
-/// Whatever the bytes are: an account or a reason, and if there is an account a description and files.
+/// For any bytes: a report or an error; with a report also a description and files.
 void survives(const std::string& bytes) {
     const Folder folder;
     const auto all = importing::readExports({folder.write("x.csv", bytes)}, {});

@@ -13,8 +13,8 @@ using Json = nlohmann::json;
 
 namespace {
 
-// a shell of 2/3 of a circle above a cylinder of its own radius, which its tips touch first, after 1 mm; the touch is
-// seen where the force leaves 1 % of its range (30 um at 2 N/mm), in the next row (25 um)
+// two thirds of a circle above a cylinder of its radius: its tips touch first, after 1 mm. Contact is detected at 1 %
+// of the force range (30 um at 2 N/mm), in the next row (25 um).
 constexpr double radius = 0.02, thickness = 0.5e-3;
 const char* const specimen = R"({"arc_length_m": 0.0837758, "natural_curvature_1_m": 50.0, "thickness_m": 0.0005,
     "width_m": 0.01, "young_modulus_Pa": 2.2e9, "linear_mass_kg_m": 0.0057})";
@@ -45,14 +45,14 @@ std::string refusal(const importing::TemplateOptions& options) {
 
 } // namespace
 
-TEST_CASE("what nobody stated is null and named", "[importing]") {
+TEST_CASE("unknown values are null and listed", "[importing]") {
     const auto d = described({});
     const std::string todo = joined(d.todo);
     for (const char* pointer : {"/protocol: ", "/specimens/0/arc_length_m: ", "/specimens/0/thickness_m: m",
                                 "/obstacles: ", "/friction/coefficient: "})
         CHECK_THAT(todo, Contains(pointer));
-    CHECK_THAT(joined(d.supposed), Contains("/gravity_m_s2: [0.0,-9.81]") && Contains("/initial_gap_unc_m: 0.0001"));
-    // the checker asks for the same fields, and for nothing else
+    CHECK_THAT(joined(d.assumed), Contains("/gravity_m_s2: [0.0,-9.81]") && Contains("/initial_gap_unc_m: 0.0001"));
+    // the checker requires exactly these fields
     std::vector<scene::Problem> problems;
     CHECK_FALSE(experiment::loadText(d.json, "experiment.json", problems));
     for (const scene::Problem& p : problems) {
@@ -76,7 +76,7 @@ TEST_CASE("every null is refused until it is filled in", "[importing]") {
     }
 }
 
-TEST_CASE("protocol and specimen make it whole", "[importing]") {
+TEST_CASE("protocol and specimen complete it", "[importing]") {
     const Folder folder;
     const std::string file = folder.write("specimen.json", specimen);
     auto d = described({"shell_on_rigid_cylinder", file});
@@ -100,7 +100,7 @@ TEST_CASE("protocol and specimen make it whole", "[importing]") {
     CHECK(loaded->runs[0].driveTime.size() == 5);
 }
 
-TEST_CASE("the upper plate above an arch is worked out", "[importing]") {
+TEST_CASE("the upper plate above an arch is derived", "[importing]") {
     const Folder folder;
     const Json own = {{"specimens", Json::array({Json::parse(specimen)})}, {"friction", {{"coefficient", 0.3}}}};
     const auto d = described({"arch_between_plates", folder.write("own.json", own.dump())});
@@ -110,7 +110,7 @@ TEST_CASE("the upper plate above an arch is worked out", "[importing]") {
     CHECK(d.todo.empty());
 }
 
-TEST_CASE("a specimen file with mistakes is refused with its place", "[importing]") {
+TEST_CASE("a bad specimen file is refused with its position", "[importing]") {
     const Folder folder;
     CHECK_THAT(refusal({"two_shels", {}}),
                Contains("there is no protocol \"two_shels\"") && Contains("did you mean \"two_shells\"?"));
@@ -124,7 +124,7 @@ TEST_CASE("a specimen file with mistakes is refused with its place", "[importing
                Contains("this is no part of an experiment"));
 }
 
-TEST_CASE("statements of a file for another number of runs are not taken for these", "[importing]") {
+TEST_CASE("values for another number of runs are not used", "[importing]") {
     const Folder folder;
     const auto d = described({{}, folder.write("a.json", R"({"runs": [{"file": "a"}, {"file": "b"}]})")});
     CHECK(Json::parse(d.json)["runs"].size() == 1);

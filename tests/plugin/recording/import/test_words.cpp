@@ -2,7 +2,7 @@
 
 #include "tests/plugin/recording/import/support.h"
 
-#include "plugin/recording/import/stated.h"
+#include "plugin/recording/import/metadata.h"
 
 using namespace importingtest;
 using namespace supercircle::importing;
@@ -52,23 +52,23 @@ TEST_CASE("encodings are recognised", "[importing]") {
     CHECK(linesOf("a\r\nb\rc\n\nd").size() == 5);
 }
 
-TEST_CASE("what is no text is refused", "[importing]") {
+TEST_CASE("other files than text are refused", "[importing]") {
     CHECK_THAT(decode("").error, Contains("empty"));
     CHECK_THAT(decode("PK\x03\x04xyz").error, Contains("spreadsheet"));
     CHECK_THAT(decode(std::string("ab\0\0\0\0\0\x01 cdefgh ijkl", 21)).error, Contains("zero bytes"));
 }
 
-TEST_CASE("cells are found and placed", "[importing]") {
+TEST_CASE("cells have positions", "[importing]") {
     CHECK(cellsOf("a; \"b;\"\"c\"\"\" ;d", ';') == std::vector<std::string>{"a", "b;\"c\"", "d"});
     CHECK(cellsOf("  1.5 \t 2 ", ' ') == std::vector<std::string>{"1.5", "2"});
     std::vector<std::string_view> cells;
     splitCells("1; 2 ;", ';', cells);
     CHECK(cells == std::vector<std::string_view>{"1", "2", ""});
-    CHECK(placeOf("ab;\"c;d\"; e", ';', 0) == 1);
-    CHECK(placeOf("ab;\"c;d\"; e", ';', 1) == 4);
-    CHECK(placeOf("ab;\"c;d\"; e", ';', 2) == 11);
-    CHECK(placeOf("ab;c", ';', 7) == 1);
-    CHECK(placeOf(" 1  2", ' ', 1) == 5);
+    CHECK(columnOf("ab;\"c;d\"; e", ';', 0) == 1);
+    CHECK(columnOf("ab;\"c;d\"; e", ';', 1) == 4);
+    CHECK(columnOf("ab;\"c;d\"; e", ';', 2) == 11);
+    CHECK(columnOf("ab;c", ';', 7) == 1);
+    CHECK(columnOf(" 1  2", ' ', 1) == 5);
 }
 
 TEST_CASE("numbers are read as machines print them", "[importing]") {
@@ -146,23 +146,23 @@ TEST_CASE("headings say quantity and unit", "[importing]") {
     CHECK(headingOf("Compressive displacement", "").rank > headingOf("Crosshead position", "").rank);
 }
 
-TEST_CASE("the header's statements are understood with their units", "[importing]") {
-    const std::vector<Metadata> header = {{1, "Operator", "M. Speed"},
-                                          {2, "Test speed", "6 mm/min"},
-                                          {3, "Sampling rate", "0,1 kHz"},
-                                          {4, "Fmax [kN]", "0.0032"},
-                                          {5, "Number of points", "500"}};
-    const auto speed = stated(header, Stated::Speed);
+TEST_CASE("header entries are read with their units", "[importing]") {
+    const std::vector<HeaderEntry> header = {{1, "Operator", "M. Speed"},
+                                             {2, "Test speed", "6 mm/min"},
+                                             {3, "Sampling rate", "0,1 kHz"},
+                                             {4, "Fmax [kN]", "0.0032"},
+                                             {5, "Number of points", "500"}};
+    const auto speed = metadataValue(header, MetadataKey::Speed);
     REQUIRE(speed);
     CHECK(speed->value == Approx(1e-4));
     CHECK(speed->line == 2);
-    CHECK(stated(header, Stated::Rate)->value == Approx(100.0));
-    CHECK(stated(header, Stated::PeakForce)->value == Approx(3.2));
-    CHECK(stated(header, Stated::Rows)->value == 500.0);
-    CHECK_FALSE(stated({{1, "Test speed", "6"}}, Stated::Speed)); // 6 what?
-    CHECK_FALSE(stated({{1, "Test speed", "6 mm/N"}}, Stated::Speed));
-    CHECK_FALSE(stated({{1, "Strain rate", "50 Hz"}}, Stated::Rate));
-    const auto bare = stated({{1, "sample_rate", "1000"}}, Stated::Rate);
+    CHECK(metadataValue(header, MetadataKey::Rate)->value == Approx(100.0));
+    CHECK(metadataValue(header, MetadataKey::PeakForce)->value == Approx(3.2));
+    CHECK(metadataValue(header, MetadataKey::Rows)->value == 500.0);
+    CHECK_FALSE(metadataValue({{1, "Test speed", "6"}}, MetadataKey::Speed)); // 6 what?
+    CHECK_FALSE(metadataValue({{1, "Test speed", "6 mm/N"}}, MetadataKey::Speed));
+    CHECK_FALSE(metadataValue({{1, "Strain rate", "50 Hz"}}, MetadataKey::Rate));
+    const auto bare = metadataValue({{1, "sample_rate", "1000"}}, MetadataKey::Rate);
     REQUIRE(bare);
     CHECK_FALSE(bare->unitStated);
 }

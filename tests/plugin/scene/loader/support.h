@@ -30,8 +30,8 @@ inline std::string say(const std::vector<Problem>& problems) {
     return text;
 }
 
-/// Loads and insists on success.
-inline Scene good(const std::string& path, const std::vector<Override>& overrides = {}) {
+/// Loads; fails the test unless it succeeds.
+inline Scene loaded(const std::string& path, const std::vector<Override>& overrides = {}) {
     std::vector<Problem> problems;
     auto scene = load(path, overrides, problems);
     INFO(say(problems));
@@ -39,7 +39,7 @@ inline Scene good(const std::string& path, const std::vector<Override>& override
     return *scene;
 }
 
-inline Scene goodText(const std::string& text, const std::vector<Override>& overrides = {}) {
+inline Scene loadedText(const std::string& text, const std::vector<Override>& overrides = {}) {
     std::vector<Problem> problems;
     auto scene = loadText(text, "text.json", overrides, problems);
     INFO(say(problems));
@@ -47,8 +47,8 @@ inline Scene goodText(const std::string& text, const std::vector<Override>& over
     return *scene;
 }
 
-/// Loads and insists on failure; the errors.
-inline std::vector<Problem> bad(const std::string& text, const std::vector<Override>& overrides = {}) {
+/// Loads; fails the test unless it fails. The errors.
+inline std::vector<Problem> refused(const std::string& text, const std::vector<Override>& overrides = {}) {
     std::vector<Problem> problems;
     const auto scene = loadText(text, "text.json", overrides, problems);
     INFO(text);
@@ -63,13 +63,6 @@ inline std::vector<Problem> bad(const std::string& text, const std::vector<Overr
 
 inline bool contains(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
-}
-
-/// A number spelled so that it reads back the same.
-inline std::string digits(double v) {
-    char buffer[40];
-    std::snprintf(buffer, sizeof buffer, "%.17g", v);
-    return buffer;
 }
 
 /// Point and tangent angle of an undeformed shell of uniform curvature at arc length s from its middle.

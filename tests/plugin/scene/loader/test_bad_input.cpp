@@ -1,4 +1,4 @@
-// Everything that can be wrong with a file gets a message that names the place and helps to mend it.
+// Every error in a file gets a message with its position and a hint how to correct it.
 
 #include "tests/plugin/scene/loader/support.h"
 #include "tests/support/text.h"
@@ -12,7 +12,7 @@ namespace {
 
 /// The only error of a text.
 Problem only(const std::string& text, const std::vector<Override>& overrides = {}) {
-    const auto errors = bad(text, overrides);
+    const auto errors = refused(text, overrides);
     INFO(say(errors));
     REQUIRE(errors.size() == 1);
     return errors.front();
@@ -96,7 +96,7 @@ TEST_CASE("broken UTF-8, zero bytes and a cut-off text are refused") {
     // What is printed stays printable: the broken bytes are not repeated.
     CHECK_FALSE(contains(only("{\"name\": \"\xFF\"}").toString(), "\xFF"));
     // A byte order mark is harmless.
-    goodText("\xEF\xBB\xBF{\"duration\": 1}");
+    loadedText("\xEF\xBB\xBF{\"duration\": 1}");
 }
 
 TEST_CASE("nesting beyond the limit is a message, not a crash") {
@@ -105,12 +105,12 @@ TEST_CASE("nesting beyond the limit is a message, not a crash") {
         CHECK(contains(only("{\"x\": " + std::string(n, '[') + std::string(n, ']') + "}").what, "nested too deeply"));
         CHECK(contains(only(std::string(n, '[')).what, "nested too deeply"));
     }
-    std::string moves;
+    std::string segments;
     for (int i = 0; i < 1000; ++i)
-        moves += "{\"repeat\": 2, \"moves\": [";
-    CHECK(contains(only("{\"protocol\": {\"moves\": [" + moves).what, "nested too deeply"));
-    CHECK_FALSE(bad("{\"constants\": {\"a\": {\"expr\": \"" + std::string(100000, '(') + "\"}}}").empty());
-    CHECK_FALSE(bad("{\"constants\": {\"a\": {\"expr\": \"" + std::string(1999, '(') + "\"}}}").empty());
+        segments += "{\"repeat\": 2, \"segments\": [";
+    CHECK(contains(only("{\"protocol\": {\"segments\": [" + segments).what, "nested too deeply"));
+    CHECK_FALSE(refused("{\"constants\": {\"a\": {\"expr\": \"" + std::string(100000, '(') + "\"}}}").empty());
+    CHECK_FALSE(refused("{\"constants\": {\"a\": {\"expr\": \"" + std::string(1999, '(') + "\"}}}").empty());
 }
 
 TEST_CASE("duplicate keys are refused, with the place of the second") {
@@ -137,12 +137,13 @@ TEST_CASE("an unknown key is reported with the nearest known one") {
     CHECK(only("{\"a/b~c\": 1}").pointer == "/a~1b~0c");
     CHECK(only("{\"parameters\": {\"a\": {\"value\": 1, \"mim\": 0}}}").nearest == "min");
     CHECK(only("{\"body\": [{\"fixture\": [{\"circle\": {\"radius\": 1}, \"frictoin\": 1}]}]}").nearest == "friction");
-    CHECK(only("{\"protocol\": {\"moves\": [{\"hold\": 1, \"untill\": {}}]}}").pointer == "/protocol/moves/0/untill");
+    CHECK(only("{\"protocol\": {\"segments\": [{\"hold\": 1, \"stop_wen\": {}}]}}").pointer ==
+          "/protocol/segments/0/stop_wen");
 }
 
 TEST_CASE("every problem of a file is reported, not only the first") {
-    const auto errors = bad("{\"duration\": -1, \"shell\": [{\"mu\": -1, \"width\": \"wide\"}, 3], \"foo\": 1,"
-                            " \"report\": {\"kind\": \"stak\"}, \"numerics\": {\"dt_max\": 0}}");
+    const auto errors = refused("{\"duration\": -1, \"shell\": [{\"mu\": -1, \"width\": \"wide\"}, 3], \"foo\": 1,"
+                                " \"report\": {\"kind\": \"stak\"}, \"numerics\": {\"dt_max\": 0}}");
     INFO(say(errors));
     CHECK(errors.size() == 7);
 }
@@ -199,7 +200,7 @@ TEST_CASE("impossible shells are refused") {
     CHECK(contains(only("{\"shell\": [{\"radius\": \"infinite\"}]}").what, "without \"length\""));
 }
 
-TEST_CASE("names must be known and their own") {
+TEST_CASE("names must be known and unique") {
     const std::string shells = "{\"shell\": [{\"name\": \"upper\"}], \"duration\": 1, ";
     const Problem p = only(shells + "\"hold\": [{\"shell\": \"uper\"}]}");
     CHECK(p.pointer == "/hold/0/shell");
@@ -210,43 +211,44 @@ TEST_CASE("names must be known and their own") {
           "/hold/0/arc_fraction");
     CHECK(contains(only("{\"shell\": [{\"name\": \"a\"}, {\"name\": \"a\"}]}").what, "already a shell named \"a\""));
     const std::string plate = "{\"body\": [{\"name\": \"plate\", \"type\": 1}, {\"name\": \"rock\"}], ";
-    const std::string moves = "\"moves\": [{\"travel\": 1, \"until\": {\"time\": 1}}]}}";
-    CHECK(only(plate + "\"protocol\": {\"body\": \"plat\", " + moves).nearest == "plate");
-    CHECK(contains(only(plate + "\"protocol\": {\"body\": \"rock\", " + moves).what, "not kinematic"));
-    CHECK(contains(only("{\"protocol\": {" + moves).what, "carries nothing"));
+    const std::string segments = "\"segments\": [{\"speed_m_s\": 1, \"stop_when\": {\"time\": 1}}]}}";
+    CHECK(only(plate + "\"protocol\": {\"body\": \"plat\", " + segments).nearest == "plate");
+    CHECK(contains(only(plate + "\"protocol\": {\"body\": \"rock\", " + segments).what, "not kinematic"));
+    CHECK(contains(only("{\"protocol\": {" + segments).what, "nothing is attached"));
 }
 
 TEST_CASE("impossible protocols are refused") {
-    const auto protocol = [](const std::string& moves) {
-        return "{\"body\": [{\"name\": \"p\", \"type\": 1}], \"protocol\": {\"body\": \"p\", \"moves\": [" + moves +
-               "]}}";
+    const auto protocol = [](const std::string& segments) {
+        return "{\"body\": [{\"name\": \"p\", \"type\": 1}], \"protocol\": {\"body\": \"p\", \"segments\": [" +
+               segments + "]}}";
     };
-    CHECK(contains(only(protocol("{}")).what, "not a move"));
-    CHECK(contains(only(protocol("{\"travel\": 1, \"hold\": 2}")).what, "several moves"));
-    CHECK(contains(only(protocol("{\"travel\": 1}")).what, "\"until\" is missing"));
-    CHECK(contains(only(protocol("{\"travel\": 1, \"until\": {}}")).what, "never end"));
-    CHECK(contains(only(protocol("{\"travel\": 0, \"until\": {\"time\": 1}}")).what, "does not move"));
-    CHECK(only(protocol("{\"travel\": 1, \"until\": {\"time\": 0}}")).pointer == "/protocol/moves/0/until/time");
-    CHECK(only(protocol("{\"hold\": -1}")).pointer == "/protocol/moves/0/hold");
-    CHECK(only(protocol("{\"repeat\": -1, \"moves\": []}")).pointer == "/protocol/moves/0/repeat");
-    CHECK(only(protocol("{\"repeat\": 1.5, \"moves\": []}")).pointer == "/protocol/moves/0/repeat");
-    CHECK(contains(only(protocol("{\"repeat\": 2}")).what, "\"moves\" is missing"));
-    CHECK(only(protocol("{\"repeat\": 3, \"moves\": [{\"hold\": -1}]}")).pointer == "/protocol/moves/0/moves/0/hold");
-    CHECK(contains(only(protocol("{\"repeat\": 2, \"cycle\": true, \"moves\": [{\"repeat\": 1, \"cycle\": true, "
-                                 "\"moves\": []}]}"))
+    CHECK(contains(only(protocol("{}")).what, "a segment of no kind"));
+    CHECK(contains(only(protocol("{\"speed_m_s\": 1, \"hold\": 2}")).what, "several kinds"));
+    CHECK(contains(only(protocol("{\"speed_m_s\": 1}")).what, "\"stop_when\" is missing"));
+    CHECK(contains(only(protocol("{\"speed_m_s\": 1, \"stop_when\": {}}")).what, "never end"));
+    CHECK(contains(only(protocol("{\"speed_m_s\": 0, \"stop_when\": {\"time\": 1}}")).what, "does not move"));
+    CHECK(only(protocol("{\"speed_m_s\": 1, \"stop_when\": {\"time\": 0}}")).pointer ==
+          "/protocol/segments/0/stop_when/time");
+    CHECK(only(protocol("{\"hold\": -1}")).pointer == "/protocol/segments/0/hold");
+    CHECK(only(protocol("{\"repeat\": -1, \"segments\": []}")).pointer == "/protocol/segments/0/repeat");
+    CHECK(only(protocol("{\"repeat\": 1.5, \"segments\": []}")).pointer == "/protocol/segments/0/repeat");
+    CHECK(contains(only(protocol("{\"repeat\": 2}")).what, "\"segments\" is missing"));
+    CHECK(only(protocol("{\"repeat\": 3, \"segments\": [{\"hold\": -1}]}")).pointer ==
+          "/protocol/segments/0/segments/0/hold");
+    CHECK(contains(only(protocol("{\"repeat\": 2, \"cycle\": true, \"segments\": [{\"repeat\": 1, \"cycle\": true, "
+                                 "\"segments\": []}]}"))
                        .what,
                    "cycles inside a cycle"));
-    // Nested repeats multiply; the product is bounded although each factor is small. Empty ones cost no memory, but
-    // time.
+    // Nested repeats multiply: their product is bounded. Empty ones need no memory, but time.
     std::string nested = "{\"hold\": 1}";
     for (int i = 0; i < 8; ++i)
-        nested = "{\"repeat\": 1000, \"moves\": [" + nested + "]}";
-    CHECK(contains(only(protocol(nested)).what, "too many moves"));
-    std::string hollow;
+        nested = "{\"repeat\": 1000, \"segments\": [" + nested + "]}";
+    CHECK(contains(only(protocol(nested)).what, "too many segments"));
+    std::string empty;
     for (int i = 0; i < 8; ++i)
-        hollow = "{\"repeat\": 100000, \"moves\": [" + hollow + "]}";
-    goodText(protocol(hollow));
-    CHECK(only("{\"protocol\": {\"direction\": 0, \"moves\": []}}").pointer == "/protocol/direction");
+        empty = "{\"repeat\": 100000, \"segments\": [" + empty + "]}";
+    loadedText(protocol(empty));
+    CHECK(only("{\"protocol\": {\"direction\": 0, \"segments\": []}}").pointer == "/protocol/direction");
 }
 
 TEST_CASE("impossible bodies are refused before Box2D aborts on them") {
@@ -301,7 +303,7 @@ TEST_CASE("other blocks are checked") {
     CHECK(only("{\"shell\": {}}").expected == "an array");
 }
 
-TEST_CASE("no cut and no flipped byte of a good file crashes the loader") {
+TEST_CASE("no cut and no flipped byte of a valid file crashes the loader") {
     std::vector<Problem> problems;
     const std::string text = test::contentOf(scenePath("squeeze"));
     REQUIRE(text.size() > 1000);
@@ -312,7 +314,7 @@ TEST_CASE("no cut and no flipped byte of a good file crashes the loader") {
         REQUIRE_FALSE(problems.empty());
         CHECK(problems.front().line > 0);
     }
-    std::uint32_t random = 12345; // a fixed linear congruence: the same damage on every machine
+    std::uint32_t random = 12345; // a linear congruential generator: the same damage on every system
     const auto next = [&] { return random = random * 1664525u + 1013904223u, random >> 8; };
     for (int i = 0; i < 3000; ++i) {
         std::string damaged = text;
@@ -324,8 +326,8 @@ TEST_CASE("no cut and no flipped byte of a good file crashes the loader") {
     }
 }
 
-TEST_CASE("a level's mistakes are answered where they stand") {
-    const auto errors = bad(R"({
+TEST_CASE("errors in a level are reported at their positions") {
+    const auto errors = refused(R"({
   "body": [{"name": "craft", "type": 2}, {"name": "pad", "type": 0}],
   "game": {"kind": "lander", "actor": "kraft", "service": "craft", "limt": 3, "part": [{"name": "leg", "colour": "red"}],
     "goal": {"lower": {"x": 1, "y": 0}, "upper": {"x": 0, "y": 1}}}})");
@@ -337,6 +339,6 @@ TEST_CASE("a level's mistakes are answered where they stand") {
     CHECK(contains(all, "/game/service: the body \"craft\" is of another type; expected \"type\": 0"));
     CHECK(contains(all, "unknown key \"limt\""));
     CHECK(contains(all, "did you mean \"limit\"?"));
-    CHECK(contains(all, "/game/part/0/colour: this is no colour"));
+    CHECK(contains(all, "/game/part/0/colour: this is not a colour"));
     CHECK(contains(all, "4:13: /game/goal: the area is empty"));
 }

@@ -1,4 +1,4 @@
-// What the parts of a scene file mean.
+// The meaning of the parts of a scene file.
 
 #include "tests/plugin/scene/loader/support.h"
 
@@ -12,7 +12,7 @@ TEST_CASE("a R.U.B.E. export loads unchanged") {
     const auto scene = load(std::string(SC_SOURCE_DIR) + "/tests/plugin/scene/loader/rube_sample.json", {}, problems);
     INFO(say(problems));
     REQUIRE(scene);
-    // Eleven keys without meaning here, and nothing to simulate.
+    // Eleven keys without effect, and no duration.
     CHECK(problems.size() == 12);
     CHECK(scene->name == "rube_sample");
     const auto& world = scene->rigid;
@@ -30,13 +30,13 @@ TEST_CASE("a R.U.B.E. export loads unchanged") {
 }
 
 TEST_CASE("b2dJson's hex floats are the bits of a float") {
-    const Scene s = goodText(R"({"body": [{"angle": "3FC90FDB", "position": {"x": "41200000", "y": "BF000000"}}]})");
+    const Scene s = loadedText(R"({"body": [{"angle": "3FC90FDB", "position": {"x": "41200000", "y": "BF000000"}}]})");
     CHECK(s.rigid.bodies[0].angle == static_cast<double>(1.57079637f));
     CHECK(s.rigid.bodies[0].position == rod::Vec2(10, -0.5));
 }
 
 TEST_CASE("bodies, fixtures and joints of an export keep their values") {
-    const Scene s = good(std::string(SC_SOURCE_DIR) + "/tests/plugin/scene/loader/rube_sample.json");
+    const Scene s = loaded(std::string(SC_SOURCE_DIR) + "/tests/plugin/scene/loader/rube_sample.json");
     const auto& box = s.rigid.bodies[1];
     CHECK(box.type == BodyType::Dynamic);
     CHECK(box.bullet);
@@ -71,7 +71,7 @@ TEST_CASE("bodies, fixtures and joints of an export keep their values") {
 
 TEST_CASE("polygons come out counter-clockwise") {
     const Scene s =
-        goodText(R"({"body": [{"fixture": [{"polygon": {"vertices": {"x": [0,0,1,1], "y": [0,1,1,0]}}}]}]})");
+        loadedText(R"({"body": [{"fixture": [{"polygon": {"vertices": {"x": [0,0,1,1], "y": [0,1,1,0]}}}]}]})");
     const auto& v = s.rigid.bodies[0].fixtures[0].vertices;
     double area = 0.0;
     for (std::size_t i = 0; i < v.size(); ++i)
@@ -84,32 +84,32 @@ TEST_CASE("corners that are straight to seven digits are left out of a polygon")
         const std::string text =
             std::string(R"({"body": [{"fixture": [{"polygon": {"vertices": {"x": [0,1,2,2,0], "y": [0,)") + y +
             ",0,1,1]}}}]}]}";
-        CHECK(goodText(text).rigid.bodies[0].fixtures[0].vertices.size() == 4);
+        CHECK(loadedText(text).rigid.bodies[0].fixtures[0].vertices.size() == 4);
     }
 }
 
 TEST_CASE("small shapes are accepted when lengthScale makes them large enough for Box2D") {
     const std::string square = R"("body": [{"fixture": [{"polygon": {"vertices":
         {"x": [0, 0.001, 0.001, 0], "y": [0, 0, 0.001, 0.001]}}}]}]})";
-    goodText("{\"lengthScale\": 52.1, " + square);
-    CHECK(contains(bad("{" + square)[0].expected, "lengthScale"));
+    loadedText("{\"lengthScale\": 52.1, " + square);
+    CHECK(contains(refused("{" + square)[0].expected, "lengthScale"));
 }
 
 TEST_CASE("absent values are the definitions' own defaults") {
-    const Scene s = goodText(R"({"shell": [{}], "duration": 1})");
+    const Scene s = loadedText(R"({"shell": [{}], "duration": 1})");
     const ShellDef d;
     CHECK(s.shells[0].radius == d.radius);
     CHECK(s.shells[0].young_modulus == d.young_modulus);
     CHECK(s.shells[0].elements == d.elements);
     CHECK(s.shells[0].tip_refinement == 1.0);
-    CHECK(goodText(R"({"shell": [{"tip_refinement": 3}], "duration": 1})").shells[0].tip_refinement == 3.0);
+    CHECK(loadedText(R"({"shell": [{"tip_refinement": 3}], "duration": 1})").shells[0].tip_refinement == 3.0);
     CHECK(s.numerics.dt_max == Numerics{}.dt_max);
     CHECK(s.rigid.gravity == step::RigidWorldDefinition{}.gravity);
     CHECK(s.name == "text");
 }
 
 TEST_CASE("shells: straight strips, one curvature for all, rings") {
-    const Scene s = goodText(R"({"shell": [
+    const Scene s = loadedText(R"({"shell": [
         {"radius": "infinite", "length": 0.1, "position": 0},
         {"radius": "infinite", "length": 0.1, "elements": 4, "natural_curvature": 3, "curvature": [1, 2, 3, 4]},
         {"closed": true, "elements": 30}], "duration": 1})");
@@ -119,40 +119,40 @@ TEST_CASE("shells: straight strips, one curvature for all, rings") {
     CHECK(s.shells[2].phi_bar == 1.0);
 }
 
-TEST_CASE("moves are unrolled and cycles numbered") {
-    const Scene s = goodText(R"({
+TEST_CASE("segments are unrolled and cycles numbered") {
+    const Scene s = loadedText(R"({
       "parameters": {"n": {"value": 3, "integer": true}},
       "body": [{"name": "p", "type": 1}],
-      "protocol": {"body": "p", "direction": {"x": 3, "y": -4}, "moves": [
+      "protocol": {"body": "p", "direction": {"x": 3, "y": -4}, "segments": [
         {"settle": 2},
-        {"repeat": {"param": "n"}, "cycle": true, "moves": [
-          {"travel": 0.5, "until": {"force": 5, "time": 9}},
-          {"repeat": 2, "moves": [{"hold": 1}]},
-          {"travel": -0.5, "until": {"displacement": 0}}]},
-        {"travel": 1, "loading": false, "until": {"time": 1}}]}})");
+        {"repeat": {"param": "n"}, "cycle": true, "segments": [
+          {"speed_m_s": 0.5, "stop_when": {"force": 5, "time": 9}},
+          {"repeat": 2, "segments": [{"hold": 1}]},
+          {"speed_m_s": -0.5, "stop_when": {"displacement": 0}}]},
+        {"speed_m_s": 1, "loading": false, "stop_when": {"time": 1}}]}})");
     const Protocol& p = *s.protocol;
     CHECK(p.direction.x == Approx(0.6).epsilon(1e-15));
     CHECK(p.direction.y == Approx(-0.8).epsilon(1e-15));
-    REQUIRE(p.moves.size() == 1 + 3 * 4 + 1);
-    CHECK(p.moves[0].kind == Move::Kind::Settle);
-    CHECK(p.moves[0].cycle == 0);
+    REQUIRE(p.segments.size() == 1 + 3 * 4 + 1);
+    CHECK(p.segments[0].kind == ProtocolSegment::Kind::Settle);
+    CHECK(p.segments[0].cycle == 0);
     for (int n = 0; n < 3; ++n) {
-        const Move* m = &p.moves[static_cast<std::size_t>(1 + 4 * n)];
+        const ProtocolSegment* m = &p.segments[static_cast<std::size_t>(1 + 4 * n)];
         CHECK(m[0].cycle == n + 1);
         CHECK(m[3].cycle == n + 1);
         CHECK(m[0].loading);
-        CHECK(m[0].until.force == 5.0);
-        CHECK(std::isnan(m[0].until.displacement));
-        CHECK(m[1].kind == Move::Kind::Hold);
-        CHECK(m[2].until.time == 1.0);
+        CHECK(m[0].stop_when.force == 5.0);
+        CHECK(std::isnan(m[0].stop_when.displacement));
+        CHECK(m[1].kind == ProtocolSegment::Kind::Hold);
+        CHECK(m[2].stop_when.time == 1.0);
         CHECK_FALSE(m[3].loading);
-        CHECK(m[3].until.displacement == 0.0);
+        CHECK(m[3].stop_when.displacement == 0.0);
     }
-    CHECK_FALSE(p.moves.back().loading);
-    CHECK(p.moves.back().cycle == 0);
+    CHECK_FALSE(p.segments.back().loading);
+    CHECK(p.segments.back().cycle == 0);
 }
 
-TEST_CASE("the nearest name is the one a slip of the pen away") {
+TEST_CASE("the nearest name is the one with the least typing errors") {
     CHECK(nearestName("frcition", {"friction", "fiction", "fraction"}) == "friction");
     CHECK(nearestName("MU", {"nu", "mu"}) == "mu");
     CHECK(nearestName("speed", {"angle", "mu"}).empty());

@@ -1,4 +1,4 @@
-// Shells in somebody's Box2D world, as a game uses them.
+// Shells in a Box2D world, as in a game.
 
 #include "supercircle/step/world.h"
 #include "tests/support/allocations.h"
@@ -45,7 +45,7 @@ struct Game {
     }
     /// A shell of radius 1 m whose circle has its centre at (x, y).
     ShellHandle shell(double x, double y, double angle) {
-        ShellDef d = scaledShell(1.0, 2.0, 0.6);
+        ShellDef d = scaled_shell(1.0, 2.0, 0.6);
         d.position = {x + std::sin(angle), y - std::cos(angle)};
         d.angle = angle;
         const auto made = shells.create(d);
@@ -62,7 +62,7 @@ struct Game {
 
 } // namespace
 
-TEST_CASE("a game with crates, joints and held shells asks for no memory once it rests", "[player][game]") {
+TEST_CASE("a game with crates, joints and holds allocates no memory once it rests", "[player][game]") {
     if (!test::countsAllocations())
         return;
     Game g;
@@ -74,8 +74,8 @@ TEST_CASE("a game with crates, joints and held shells asks for no memory once it
     b2RevoluteJointDef joint;
     joint.Initialize(a, b, {-4.8F, 0.4F});
     g.world.CreateJoint(&joint);
-    REQUIRE(g.shells.clamp(g.shell(-4.5, 18.0, M_PI), 0.5));
-    REQUIRE(g.shells.pin(g.shell(4.5, 18.0, 0.0), 0.0));
+    REQUIRE(g.shells.create_clamp(g.shell(-4.5, 18.0, M_PI), 0.5));
+    REQUIRE(g.shells.create_pin(g.shell(4.5, 18.0, 0.0), 0.0));
 
     std::vector<std::uint64_t> resting;
     std::uint64_t settling = 0;
@@ -94,8 +94,8 @@ TEST_CASE("a game with crates, joints and held shells asks for no memory once it
             settling += taken;
     }
     CHECK(g.shells.world().impulses.size() >= 12);
-    // A contact that Box2D opens and closes again changes the order of the rows, and rows whose number of unknowns
-    // changes are made anew: a dozen pieces, in some frames. All others take none.
+    // A contact that Box2D opens and closes again changes the order of the rows. Rows whose number of unknowns changes
+    // are allocated anew: a dozen allocations in some frames. All other frames allocate nothing.
     std::sort(resting.begin(), resting.end());
     CHECK(resting[resting.size() / 2] == 0);
     CHECK(resting.back() <= 100); // an upper bound, not physics
@@ -103,7 +103,7 @@ TEST_CASE("a game with crates, joints and held shells asks for no memory once it
     CHECK(settling < 700 * 60); // likewise
 }
 
-TEST_CASE("a body made inside a shell takes that shell out of the motion and no other", "[player][game]") {
+TEST_CASE("a body created inside a shell quarantines that shell and no other", "[player][game]") {
     Game g;
     const ShellHandle hit = g.shell(-3.0, 1.1, M_PI), other = g.shell(3.0, 1.1, M_PI);
     for (int i = 0; i < 60; ++i)
@@ -121,13 +121,13 @@ TEST_CASE("a body made inside a shell takes that shell out of the motion and no 
         told += g.shells.events().quarantined.size();
     }
     CHECK(g.shells.time() == Approx(120 * kFrame));
-    CHECK_FALSE(g.shells.measure(other)->quarantined);
-    if (g.shells.measure(hit)->quarantined) { // or it was pressed out of the way, which is as good
+    CHECK_FALSE(g.shells.state(other)->quarantined);
+    if (g.shells.state(hit)->quarantined) { // or it was pressed aside, which is correct too
         CHECK(told == 1);
         const ShellPose after = *g.shells.pose(hit);
         CHECK(std::hypot(after.start.x - before.start.x, after.start.y - before.start.y) < 0.1);
         REQUIRE(g.shells.teleport(hit, {0.0, 6.0}, M_PI));
-        CHECK_FALSE(g.shells.measure(hit)->quarantined);
+        CHECK_FALSE(g.shells.state(hit)->quarantined);
         const double high = g.shells.pose(hit)->start.y;
         for (int i = 0; i < 30; ++i)
             REQUIRE(g.frame().failure.empty());

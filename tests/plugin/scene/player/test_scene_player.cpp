@@ -1,4 +1,4 @@
-// Scenes inside somebody else's loop: the same numbers as in the laboratory, and a host that keeps its manners.
+// Scenes in the caller's loop: the same numbers as in the laboratory, and the host's own bodies stay.
 
 #include "bridge/box2d/box2d_port.h"
 #include "plugin/api/include/supercircle/scene.hpp"
@@ -17,10 +17,10 @@ namespace {
 
 const std::string kScenes = std::string(SC_SOURCE_DIR) + "/scenes/";
 
-struct Stage {
+struct PlayedWorld {
     b2World world{b2Vec2(0.0F, -1.0F)};
     Shells shells{bridge::attach(world, {52.1})};
-    double strongest = 0.0, farthest = 0.0; ///< N, m
+    double largestForce = 0.0, largestTravel = 0.0; ///< N, m
 
     void play(ScenePlayer scene, int frames) {
         for (int i = 0; i < frames && !scene.finished(); ++i) {
@@ -29,16 +29,16 @@ struct Stage {
             if (r.advanced > 0.0)
                 world.Step(static_cast<float>(r.advanced), 8, 3);
             scene.post_step();
-            strongest = std::max(strongest, scene.force());
-            farthest = std::max(farthest, scene.travel());
+            largestForce = std::max(largestForce, scene.force());
+            largestTravel = std::max(largestTravel, scene.travel());
         }
     }
 };
 
 } // namespace
 
-TEST_CASE("a machine's scene plays to the end of its moves", "[player]") {
-    Stage s;
+TEST_CASE("a scene with a protocol plays to the end of its segments", "[player]") {
+    PlayedWorld s;
     const auto scene = load_scene(kScenes + "shell_on_cylinder.json", s.shells, {{{"speed", 0.02}, {"mu", 0.2}}, 1});
     REQUIRE(scene);
     CHECK(s.world.GetGravity() == b2Vec2(0.0F, 0.0F)); // the scene's
@@ -49,14 +49,14 @@ TEST_CASE("a machine's scene plays to the end of its moves", "[player]") {
     s.play(*scene, 400);
     CHECK(scene->finished());
     CHECK(scene->phase() == "done");
-    CHECK(std::abs(scene->travel()) < 1e-9); // there and back, frames cut where the moves end
+    CHECK(std::abs(scene->travel()) < 1e-9); // there and back, frames cut where the segments end
     // Solved reference T2 at Phi_bar 0.75, mu 0.2: 0.0825 B/R^2, 1 % for thickness and 15 arcs, sampled once a frame.
-    const double B = bendingModulus(ShellDef{}), R = ShellDef{}.radius;
-    CHECK(s.strongest * R * R / B == Approx(0.0825).epsilon(0.015));
+    const double B = bending_modulus(ShellDef{}), R = ShellDef{}.radius;
+    CHECK(s.largestForce * R * R / B == Approx(0.0825).epsilon(0.015));
 }
 
-TEST_CASE("shells of a scene are dropped in turn, then the machine comes", "[player]") {
-    Stage s;
+TEST_CASE("shells of a scene are dropped in turn, then the protocol starts", "[player]") {
+    PlayedWorld s;
     const auto scene =
         load_scene(kScenes + "stack30.json", s.shells, {{{"shells", 3}, {"max_force", 0.2}, {"plate_speed", 0.05}}, 5});
     REQUIRE(scene);
@@ -67,16 +67,16 @@ TEST_CASE("shells of a scene are dropped in turn, then the machine comes", "[pla
     s.play(*scene, 2000);
     CHECK(scene->finished());
     CHECK(scene->shells().size() == 3);
-    CHECK(s.strongest >= 0.2); // the force that turns the plate back
-    CHECK(s.strongest < 0.5);
-    CHECK(s.farthest > 0.0);
-    CHECK(s.farthest < 6.0 * 0.0192); // the plate came down to the three shells before the travel began to count
+    CHECK(s.largestForce >= 0.2); // the force that turns the plate back
+    CHECK(s.largestForce < 0.5);
+    CHECK(s.largestTravel > 0.0);
+    CHECK(s.largestTravel < 6.0 * 0.0192); // travel counts from the first contact
     CHECK(std::abs(scene->travel()) < 1e-9);
     CHECK(s.shells.world().counters.crossings == 0);
 }
 
 TEST_CASE("a scene that cannot be loaded leaves nothing behind", "[player]") {
-    Stage s;
+    PlayedWorld s;
     const auto missing = load_scene(kScenes + "no_such.json", s.shells);
     CHECK_FALSE(missing);
     CHECK_THAT(missing.error(), Contains("no_such.json"));
@@ -91,15 +91,15 @@ TEST_CASE("a scene that cannot be loaded leaves nothing behind", "[player]") {
     CHECK_THAT(nowhere.error(), Contains("no host world"));
     CHECK(alone.size() == 0);
 
-    Shells deaf(std::make_shared<test::FakeHost>());
-    const auto refused = load_scene(kScenes + "ramp.json", deaf);
+    Shells unable(std::make_shared<test::FakeHost>());
+    const auto refused = load_scene(kScenes + "ramp.json", unable);
     CHECK_FALSE(refused);
     CHECK_THAT(refused.error(), Contains("cannot be given bodies"));
-    CHECK(deaf.size() == 0);
+    CHECK(unable.size() == 0);
 }
 
-TEST_CASE("a scene joins bodies that are there already", "[player]") {
-    Stage s;
+TEST_CASE("a scene is added to the bodies of the world", "[player]") {
+    PlayedWorld s;
     b2BodyDef mine;
     mine.type = b2_dynamicBody;
     mine.position.Set(0.0F, 1000.0F);
@@ -113,5 +113,5 @@ TEST_CASE("a scene joins bodies that are there already", "[player]") {
     s.play(*scene, 30);
     CHECK(scene->finished());
     CHECK(s.shells.time() == Approx(0.1).epsilon(1e-9));
-    CHECK(body->GetPosition().y < 1000.0F); // it fell meanwhile: the loop is the caller's
+    CHECK(body->GetPosition().y < 1000.0F); // it fell meanwhile
 }

@@ -1,0 +1,324 @@
+#include "plugin/identification/diagnosis/model/candidate_effects.h"
+
+#include "plugin/identification/diagnosis/model/learned_laws.h"
+#include "plugin/identification/replay/free_scales.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::diagnosis {
+
+using experiment::Experiment;
+
+ExperimentScales scalesOf(const Experiment& e) {
+    ExperimentScales s;
+    double force = 0.0, speed = 0.0, travel = 0.0, duration = 0.0;
+    for (const experiment::Run& run : e.runs) {
+        for (const double f : run.readings.force)
+            force = std::isfinite(f) ? std::max(force, std::abs(f)) : force;
+        for (std::size_t i = 1; i < run.driveTime.size(); ++i) {
+            travel = std::max(travel, std::abs(run.driveDisplacement[i]));
+            speed = std::max(speed, std::abs(run.driveDisplacement[i] - run.driveDisplacement[i - 1]) /
+                                        (run.driveTime[i] - run.driveTime[i - 1]));
+        }
+        if (!run.driveTime.empty())
+            duration = std::max(duration, run.driveTime.back() - run.driveTime.front());
+    }
+    s.force = force > 0.0 ? force : s.force;
+    s.travel = travel > 0.0 ? travel : s.travel;
+    s.speed = speed > 0.0 ? speed : s.speed;
+    s.duration = duration > 0.0 ? duration : s.duration;
+    if (e.specimens.empty())
+        return s;
+    const experiment::Specimen& first = e.specimens.front();
+    s.length = first.length;
+    s.modulus = first.bendingModulus.value;
+    const double curvature = std::abs(first.naturalCurvature.value);
+    s.radius = curvature * s.length > 0.3 ? 1.0 / curvature : s.length / 3.14159265358979;
+    return s;
+}
+
+namespace {
+
+/// Drift and gain act on readings, not on the specimen.
+ReadingEffect readingOf(const std::string& label) {
+    return label == "sensor_drift"  ? ReadingEffect::Drift
+           : label == "sensor_gain" ? ReadingEffect::Gain
+                                    : ReadingEffect::None;
+}
+
+/// Builds candidates. Physical values are given and converted to internal ones here.
+class CandidateBuilder {
+public:
+    CandidateBuilder(CandidateEffects& candidateEffects, const std::vector<std::string>& without)
+        : candidateEffects_(candidateEffects), without_(without) {}
+
+    /// Begins a candidate; all following calls refer to it.
+    CandidateBuilder& variant(const std::string& label, const std::string& words = {},
+                              const std::string& shell = "all") {
+        finish();
+        effect_ = effects::find(label);
+        if (effect_ == nullptr || std::find(without_.begin(), without_.end(), label) != without_.end()) {
+            effect_ = nullptr;
+            return *this;
+        }
+        candidate_ = {};
+        candidate_.label = label;
+        candidate_.slot = effects::name(effect_->slot);
+        candidate_.variant = words + (shell == "all" ? "" : (words.empty() ? "" : ", ") + ("specimen " + shell));
+        candidate_.law = effect_->law;
+        mapping_ = {effects::off(*effect_), {}, readingOf(label)};
+        mapping_.base.shell = shell;
+        return *this;
+    }
+    /// Fixes a parameter of the effect.
+    CandidateBuilder& with(const std::string& name, double value) {
+        if (effect_ != nullptr)
+            mapping_.base.values[find(name)] = value;
+        return *this;
+    }
+    CandidateBuilder& amplitude(const std::string& name, double lower, double upper, double step,
+                                Scale scale = Scale::Linear) {
+        // A reciprocal amplitude has its largest internal value at its smallest physical one.
+        if (effect_ == nullptr)
+            return *this;
+        const bool reciprocal = scale != Scale::Linear;
+        add(name, reciprocal ? 0.0 : effect_->parameters[find(name)].off, reciprocal ? 0.0 : lower,
+            reciprocal ? toInternal(scale, lower) : upper, toInternal(scale, step), scale);
+        candidate_.parameters.back().amplitude = true;
+        return *this;
+    }
+    /// A time, length or speed on a logarithmic scale; one step is a factor of two.
+    CandidateBuilder& extent(const std::string& name, double lower, double upper) {
+        if (effect_ != nullptr)
+            add(name, std::log(std::sqrt(lower * upper)), std::log(lower), std::log(upper), std::log(2.0),
+                Scale::Logarithm);
+        return *this;
+    }
+    CandidateBuilder& share(const std::string& name, double lower, double upper, double step) {
+        if (effect_ != nullptr)
+            add(name, 0.5, lower, upper, step, Scale::Linear, true);
+        return *this;
+    }
+    /// A derived quantity; both parameters must be added before.
+    CandidateBuilder& derived(const std::string& name, const std::string& unit, double factor,
+                              const std::string& amplitude, const std::string& extent) {
+        if (effect_ == nullptr)
+            return *this;
+        DerivedQuantity p{name, unit, factor, 0, 0};
+        for (std::size_t i = 0; i < candidate_.parameters.size(); ++i) {
+            p.amplitude = candidate_.parameters[i].name == amplitude ? i : p.amplitude;
+            p.extent = candidate_.parameters[i].name == extent ? i : p.extent;
+        }
+        candidate_.derived.push_back(p);
+        return *this;
+    }
+    CandidateBuilder& probe(const std::vector<double>& values) {
+        if (effect_ == nullptr)
+            return *this;
+        std::vector<double> in;
+        for (std::size_t i = 0; i < values.size() && i < candidate_.parameters.size(); ++i) {
+            const Scalar& s = candidate_.parameters[i];
+            in.push_back(std::clamp(toInternal(s.scale, values[i]), s.lower, s.upper));
+        }
+        candidate_.probes.push_back(in);
+        return *this;
+    }
+    void finish() {
+        if (effect_ != nullptr && !candidate_.probes.empty()) {
+            candidateEffects_.candidates.push_back(candidate_);
+            candidateEffects_.mappings.push_back(mapping_);
+        }
+        effect_ = nullptr;
+    }
+
+private:
+    std::size_t find(const std::string& name) const {
+        std::size_t i = 0;
+        while (i + 1 < effect_->parameters.size() && effect_->parameters[i].name != name)
+            ++i;
+        return i;
+    }
+    void add(const std::string& name, double value, double lower, double upper, double step, Scale scale,
+             bool position = false) {
+        const std::size_t at = find(name);
+        const effects::Parameter& p = effect_->parameters[at];
+        candidate_.parameters.push_back({name, p.unit, p.about, value, lower, upper, step, scale, false, position});
+        mapping_.parameterAt.push_back(at);
+    }
+
+    CandidateEffects& candidateEffects_;
+    const std::vector<std::string>& without_;
+    const effects::Effect* effect_ = nullptr;
+    CandidateEffect candidate_;
+    EffectMapping mapping_;
+};
+
+void material(CandidateBuilder& w, const ExperimentScales& s) {
+    const double bend = 1.0 / s.radius; // 1/m, curvature change that opens a shell flat
+    w.variant("viscoelastic_bending", "Kelvin-Voigt").with("law", 0).amplitude("eta_over_B_s", 0.0, 10.0, 0.03);
+    w.probe({0.05}).probe({0.3});
+    w.variant("viscoelastic_bending", "standard linear solid").with("law", 1);
+    w.amplitude("branch_over_B", 0.0, 2.0, 0.05).extent("tau_s", 0.02, 3.0 * s.duration);
+    w.probe({0.1, 0.3}).probe({0.1, 2.0}).probe({0.1, 0.4 * s.duration});
+    w.variant("nonlinear_elasticity", "softening").with("law", 0);
+    w.amplitude("uc_1_m", 0.03 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
+    w.probe({0.1 * bend}); // thick rings yield long before they are flat
+    w.variant("nonlinear_elasticity", "stiffening").with("law", 1);
+    w.amplitude("uc_1_m", 0.3 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
+    w.variant("nonlinear_elasticity", "Ramberg-Osgood").with("law", 2);
+    w.amplitude("uc_1_m", 0.03 * bend, 1e6, 2.5 * bend, Scale::Reciprocal).extent("exponent", 1.5, 50.0);
+    w.probe({0.08 * bend, 10.0}).probe({bend, 3.0});
+    w.variant("plasticity", "isotropic hardening").with("hardening", 0);
+    w.amplitude("My_over_B_1_m", 0.04 * bend, 1e6, 1.5 * bend, Scale::Reciprocal).extent("H_over_B", 0.01, 5.0);
+    w.probe({0.45 * bend, 0.3}).probe({0.2 * bend, 0.3}).probe({0.8 * bend, 0.3}).probe({1.3 * bend, 0.3});
+    w.probe({0.08 * bend, 0.03});
+    w.variant("softening_over_time", "exponential").with("law", 0);
+    w.amplitude("drop", 0.0, 0.9, 0.05).extent("tau_s", 0.2, 5.0 * s.duration);
+    w.probe({0.1, 0.3 * s.duration}).probe({0.1, 2.0});
+    w.variant("softening_over_time", "logarithmic").with("law", 1);
+    w.amplitude("drop", 0.0, 0.9, 0.03).extent("tau_s", 0.05, s.duration).probe({0.05, 1.0});
+}
+
+/// A short bend rotates the part beyond it. Runs determine that angle, but hardly the length of the bend.
+void localEffects(CandidateBuilder& w, const ExperimentScales& s, const std::vector<std::string>& shells) {
+    const double bell = std::sqrt(2.0 * 3.14159265358979); // area of exp(-x^2 / 2)
+    const double bend = 1.0 / s.radius;
+    for (const std::string& shell : shells) {
+        w.variant("local_damage", "", shell).amplitude("stiffness_drop", 0.0, 0.95, 0.15);
+        w.amplitude("curvature_change_1_m", -3.0 * bend, 3.0 * bend, 0.15 * bend);
+        w.share("arc_fraction", 0.02, 0.98, 0.05).extent("gauss_width_m", 5e-3 * s.length, 0.1 * s.length);
+        w.derived("turn_rad", "rad", bell, "curvature_change_1_m", "gauss_width_m");
+        for (const double at : {0.2, 0.35, 0.5, 0.65, 0.8})
+            w.probe({0.5, -0.4 * bend, at, 0.025 * s.length}).probe({0.5, 0.0, at, 0.025 * s.length});
+        w.variant("natural_curvature_defect", "", shell);
+        w.amplitude("curvature_change_1_m", -2.0 * bend, 2.0 * bend, 0.1 * bend);
+        w.share("arc_fraction", 0.02, 0.98, 0.05).extent("length_m", 0.02 * s.length, 0.8 * s.length).with("shape", 0);
+        w.derived("turn_rad", "rad", 1.0, "curvature_change_1_m", "length_m");
+        for (const double at : {0.15, 0.3, 0.5, 0.7, 0.85})
+            w.probe({-0.25 * bend, at, 0.12 * s.length});
+        for (int law = 0; law < 2; ++law) {
+            w.variant("stiffness_gradient", law == 0 ? "thickness" : "modulus", shell).with("law", law);
+            w.amplitude("gradient", -0.9, 0.9, 0.05).probe({0.1}).probe({-0.1});
+        }
+    }
+}
+
+void contacts(CandidateBuilder& w, const ExperimentScales& s) {
+    w.variant("static_friction_excess").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
+    w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration);
+    for (const double dc : {2e-5, 1e-4, 5e-4})
+        w.probe({1.4, dc, 3.0});
+    w.probe({1.4, 1e-4, 0.5});
+    w.variant("static_friction_excess", "elastic before sliding").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
+    w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration).extent("presliding_m", 5e-7, 5e-5);
+    for (const double dc : {1e-4, 5e-4})
+        w.probe({1.4, dc, 3.0, 3e-6});
+    const char* laws[] = {"Stribeck", "logarithmic", "viscous"};
+    for (int law = 0; law < 3; ++law) {
+        w.variant("rate_dependent_friction", laws[law]).with("law", law);
+        w.amplitude("strength", -0.9, 3.0, 0.1).extent("speed_m_s", 1e-3 * s.speed, 10.0 * s.speed);
+        w.probe({0.2, 0.1 * s.speed}).probe({-0.2, 0.1 * s.speed}).probe({0.2, 0.5 * s.speed});
+        w.probe({-0.2, 0.01 * s.speed});
+    }
+    w.variant("wear").amplitude("change", -0.9, 3.0, 0.1).extent("distance_m", 0.05 * s.travel, 50.0 * s.travel);
+    w.probe({0.3, s.travel}).probe({-0.3, s.travel}).probe({0.3, 5.0 * s.travel});
+    const double attraction =
+        s.modulus / (s.radius * s.radius * s.radius); // N/m, load that bends a shell by its radius
+    constexpr double hump = 9.0 / 16.0; // integral of 27/4 x (1 - x)^2: work of separation per length of rod
+    w.variant("adhesion", "hump").with("law", 0).amplitude("F_a_N_m", 0.0, 30.0 * attraction, 0.2 * attraction);
+    w.extent("range_m", 1e-5, 2e-3).derived("work_N", "N", hump, "F_a_N_m", "range_m");
+    w.probe({0.5 * attraction, 1e-4}).probe({1.5 * attraction, 1e-4}).probe({0.5 * attraction, 4e-4});
+    w.variant("adhesion", "hump, in spots")
+        .with("law", 0)
+        .amplitude("F_a_N_m", 0.0, 30.0 * attraction, 0.2 * attraction);
+    w.extent("range_m", 1e-5, 2e-3)
+        .with("spots_m", 5e-3 * s.length)
+        .probe({0.5 * attraction, 1e-4})
+        .probe({attraction, 1e-4});
+    w.variant("contact_compliance").amplitude("normal_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
+    w.amplitude("tangential_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
+    w.probe({0.0, 5e-3 * s.travel / s.force}).probe({5e-3 * s.travel / s.force, 0.0});
+    w.probe({0.0, 0.05 * s.travel / s.force}); // feet that hardly slip: a search from a tenth of it ends far below
+    w.variant("planar_drag").amplitude("f_N_m", 0.0, 10.0 * s.force / s.length, 0.03 * s.force / s.length);
+    w.probe({0.1 * s.force / s.length}).probe({0.3 * s.force / s.length});
+    w.variant("gravity").amplitude("x_m_s2", -15.0, 15.0, 0.5).amplitude("y_m_s2", -25.0, 25.0, 1.0);
+    w.probe({0.0, -5.0}).probe({1.0, 0.0}).probe({0.0, 5.0});
+}
+
+void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
+    const double stiff = s.force / (0.02 * s.travel);
+    w.variant("machine_compliance").amplitude("k_N_m", 0.02 * stiff, 1e12, 3.0 * stiff, Scale::Reciprocal);
+    w.probe({5.0 * stiff}).probe({stiff}).probe({0.1 * stiff}); // the last one yields by a fifth of the travel
+    w.variant("backlash", "taken up at reversals").with("law", 0);
+    w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).probe({1e-2 * s.travel}).probe({3e-2 * s.travel});
+    w.variant("backlash", "taken up by the force").with("law", 1);
+    w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).extent("force_N", 1e-4 * s.force, s.force);
+    w.probe({1e-2 * s.travel, 0.02 * s.force}).probe({3e-2 * s.travel, 0.1 * s.force});
+    w.variant("misalignment", "offset").amplitude("offset_m", -0.3 * s.radius, 0.3 * s.radius, 0.01 * s.radius);
+    w.probe({0.05 * s.radius}).probe({-0.05 * s.radius}).probe({0.015 * s.radius});
+    w.variant("misalignment", "tilt").amplitude("tilt_rad", -0.3, 0.3, 0.01).probe({0.03}).probe({-0.03}).probe({0.1});
+    w.variant("sensor_drift", "towards an end").amplitude("a_N", -s.force, s.force, 0.02 * s.force);
+    w.extent("tau_s", 0.5, 5.0 * s.duration);
+    w.probe({0.05 * s.force, 0.2 * s.duration}).probe({0.05 * s.force, s.duration}).probe({0.05 * s.force, 2.0});
+    w.variant("sensor_drift", "steady").amplitude("rate_N_s", -s.force, s.force, 0.02 * s.force / s.duration);
+    w.probe({0.05 * s.force / s.duration});
+    w.variant("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.1});
+    w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, 1.0, 0.01).probe({0.05});
+    w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.05}).probe({0.2});
+}
+
+/// Candidates for the bodies of a free scene. Relevant amplitudes are a hundredth of the torque of the weight.
+void bodies(CandidateBuilder& w, const replay::FreeScales& s) {
+    const double torque = 0.01 * s.torque, viscous = torque / s.spin;
+    const double linear = 3.0 * viscous / std::pow(s.length, 3), // of a rod hinged at its end
+        square = 4.0 * viscous / (s.spin * std::pow(s.length, 4));
+    w.variant("bearing_friction", "dry").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
+    w.probe({torque}).probe({0.2 * torque});
+    w.variant("bearing_friction", "dry, with the load").amplitude("arm_m", 0.0, 0.2 * s.length, 5e-3 * s.length);
+    w.probe({5e-3 * s.length}).probe({1e-3 * s.length});
+    w.variant("bearing_friction", "viscous").amplitude("viscous_N_m_s", 0.0, 100.0 * viscous, viscous);
+    w.probe({viscous}).probe({0.2 * viscous});
+    w.variant("bearing_friction", "dry and viscous").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
+    w.amplitude("viscous_N_m_s", 0.0, 100.0 * viscous, viscous).probe({0.5 * torque, 0.5 * viscous});
+    w.variant("air_drag", "linear").amplitude("linear_N_s_m2", 0.0, 100.0 * linear, linear);
+    w.probe({linear}).probe({0.2 * linear});
+    w.variant("air_drag", "quadratic").amplitude("quadratic_N_s2_m3", 0.0, 100.0 * square, square);
+    w.probe({square}).probe({0.2 * square});
+    w.variant("air_drag", "linear and quadratic").amplitude("linear_N_s_m2", 0.0, 100.0 * linear, linear);
+    w.amplitude("quadratic_N_s2_m3", 0.0, 100.0 * square, square).probe({0.5 * linear, 0.5 * square});
+    w.variant("gravity").amplitude("x_m_s2", -15.0, 15.0, 0.5).amplitude("y_m_s2", -25.0, 25.0, 1.0);
+    w.probe({0.0, -0.5}).probe({0.3, 0.0});
+    w.variant("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.03});
+    w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, 1.0, 0.01).probe({0.01});
+    w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.01});
+}
+
+} // namespace
+
+CandidateEffects candidateEffectsFor(const Experiment& e, const std::vector<std::string>& without, double largestBend) {
+    CandidateEffects candidateEffects;
+    ExperimentScales s = scalesOf(e);
+    s.bend = largestBend;
+    std::vector<std::string> shells = {"all"};
+    if (e.specimens.size() > 1) {
+        shells.clear();
+        for (const experiment::Specimen& specimen : e.specimens)
+            shells.push_back(specimen.id);
+    }
+    CandidateBuilder w(candidateEffects, without);
+    if (e.scene) {
+        bodies(w, replay::freeScales(e));
+        w.finish();
+        return candidateEffects;
+    }
+    material(w, s);
+    localEffects(w, s, shells);
+    contacts(w, s);
+    apparatus(w, s);
+    w.finish();
+    addLearnedLaws(candidateEffects, s);
+    return candidateEffects;
+}
+
+} // namespace supercircle::diagnosis

@@ -1,0 +1,35 @@
+#pragma once
+// Values of the result, computed from fits.
+
+#include "plugin/identification/diagnosis/estimation/profile.h"
+#include "plugin/identification/diagnosis/result.h"
+#include "plugin/identification/diagnosis/selection/fitted_hypothesis.h"
+
+#include <vector>
+
+namespace supercircle::diagnosis {
+
+/// One effect of a hypothesis (its term `shown`): fitted values with 90 % intervals, errors. Probability, gain and
+/// confounded labels are set by the caller.
+/// @param intervals of the parameters of all its terms
+/// @param baselineChiSquared of the fit without effects
+FittedEffect presentEffect(const Model& model, const Likelihood& likelihood, const Grouping& grouping,
+                           const FittedHypothesis& hypotheses, std::size_t shown, const ParameterIntervals& intervals,
+                           double baselineChiSquared);
+
+/// Stated and fitted nominal parameters.
+std::vector<NominalResult> presentNominal(const Model& model, const FitResult& nominal);
+
+/// Cosines between the changes of fits against the baseline.
+std::vector<std::vector<double>> presentSimilarity(const Likelihood& likelihood, const FitResult& nominal,
+                                                   const std::vector<const FitResult*>& fits);
+
+/// @param best may be null. It is visible where its mean over a quarter of a second differs from the baseline by more
+/// than 0.7 sigma; gaps of 0.3 s are closed.
+std::vector<RunCurves> presentCurves(const Likelihood& likelihood, const FitResult& nominal, const FitResult* best);
+
+/// Windows of an effect whose signature is significant while no window is.
+std::vector<ResidualWindow> windowsOfEffect(const RecordedData& data, const std::vector<RunCurves>& curves,
+                                            const Localisation& found);
+
+} // namespace supercircle::diagnosis

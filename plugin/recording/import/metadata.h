@@ -1,0 +1,24 @@
+#pragma once
+// Metadata in the header of an export.
+
+#include "plugin/recording/import/layout.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace supercircle::importing {
+
+enum class MetadataKey : std::uint8_t { Rate, Speed, PeakForce, Rows };
+
+struct MetadataValue {
+    double value = 0.0; ///< Hz, m/s, N, rows
+    std::size_t line = 0;
+    bool unitStated = true; ///< false: a rate without a unit
+};
+
+/// First header entry with this metadata: "Sample rate: 100 Hz", "Test speed;5;mm/min", "Fmax [N] = 3,2", "Number of
+/// points: 500". Only positive numbers with a suitable unit count; a sampling rate may have none.
+std::optional<MetadataValue> metadataValue(const std::vector<HeaderEntry>& metadata, MetadataKey what);
+
+} // namespace supercircle::importing

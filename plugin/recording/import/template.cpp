@@ -91,7 +91,7 @@ Json runOf(const ImportedRun& run) {
                  {"drive_time_s", times},
                  {"drive_displacement_mm", ways},
                  {"sampling_hz", rounded(run.rate)},
-                 {"specimen_state_at_start", "TODO: fresh or used, stillTime or not"}};
+                 {"specimen_state_at_start", "TODO: fresh or used, rested or not"}};
     if (!run.markersFile.empty()) {
         const std::vector<double>& t = *run.markers.find(Quantity::Time);
         json["markers_file"] = run.markersFile;

@@ -8,7 +8,7 @@ namespace supercircle::step {
 namespace {
 
 /// Error of a moment that asks for another linearisation, as a share of B / L: 3e-5 of the force of a
-/// tangentialDeflection shell.
+/// bent shell.
 constexpr double kMomentTolerance = 1e-4;
 /// The same of the drag's resultant, as a share of f L.
 constexpr double kDragTolerance = 1e-3;

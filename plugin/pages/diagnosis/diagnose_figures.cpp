@@ -117,7 +117,7 @@ double barsHeight(const Diagnosis& d) {
     return 26.0 * static_cast<double>(barsOf(d).size()) + 20.0;
 }
 
-/// AxisRange of the recorded force, and of the simulated one up to a quarter beyond.
+/// Range of the recorded force, and of the simulated one up to a quarter beyond.
 AxisRange forceRange(const RunCurves& c) {
     const AxisRange recorded = rangeOf({&c.recorded}), simulated = rangeOf({&c.baseline});
     const double reach = 0.25 * recorded.span();

@@ -28,7 +28,8 @@ if [ -z "${total:-}" ]; then
     total=0
     [ "$code" -ne 0 ] || code=1
 fi
+# sed and not head: head ends early, and sort, killed by the closed pipe, would fail the script (pipefail).
 echo "The ten slowest tests, in seconds:"
-sed -nE 's/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: (.*[^.]) \.\.+ +[^.]*(Passed|Failed) +([0-9.]+) sec.*/  \3  \1/p' "$log" | sort -rn | head -n 10
+sed -nE 's/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: (.*[^.]) \.\.+ +[^.]*(Passed|Failed) +([0-9.]+) sec.*/  \3  \1/p' "$log" | sort -rn | sed -n '1,10p'
 echo "$((total - failed)) passed, $failed failed"
 exit "$code"

@@ -40,7 +40,7 @@ start() {
     "$@" >"$work/said.txt" 2>"$work/complained.txt" &
     program=$!
     for _ in $(seq 200); do
-        window=$(xdotool search --name "$name" 2>/dev/null | head -n 1)
+        window=$(xdotool search --name "$name" 2>/dev/null | sed -n 1p)
         [ -n "$window" ] && break
         kill -0 "$program" 2>/dev/null || fail "$name ended before it had a window"
         sleep 0.1

@@ -81,14 +81,14 @@ private:
         r.strength = std::numeric_limits<double>::infinity();
         r.saturated = 0;
         const double last = r.last;
-        r.room = std::max(0.0, value - lower);
+        r.clearance = std::max(0.0, value - lower);
         r.last = std::max(0.0, last);
         out_.push_back(r);
         r.axisA = -r.axisA;
         r.axisB = -r.axisB;
         r.turnA = -r.turnA;
         r.turnB = -r.turnB;
-        r.room = std::max(0.0, upper - value);
+        r.clearance = std::max(0.0, upper - value);
         r.last = std::max(0.0, -last);
         out_.push_back(r);
     }
@@ -344,10 +344,10 @@ bool appendContact(const BodyRegistry& registry, b2Contact& contact, double scal
         c.armB = toDouble(world.points[i] - b.GetWorldCenter()) / scale;
         c.normal = toDouble(world.normal).normalized();
         c.friction = static_cast<double>(contact.GetFriction());
-        c.conveyor = -static_cast<double>(contact.GetTangentSpeed()) / scale; // its tangent is -perp(normal)
+        c.tangentSpeed = -static_cast<double>(contact.GetTangentSpeed()) / scale; // its tangent is -perp(normal)
         const double approach = -relativeVelocity(a, b, world.points[i]).dot(toDouble(world.normal));
         if (approach > static_cast<double>(contact.GetRestitutionThreshold()))
-            c.bounce = static_cast<double>(contact.GetRestitution()) * approach / scale;
+            c.restitutionVelocity = static_cast<double>(contact.GetRestitution()) * approach / scale;
         c.normalForce = std::max(0.0, static_cast<double>(manifold.points[i].normalImpulse)) * perTime;
         c.tangentForce = -static_cast<double>(manifold.points[i].tangentImpulse) * perTime;
         out.push_back(c);
@@ -361,14 +361,14 @@ void readImpulse(b2Contact& contact, double scale, HostContact& c) {
     point.id.key = c.point;
     if (keyOf(contact, point) != c.key || !contact.IsEnabled())
         return;
-    for (int32 i = 0; i < m.pointCount && !c.told; ++i) {
+    for (int32 i = 0; i < m.pointCount && !c.impulseKnown; ++i) {
         if (m.points[i].id.key != c.point)
             continue;
         c.hostNormal = static_cast<double>(m.points[i].normalImpulse) / scale;
         c.hostTangent = -static_cast<double>(m.points[i].tangentImpulse) / scale;
-        c.told = contact.IsTouching();
+        c.impulseKnown = contact.IsTouching();
     }
-    c.lost = !c.told; // continuous collision within the step has replaced the manifold
+    c.impulseUnknown = !c.impulseKnown; // continuous collision within the step has replaced the manifold
 }
 
 /// Returns false if the id is in the list already.
@@ -431,7 +431,7 @@ void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt,
                   step::HostConstraints& io) {
     for (HostContact& c : io.contacts) {
         b2Body *a = registry.body(c.a), *b = registry.body(c.b);
-        for (b2ContactEdge* e = a && b ? a->GetContactList() : nullptr; e != nullptr && !c.told; e = e->next)
+        for (b2ContactEdge* e = a && b ? a->GetContactList() : nullptr; e != nullptr && !c.impulseKnown; e = e->next)
             if (e->other == b)
                 readImpulse(*e->contact, unitsPerMetre, c);
     }
@@ -452,7 +452,7 @@ void readImpulses(const BodyRegistry& registry, double unitsPerMetre, double dt,
             row.host = now[k - i].last * dt;
             if (turned && !row.axisB.isZero(0.0))
                 row.host = dt * (now[0].last * now[0].axisB + now[1].last * now[1].axisB).dot(row.axisB);
-            row.told = true;
+            row.impulseKnown = true;
         }
     }
 }

@@ -118,7 +118,7 @@ Result<MouseJointHandle> Shells::create_mouse_joint(ShellHandle shell, const Mou
                 "max_force must be finite and not negative (0: mass times 1000 m/s^2), and the velocity it "
                 "causes must be finite");
         const double mass = impl_->rod(i).model.mass(), omega = 2.0 * M_PI * d.frequency;
-        step::Grab g;
+        step::MouseJoint g;
         g.stiffness = mass * omega * omega;
         g.damping = 2.0 * mass * d.damping_ratio * omega;
         g.s = d.arc_fraction * impl_->rod(i).model.definition().length;
@@ -126,7 +126,7 @@ Result<MouseJointHandle> Shells::create_mouse_joint(ShellHandle shell, const Mou
         g.maxForce = d.max_force > 0.0 ? d.max_force : 1000.0 * mass;
         g.key = impl_->world.nextPart++;
         step::wake(impl_->world, static_cast<std::size_t>(i));
-        impl_->rod(i).grabs.push_back(g);
+        impl_->rod(i).mouseJoints.push_back(g);
         const MouseJointHandle made{impl_->rod(i).key, g.key, impl_->worldId};
         impl_->recorder.record(Call::CreateMouseJoint, shell, d, made);
         return R(made);
@@ -135,7 +135,7 @@ Result<MouseJointHandle> Shells::create_mouse_joint(ShellHandle shell, const Mou
 
 Status Shells::set_target(MouseJointHandle joint, Point target) {
     return impl_->change([&] {
-        const auto found = impl_->find(joint, &step::Rod::grabs);
+        const auto found = impl_->find(joint, &step::Rod::mouseJoints);
         if (!found.constraint)
             return refused(kNoSuchConstraint);
         if (!limits::position(target))
@@ -149,14 +149,14 @@ Status Shells::set_target(MouseJointHandle joint, Point target) {
 }
 
 Result<Reaction> Shells::reaction(MouseJointHandle joint) const {
-    const auto found = impl_->find(joint, &step::Rod::grabs);
+    const auto found = impl_->find(joint, &step::Rod::mouseJoints);
     if (!found.constraint)
         return Result<Reaction>::failure(kNoSuchConstraint);
     return Reaction{point(found.constraint->force), 0.0};
 }
 
 Status Shells::destroy(MouseJointHandle joint) {
-    return destroyConstraint(*impl_, joint, &step::Rod::grabs, Call::DestroyMouseJoint);
+    return destroyConstraint(*impl_, joint, &step::Rod::mouseJoints, Call::DestroyMouseJoint);
 }
 
 Result<ForceHandle> Shells::Impl::addForce(ShellHandle shell, double arc_fraction, Point force, double torque,
@@ -235,7 +235,7 @@ bool Shells::valid(HoldHandle handle) const {
     return impl_->find(handle, &step::Rod::holds).constraint != nullptr;
 }
 bool Shells::valid(MouseJointHandle handle) const {
-    return impl_->find(handle, &step::Rod::grabs).constraint != nullptr;
+    return impl_->find(handle, &step::Rod::mouseJoints).constraint != nullptr;
 }
 bool Shells::valid(ForceHandle handle) const {
     return impl_->find(handle, &step::Rod::forces).constraint != nullptr;

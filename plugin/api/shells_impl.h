@@ -43,7 +43,7 @@ struct Shells::Impl {
     [[nodiscard]] step::Rod& rod(int index) { return world.rods[static_cast<std::size_t>(index)]; }
     [[nodiscard]] const step::Rod& rod(int index) const { return world.rods[static_cast<std::size_t>(index)]; }
 
-    /// A constraint of a rod (Hold, Grab, PointForce) by its key.
+    /// A constraint of a rod (Hold, MouseJoint, AppliedForce) by its key.
     template <class Constraint>
     struct Found {
         step::Rod* rod = nullptr;

@@ -126,7 +126,7 @@ void ioState(Ar& ar, List& list, const std::remove_const_t<List>& made) {
 
 template <class Ar>
 void ioEffects(Ar& ar, const rod::RodModel& rod, Is<effects::RodEffects> auto& fx) {
-    auto& [material, drag, surface, attraction, books] = fx;
+    auto& [material, drag, surface, attraction, energies] = fx;
     auto& [laws, upTo, age, plastic, hardened, overstress] = material;
     auto& [dragModel, dragPlace, dragWeight, stretch] = drag;
     auto& [contact, spacing, sites] = surface;
@@ -139,7 +139,7 @@ void ioEffects(Ar& ar, const rod::RodModel& rod, Is<effects::RodEffects> auto& f
         ar(laws, dragModel, contact);
     }
     const effects::RodEffects made = Ar::kLoads ? fx : effects::RodEffects{};
-    ar(age, books);
+    ar(age, energies);
     ioState(ar, plastic, made.material.plastic);
     ioState(ar, hardened, made.material.hardened);
     ioState(ar, overstress, made.material.overstress);

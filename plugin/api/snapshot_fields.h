@@ -123,13 +123,13 @@ void io(Ar& ar, Is<step::Hold> auto& h) {
 }
 
 template <class Ar>
-void io(Ar& ar, Is<step::PointForce> auto& f) {
+void io(Ar& ar, Is<step::AppliedForce> auto& f) {
     auto& [s, force, torque, once, key] = f;
     ar(s, force, torque, once, key);
 }
 
 template <class Ar>
-void io(Ar& ar, Is<step::Grab> auto& g) {
+void io(Ar& ar, Is<step::MouseJoint> auto& g) {
     auto& [s, target, stiffness, damping, maxForce, force, key] = g;
     ar(s, target, stiffness, damping, maxForce, force, key);
 }
@@ -155,10 +155,10 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
-    auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces, grabs,
-           width, material, group, island, stillTime, stillReference, effects] = r;
-    ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, grabs, width, material,
-       group, island, stillTime, stillReference);
+    auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
+           mouseJoints, width, material, group, island, stillTime, stillReference, effects] = r;
+    ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, mouseJoints, width,
+       material, group, island, stillTime, stillReference);
     ioEffects(ar, model, effects);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
@@ -170,7 +170,7 @@ void io(Ar& ar, Is<step::Rod> auto& r) {
         const double length = model.definition().length;
         const auto outside = [length](const auto& c) { return !(c.s >= 0.0 && c.s <= length); };
         if (std::any_of(holds.begin(), holds.end(), outside) || std::any_of(forces.begin(), forces.end(), outside) ||
-            std::any_of(grabs.begin(), grabs.end(), outside))
+            std::any_of(mouseJoints.begin(), mouseJoints.end(), outside))
             ar.fail("a hold, force or mouse joint in it lies outside its shell");
         kin.evaluate(model, q);
         rod::evaluateGauss(model, kin, gauss);
@@ -197,7 +197,7 @@ void io(Ar& ar, Is<step::BodyState> auto& b) {
 }
 
 template <class Ar>
-void io(Ar& ar, Is<step::HostPush> auto& p) {
+void io(Ar& ar, Is<step::HostAcceleration> auto& p) {
     auto& [linear, angular, expectedLinear, expectedAngular] = p;
     ar(linear, angular, expectedLinear, expectedAngular);
 }
@@ -212,18 +212,19 @@ void io(Ar& ar, Is<step::HostCoupling> auto& h) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::HostContact> auto& c) {
-    auto& [a, b, armA, armB, normal, friction, conveyor, bounce, normalForce, tangentForce, key, point, sumNormal,
-           sumTangent, hostNormal, hostTangent, told, lost, room] = c;
-    ar(a, b, armA, armB, normal, friction, conveyor, bounce, normalForce, tangentForce, point, sumNormal, sumTangent,
-       hostNormal, hostTangent, told, lost, room);
+    auto& [a, b, armA, armB, normal, friction, tangentSpeed, restitutionVelocity, normalForce, tangentForce, key, point,
+           sumNormal, sumTangent, hostNormal, hostTangent, impulseKnown, impulseUnknown, clearance] = c;
+    ar(a, b, armA, armB, normal, friction, tangentSpeed, restitutionVelocity, normalForce, tangentForce, point,
+       sumNormal, sumTangent, hostNormal, hostTangent, impulseKnown, impulseUnknown, clearance);
     ar.unhashed(key); // an address in the host
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::HostRow> auto& r) {
-    auto& [a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, key, sum, host, told,
-           saturated] = r;
-    ar(a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, room, last, sum, host, told, saturated);
+    auto& [a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, clearance, last, key, sum, host,
+           impulseKnown, saturated] = r;
+    ar(a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, clearance, last, sum, host,
+       impulseKnown, saturated);
     ar.unhashed(key);
 }
 

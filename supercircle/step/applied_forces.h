@@ -1,11 +1,11 @@
 #pragma once
 // Forces, soft hands and moving targets (private to step/).
 //
-// A grab is a spring and a damper between a point of the rod and a place, both implicit: with J the rows of the point,
-// A gains dt (d + dt k) J^T J and the right-hand side dt k (target - point) J^T, so that any stiffness is stable. Where
-// the force would exceed its largest value, stiffness and damping are scaled down by the same factor (a secant of the
-// saturated law, found again with each linearisation): a force of constant size and an explicit direction would shoot
-// over the target at the moment the saturation ends.
+// A mouse joint is a spring and a damper between a point of the rod and a place, both implicit: with J the rows of the
+// point, A gains dt (d + dt k) J^T J and the right-hand side dt k (target - point) J^T, so that any stiffness is
+// stable. Where the force would exceed its largest value, stiffness and damping are scaled down by the same factor (a
+// secant of the saturated law, found again with each linearisation): a force of constant size and an explicit direction
+// would shoot over the target at the moment the saturation ends.
 
 #include "supercircle/step/stages/workspace.h"
 
@@ -29,11 +29,11 @@ void startPaths(World& world, double frame);
 /// Forgets the forces that were meant for one frame.
 void endOfFrame(World& world);
 
-/// Adds forces and grabs to A and rhs. `first`: nothing was solved in this attempt yet.
+/// Adds forces and mouse joints to A and rhs. `first`: nothing was solved in this attempt yet.
 void addLoads(const Rod& rod, double dt, bool first, RodWork& w);
-/// Work of forces and grabs over the step, J; leaves the grabs' forces in the rod.
+/// Work of forces and mouse joints over the step, J; leaves the joints' forces in the rod.
 double recordAppliedForces(Rod& rod, double dt, const RodWork& w);
-/// Whether a grab's force is farther than 1 % from its law, so that another linearisation is worth while.
-bool grabsOff(const Rod& rod, double dt, const RodWork& w);
+/// Whether a mouse joint's force is farther than 1 % from its law, so that another linearisation is worth while.
+bool mouseJointsOff(const Rod& rod, double dt, const RodWork& w);
 
 } // namespace supercircle::step

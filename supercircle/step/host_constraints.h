@@ -1,6 +1,6 @@
 #pragma once
 // What the host's own solver does to its bodies - touching contacts and joints - as rows the shells' contact problem
-// can take in. Why they are needed there is told in host_coupling.h.
+// can take in. Why they are needed there is said in host_coupling.h.
 
 #include "supercircle/rod/arc.h"
 
@@ -19,29 +19,29 @@ using BodyId = std::uint64_t;
 struct HostContact {
     BodyId a = 0; ///< either may be static or kinematic, not both
     BodyId b = 0;
-    Vec2 armA = Vec2::Zero();    ///< from a's centre of mass to the point, m
-    Vec2 armB = Vec2::Zero();    ///< from b's, m
-    Vec2 normal = Vec2::UnitY(); ///< from a to b
-    double friction = 0.0;       ///< 1
-    double conveyor = 0.0;       ///< tangent velocity of b's surface over a's that friction strives for, m/s
-    double bounce = 0.0;         ///< separation velocity the host's restitution asks for in the coming step, m/s
-    double normalForce = 0.0;    ///< mean of the host's last step, then of ours, N
-    double tangentForce = 0.0;   ///< N
-    std::uint64_t key = 0;       ///< the host's, to find the point again after its step
-    std::uint32_t point = 0;     ///< the host's name of the point in its contact
-    double sumNormal = 0.0;      ///< impulse in this frame as solved here, N s
-    double sumTangent = 0.0;     ///< N s
-    double hostNormal = 0.0;     ///< impulse in the same frame as the host's own solver has it, N s
-    double hostTangent = 0.0;    ///< N s
-    bool told = false;           ///< the last two are filled
-    bool lost = false;           ///< it acted, but the host no longer knows how much
-    double room = 0.0;           ///< normal distance opened in this frame, m (grows with the steps)
+    Vec2 armA = Vec2::Zero();         ///< from a's centre of mass to the point, m
+    Vec2 armB = Vec2::Zero();         ///< from b's, m
+    Vec2 normal = Vec2::UnitY();      ///< from a to b
+    double friction = 0.0;            ///< 1
+    double tangentSpeed = 0.0;        ///< tangent velocity of b's surface over a's that friction strives for, m/s
+    double restitutionVelocity = 0.0; ///< separation velocity the host's restitution asks for in the coming step, m/s
+    double normalForce = 0.0;         ///< mean of the host's last step, then of ours, N
+    double tangentForce = 0.0;        ///< N
+    std::uint64_t key = 0;            ///< the host's, to find the point again after its step
+    std::uint32_t point = 0;          ///< the host's name of the point in its contact
+    double sumNormal = 0.0;           ///< impulse in this frame as solved here, N s
+    double sumTangent = 0.0;          ///< N s
+    double hostNormal = 0.0;          ///< impulse in the same frame as the host's own solver has it, N s
+    double hostTangent = 0.0;         ///< N s
+    bool impulseKnown = false;        ///< the last two are filled
+    bool impulseUnknown = false;      ///< it acted, but the host no longer knows how much
+    double clearance = 0.0;           ///< normal distance opened in this frame, m (grows with the steps)
 };
 
 enum class HostRowKind : std::uint8_t {
     Rigid, ///< relative velocity = speed as long as that takes no more than `strength`
     Soft,  ///< force - damping * relative velocity
-    Limit  ///< relative motion not below -room, pushes only
+    Limit  ///< relative motion not below -clearance, pushes only
 };
 
 /// One scalar relation of a joint. Relative velocity = axisA . v_a + turnA w_a + axisB . v_b + turnB w_b, with v of the
@@ -55,14 +55,14 @@ struct HostRow {
     double speed = 0.0;                                        ///< Rigid: wanted relative velocity
     double strength = std::numeric_limits<double>::infinity(); ///< Rigid: largest force
     double force = 0.0;                                        ///< Soft: at relative velocity 0
-    double damping = 0.0;  ///< Soft: of the whole host step, which is implicit: true damping + dt * stiffness
-    double room = 0.0;     ///< Limit: left before it is met (shrinks with the steps)
-    double last = 0.0;     ///< mean force in the host's last step
-    std::uint64_t key = 0; ///< the host's; the rows of one joint follow each other
-    double sum = 0.0;      ///< impulse in this frame as solved here
-    double host = 0.0;     ///< impulse in the same frame as the host's own solver has it
-    bool told = false;     ///< `host` is filled
-    int saturated = 0;     ///< Rigid: sign of the force when it is at its strength
+    double damping = 0.0;      ///< Soft: of the whole host step, which is implicit: true damping + dt * stiffness
+    double clearance = 0.0;    ///< Limit: left before it is met (shrinks with the steps)
+    double last = 0.0;         ///< mean force in the host's last step
+    std::uint64_t key = 0;     ///< the host's; the rows of one joint follow each other
+    double sum = 0.0;          ///< impulse in this frame as solved here
+    double host = 0.0;         ///< impulse in the same frame as the host's own solver has it
+    bool impulseKnown = false; ///< `host` is filled
+    int saturated = 0;         ///< Rigid: sign of the force when it is at its strength
 };
 
 struct HostConstraints {

@@ -1,6 +1,6 @@
 #pragma once
 // What holds, joins and pulls shells besides contact: plain data of the world. How each enters a step is in
-// applied_forces.h (forces, grabs, moving targets) and link_rows.h (links).
+// applied_forces.h (forces, mouse joints, moving targets) and link_rows.h (links).
 
 #include "supercircle/step/port.h"
 
@@ -40,7 +40,7 @@ struct Hold {
 };
 
 /// A force (and torque) that somebody else applies, constant in the world frame within a step.
-struct PointForce {
+struct AppliedForce {
     double s = 0.0; ///< rod arc length, m
     Vec2 force = Vec2::Zero();
     double torque = 0.0;   ///< N m
@@ -48,8 +48,8 @@ struct PointForce {
     std::uint32_t key = 0; ///< 0: nobody asks
 };
 
-/// A soft hand: spring and damper between a point of the rod and a place, with a largest force. Implicit.
-struct Grab {
+/// Spring and damper between a point of the rod and a place, with a largest force. Implicit.
+struct MouseJoint {
     double s = 0.0; ///< rod arc length, m
     Vec2 target = Vec2::Zero();
     double stiffness = 0.0;    ///< N/m

@@ -108,7 +108,7 @@ Islands findIslands(const World& world) {
     return islands;
 }
 
-/// Stops a rod; its kinetic energy leaves the books for `account`.
+/// Stops a rod; its kinetic energy leaves the energy balance for `account`.
 void stop(World& world, Rod& rod, double& account, double sign) {
     const double kinetic = rod::kineticEnergy(rod.gauss, rod.u);
     world.energyBalance.kinetic -= kinetic;

@@ -22,7 +22,7 @@
 //   the whole pile through its contacts within a few steps, each time with cold contact problems (a 100-shell drop took
 //   twice as long). What sleeps now (sleep.h) are whole islands that have not drifted for half a second, at the ends of
 //   frames, with their forces kept;
-// - a theta scheme between 1/2 and 1 keeps vibrations alive that cost more, smaller steps, and closes the books no
+// - a theta scheme between 1/2 and 1 keeps vibrations alive that cost more, smaller steps, and closes the balance no
 //   better;
 // - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
 //   1/2 dt |u_new - u_old| of backward Euler, the motion of touching rods, and the true gaps after the step decide.

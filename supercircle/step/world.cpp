@@ -24,7 +24,7 @@ const char* name(Reason reason) {
     return names[static_cast<int>(reason)];
 }
 
-void HostPush::learn(const Vec2& newLinear, double newAngular) {
+void HostAcceleration::learn(const Vec2& newLinear, double newAngular) {
     const auto agreed = [](double a, double b) { return a * b <= 0.0 ? 0.0 : std::abs(a) < std::abs(b) ? a : b; };
     expectedLinear = {agreed(linear.x(), newLinear.x()), agreed(linear.y(), newLinear.y())};
     expectedAngular = agreed(angular, newAngular);
@@ -60,7 +60,7 @@ double gravityPotential(const World& world, const Rod& rod) {
 }
 
 void book(World& world, const Rod& rod, double sign) {
-    // A rod that somebody spoilt takes what it owns out of the world, but must not take the books along.
+    // A rod that somebody spoilt takes what it owns out of the world, but must not take the energy balance along.
     const auto number = [](double energy) { return std::isfinite(energy) ? energy : 0.0; };
     const double kinetic = number(rod::kineticEnergy(rod.gauss, rod.u));
     const double bending = number(rod::bendingEnergy(rod.model, rod.q));

@@ -38,8 +38,8 @@ struct Rod {
     rod::Kinematics kin;   ///< at q
     rod::GaussField gauss; ///< at q
 
-    std::vector<PointForce> forces;
-    std::vector<Grab> grabs;
+    std::vector<AppliedForce> forces;
+    std::vector<MouseJoint> mouseJoints;
     double width = 0.010;       ///< m, only for changes of the material
     std::uint32_t material = 0; ///< for friction of pairs, 0: none
     std::int16_t group = 0;     ///< collision group, as in Box2D; not between a shell and itself
@@ -55,7 +55,7 @@ struct Rod {
 
 /// A mean acceleration the host gave a body, and what is expected of the coming frame: the smaller of the last two
 /// where they agree in sign, so that a blow is not taken for a force.
-struct HostPush {
+struct HostAcceleration {
     Vec2 linear = Vec2::Zero(); ///< of the last frame, m/s^2
     double angular = 0.0;       ///< rad/s^2
     Vec2 expectedLinear = Vec2::Zero();
@@ -75,8 +75,8 @@ struct HostCoupling {
     double handedSpin = 0.0;         ///< rad/s
     Vec2 drift = Vec2::Zero();       ///< velocity at which the copy closes up to the original's place, m/s
     double driftSpin = 0.0;          ///< rad/s
-    HostPush unexplained;            ///< by the host beyond its known constraints
-    HostPush all;                    ///< by all of the host's doing but gravity: for copies in no contact problem
+    HostAcceleration unexplained;    ///< by the host beyond its known constraints
+    HostAcceleration all;            ///< by all of the host's doing but gravity: for copies in no contact problem
     bool known = false;              ///< `seen` is filled
     BodyState seen;                  ///< the original after the last frame, to notice its user's hand
 };
@@ -206,7 +206,7 @@ struct World {
     double dtNext = 0.0;       ///< what the controller wants next, s
     std::uint32_t nextKey = 1;
     std::vector<Link> links;
-    std::uint32_t nextPart = 1;                   ///< key of the next hold, force, grab or link
+    std::uint32_t nextPart = 1;                   ///< key of the next hold, force, mouse joint or link
     std::vector<PairFriction> pairFriction;       ///< sorted by (a, b)
     std::vector<BodyMaterial> bodyMaterials;      ///< sorted by body
     std::vector<ContactImpulse> sleepingImpulses; ///< of sleeping islands, sorted by id

@@ -1,4 +1,4 @@
-// Friction from what was observed: a switch between smooth and abrupt snaps, or measured force curves.
+// Friction from an observed transition between smooth and abrupt snaps, or from measured force curves.
 
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
@@ -22,7 +22,7 @@ namespace supercircle::cli {
 
 namespace {
 
-using calibration::Critical;
+using calibration::CriticalFriction;
 using calibration::Snap;
 using calibration::Trial;
 using Json = nlohmann::ordered_json;
@@ -32,7 +32,7 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
-/// "0.75,0.8" into trials of one outcome; false if it is no list of opening angles.
+/// Adds a list of opening angles such as "0.75,0.8", all with one outcome; false if it is no such list.
 bool addTrials(const std::string& text, Snap outcome, std::vector<Trial>& trials) {
     for (std::size_t from = 0; from < text.size();) {
         const std::size_t to = std::min(text.find(',', from), text.size());
@@ -46,10 +46,10 @@ bool addTrials(const std::string& text, Snap outcome, std::vector<Trial>& trials
     return true;
 }
 
-/// Plays the scene at an opening angle and a coefficient; what the summary says about the snap.
-class Player {
+/// Simulates the scene at an opening angle and a friction coefficient, and returns the type of snap.
+class SceneSimulation {
 public:
-    Player(std::string text, std::string file, std::vector<scene::Override> fixed)
+    SceneSimulation(std::string text, std::string file, std::vector<scene::Override> fixed)
         : text_(std::move(text)), file_(std::move(file)), fixed_(std::move(fixed)) {}
 
     std::optional<Snap> operator()(double phiBar, double mu) {
@@ -77,17 +77,17 @@ public:
                     return *type == "II" ? Snap::Abrupt : Snap::Smooth;
             }
         if (why.empty())
-            why = "its summary has no snap_type";
+            why = "the summary of the run has no snap_type";
         return std::nullopt;
     }
-    std::string why; ///< the last one was none
+    std::string why; ///< why the last call gave no type
 
 private:
     std::string text_, file_;
     std::vector<scene::Override> fixed_;
 };
 
-Json jsonOf(const std::optional<Critical>& c) {
+Json jsonOf(const std::optional<CriticalFriction>& c) {
     if (!c)
         return nullptr;
     return {{"phi_bar", c->phiBar},
@@ -120,14 +120,14 @@ int fromSwitch(const CalibrateArguments& a) {
     const auto text = scene::readFile(a.file, problems);
     if (!text)
         return complain(kBadInput, problems.front().toString());
-    Player player(*text, a.file, overrides);
+    SceneSimulation simulation(*text, a.file, overrides);
     ProgressLine line(a.quiet);
-    int played = 0;
+    int runs = 0;
     const auto simulate = [&](double phiBar, double mu) {
         char words[80];
         std::snprintf(words, sizeof words, "opening angle %.3f, mu %.4f", phiBar, mu);
-        line.show(std::min(0.95, ++played / 26.0), words);
-        return interrupted ? std::nullopt : player(phiBar, mu);
+        line.show(std::min(0.95, ++runs / 26.0), words);
+        return interrupted ? std::nullopt : simulation(phiBar, mu);
     };
     calibration::SwitchSettings settings;
     settings.angleUncertainty = a.angleUncertainty;
@@ -137,21 +137,21 @@ int fromSwitch(const CalibrateArguments& a) {
     if (interrupted)
         return complain(kInterrupted, "interrupted");
     if (!result)
-        return complain(player.why.empty() ? kBadInput : kCannotGoOn,
-                        a.file + ": " + result.error + (player.why.empty() ? "" : " (" + player.why + ")"));
+        return complain(simulation.why.empty() ? kBadInput : kCannotGoOn,
+                        a.file + ": " + result.error + (simulation.why.empty() ? "" : " (" + simulation.why + ")"));
     const auto& r = result.value;
     if (std::isfinite(r.high))
         std::printf("friction coefficient: %.3f to %.3f\n", r.low, r.high);
     else
         std::printf("friction coefficient: at least %.3f\n", r.low);
     if (r.fromAbrupt)
-        std::printf("  abrupt at %.4f: the switch of this angle is at mu = %.4f to %.4f\n", r.fromAbrupt->phiBar,
+        std::printf("  abrupt at %.4f: the transition of this angle is at mu = %.4f to %.4f\n", r.fromAbrupt->phiBar,
                     r.fromAbrupt->below, r.fromAbrupt->above);
     if (r.fromSmooth)
-        std::printf("  smooth at %.4f: the switch of this angle is at mu = %.4f to %.4f\n", r.fromSmooth->phiBar,
+        std::printf("  smooth at %.4f: the transition of this angle is at mu = %.4f to %.4f\n", r.fromSmooth->phiBar,
                     r.fromSmooth->below, r.fromSmooth->above);
     if (r.low > r.high)
-        std::printf("  no coefficient fits: the angles are known less well than stated, or the shells differ\n");
+        std::printf("  no coefficient fits: the angles are less certain than stated, or the shells differ\n");
     const Json json = {{"method", "switch"},
                        {"scene", a.file},
                        {"friction", {{"low", r.low}, {"high", std::isfinite(r.high) ? Json(r.high) : Json(nullptr)}}},
@@ -180,17 +180,17 @@ int fromCurve(const CalibrateArguments& a) {
     if (!r.failure.empty())
         return complain(kCannotGoOn, a.file + ": " + r.failure);
     std::printf("friction coefficient: %.4f, 90 %% interval %.4f to %.4f\n", r.friction, r.low, r.high);
-    std::printf("  misfit %.2f per reading in units of the noise (%.3g N); %zu simulated runs\n",
-                r.chiSquaredPerReading, r.noise, r.simulations);
+    std::printf("  chi-squared per reading: %.2f (noise %.3g N); %zu simulated runs\n", r.chiSquaredPerReading, r.noise,
+                r.simulations);
     if (r.chiSquaredPerReading > 1.5)
-        std::printf("  the model without extra physics does not explain these readings; ask `supercircle diagnose`\n");
+        std::printf("  the model without extra physics does not explain these readings; run `supercircle diagnose`\n");
     Json others = Json::object();
     for (const auto& [name, value] : r.others)
         others[name] = value;
     const Json json = {{"method", "curve"},
                        {"experiment", a.file},
                        {"friction", {{"value", r.friction}, {"low", r.low}, {"high", r.high}, {"confidence", 0.9}}},
-                       {"misfit_per_reading", r.chiSquaredPerReading},
+                       {"chi2_per_reading", r.chiSquaredPerReading},
                        {"noise_N", r.noise},
                        {"other_parameters", others},
                        {"simulations", r.simulations}};

@@ -16,9 +16,10 @@ std::string number(double v) {
 
 } // namespace
 
-record::Result<Critical> criticalFriction(double phiBar, const Simulate& simulate, const SwitchSettings& settings) {
-    using Out = record::Result<Critical>;
-    Critical c;
+record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate& simulate,
+                                                  const SwitchSettings& settings) {
+    using Out = record::Result<CriticalFriction>;
+    CriticalFriction c;
     c.phiBar = phiBar;
     const auto smooth = [&](double mu) -> std::optional<bool> {
         ++c.simulations;

@@ -34,7 +34,7 @@ struct SwitchSettings {
 };
 
 /// Critical coefficient of one opening angle.
-struct Critical {
+struct CriticalFriction {
     double phiBar = 0.0;
     double below = 0.0; ///< the snap is smooth here ...
     double above = 0.0; ///< ... and abrupt here; infinite if it is smooth up to SwitchSettings::largest
@@ -42,13 +42,13 @@ struct Critical {
 };
 
 struct SwitchResult {
-    double low = 0.0, high = 0.0;                   ///< interval of the coefficient; high may be infinite
-    std::optional<Critical> fromAbrupt, fromSmooth; ///< the lower and the upper bound
+    double low = 0.0, high = 0.0;                           ///< interval of the coefficient; high may be infinite
+    std::optional<CriticalFriction> fromAbrupt, fromSmooth; ///< the lower and the upper bound
 };
 
 /// mu* of one opening angle by bisection, or an error message.
-[[nodiscard]] record::Result<Critical> criticalFriction(double phiBar, const Simulate& simulate,
-                                                        const SwitchSettings& settings);
+[[nodiscard]] record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate& simulate,
+                                                                const SwitchSettings& settings);
 
 /// The interval, or an error message: contradictory trials, or failed simulations.
 [[nodiscard]] record::Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials,

@@ -274,7 +274,7 @@ bool TestRig::move(double displacement, double duration, const std::function<boo
     settings.dtMax =
         speed == 0.0 ? resolution_.dtMax : std::min(resolution_.dtMax, resolution_.travelMax / std::abs(speed));
     world_.crossheadVelocity = {0.0, -speed};
-    books_ = world_.energyBalance;
+    balance_ = world_.energyBalance;
     lastDisplacement_ = this->displacement();
     const double longestStep = settings.dtMax;
     stepSizeHold_.begin(world_.time);
@@ -303,9 +303,9 @@ double TestRig::frictionCorrection(double lost, double stored, double work) cons
 void TestRig::readMeanForce() {
     const step::EnergyBalance& now = world_.energyBalance;
     const double travel = displacement() - lastDisplacement_;
-    const double work = now.work - books_.work;
-    const double lost = (now.numerical - books_.numerical) + (now.positionCorrection - books_.positionCorrection);
-    const double kinetic = now.kinetic - books_.kinetic;
+    const double work = now.work - balance_.work;
+    const double lost = (now.numerical - balance_.numerical) + (now.positionCorrection - balance_.positionCorrection);
+    const double kinetic = now.kinetic - balance_.kinetic;
     constexpr double kMost = 0.05; // share of the force scale: more is no error of a slow step
     const double most = kMost * std::abs(travel) * std::max(std::abs(force()), forceScale_);
     constexpr double kQuiet = 0.1;  // largest change of kinetic energy, share of the loss
@@ -317,10 +317,11 @@ void TestRig::readMeanForce() {
     mean_.known = travel != 0.0 && lost > 0.0 && lost < most && std::abs(kinetic) < quiet;
     if (mean_.known) {
         // Correct the work, not the end force, which differs from the mean by half a step.
-        mean_.force = (work - lost * frictionCorrection(lost, work - (now.friction - books_.friction), work)) / travel;
+        mean_.force =
+            (work - lost * frictionCorrection(lost, work - (now.friction - balance_.friction), work)) / travel;
         forceScale_ = std::max(forceScale_, std::abs(mean_.force));
     }
-    books_ = now;
+    balance_ = now;
     lastDisplacement_ = displacement();
 }
 

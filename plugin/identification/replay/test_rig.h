@@ -80,7 +80,7 @@ private:
     MeanForce mean_;
     effects::Model common_; ///< effects common to all specimens and the set-up
     StepSizeHold stepSizeHold_;
-    step::EnergyBalance books_;     ///< at the end of the last step
+    step::EnergyBalance balance_;   ///< at the end of the last step
     double lastDisplacement_ = 0.0; ///< m
     double forceScale_ = 0.0;       ///< largest mean force so far, N
     double start_ = 0.0;

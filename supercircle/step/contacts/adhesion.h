@@ -25,7 +25,7 @@ struct AdhesionEnergies {
     double toBodies = 0.0;    ///< to dynamic ones, J
     double secondOrder = 0.0; ///< J
 };
-/// Books the accepted step, in the state before it; forces go to the bodies.
+/// Records the energy of the accepted step, in the state before it; forces go to the bodies.
 AdhesionEnergies recordAdhesion(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
 
 } // namespace supercircle::step

@@ -87,7 +87,7 @@ void rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, 
         Eigen::Map<Eigen::RowVectorXd> row(rolling.tau.data(), rolling.tau.size());
         rods[i].kin.angleRow(world.rods[i].model, rod::locate(world.rods[i].model, at.element, at.s), row);
         rolling.c = strength;
-        rolling.lag = 0.0;
+        rolling.lagAngle = 0.0;
     };
     const auto turned = [&](std::int32_t rod, const Rolling& r) { // of the other side since the linearisation point
         const auto i = static_cast<std::size_t>(rod);
@@ -103,7 +103,7 @@ void rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, 
     // side's lagged rotation would be a Jacobi splitting that flips sign every step without decay).
     const double mean = 0.5 * (turned(c.a.rod, pair.a) + turned(c.b.rod, pair.b));
     pair.a.c = pair.b.c = 2.0 * strength;
-    pair.a.lag = pair.b.lag = mean;
+    pair.a.lagAngle = pair.b.lagAngle = mean;
 }
 
 } // namespace
@@ -170,9 +170,9 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
             w.beyond[side].assign(model.side(side).size(), Vec2::Zero());
         for (const Hold& h : world.rods[i].holds)
             pull(model, rod::locate(model, h.s), h.reaction, w);
-        for (const PointForce& f : world.rods[i].forces)
+        for (const AppliedForce& f : world.rods[i].forces)
             pull(model, rod::locate(model, f.s), f.force, w);
-        for (const Grab& g : world.rods[i].grabs)
+        for (const MouseJoint& g : world.rods[i].mouseJoints)
             pull(model, rod::locate(model, g.s), g.force, w);
     }
     for (std::size_t k = 0; k < world.links.size(); ++k) {

@@ -377,7 +377,7 @@ void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& s
                 return;
             const auto k = static_cast<std::size_t>(rod);
             u += sign * (J * rods[k].v);
-            rods[k].push += sign * (J.transpose() * r);
+            rods[k].contactImpulse += sign * (J.transpose() * r);
             if (row.kind == LinkRowKind::Pull) // a string that snaps taut is an impact; a joint only steers
                 rods[k].impactShare += sign * 0.5 * r.dot(J * (rods[k].v - world.rods[k].v));
         };

@@ -36,7 +36,7 @@ struct LinkGaps {
 };
 LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
 
-/// Books of the links and what they leave for the next step; the counterpart of recordContacts.
+/// Energy of the links and what they leave for the next step; the counterpart of recordContacts.
 void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt);
 
 /// Pairs that do not collide because a link says so, sorted; see excluded().

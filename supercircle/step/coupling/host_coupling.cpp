@@ -95,19 +95,19 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
         if (b.state.inertia > 0.0)
             out[static_cast<std::size_t>(i)].spin += turn / b.state.inertia;
     };
-    std::vector<BodyId>& lost = work.lost;
-    lost.clear();
+    std::vector<BodyId>& impulseUnknown = work.impulseUnknown;
+    impulseUnknown.clear();
     for (const HostContact& c : world.constraints.contacts) {
-        if (c.lost)
-            lost.insert(lost.end(), {c.a, c.b});
-        if (!c.told)
+        if (c.impulseUnknown)
+            impulseUnknown.insert(impulseUnknown.end(), {c.a, c.b});
+        if (!c.impulseKnown)
             continue;
         const Vec2 f = (c.hostNormal - c.sumNormal) * c.normal + (c.hostTangent - c.sumTangent) * rod::perp(c.normal);
         add(c.a, -f, -rod::cross(c.armA, f));
         add(c.b, f, rod::cross(c.armB, f));
     }
     for (const HostRow& r : world.constraints.rows) {
-        if (!r.told)
+        if (!r.impulseKnown)
             continue;
         const double f = r.host - r.sum;
         add(r.a, f * r.axisA, f * r.turnA);
@@ -121,12 +121,13 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
             continue;
         const bool capped =
             advanced * now.velocity.norm() > 0.99 * c.farthest || advanced * std::abs(now.spin) > 0.99 * c.mostTurn;
-        if (capped || std::find(lost.begin(), lost.end(), b.id) != lost.end()) // all of it counts as error
+        const bool unknown = std::find(impulseUnknown.begin(), impulseUnknown.end(), b.id) != impulseUnknown.end();
+        if (capped || unknown) // all of it counts as error
             out[i] = {now.velocity - b.hostCoupling.handed, now.spin - b.hostCoupling.handedSpin};
     }
 }
 
-void settlePlaces(World& world, Port& port, double advanced, HostCouplingWork& work) {
+void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork& work) {
     const double h = thinnest(world);
     const std::vector<BodyMotion>& unsolved = work.unsolved;
     std::vector<int>& suspects = work.suspects;

@@ -43,7 +43,7 @@ namespace supercircle::step {
 /// Storage of the two below, kept from frame to frame.
 struct HostCouplingWork {
     std::vector<BodyMotion> unsolved; ///< per World::bodies
-    std::vector<BodyId> lost;
+    std::vector<BodyId> impulseUnknown;
     std::vector<int> suspects, intruding, owner;
     std::vector<contact::RodCurve> curves;
     std::vector<contact::Outline> copies, originals;
@@ -59,7 +59,7 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
 
 /// After the host's step: decides for every dynamic body near shells whether its copy or its original is where it
 /// should be. What is left between them (less than a fiftieth of a thickness as a rule) is the drift of the next frame.
-void settlePlaces(World& world, Port& port, double advanced, HostCouplingWork& work);
+void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork& work);
 
 /// After the host's own step of `advanced` seconds: gives the bodies the velocities they have at the end of the frame
 /// and learns what the host's constraints did to them.

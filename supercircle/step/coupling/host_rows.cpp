@@ -317,7 +317,7 @@ void addHostContacts(const World& world, double dt, ContactStage& stage) {
             const HostContact& c = world.constraints.contacts[static_cast<std::size_t>(entry)];
             putRows(world, stage, e, contactSides(c, c.normal), contactSides(c, rod::perp(c.normal)), out);
             out.mu = c.friction;
-            out.w += Vec2(c.room > 0.0 ? c.room / dt : -c.bounce, -c.conveyor);
+            out.w += Vec2(c.clearance > 0.0 ? c.clearance / dt : -c.restitutionVelocity, -c.tangentSpeed);
             warm = dt * Vec2(c.normalForce, c.tangentForce);
         } else {
             const BodyEnds& e = stage.rowEnds[static_cast<std::size_t>(-1 - entry)];
@@ -326,7 +326,7 @@ void addHostContacts(const World& world, double dt, ContactStage& stage) {
             const Sides t{Vec2::UnitX(), Vec2::UnitY(), 0.0, 0.0}; // any rows do: nothing rubs
             putRows(world, stage, e, n, t, out);
             out.mu = 0.0;
-            out.w = Vec2(out.w.x() + r.room / dt, 0.0);
+            out.w = Vec2(out.w.x() + r.clearance / dt, 0.0);
             warm.x() = dt * std::max(0.0, r.last);
         }
         stage.problem.r0.segment<2>(static_cast<Eigen::Index>(2 * (first + i))) = warm;
@@ -378,7 +378,7 @@ void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
         if (entry >= 0) {
             const BodyEnds& e = stage.contactEnds[static_cast<std::size_t>(entry)];
             HostContact& c = world.constraints.contacts[static_cast<std::size_t>(entry)];
-            c.room = std::max(0.0, c.room + dt * relative(world, stage, e, contactSides(c, c.normal)));
+            c.clearance = std::max(0.0, c.clearance + dt * relative(world, stage, e, contactSides(c, c.normal)));
             c.normalForce = r.x() / dt;
             c.tangentForce = r.y() / dt;
             c.sumNormal += r.x();
@@ -386,8 +386,8 @@ void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
         } else {
             const auto k = static_cast<std::size_t>(-1 - entry);
             HostRow& row = world.constraints.rows[k];
-            row.room = std::max(0.0, row.room + dt * relative(world, stage, stage.rowEnds[k],
-                                                              {row.axisA, row.axisB, row.turnA, row.turnB}));
+            row.clearance = std::max(0.0, row.clearance + dt * relative(world, stage, stage.rowEnds[k],
+                                                                        {row.axisA, row.axisB, row.turnA, row.turnB}));
             row.last = r.x() / dt;
             row.sum += r.x();
         }

@@ -1,5 +1,5 @@
 #pragma once
-// Host bodies in the shells' contact problem (private to step/; the scheme is told in host_coupling.h).
+// Host bodies in the shells' contact problem (private to step/; the scheme is in host_coupling.h).
 //
 // Bodies that joints connect are one block of the problem, so that a joint is as stiff as the host makes it at no cost
 // in the contact solver. A rigid row is a damper of 1e6 times the effective mass there: it slips by 1e-6 of the

@@ -35,7 +35,7 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
         }
         (void)port.state(b.id, h.seen); // it answered above
     }
-    settlePlaces(world, port, advanced, work);
+    reconcilePoses(world, port, advanced, work);
     world.constraints.clear(); // names the host's addresses: nothing to keep between frames
 }
 

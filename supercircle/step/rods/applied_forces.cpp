@@ -44,8 +44,8 @@ void rowsAt(const Rod& rod, const RodWork& w, double s, Eigen::Matrix<double, 2,
     w.kin.pointRows(rod.model, rod::locate(rod.model, s), Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), rows);
 }
 
-/// Force of a grab as its work space says, for the velocity `v`.
-Vec2 forceOf(const GrabWork& g, double dt, const Eigen::VectorXd& v) {
+/// Force of a mouse joint as its work space says, for the velocity `v`.
+Vec2 forceOf(const MouseJointWork& g, double dt, const Eigen::VectorXd& v) {
     const Vec2 u = g.J * v;
     return g.stiffness * (g.stretch - dt * u) - g.damping * u;
 }
@@ -98,7 +98,7 @@ void startPaths(World& world, double frame) {
 
 void endOfFrame(World& world) {
     for (Rod& r : world.rods)
-        std::erase_if(r.forces, [](const PointForce& f) { return f.once; });
+        std::erase_if(r.forces, [](const AppliedForce& f) { return f.once; });
 }
 
 void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
@@ -106,7 +106,7 @@ void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
     if (!rod.forces.empty()) {
         w.load.setZero(rod.model.dofs());
         Eigen::RowVectorXd turn(rod.model.dofs());
-        for (const PointForce& f : rod.forces) {
+        for (const AppliedForce& f : rod.forces) {
             rowsAt(rod, w, f.s, w.rowsOfLoad);
             w.load += w.rowsOfLoad.transpose() * f.force;
             if (f.torque != 0.0) {
@@ -116,10 +116,10 @@ void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
         }
         w.rhs += dt * w.load;
     }
-    w.grabs.resize(rod.grabs.size());
-    for (std::size_t i = 0; i < rod.grabs.size(); ++i) {
-        const Grab& g = rod.grabs[i];
-        GrabWork& k = w.grabs[i];
+    w.mouseJoints.resize(rod.mouseJoints.size());
+    for (std::size_t i = 0; i < rod.mouseJoints.size(); ++i) {
+        const MouseJoint& g = rod.mouseJoints[i];
+        MouseJointWork& k = w.mouseJoints[i];
         rowsAt(rod, w, g.s, k.J);
         k.stretch = g.target - rod.kin.point(rod::locate(rod.model, g.s));
         k.stiffness = g.stiffness;
@@ -136,17 +136,17 @@ void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
 
 double recordAppliedForces(Rod& rod, double dt, const RodWork& w) {
     double work = w.load.size() > 0 ? dt * w.load.dot(w.v) : 0.0;
-    for (std::size_t i = 0; i < w.grabs.size(); ++i) {
-        rod.grabs[i].force = forceOf(w.grabs[i], dt, w.v);
-        work += dt * rod.grabs[i].force.dot(w.grabs[i].J * w.v);
+    for (std::size_t i = 0; i < w.mouseJoints.size(); ++i) {
+        rod.mouseJoints[i].force = forceOf(w.mouseJoints[i], dt, w.v);
+        work += dt * rod.mouseJoints[i].force.dot(w.mouseJoints[i].J * w.v);
     }
     return work;
 }
 
-bool grabsOff(const Rod& rod, double dt, const RodWork& w) {
-    for (std::size_t i = 0; i < w.grabs.size(); ++i) {
-        const Grab& g = rod.grabs[i];
-        const GrabWork& k = w.grabs[i];
+bool mouseJointsOff(const Rod& rod, double dt, const RodWork& w) {
+    for (std::size_t i = 0; i < w.mouseJoints.size(); ++i) {
+        const MouseJoint& g = rod.mouseJoints[i];
+        const MouseJointWork& k = w.mouseJoints[i];
         const double force = forceOf(k, dt, w.v).norm();
         const bool scaled = k.stiffness < g.stiffness || k.damping < g.damping;
         if (force > 1.01 * g.maxForce || (scaled && force < 0.99 * g.maxForce))

@@ -118,8 +118,8 @@ double effectError(const Rod& rod, double dt, const RodWork& w) {
     return worst;
 }
 
-EffectBooks acceptEffects(Rod& rod, double dt, const RodWork& w) {
-    EffectBooks out;
+EffectEnergyChange acceptEffects(Rod& rod, double dt, const RodWork& w) {
+    EffectEnergyChange out;
     effects::RodEffects& fx = rod.effects;
     const EffectWork& work = w.effects;
     double given = 0.0; // work of the rod on the linearised effects

@@ -18,11 +18,11 @@ void addEffects(const Rod& rod, double dt, bool again, RodWork& w);
 /// How far the laws are from their linearisation, in tolerances; above 1 another one is worth while.
 double effectError(const Rod& rod, double dt, const RodWork& w);
 
-struct EffectBooks {
+struct EffectEnergyChange {
     double taken = 0.0;       ///< change of stored energy plus dissipation, J
     double secondOrder = 0.0; ///< J
 };
 /// Moves the effects' state to the end of the step.
-EffectBooks acceptEffects(Rod& rod, double dt, const RodWork& w);
+EffectEnergyChange acceptEffects(Rod& rod, double dt, const RodWork& w);
 
 } // namespace supercircle::step

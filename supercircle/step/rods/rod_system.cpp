@@ -141,7 +141,7 @@ void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodW
     w.rhs = w.p + dt * w.rhs;
     for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
         w.A.noalias() += (0.5 * dt * roll.c) * roll.tau * roll.tau.transpose();
-        w.rhs += roll.c * (roll.tau.dot(w.qk - rod.q) + roll.lag) * roll.tau;
+        w.rhs += roll.c * (roll.tau.dot(w.qk - rod.q) + roll.lagAngle) * roll.tau;
     }
     if (w.loaded) {
         w.A += (0.5 * dt * dt) * w.axial;
@@ -213,32 +213,32 @@ void advanceRod(const Rod& rod, double dt, RodWork& w) {
 }
 
 RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
-    RodEnergies books;
+    RodEnergies energies;
     for (std::size_t g = 0; g < w.u1.size(); ++g) {
-        books.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - w.u0[g].squaredNorm());
-        books.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
+        energies.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - w.u0[g].squaredNorm());
+        energies.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
     }
-    books.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
+    energies.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
     for (int i = 0; i < rod.model.elements(); ++i) {
         const double step = w.q1[i] - rod.q[i];
-        books.secondOrder += 0.5 * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * step * step;
+        energies.secondOrder += 0.5 * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * step * step;
     }
     for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
         const double rate = roll.tau.dot(w.v);
-        books.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lag);
+        energies.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lagAngle);
     }
     if (w.loaded) {
         w.difference = 0.5 * dt * w.v - (w.qk - rod.q);
         w.product.noalias() = w.axial * w.difference;
-        books.rollingWork -= dt * w.v.dot(w.product);
+        energies.rollingWork -= dt * w.v.dot(w.product);
     }
     if (w.C.rows() > 0) {
         HoldWork& held = w.held;
-        held.rhs = -w.rhs - w.push;
+        held.rhs = -w.rhs - w.contactImpulse;
         held.rhs.noalias() += w.A * w.v; // = C^T (impulses of the holds)
         const Eigen::VectorXd& impulse = holdImpulses(held.rhs, held);
         held.rate.noalias() = w.C * w.v;
-        books.holdWork = impulse.dot(held.rate);
+        energies.holdWork = impulse.dot(held.rate);
         Eigen::Index row = 0;
         for (Hold& h : rod.holds) {
             h.reaction = Vec2(impulse[row], impulse[row + 1]) / dt;
@@ -247,11 +247,11 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
             advanceTarget(world, dt, h);
         }
     }
-    books.loadWork = recordAppliedForces(rod, dt, w);
+    energies.loadWork = recordAppliedForces(rod, dt, w);
     if (rod.effects.on()) {
-        const EffectBooks taken = acceptEffects(rod, dt, w);
-        books.effects = taken.taken;
-        books.secondOrder += taken.secondOrder;
+        const EffectEnergyChange taken = acceptEffects(rod, dt, w);
+        energies.effects = taken.taken;
+        energies.secondOrder += taken.secondOrder;
     }
     const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
     const double turned = meanAngle(rod.model, w.kin1) - meanAngle(rod.model, w.kin);
@@ -261,11 +261,11 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     rod.kin = w.kin1;
     rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
     carryAlong(rod.gauss, turned, rod.u);
-    books.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
-    books.secondOrder -= dt * w.v.dot(w.gravityForce) + books.gravityChange;
+    energies.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
+    energies.secondOrder -= dt * w.v.dot(w.gravityForce) + energies.gravityChange;
     rod.speed = w.moved / dt;
     rod.lastAccepted = rod.q;
-    return books;
+    return energies;
 }
 
 } // namespace supercircle::step

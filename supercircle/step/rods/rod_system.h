@@ -26,7 +26,7 @@ struct RodEnergies {
     double kineticLoss = 0.0; ///< 1/2 |u_new - u_old|^2
     double secondOrder = 0.0; ///< of implicit bending and of gravity
     double holdWork = 0.0;    ///< work of holds
-    double loadWork = 0.0;    ///< work of forces and grabs
+    double loadWork = 0.0;    ///< work of forces and mouse joints
     double effects = 0.0;     ///< taken by effects
     double rollingWork = 0.0; ///< of contact forces while their points roll and turn (contact_stiffness.h)
 };

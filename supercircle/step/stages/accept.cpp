@@ -18,9 +18,9 @@ namespace {
 
 using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic>;
 
-void addPush(const Rows& J, const Vec2& r, double sign, RodWork& w) {
+void addImpulse(const Rows& J, const Vec2& r, double sign, RodWork& w) {
     w.product.noalias() = J.transpose() * r;
-    w.push += sign * w.product;
+    w.contactImpulse += sign * w.product;
 }
 
 /// What the step changed of a contact point's velocity.
@@ -35,7 +35,7 @@ void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stag
         b.force.setZero();
     for (std::size_t i = 0; i < rods.size(); ++i) {
         rods[i].impactShare = 0.0;
-        rods[i].push.setZero(world.rods[i].model.dofs());
+        rods[i].contactImpulse.setZero(world.rods[i].model.dofs());
     }
     for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
         const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * i));
@@ -45,13 +45,13 @@ void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stag
         const ContactWork& k = stage.work[i];
         RodWork& a = rods[static_cast<std::size_t>(k.rodA)];
         Vec2 u = k.Ja * a.v - k.surface;
-        addPush(k.Ja, r, 1.0, a);
+        addImpulse(k.Ja, r, 1.0, a);
         a.impactShare += 0.5 * r.dot(change(k.Ja, world.rods[static_cast<std::size_t>(k.rodA)], a));
         const Vec2 force = (c.normal * r.x() + rod::perp(c.normal) * r.y()) / dt;
         if (k.rodB >= 0) {
             RodWork& b = rods[static_cast<std::size_t>(k.rodB)];
             u -= k.Jb * b.v;
-            addPush(k.Jb, r, -1.0, b);
+            addImpulse(k.Jb, r, -1.0, b);
             b.impactShare -= 0.5 * r.dot(change(k.Jb, world.rods[static_cast<std::size_t>(k.rodB)], b));
         } else {
             Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
@@ -153,16 +153,16 @@ void accept(World& world, TrialStep& t) {
     hold(effects::Key::ContactCompliance, held.compliance);
     hold(effects::Key::StaticFrictionExcess, held.presliding);
     advanceSurfaces(world, rods, dt, stage);
-    std::vector<RodEnergies>& books = t.books;
-    books.assign(rods.size(), RodEnergies{});
+    std::vector<RodEnergies>& energies = t.energies;
+    energies.assign(rods.size(), RodEnergies{});
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
         if (!world.rods[i].frozen())
-            books[i] = acceptRod(world, world.rods[i], dt, rods[i]);
+            energies[i] = acceptRod(world, world.rods[i], dt, rods[i]);
     });
     for (std::size_t i = 0; i < rods.size(); ++i) {
         if (world.rods[i].frozen())
             continue;
-        const RodEnergies& b = books[i];
+        const RodEnergies& b = energies[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
         l.kinetic += b.kineticChange;
         l.bending += b.bendingChange;

@@ -11,7 +11,7 @@ void quarantine(World& world, Rod& r) {
     r.q = r.lastAccepted;
     r.v.setZero();
     const double kinetic = rod::kineticEnergy(r.gauss, r.u);
-    if (std::isfinite(kinetic)) { // its motion leaves the books as it leaves the world
+    if (std::isfinite(kinetic)) { // its motion leaves the energy balance as it leaves the world
         world.energyBalance.kinetic -= kinetic;
         world.energyBalance.added -= kinetic;
     }

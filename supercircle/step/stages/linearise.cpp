@@ -47,13 +47,13 @@ const std::vector<contact::Candidate>& startCandidates(const World& world, const
     return t.kept;
 }
 
-/// Whether links, grabs or effects ask for another linearisation.
+/// Whether links, mouse joints or effects ask for another linearisation.
 bool jointsOrEffectsOff(const World& world, double tolerance, const TrialStep& t) {
     const std::vector<RodWork>& rods = t.rods;
     const ContactStage& stage = t.stage;
     const double dt = t.dt;
     for (std::size_t i = 0; i < rods.size(); ++i)
-        if (!rods[i].frozen && (grabsOff(world.rods[i], dt, rods[i]) ||
+        if (!rods[i].frozen && (mouseJointsOff(world.rods[i], dt, rods[i]) ||
                                 (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
             return true;
     return frictionError(world, rods, dt, stage) > 1.0 || adhesionError(world, rods, dt, stage) > 1.0 ||

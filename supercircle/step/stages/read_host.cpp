@@ -25,7 +25,7 @@ Box reach(const World& world, double frame) {
 }
 
 /// What the copy `old` of the last frame still knows about a body whose original is now in the state `b.state`.
-void takeUp(const Body& old, double frame, Body& b) {
+void carryOver(const Body& old, double frame, Body& b) {
     const BodyState &now = b.state, &seen = old.hostCoupling.seen;
     HostCoupling& h = b.hostCoupling;
     h.unexplained = old.hostCoupling.unexplained;
@@ -66,7 +66,7 @@ void readBodies(const World& world, const Port& port, const std::vector<BodyId>&
                 b.state = old.state;
             b.force = old.force;
             if (b.dynamic && old.hostCoupling.known)
-                takeUp(old, frame, b);
+                carryOver(old, frame, b);
         }
         bodies.push_back(b);
     }

@@ -32,7 +32,7 @@ struct TrialStep {
     ContactStage stage;
     std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
     std::vector<ContactImpulse> impulses; ///< of the last solve
-    std::vector<RodEnergies> books;       ///< of the accepted trial, per rod
+    std::vector<RodEnergies> energies;    ///< of the accepted trial, per rod
     std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs (Settings::cull)
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::RodCurve> curvesBefore;

@@ -11,11 +11,11 @@ namespace supercircle::step {
 /// The contact point of two smooth surfaces rolls along them by (relative rotation) / (relative curvature). Where the
 /// surfaces are nearly conformal - an arc pressed flat, nested shells - it runs far, and a normal force N that follows
 /// it only from step to step is an explicit spring of stiffness N / curvature on the rotation: it flutters. This term
-/// makes it implicit: impulse -c tau [tau . (dt v / 2 - (q_k - q)) - lag] on the rod.
+/// makes it implicit: impulse -c tau [tau . (dt v / 2 - (q_k - q)) - lag angle] on the rod.
 struct Rolling {
-    Eigen::VectorXd tau; ///< rotation of the rod's section at the contact, d theta / dq
-    double c = 0.0;      ///< N dt / relative curvature, N s m
-    double lag = 0.0;    ///< rotation of the other side since the linearisation point, as far as known, rad
+    Eigen::VectorXd tau;   ///< rotation of the rod's section at the contact, d theta / dq
+    double c = 0.0;        ///< N dt / relative curvature, N s m
+    double lagAngle = 0.0; ///< rotation of the other side since the linearisation point, as far as known, rad
 };
 
 /// What one candidate adds to its rods.
@@ -32,8 +32,8 @@ struct LoadedPoint {
     double normal = 0.0;     ///< N
 };
 
-/// A grab inside an attempt (applied_forces.h).
-struct GrabWork {
+/// A mouse joint inside an attempt (applied_forces.h).
+struct MouseJointWork {
     Eigen::Matrix<double, 2, Eigen::Dynamic> J; ///< rows of its point
     Vec2 stretch = Vec2::Zero();                ///< target minus point at the start of the step, m
     double stiffness = 0.0;                     ///< as far as the largest force allows, N/m
@@ -83,20 +83,20 @@ struct RodWork {
     Eigen::VectorXd p;     ///< int lambda J^T u0
     Eigen::VectorXd rhs;   ///< p + dt F(q) + rolling + axial
     Eigen::VectorXd gravityForce;
-    Eigen::MatrixXd C;            ///< hold rows, m x n (empty: free)
-    HoldWork held;                ///< storage of predictRod() and acceptRod()
-    Eigen::VectorXd c;            ///< C v = c
-    Eigen::MatrixXd Z;            ///< basis of C Z = 0, n x (n - m)
-    Eigen::VectorXd vp;           ///< particular solution of C v = c
-    Eigen::VectorXd push;         ///< sum of H^T r, n
-    Eigen::VectorXd v;            ///< mean velocity of the step, (q1 - q) / dt
-    Eigen::VectorXd q1;           ///< new configuration
-    rod::Kinematics kin1;         ///< at q1
-    std::vector<Vec2> u1;         ///< new material velocities at the linearisation point
-    std::vector<Rolling> rolling; ///< storage; the first rollingCount belong to this linearisation
+    Eigen::MatrixXd C;              ///< hold rows, m x n (empty: free)
+    HoldWork held;                  ///< storage of predictRod() and acceptRod()
+    Eigen::VectorXd c;              ///< C v = c
+    Eigen::MatrixXd Z;              ///< basis of C Z = 0, n x (n - m)
+    Eigen::VectorXd vp;             ///< particular solution of C v = c
+    Eigen::VectorXd contactImpulse; ///< sum of H^T r, n
+    Eigen::VectorXd v;              ///< mean velocity of the step, (q1 - q) / dt
+    Eigen::VectorXd q1;             ///< new configuration
+    rod::Kinematics kin1;           ///< at q1
+    std::vector<Vec2> u1;           ///< new material velocities at the linearisation point
+    std::vector<Rolling> rolling;   ///< storage; the first rollingCount belong to this linearisation
     std::size_t rollingCount = 0;
     Eigen::VectorXd load; ///< generalised force of the applied forces, or empty
-    std::vector<GrabWork> grabs;
+    std::vector<MouseJointWork> mouseJoints;
     Eigen::Matrix<double, 2, Eigen::Dynamic> rowsOfLoad; ///< storage
     bool frozen = false;                                 ///< quarantined or asleep: stays where it is
     bool loaded = false;                                 ///< has point forces, so that `axial` counts

@@ -57,9 +57,9 @@ std::string fingerprint(const Shells& shells) {
         for (const step::Hold& h : r.holds)
             add(h.target.point.sum() + h.target.path.to.sum() + h.target.path.toAngle + h.target.velocity.sum() +
                 (h.target.pending ? 1 : 0));
-        for (const step::Grab& g : r.grabs)
+        for (const step::MouseJoint& g : r.mouseJoints)
             add(g.target.sum() + g.stiffness);
-        for (const step::PointForce& f : r.forces)
+        for (const step::AppliedForce& f : r.forces)
             add(f.force.sum() + f.torque + f.s);
         add(r.mu + r.material + r.category + r.mask + r.group + r.model.definition().bendingModulus);
         add(r.island + r.stillTime);

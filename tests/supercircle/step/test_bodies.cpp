@@ -181,7 +181,7 @@ TEST_CASE("shell and body exchange momentum exactly", "[step]") {
     CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * w.energyBalance.added);
 }
 
-TEST_CASE("a kinematic plate does exactly the work the books say", "[step]") {
+TEST_CASE("a kinematic plate does exactly the work that the energy balance records", "[step]") {
     FakeHost host;
     host.addGround(1, 0.35);
     step::World w;

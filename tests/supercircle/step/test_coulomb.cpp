@@ -41,7 +41,8 @@ TEST_CASE("a strip on an incline sticks below tan(angle) = mu and slides above",
                 // implicit Euler runs ahead by a t dt / 2, dt <= 4 ms: 1 % of a t^2 / 2; never behind
                 CHECK(x / (0.5 * a * time * time) > 1.0 - 1e-4);
                 CHECK(x / (0.5 * a * time * time) < 1.0 + 0.0101);
-                // friction of the books: mu m g cos(angle) x; the same sum over steps, so only solver tolerance remains
+                // friction of the energy balance: mu m g cos(angle) x; the same sum over steps, so only solver
+                // tolerance remains
                 const double heat = mu * w.rods[0].model.mass() * kG * std::cos(angle) * x;
                 CHECK(w.energyBalance.friction == Approx(heat).epsilon(1e-3));
             }

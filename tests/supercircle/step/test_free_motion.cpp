@@ -32,7 +32,7 @@ step::Settings fixedStep(double dt) {
 
 } // namespace
 
-TEST_CASE("free fall follows the implicit Euler closed form and closes the books", "[step]") {
+TEST_CASE("free fall follows the implicit Euler closed form and closes the energy balance", "[step]") {
     step::World w;
     w.gravity = {0.0, -9.81};
     const rod::RodModel model(shell());
@@ -73,7 +73,7 @@ TEST_CASE("a rigidly spinning shell keeps its momenta and loses next to no energ
     CHECK(std::abs(w.energyBalance.residual()) < 1e-10 * before);
 }
 
-TEST_CASE("free vibration: implicit Euler takes energy and books every joule", "[step]") {
+TEST_CASE("free vibration: implicit Euler takes energy and the balance records every joule", "[step]") {
     step::World w;
     const rod::RodModel model(shell());
     Eigen::VectorXd q = natural(model);

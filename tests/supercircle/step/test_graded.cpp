@@ -1,4 +1,4 @@
-// Rods with elements of unequal length move, touch and keep their books like any other.
+// Rods with elements of unequal length move, touch and keep their energy balance like any other.
 
 #include "tests/supercircle/step/setup.h"
 

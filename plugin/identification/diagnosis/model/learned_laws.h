@@ -1,6 +1,6 @@
 #pragma once
-// Laws learned where no catalogue effect fits: penalised cubic B-splines of a state, in the slots of the simulator.
-// Never of time alone, except for the sensor.
+// Laws learned where no catalogue effect fits: penalised cubic B-splines of a state (P. H. C. Eilers, B. D. Marx, Stat.
+// Sci. 11 (1996) 89; S. N. Wood, M. Fasiolo, Biometrics 73 (2017) 1071). Only the sensor may depend on time alone.
 //
 // | learned response | state | slot |
 // | bending stiffness dM/d kappa | curvature change | material |
@@ -10,8 +10,6 @@
 // | force of the testing machine, both directions equal | displacement | readings |
 // | force of the testing machine against its motion | displacement | readings |
 // | zero of the load cell | time | readings |
-// Source: P. H. C. Eilers, B. D. Marx, Stat. Sci. 11 (1996) 89 (P-splines); S. N. Wood, M. Fasiolo, Biometrics 73
-// (2017) 1071 (generalised Fellner-Schall steps).
 
 #include "plugin/identification/diagnosis/model/candidate_effects.h"
 

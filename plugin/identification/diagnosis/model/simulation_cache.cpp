@@ -11,7 +11,7 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-constexpr char kMagic[] = "supercircle diagnosis store 2\n";
+constexpr char kMagic[] = "supercircle simulation cache 3\n";
 
 /// FNV-1a, G. Fowler, L. C. Noll, K.-P. Vo.
 std::uint64_t checkSum(const std::string& text) {

@@ -83,7 +83,7 @@ TEST_CASE("inconclusive stacks are not reported as equal", "[diagnosis]") {
 
 TEST_CASE("a bad ensemble file is rejected with line and column", "[diagnosis]") {
     const supercircle::test::Folder folder;
-    const std::string head = "eta,snap_fits\n", rows = "0.1,1\n0.2,2\n0.15,1\n0.12,3\n";
+    const std::string head = "dissipation_ratio,snap_fits\n", rows = "0.1,1\n0.2,2\n0.15,1\n0.12,3\n";
     folder.write("good.csv", head + rows);
     folder.write("gap.csv", head + rows + ",2\n");
     folder.write("few.csv", head + "0.1,1\n");
@@ -96,7 +96,7 @@ TEST_CASE("a bad ensemble file is rejected with line and column", "[diagnosis]")
     };
     using Catch::Contains;
     const std::string both = " \"recorded\": \"good.csv\", \"nominal\": \"good.csv\"",
-                      quantities = " \"quantities\": [\"eta\", \"snap_fits\"],\n";
+                      quantities = " \"quantities\": [\"dissipation_ratio\", \"snap_fits\"],\n";
     CHECK_THAT(said(quantities + both), !Contains("stacks.json:"));
     CHECK_THAT(said(quantities + " \"efects\": [],\n" + both),
                Contains("stacks.json:4:2: /efects: unknown key \"efects\"") && Contains("\"effects\"?"));
@@ -107,11 +107,11 @@ TEST_CASE("a bad ensemble file is rejected with line and column", "[diagnosis]")
     CHECK_THAT(said(quantities + " \"recorded\": 3, \"nominal\": \"good.csv\""),
                Contains("stacks.json:4:14: /recorded"));
     CHECK_THAT(said(quantities + " \"nominal\": \"good.csv\", \"recorded\": \"gap.csv\""),
-               Contains("stacks.json:4:37: /recorded: ") && Contains("gap.csv:6: there is no eta"));
+               Contains("stacks.json:4:37: /recorded: ") && Contains("gap.csv:6: there is no dissipation_ratio"));
     CHECK_THAT(said(quantities + " \"nominal\": \"few.csv\", \"recorded\": \"good.csv\""),
                Contains("stacks.json:4:13: /nominal: ") && Contains("holds 1 stacks; expected at least 4"));
     CHECK_THAT(said(quantities + " \"nominal\": \"no.csv\", \"recorded\": \"good.csv\""),
                Contains("stacks.json:4:13: /nominal: ") && Contains("no.csv"));
-    CHECK_THAT(said(" \"quantities\": \"eta\",\n" + both), Contains("stacks.json:3:16: /quantities"));
+    CHECK_THAT(said(" \"quantities\": \"dissipation_ratio\",\n" + both), Contains("stacks.json:3:16: /quantities"));
     CHECK_THAT(said(" \"quantities\": [],\n" + both), Contains("stacks.json:3:16: /quantities"));
 }

@@ -291,7 +291,7 @@ TEST_CASE("a fit converges along a bent valley from nearly every start", "[diagn
     for (const double b : {1e-3, 5e-3})
         for (const double a : {0.6, 2.0, 5.0})
             lost.count(a, b);
-    INFO(lost.effect << ", beside a rival " << lost.behind << ", as stated numbers " << lost.stated << " of "
+    INFO(lost.effect << ", beside another effect " << lost.behind << ", in stated parameters " << lost.stated << " of "
                      << lost.all);
     // The residual starts at forty times the length of a small force, which drives the stiffness to its bound.
     CHECK(lost.effect <= lost.all / 15);

@@ -241,13 +241,13 @@ TEST_CASE("factors of a well known product are limited by each other's bounds", 
 
 namespace {
 
-/// Recordings of the toy with one concealed effect, and the objects for a fit.
+/// Recordings of the toy with one hidden effect, and the objects for a fit.
 template <class Hiding>
-struct Concealed {
-    /// @param values of the concealed effect
+struct HiddenEffectCase {
+    /// @param values of the hidden effect
     /// @param more arguments of the model's constructor
     template <class... More>
-    Concealed(std::uint64_t seed, const std::vector<double>& values, More... more)
+    HiddenEffectCase(std::uint64_t seed, const std::vector<double>& values, More... more)
         : data(toy::recordings(seed)), model(data, more...), evaluator(model, data.runs.size(), {}, cache) {
         const ParameterPoint truth{{103.0, 0.08}, {{0, values}}};
         for (std::size_t r = 0; r < data.runs.size(); ++r)
@@ -304,7 +304,7 @@ private:
 } // namespace
 
 TEST_CASE("an interval of a position contains the other local minimum", "[diagnosis]") {
-    Concealed<Bump> masked(41, {0.04, 0.3});
+    HiddenEffectCase<Bump> masked(41, {0.04, 0.3});
     const Bump& model = masked.model;
     const FitResult found = masked.fittedFrom({0.05, 0.75});
     const Variables v(model, found.point);
@@ -377,7 +377,7 @@ private:
 
 TEST_CASE("an interval reports an ambiguous sign", "[diagnosis]") {
     for (const double minds : {0.0, 1.0}) {
-        Concealed<Aside> masked(43, {1.2}, minds);
+        HiddenEffectCase<Aside> masked(43, {1.2}, minds);
         const Aside& model = masked.model;
         const FitResult found = masked.fittedFrom({minds == 0.0 ? -1.0 : 1.0});
         const double value = found.point.terms[0].values[0];
@@ -400,7 +400,7 @@ TEST_CASE("an interval reports an ambiguous sign", "[diagnosis]") {
         }
     }
     // An amplitude compatible with zero has no sign, even if its mirror image fits equally.
-    Concealed<Aside> masked(44, {0.0}, 0.0);
+    HiddenEffectCase<Aside> masked(44, {0.0}, 0.0);
     const Aside& model = masked.model;
     const FitResult small = masked.fittedFrom({0.02});
     const auto others = otherLocalMinima(masked.evaluator, *masked.likelihood, small, {}, 2.0 * small.chiSquared);

@@ -69,7 +69,7 @@ TEST_CASE("the reference simulator's arch without extra physics is adequate", "[
     CHECK(d.baselineChiSquaredPerReading < 1.3);
 }
 
-TEST_CASE("a concealed sensor drift is identified", "[diagnosis][slow]") {
+TEST_CASE("a hidden sensor drift is identified", "[diagnosis][slow]") {
     experiment::Experiment e = noisy(106, 2);
     for (experiment::Run& r : e.runs)
         for (std::size_t k = 0; k < r.readings.time.size(); ++k)

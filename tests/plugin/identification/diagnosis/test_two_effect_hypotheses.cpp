@@ -98,7 +98,7 @@ TEST_CASE("a law whose signature grows a hundredfold just above its threshold is
     const ScreenedProbe probe = screen(evaluator, likelihood, base).front();
     REQUIRE(probe.gain > 100.0);
     const std::vector<double> settled = bestAmplitudeValues(evaluator, likelihood, base, probe);
-    CHECK(settled[0] > 1.0001); // half of the linearised gain is reached from 0.3 to 1.7 times the concealed force
+    CHECK(settled[0] > 1.0001); // half of the linearised gain is reached from 0.3 to 1.7 times the hidden force
     CHECK(settled[0] < 1.0007);
     const FitResult found = fit(evaluator, likelihood, ParameterPoint{base.point.nominal, {{0, settled}}});
     CHECK(found.chiSquared < 1.2 * static_cast<double>(likelihood.countedRows())); // noise

@@ -148,7 +148,7 @@ inline void addNoise(RecordedRun& run, Random& random) {
     }
 }
 
-/// Recordings of a spring with true values inside the stated intervals, and a concealed effect.
+/// Recordings of a spring with true values inside the stated intervals, and a hidden effect.
 inline RecordedData recordings(std::uint64_t seed, const std::string& masked = {}, double size = 0.0,
                                double rate = 25.0) {
     RecordedData data;

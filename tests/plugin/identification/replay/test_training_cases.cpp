@@ -99,7 +99,7 @@ replay::Parameters truth(const experiment::Experiment& e, const Json& answer) {
 
 } // namespace
 
-TEST_CASE("the true effect reproduces the training cases to within noise", "[replay][concealed]") {
+TEST_CASE("the true effect reproduces the training cases to within noise", "[replay][training]") {
     for (int number = 1; number <= 12; ++number) {
         const experiment::Experiment e = training(number);
         const Json a = answer(number);
@@ -122,7 +122,7 @@ TEST_CASE("the true effect reproduces the training cases to within noise", "[rep
     }
 }
 
-TEST_CASE("without the effect the training cases are not reproduced", "[replay][concealed]") {
+TEST_CASE("without the effect the training cases are not reproduced", "[replay][training]") {
     for (const int number : {1, 3, 6, 8, 10, 11}) {
         const experiment::Experiment e = training(number);
         const Json a = answer(number);

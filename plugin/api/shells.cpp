@@ -4,6 +4,7 @@
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
+#include "supercircle/support/invariants.h"
 
 #include <atomic>
 #include <cmath>
@@ -28,7 +29,9 @@ int Shells::Impl::find(ShellHandle h) const {
     if (h.null() || h.world != worldId || h.index >= slots.size() || slots[h.index].generation != h.generation ||
         slots[h.index].key == 0)
         return -1;
-    return step::rodIndex(world, slots[h.index].key);
+    const int index = step::rodIndex(world, slots[h.index].key);
+    SC_ASSERT(index >= 0, "a slot in use names a rod of the world");
+    return index;
 }
 
 ShellHandle Shells::Impl::handleOf(std::uint32_t key) const {
@@ -39,11 +42,14 @@ ShellHandle Shells::Impl::handleOf(std::uint32_t key) const {
 }
 
 ShellHandle Shells::Impl::assignSlot(std::uint32_t key, std::string name, std::uint64_t userData) {
+    SC_ASSERT(key != 0, "a rod has a key");
+    SC_ASSERT(handleOf(key).null(), "a rod has one slot");
     std::uint32_t i = 0;
     while (i < slots.size() && slots[i].key != 0)
         ++i;
     if (i == slots.size())
         slots.emplace_back();
+    SC_ASSERT(slots[i].generation <= slots[i].highest, "no generation is given out twice");
     slots[i].generation = ++slots[i].highest;
     slots[i].key = key;
     slots[i].name = std::move(name);
@@ -180,6 +186,8 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     m.recorder.record(Call::FrameEnd, inner, report.stopped);
     report.advanced = m.world.time - start;
     m.advanced = report.advanced;
+    SC_ASSERT(m.world.counters.steps >= before.steps && m.world.counters.unconverged >= before.unconverged,
+              "counts only grow");
     report.steps = m.world.counters.steps - before.steps;
     report.unconverged = m.world.counters.unconverged - before.unconverged;
     return report;

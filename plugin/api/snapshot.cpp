@@ -4,6 +4,7 @@
 // bodies are in step::Body, not in the port.
 
 #include "plugin/api/snapshot_fields.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -179,12 +180,15 @@ Status Shells::restore(const Snapshot& snapshot) {
         for (ContactPairState& t : state.detector.pairs)
             for (ShellHandle* h : {&t.last.a, &t.last.b})
                 h->world = h->null() ? 0 : m.worldId;
+        for (const Slot& slot : slots)
+            SC_ASSERT(slot.generation <= slot.highest, "no generation is given out twice");
         m.slots = std::move(slots);
         m.advanced = state.advanced;
         m.world = std::move(state.world);
         m.stepper.settings() = state.settings;
         m.stepper.settings().threads = threads;
         m.detector.state = std::move(state.detector);
+        SC_ASSERT(m.world.range.empty() || m.world.range.size() == m.world.rods.size(), "one range a rod");
         m.detector.events = {};
         m.recorder.record(Call::Restore, snapshot.bytes_, m.worldId);
         return done();

@@ -12,6 +12,8 @@
 
 #include "supercircle/coulomb/law.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -25,6 +27,8 @@ constexpr double kBilateralSingular =
 
 LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu, BilateralRows bilateralRows)
     : bilateralRows_(bilateralRows) {
+    SC_ASSERT(!(wnn < 0.0) && !(wtt < 0.0), "the diagonal of a Delassus block is not negative");
+    SC_ASSERT(!(mu < 0.0), "a friction coefficient is not negative");
     if (bilateralRows == BilateralRows::Both) {
         const double size = wnn + wtt;
         const double extra = wnn * wtt - wnt * wnt > kBilateralSingular * size * size ? 0.0 : kBilateralSingular * size;
@@ -55,6 +59,8 @@ LocalLaw::LocalLaw(double wnn, double wnt, double wtt, double mu, BilateralRows 
     constexpr double infinity = std::numeric_limits<double>::infinity();
     upper_ = up > 0.0 ? mu / up : infinity;
     lower_ = down > 0.0 ? -mu / down : -infinity;
+    SC_ASSERT_EXPENSIVE(!(lower_ > 0.0) && !(upper_ < 0.0), "r_t = 0 lies inside the cone");
+    SC_ASSERT_EXPENSIVE(!(stickT_ < 0.0), "a tangential impulse acts against the slip");
 }
 
 LocalImpulse LocalLaw::solveBilateral(double qn, double qt) const {

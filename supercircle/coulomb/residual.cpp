@@ -12,6 +12,8 @@
 
 #include "supercircle/coulomb/residual.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -20,6 +22,7 @@
 namespace supercircle::coulomb {
 
 Residual ResidualSum::result() const {
+    SC_ASSERT(!(closing_ < 0.0) && !(held_ < 0.0) && !(impulse_ < 0.0), "sums of squares are not negative");
     const double scale = closing_ > 0.0 ? closing_ : held_;
     Residual result;
     if (error_ != 0.0) // also for NaN, which must not pass as solved
@@ -75,10 +78,12 @@ std::vector<Eigen::VectorXd> velocities(const Problem& problem, const std::vecto
 } // namespace
 
 std::vector<Eigen::VectorXd> bodyVelocities(const Problem& problem, const Eigen::VectorXd& r) {
+    SC_ASSERT(r.size() == 2 * static_cast<Eigen::Index>(problem.contacts.size()), "two impulses a contact");
     return velocities(problem, factors(problem), r);
 }
 
 Residual evaluateResidual(const Problem& problem, const Eigen::VectorXd& r) {
+    SC_ASSERT(r.size() == 2 * static_cast<Eigen::Index>(problem.contacts.size()), "two impulses a contact");
     if (!r.allFinite())
         return {std::numeric_limits<double>::infinity(), 0.0, std::numeric_limits<double>::infinity(), 0.0};
     const auto factor = factors(problem);

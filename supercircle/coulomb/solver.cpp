@@ -11,6 +11,7 @@
 // Every stage has a limit.
 
 #include "supercircle/coulomb/strategy/solver_impl.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <array>
@@ -64,6 +65,7 @@ constexpr int kNewtonSteps = 30;
 
 /// Evaluates the residual of x, keeps x if it is the best; true if the best meets the target.
 bool Solver::Impl::evaluateState(Method method, SolveReport& report) {
+    SC_ASSERT(x.r.size() == 2 * normalised.contactCount(), "two impulses a contact");
     normalised.assemble(x.r, x.w, loop);
     if (best.offer(x.r, normalised.residual(x.r, x.w, loop)))
         report.finishedBy = method;
@@ -71,6 +73,7 @@ bool Solver::Impl::evaluateState(Method method, SolveReport& report) {
 }
 
 void Solver::Impl::restoreBest() {
+    SC_ASSERT(best.r.size() == 2 * normalised.contactCount(), "a solution was evaluated before");
     x.r = best.r;
     x.findStatuses(normalised);
     normalised.assemble(x.r, x.w, loop);
@@ -108,12 +111,14 @@ double Solver::Impl::allowedError() const {
 void Solver::Impl::setPivotBudget(const SolverOptions& options) {
     const double load = static_cast<double>(activeContacts());
     const double most = kBudget * options.maxPivots * std::max(1.0, load / 150.0);
+    SC_ASSERT(load <= static_cast<double>(normalised.contactCount()), "an active contact is counted once");
     pivotsLeft = static_cast<int>(std::min(most, kMostWork / std::max(1.0, load)));
 }
 
 /// Islands are independent, so each may run on its own thread. The result is that of running them one after the other:
 /// islands for which no pivots would have been left are restored. Returns false if a path failed.
 bool Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
+    SC_ASSERT(settings.eps > 0.0 && settings.slack > 0.0, "the proximal problem is regular");
     const std::size_t count = islands.count();
     const bool together = loop && count > 1;
     const double allowed = allowedError();
@@ -157,6 +162,7 @@ bool Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
 }
 
 void Solver::Impl::restoreIsland(std::span<const std::int32_t> island) {
+    SC_ASSERT(saved.r.size() == x.r.size() && saved.w.size() == x.w.size(), "saved from this problem");
     for (const std::int32_t c : island) {
         x.r[2 * c] = saved.r[2 * c];
         x.r[2 * c + 1] = saved.r[2 * c + 1];
@@ -170,6 +176,7 @@ void Solver::Impl::restoreIsland(std::span<const std::int32_t> island) {
 }
 
 void Solver::Impl::countPivots(const PathCounts& counts, SolveReport& report) {
+    SC_ASSERT(counts.pivots >= 0 && counts.factorisations >= 0, "counts only grow");
     pivotsLeft -= counts.pivots;
     report.pivots += counts.pivots;
     report.factorisations += counts.factorisations;
@@ -302,6 +309,23 @@ void Solver::Impl::run(const SolverOptions& options, SolveReport& report) {
         tryPath({0, 1e-6, 1.0}, static_cast<std::uint32_t>(kAttempts.size()), options, report);
 }
 
+namespace {
+
+/// Whether all impulses lie in their cones as far as the residual says. The residual projects on the cone, so that no
+/// impulse is farther from its cone than its natural-map error.
+bool insideCones(const MassNormalisedProblem& problem, const std::vector<double>& r, double error) {
+    return invariants::forAll(problem.contactCount(), [&](std::size_t c) {
+        const MassNormalisedProblem::Contact& contact = problem.contact(c);
+        const double rn = r[2 * c], rt = std::abs(r[2 * c + 1]);
+        const double slack = error + 1e-12 * (std::abs(rn) + rt);
+        if (contact.bilateral())
+            return contact.bilateralRows == BilateralRows::Both || rt <= slack;
+        return rn >= -slack && rt <= contact.mu * rn + (1.0 + contact.mu) * slack;
+    });
+}
+
+} // namespace
+
 Solver::Solver() : impl_(std::make_unique<Impl>()) {}
 Solver::~Solver() = default;
 Solver::Solver(Solver&&) noexcept = default;
@@ -337,6 +361,18 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
     for (std::size_t i = 0; i < s.best.r.size(); ++i)
         r[static_cast<Eigen::Index>(i)] = s.best.r[i];
     s.normalised.bodyVelocities(s.x.w, v, loop);
+    SC_ASSERT(s.best.r.size() == 2 * problem.contacts.size(), "two impulses a contact");
+    SC_ASSERT(r.allFinite(), "impulses are finite, whatever the method");
+    SC_ASSERT(!report.converged || insideCones(s.normalised, s.best.r, residual.impulseError),
+              "r_n >= 0 and |r_t| <= mu r_n");
+    SC_ASSERT(!(report.contactResidual < 0.0) && !(report.penetrationSpeed < 0.0), "an error is not negative");
+    SC_ASSERT(v.size() == problem.bodies.size(), "one velocity a body");
+    SC_ASSERT(report.activeContacts >= 0 && static_cast<std::size_t>(report.activeContacts) <= problem.contacts.size(),
+              "an active contact is counted once");
+    SC_ASSERT(report.pivots >= 0 && report.gaussSeidelIterations >= 0, "counts are not negative");
+    SC_ASSERT_EXPENSIVE(
+        invariants::forAll(v.size(), [&](std::size_t b) { return v[b].size() == problem.bodies[b].vFree.size(); }),
+        "one velocity for each degree of freedom");
     return report;
 }
 

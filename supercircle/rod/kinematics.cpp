@@ -1,8 +1,11 @@
 #include "supercircle/rod/kinematics.h"
 
+#include "supercircle/support/invariants.h"
+
 namespace supercircle::rod {
 
 MaterialPoint locate(const RodModel& model, int element, double s) {
+    SC_ASSERT(element >= 0 && element < model.elements(), "an element of the rod");
     const int half = model.elements() / 2;
     const bool odd = model.elements() % 2 == 1;
     MaterialPoint at;
@@ -25,6 +28,7 @@ MaterialPoint locate(const RodModel& model, double s) {
 }
 
 void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
+    SC_ASSERT(q.size() == model.dofs(), "one coordinate for each degree of freedom");
     middle_ = {q[model.dofX()], q[model.dofY()]};
     const double theta = q[model.dofTheta()];
     // The tangent is rotated from element to element: one sine and cosine per rod instead of one per element. Its
@@ -79,6 +83,8 @@ Kinematics::PointWithDerivative Kinematics::pointOf(const MaterialPoint& at) con
 
 void Kinematics::pointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
                            const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const {
+    SC_ASSERT_EXPENSIVE(rows.cols() == model.dofs(), "one column for each degree of freedom");
+    SC_ASSERT_EXPENSIVE(static_cast<std::size_t>(at.segment) < model.side(at.side).size(), "a segment of the rod");
     rows.setZero();
     const auto& list = model.side(at.side);
     const PointWithDerivative own = pointOf(at);
@@ -104,6 +110,7 @@ void Kinematics::pointRows(const RodModel& model, const MaterialPoint& at, const
 }
 
 void Kinematics::angleRow(const RodModel& model, const MaterialPoint& at, Eigen::Ref<Eigen::RowVectorXd> row) const {
+    SC_ASSERT_EXPENSIVE(row.size() == model.dofs(), "one column for each degree of freedom");
     row.setZero();
     row[model.dofTheta()] = 1.0;
     const auto& list = model.side(at.side);

@@ -2,6 +2,7 @@
 
 #include "supercircle/contact/feature_id.h"
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +27,10 @@ void moveImpulses(const World& world, bool asleep, std::vector<ContactImpulse>& 
     std::copy_if(from.begin(), from.end(), std::back_inserter(to), leaves);
     if (to.size() == before)
         return;
+    const std::size_t all = from.size() + before;
     std::erase_if(from, leaves);
     sortById(to);
+    SC_ASSERT(from.size() + to.size() == all, "no contact force is lost or doubled");
 }
 
 /// What hangs together, and what keeps it awake.
@@ -36,6 +39,7 @@ struct Islands {
     std::vector<const char*> busy; ///< per root: why it cannot sleep, or null
 
     std::size_t root(std::size_t i) {
+        SC_ASSERT(i < parent.size(), "a rod of the world");
         while (parent[i] != i)
             i = parent[i] = parent[parent[i]];
         return i;
@@ -116,6 +120,7 @@ void stop(World& world, Rod& rod, double& account, double sign) {
     rod.v.setZero();
     std::fill(rod.u.begin(), rod.u.end(), Vec2::Zero());
     rod.speed = 0.0;
+    SC_ASSERT(!rod.frozen(), "a rod that moved until now");
 }
 
 void settle(World& world) {
@@ -138,6 +143,7 @@ void wakeIsland(World& world, std::uint32_t island) {
 }
 
 void wake(World& world, std::size_t rod) {
+    SC_ASSERT(rod < world.rods.size(), "a rod of the world");
     wakeIsland(world, world.rods[rod].island);
     world.rods[rod].stillTime = 0.0;
 }
@@ -148,6 +154,7 @@ void wakeAll(World& world) {
 }
 
 std::string putToSleep(World& world, std::size_t rod) {
+    SC_ASSERT(rod < world.rods.size(), "a rod of the world");
     if (world.rods[rod].frozen())
         return {};
     if (world.range.size() != world.rods.size())
@@ -167,6 +174,7 @@ std::string putToSleep(World& world, std::size_t rod) {
 }
 
 void measureRest(World& world, const Settings& settings, double h, double dt) {
+    SC_ASSERT(dt > 0.0 && h > 0.0, "a step takes time, a shell is thick");
     const double farthest = settings.sleepDrift * h;
     for (Rod& r : world.rods) {
         const std::array<Vec2, 3> now{r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
@@ -202,6 +210,12 @@ void sleepAtRest(World& world, const Settings& settings) {
     }
     if (any)
         settle(world);
+    SC_ASSERT_EXPENSIVE(std::all_of(world.rods.begin(), world.rods.end(),
+                                    [&](const Rod& r) {
+                                        const auto i = static_cast<std::size_t>(&r - world.rods.data());
+                                        return r.frozen() || islands.busy[islands.root(i)] != nullptr;
+                                    }),
+                        "an island falls asleep as a whole");
 }
 
 namespace {

@@ -4,8 +4,10 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/sleep.h"
+#include "supercircle/step/stages/fingerprint.h"
 #include "supercircle/step/stages/frame_budget.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +24,7 @@ std::int64_t ticksFor(double want, double frame, std::int64_t left) {
     std::int64_t ticks = kTicks;
     while (ticks > 1 && (ticks > left || static_cast<double>(ticks) / kTicks * frame > want * (1.0 + 1e-9)))
         ticks /= 2;
+    SC_ASSERT(ticks >= 1 && ticks <= left, "a step is a part of what is left of the frame");
     return ticks;
 }
 
@@ -51,12 +54,14 @@ void adopt(World& world, TrialResult& r) {
         std::swap(world.candidates, r.candidates);
     r.renewed = false;
     std::swap(world.range, r.range);
+    SC_ASSERT(world.range.size() == world.rods.size(), "one range a rod");
     for (const std::size_t rod : r.sleepers)
         if (world.rods[rod].asleep())
             wake(world, rod);
 }
 
 void countRejection(World& world, Reason reason) {
+    SC_ASSERT(reason > Reason::None && reason < Reason::Count, "a rejection has a reason");
     ++world.counters.rejected;
     ++world.counters.rejectedFor[static_cast<std::size_t>(reason)];
 }
@@ -66,6 +71,7 @@ void countRejection(World& world, Reason reason) {
 /// speed. Where something stands in a shell already (a body was put there), no step is short enough.
 bool quarantineHopeless(World& world, const TrialResult& r) {
     if (!r.runaways.empty()) {
+        SC_ASSERT(r.runaways.back() < world.rods.size(), "a runaway is a rod of the world");
         for (const std::size_t i : r.runaways)
             quarantine(world, world.rods[i]);
         return true;
@@ -146,7 +152,11 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
         const std::int64_t ticks = ticksFor(wantedSize(world, settings_, frame, cuts), frame, left);
         trial.dt = frame * static_cast<double>(ticks) / kTicks;
         const Settings& settings = budget.settings();
+        SC_ASSERT(trial.dt > 0.0 && trial.dt <= frame, "a step is a part of the frame");
+        const std::uint64_t before = invariants::kExpensive ? fingerprint(world) : 0;
         tryStep(world, settings, trial, times_, onSolve);
+        SC_ASSERT_EXPENSIVE(before == fingerprint(world), "a trial changes nothing of the world");
+        (void)before;
         budget.spend(world, trial.result.contactsSolved, trial.result.solves);
         adopt(world, trial.result);
         const Reason reason = rejection(cuts);
@@ -176,12 +186,15 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
         work_->lastDt = trial.dt;
         world.dtNext = nextSize(settings, trial, cuts > 0);
         cuts = 0;
+        SC_ASSERT(!(world.dtNext <= 0.0), "the next step takes time");
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         out.stopped = observer && observer(world);
         out.budgetExhausted = left > 0 && budget.usedUp();
     }
     out.advanced = world.time - start;
+    SC_ASSERT(!(out.advanced < 0.0) && !(out.advanced > frame + 1e-9 * (frame + std::abs(start))),
+              "a frame advances by its length at most");
     endOfFrame(world);
     if (settings_.autoSleep)
         sleepAtRest(world, settings_);

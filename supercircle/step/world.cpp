@@ -2,6 +2,7 @@
 
 #include "supercircle/contact/feature_id.h"
 #include "supercircle/step/sleep.h"
+#include "supercircle/support/invariants.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -45,12 +46,14 @@ Vec2 World::crossheadForce() const {
 }
 
 void refreshRod(Rod& rod) {
+    SC_ASSERT(rod.q.size() == rod.model.dofs() && rod.v.size() == rod.model.dofs(), "state sizes are the rod's");
     rod.kin.evaluate(rod.model, rod.q);
     rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
     rod::velocityField(rod.model, rod.kin, rod.gauss, rod.v, rod.u);
     rod.speed = 0.0;
     for (const Vec2& u : rod.u)
         rod.speed = std::max(rod.speed, u.norm());
+    SC_ASSERT(rod.u.size() == rod.gauss.mass.size(), "one velocity a Gauss point");
 }
 
 namespace {
@@ -91,6 +94,7 @@ std::uint32_t freeKey(World& world) {
     for (const std::uint32_t u : used)
         if (u == key)
             ++key;
+    SC_ASSERT(key < limit, "fewer rods than keys");
     return key;
 }
 
@@ -170,6 +174,7 @@ int bodyIndex(const World& world, BodyId id) {
 
 std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eigen::VectorXd& q,
                    const Eigen::VectorXd& v, double mu) {
+    SC_ASSERT(q.size() == v.size(), "one velocity for each coordinate");
     Rod rod{rod::RodModel(definition), q, v, q, {}, {}, mu, freeKey(world), 1, 0xffff, false, 0.0, {}, {}, {}, {}};
     refreshRod(rod);
     book(world, rod, 1.0);
@@ -180,6 +185,7 @@ std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eig
 
 void removeRod(World& world, std::size_t index) {
     wake(world, index);
+    SC_ASSERT(index < world.rods.size(), "a rod of the world");
     const std::uint32_t key = world.rods[index].key;
     book(world, world.rods[index], -1.0);
     for (std::size_t k = 0; k < effects::kKeys; ++k)
@@ -195,6 +201,7 @@ void changeRod(World& world, std::size_t index, const rod::RodDefinition& defini
     Rod& rod = world.rods[index];
     book(world, rod, -1.0);
     rod.model = rod::RodModel(definition);
+    SC_ASSERT(rod.q.size() == rod.model.dofs(), "the number of elements stays");
     const std::vector<Vec2> u = rod.u;
     refreshRod(rod);
     rod.u = u;                       // the motion stays what it was, to the last digit
@@ -212,6 +219,7 @@ void placeRod(World& world, std::size_t index, const Eigen::VectorXd& q, const E
     wake(world, index);
     Rod& rod = world.rods[index];
     book(world, rod, -1.0);
+    SC_ASSERT(q.size() == rod.model.dofs() && v.size() == q.size(), "state sizes are the rod's");
     const bool moved = rod.q != q;
     rod.q = rod.lastAccepted = q;
     rod.v = v;
@@ -249,6 +257,7 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) 
 void applyImpulse(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse) {
     wake(world, index);
     Rod& rod = world.rods[index];
+    SC_ASSERT(s >= 0.0 && s <= rod.model.definition().length, "a point of the rod");
     const rod::MaterialPoint at = rod::locate(rod.model, s);
     const Eigen::Index n = rod.model.dofs();
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, n);
@@ -275,6 +284,7 @@ void applyImpulse(World& world, std::size_t index, double s, const Vec2& impulse
 void toCurve(const Rod& rod, const rod::Kinematics& kin, contact::RodCurve& curve) {
     curve.arcs = kin.arcs();
     const int N = rod.model.elements();
+    SC_ASSERT(curve.arcs.size() == static_cast<std::size_t>(N), "one arc an element");
     curve.nodeS.resize(static_cast<std::size_t>(N) + 1);
     for (int i = 0; i <= N; ++i)
         curve.nodeS[static_cast<std::size_t>(i)] = rod.model.nodeS(i);

@@ -6,6 +6,8 @@
 
 #include "supercircle/contact/circular_arc.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -129,6 +131,7 @@ CircularArc& shift(CircularArc& p, const Vec2& by) {
 } // namespace
 
 CircularArc makeArc(const Vec2& mid, double angle, double curvature, double half) {
+    SC_ASSERT_EXPENSIVE(!(half < 0.0), "a length is not negative");
     CircularArc p = aroundOrigin(angle, curvature, half);
     return shift(p, mid);
 }
@@ -160,6 +163,7 @@ int intersect(const CircularArc& a, const CircularArc& b, double extra, std::arr
         addIfOn(a, b, f / root, extra, count, out);
     if (c2 != 0.0 && (discriminant > 0.0 || root == 0.0))
         addIfOn(a, b, root / c2, extra, count, out);
+    SC_ASSERT_EXPENSIVE(count <= 2, "two circles have two points in common at most");
     return count;
 }
 

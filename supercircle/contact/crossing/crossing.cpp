@@ -11,6 +11,7 @@
 #include "supercircle/contact/crossing.h"
 
 #include "supercircle/contact/crossing/swept_motion.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -265,6 +266,7 @@ bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, Crossing& out
             out = crossingOf(a, b, 0.0, pa.mid);
             return true;
         }
+        SC_ASSERT_EXPENSIVE(!(d < 0.0) && !(path < 0.0) && !(slack < 0.0), "distances are not negative");
         const double clear = d - 2.0 * slack;
         if (lambda >= 1.0 || !(clear < path * (1.0 - lambda))) // also ends for a motion that is not a number
             return false;
@@ -453,6 +455,14 @@ void findCrossingsSwept(const std::vector<RodCurve>& before, const std::vector<R
     findInside(after, k.motion, outlinesAfter, k.moves, true, out);
     findFullTurns(after, out);
     keepFirst(out, [](const Crossing&) { return true; });
+    for (const Crossing& c : out) {
+        SC_ASSERT(invariants::inRange(c.rodA, after.size()) && c.rodB < static_cast<std::int32_t>(after.size()),
+                  "a crossing names rods of this call");
+        SC_ASSERT((c.rodB < 0) == (c.outline >= 0) && c.outline < static_cast<std::int32_t>(outlinesAfter.size()),
+                  "a crossing is with a rod or with an outline");
+    }
+    SC_ASSERT(invariants::strictlyRising(out, [](const Crossing& c) { return pairOf(c); }),
+              "a pair is reported once, in rising order");
 }
 
 } // namespace supercircle::contact

@@ -1,5 +1,7 @@
 #include "supercircle/contact/crossing/swept_motion.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 
 namespace supercircle::contact::crossing_check {
@@ -56,6 +58,8 @@ void setMotion(MovingArc& m, const Arc& from, const Arc& to, double s, double le
         m.endMismatch = 0.125 * half * ownRate * ownRate; // a path leaves its chord by at most an eighth of that bound
         m.box.include(last);
     }
+    SC_ASSERT_EXPENSIVE(!(m.pathBound < 0.0) && !(m.endMismatch < 0.0) && !(accelerationBound < 0.0),
+                        "bounds are not negative");
     m.box.enlarge(0.125 * accelerationBound + m.endMismatch + 1e-3 * m.halfThickness + 1e-12);
 }
 
@@ -193,6 +197,7 @@ void SweptMotion::prepare(const std::vector<RodCurve>& first, const std::vector<
         elements += first[r].arcs.size();
     }
     boxes.resize(elements);
+    SC_ASSERT(boxes.lowX.size() == elements && boxes.highY.size() == elements, "one box an element");
     parallel::forEach(loop, rods.size(), 32, [this](std::size_t r) { addRod(r); });
     outlines.clear();
     for (std::size_t o = 0; o < outlinesBefore.size() && o < outlinesAfter.size(); ++o)

@@ -1,5 +1,7 @@
 #include "supercircle/contact/detection/candidate_reducer.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,6 +19,7 @@ bool isInterior(std::uint64_t id) {
 } // namespace
 
 void CandidateReducer::begin(double tolerance) {
+    SC_ASSERT(!(tolerance < 0.0), "a tolerance is not negative");
     entries_.clear();
     tolerance_ = tolerance;
 }
@@ -26,6 +29,7 @@ void CandidateReducer::add(const Candidate& candidate, double u, double v, doubl
 }
 
 void CandidateReducer::addRanked(const Candidate& candidate, double u, double v, double w, bool shared) {
+    SC_ASSERT((candidate.id & kRankBits) == 0, "the rank is given here");
     std::uint64_t rank = 0;
     for (std::size_t i = entries_.size(); i-- > 0;) {
         const std::uint64_t id = entries_[i].candidate.id;
@@ -73,6 +77,11 @@ void CandidateReducer::finish(std::vector<Candidate>& out) {
         if (out.size() > first + 1 && out.back().id <= out[out.size() - 2].id)
             out.back().id = out[out.size() - 2].id + 1;
     }
+    SC_ASSERT(out.size() - first == order_.size() && order_.size() <= entries_.size(), "what is not dropped is kept");
+    SC_ASSERT_EXPENSIVE(
+        invariants::forAll(order_.size(),
+                           [&](std::size_t i) { return i == 0 || out[first + i - 1].id < out[first + i].id; }),
+        "the candidates of a pair are sorted by id");
 }
 
 } // namespace supercircle::contact

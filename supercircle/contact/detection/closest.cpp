@@ -1,5 +1,7 @@
 #include "supercircle/contact/detection/closest.h"
 
+#include "supercircle/support/invariants.h"
+
 namespace supercircle::contact {
 
 namespace {
@@ -90,6 +92,7 @@ bool lowestPoint(const SubArc& arc, const Vec2& up, double depth, Foot& foot) {
 }
 
 Foot pointOnSubArc(const SubArc& arc, double s) {
+    SC_ASSERT_EXPENSIVE(!(s < 0.0) && !(s > arc.length), "a point of the sub-arc");
     const double half = 0.5 * arc.curvature * s;
     const rod::SinCos turned = rod::sinCosSmall(half);
     const double c = turned.cosine;

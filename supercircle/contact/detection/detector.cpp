@@ -7,12 +7,14 @@
 
 #include "supercircle/contact/detection.h"
 #include "supercircle/contact/detection/reference_shape.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 namespace supercircle::contact {
 
@@ -131,6 +133,50 @@ struct Chunk {
 
 constexpr std::uint32_t kKeyLimit = 1U << 20U;
 
+/// Whether a point lies on an arc of its curve, to round-off.
+bool liesOn(const RodPoint& p, const std::vector<RodCurve>& curves) {
+    if (!invariants::inRange(p.rod, curves.size()))
+        return false;
+    const RodCurve& curve = curves[static_cast<std::size_t>(p.rod)];
+    if (!invariants::inRange(p.element, curve.arcs.size()))
+        return false;
+    const auto e = static_cast<std::size_t>(p.element);
+    const double slack = 1e-9 * (curve.nodeS.back() - curve.nodeS.front());
+    return !(p.s < curve.nodeS[e] - slack) && !(p.s > curve.nodeS[e + 1] + slack);
+}
+
+/// Whether the gap is the distance of the surface points along the normal, to round-off.
+[[maybe_unused]] bool gapFits(const Candidate& c) {
+    const double size = c.pointA.lpNorm<1>() + c.pointB.lpNorm<1>() + std::abs(c.gap);
+    return !(std::abs(c.normal.dot(c.pointA - c.pointB) - c.gap) > 1e-9 * size + 1e-15);
+}
+
+[[maybe_unused]] bool idsAreUnique(const std::vector<Candidate>& list) {
+    std::vector<std::uint64_t> ids;
+    for (const Candidate& c : list)
+        ids.push_back(c.id);
+    std::sort(ids.begin(), ids.end());
+    return invariants::strictlyRising(ids);
+}
+
+/// What the interface promises of a candidate.
+void assertSound(const Candidate& c, const std::vector<RodCurve>& curves, const std::vector<Outline>& outlines,
+                 double margin) {
+    const bool rigid = c.b.rod < 0;
+    SC_ASSERT(liesOn(c.a, curves), "side A is a point of a rod");
+    SC_ASSERT(rigid ? invariants::inRange(c.outline, outlines.size()) : liesOn(c.b, curves),
+              "side B is an outline or a point of a rod");
+    SC_ASSERT(invariants::isUnit(c.normal), "a normal has length 1");
+    SC_ASSERT_EXPENSIVE(gapFits(c), "the gap is the distance of the surface points along the normal");
+    const RodCurve& a = curves[static_cast<std::size_t>(c.a.rod)];
+    const double motion =
+        rigid ? outlines[static_cast<std::size_t>(c.outline)].motion : curves[static_cast<std::size_t>(c.b.rod)].motion;
+    SC_ASSERT_EXPENSIVE(!(c.gap > (margin + a.motion + motion) * (1.0 + 1e-6) + 1e-9 * a.halfThickness),
+                        "a candidate is within reach");
+    SC_ASSERT(!a.resting || (!rigid && !curves[static_cast<std::size_t>(c.b.rod)].resting),
+              "two resting rods make no candidate");
+}
+
 } // namespace
 
 struct Detector::Impl {
@@ -213,6 +259,8 @@ void Detector::Impl::updateRod(const RodCurve& curve, RodState& rod) const {
         rod.rebuilt = !(rod.displaced + curve.motion <= rod.enlargement);
     }
     rod.valid = true;
+    SC_ASSERT(rod.rebuilt || !(rod.displaced + curve.motion > rod.enlargement),
+              "the enlarged box holds the displacement and the motion to come");
     if (!rod.rebuilt)
         return;
     rod.key = curve.key;
@@ -222,6 +270,8 @@ void Detector::Impl::updateRod(const RodCurve& curve, RodState& rod) const {
     rod.displaced = 0.0;
     setReference(rod.shape, rod.reference);
     rod.box = rod.reference.box.enlarged(rod.half + rod.enlargement + 0.5 * margin);
+    SC_ASSERT(!(rod.enlargement < curve.motion), "the enlarged box holds the motion to come");
+    SC_ASSERT(!(rod.box.low.x() > rod.box.high.x()) && !(rod.box.low.y() > rod.box.high.y()), "a box is not empty");
 }
 
 void Detector::Impl::updateRods(const std::vector<RodCurve>& curves, const parallel::For& loop) {
@@ -260,12 +310,15 @@ void Detector::Impl::updateOutlines(const std::vector<Outline>& given) {
         state.reference = state.shape;
         state.points = now.points;
         state.box = boxOf(state.reference, state.points).enlarged(state.enlargement + 0.5 * margin);
+        SC_ASSERT(!(state.enlargement < now.motion), "the enlarged box holds the motion to come");
     }
     if (newKeys)
         checkKeys();
 }
 
 void Detector::Impl::addPair(std::int32_t a, std::int32_t b, bool rigid) {
+    SC_ASSERT(invariants::inRange(a, rods.size()), "a rod of this call");
+    SC_ASSERT(invariants::inRange(b, rigid ? outlines.size() : rods.size()), "a rod or outline of this call");
     CandidatePair pair;
     pair.rigid = rigid;
     if (!rigid && rods[static_cast<std::size_t>(b)].key < rods[static_cast<std::size_t>(a)].key)
@@ -280,6 +333,8 @@ void Detector::Impl::addPair(std::int32_t a, std::int32_t b, bool rigid) {
     }
     pair.checks = free.back();
     free.pop_back();
+    SC_ASSERT(rigid || pair.keyA <= pair.keyB, "side A is the rod with the smaller key");
+    SC_ASSERT(invariants::inRange(pair.checks, pool.size()), "a list of the pool");
     pair.empty = !listChecks(pair);
     added.push_back(pair);
 }
@@ -383,6 +438,10 @@ void Detector::Impl::updatePairs() {
     merged.resize(pairs.size() + added.size());
     std::merge(pairs.begin(), pairs.end(), added.begin(), added.end(), merged.begin());
     pairs.swap(merged);
+    SC_ASSERT(
+        invariants::strictlyRising(pairs, [](const CandidatePair& p) { return std::tuple(p.rigid, p.keyA, p.keyB); }),
+        "pairs are unique, sorted by their keys");
+    SC_ASSERT(pairs.size() + free.size() == pool.size(), "a list belongs to one pair or is free");
 }
 
 void Detector::Impl::evaluate(const CandidatePair& pair, const std::vector<RodCurve>& curves,
@@ -390,6 +449,8 @@ void Detector::Impl::evaluate(const CandidatePair& pair, const std::vector<RodCu
                               std::vector<Candidate>& out) const {
     const auto a = static_cast<std::size_t>(pair.a);
     const auto b = static_cast<std::size_t>(pair.b);
+    SC_ASSERT(pair.keyA == rods[a].key && pair.keyB == (pair.rigid ? outlines[b].key : rods[b].key),
+              "a pair names its rods and outlines by their present indices");
     const Checks& checks = pool[static_cast<std::size_t>(pair.checks)];
     const RodSide rod{&rods[a].shape, pair.a, pair.keyA};
     if (pair.rigid) {
@@ -444,6 +505,9 @@ void Detector::detect(const std::vector<RodCurve>& curves, const std::vector<Out
     });
     for (std::size_t c = 0; count > 1 && c < count; ++c)
         out.insert(out.end(), m.chunks[c].found.begin(), m.chunks[c].found.end());
+    for (const Candidate& c : out)
+        assertSound(c, curves, outlines, options.margin);
+    SC_ASSERT_EXPENSIVE(idsAreUnique(out), "an id names one candidate");
 }
 
 } // namespace supercircle::contact

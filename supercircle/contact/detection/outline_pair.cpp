@@ -1,5 +1,7 @@
 #include "supercircle/contact/detection/outline_pair.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <cmath>
 
 namespace supercircle::contact {
@@ -121,6 +123,7 @@ bool interiorOutline(const SubArc& arc, double halfThickness, const OutlineShape
         return false;
     setOutlineFrame(c, foot.point, halfThickness, shape, hit.point, hit.normal, hit.distance);
     s = foot.s;
+    SC_ASSERT_EXPENSIVE(!(s < 0.0) && !(s > arc.length), "an extremal point lies on its sub-arc");
     return true;
 }
 
@@ -128,6 +131,7 @@ void evaluateOutlinePair(const RodSide& rod, const OutlineSide& outline, const O
                          CandidateReducer& reducer, std::vector<Candidate>& out) {
     const double half = rod.shape->halfThickness;
     const OutlineShape& shape = *outline.shape;
+    SC_ASSERT(rod.shape->samples.size() <= 0xffff && rod.shape->subArcs.size() <= 0xffff, "checks index in 16 bits");
     reducer.begin(kSameShare * half);
     const Evaluation e{rod, outline, reach, outlineDepth(half, shape), kSameShare * half, reducer};
     for (const std::uint16_t i : checks.samples)

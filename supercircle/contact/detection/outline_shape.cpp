@@ -1,5 +1,7 @@
 #include "supercircle/contact/outline_shape.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -46,6 +48,7 @@ Face makeFace(const Outline& outline, const Vec2& p, const Vec2& q, double side)
         fail(outline, "two neighbouring points coincide");
     face.along /= face.length;
     face.normal = side * rod::perp(face.along);
+    SC_ASSERT_EXPENSIVE(invariants::isUnit(face.normal), "a normal has length 1");
     return face;
 }
 
@@ -207,9 +210,12 @@ void prepare(const Outline& outline, OutlineShape& shape) {
             shape.corners.push_back({points[i], -shape.faces[i].along, last.along, static_cast<std::int32_t>(i), true});
         }
     }
+    SC_ASSERT(shape.faces.empty() == (outline.kind == OutlineKind::Circle), "all outlines but discs have faces");
 }
 
-bool closestOnOutline(const OutlineShape& shape, const Vec2& p, double depth, const Vec2& inward, OutlineHit& hit) {
+namespace {
+
+bool closestOn(const OutlineShape& shape, const Vec2& p, double depth, const Vec2& inward, OutlineHit& hit) {
     switch (shape.kind) {
     case OutlineKind::Segment:
         return closestOnSegment(shape, p, inward, hit);
@@ -221,6 +227,16 @@ bool closestOnOutline(const OutlineShape& shape, const Vec2& p, double depth, co
         return round(shape.centre, p, inward, hit);
     }
     return false;
+}
+
+} // namespace
+
+bool closestOnOutline(const OutlineShape& shape, const Vec2& p, double depth, const Vec2& inward, OutlineHit& hit) {
+    const bool found = closestOn(shape, p, depth, inward, hit);
+    SC_ASSERT_EXPENSIVE(!found || invariants::isUnit(hit.normal), "a normal has length 1");
+    SC_ASSERT_EXPENSIVE(!found || hit.face < static_cast<std::int32_t>(shape.faces.size()),
+                        "a face of the outline, or a corner");
+    return found;
 }
 
 double distanceBound(const OutlineShape& shape, const Vec2& p) {

@@ -1,5 +1,7 @@
 #include "supercircle/contact/detection/reference_shape.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -101,6 +103,9 @@ void setReference(const RodShape& rod, ReferenceShape& reference) {
     }
     const auto [low, high] = std::minmax_element(rod.turn.begin(), rod.turn.end());
     reference.totalTurn = *high - *low;
+    SC_ASSERT(reference.tangents.size() == reference.subArcs.size() + 1, "one tangent at each end of a sub-arc");
+    SC_ASSERT(reference.samples.size() <= 0xffff && reference.subArcs.size() <= 0xffff, "checks index in 16 bits");
+    SC_ASSERT(!(reference.totalTurn < 0.0), "a range is not negative");
 }
 
 double displacement(const RodShape& rod, const ReferenceShape& reference) {

@@ -1,5 +1,7 @@
 #include "supercircle/contact/detection/rod_pair.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -102,6 +104,8 @@ void sampleOnEnd(const Evaluation& e, const RodSide& sampled, const RodSide& oth
 }
 
 void sampleOnSubArc(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Check& check) {
+    SC_ASSERT_EXPENSIVE(check.first < sampled.shape->samples.size() && check.second < other.shape->subArcs.size(),
+                        "a sample and a sub-arc of the two rods");
     const Sample& sample = sampled.shape->samples[check.first];
     const RodShape& shape = *other.shape;
     const SubArc& arc = shape.subArcs[check.second];
@@ -137,6 +141,9 @@ void interiorMinimum(const Evaluation& e, const Check& check, double depth) {
     ArcMinimum m;
     if (!arcArcMinimum(a, b, e.distance, depth, m))
         return;
+    SC_ASSERT_EXPENSIVE(!(m.distance < 0.0) && !(m.distance > e.distance), "a minimum lies within reach");
+    SC_ASSERT_EXPENSIVE(!(m.sA < 0.0) && !(m.sA > a.length) && !(m.sB < 0.0) && !(m.sB > b.length),
+                        "an interior minimum lies on its sub-arcs");
     Candidate c;
     c.a = {e.a.rod, a.element, a.s0 + m.sA};
     c.b = {e.b.rod, b.element, b.s0 + m.sB};
@@ -198,6 +205,8 @@ EndHit againstEnd(const Sample& sample, const Vec2& end, const Vec2& tangent) {
 
 void evaluateRodPair(const RodSide& a, const RodSide& b, const RodPairChecks& checks, double reach,
                      CandidateReducer& reducer, std::vector<Candidate>& out) {
+    SC_ASSERT(a.key <= b.key, "side A is the rod with the smaller key");
+    SC_ASSERT(a.rod != b.rod || checks.samplesOfB.empty(), "a rod with itself is sampled once");
     const double halves = a.shape->halfThickness + b.shape->halfThickness;
     const double distance = halves + reach;
     if (distance < 0.0)

@@ -1,5 +1,7 @@
 #include "supercircle/contact/detection/sub_arcs.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -113,8 +115,10 @@ std::int32_t subArcCount(const Arc& arc) {
 }
 
 SubArc subArcOf(const RodCurve& curve, std::int32_t element, std::int32_t part) {
+    SC_ASSERT_EXPENSIVE(invariants::inRange(element, curve.arcs.size()), "an element of the curve");
     const Arc& arc = curve.arcs[static_cast<std::size_t>(element)];
     const std::int32_t parts = subArcCount(arc);
+    SC_ASSERT_EXPENSIVE(part >= 0 && part < parts, "a sub-arc of the element");
     SubArc subArc = unfinishedSubArc(curve, element, part, parts);
     startOf(arc, part, parts, subArc.p0, subArc.t0);
     endOf(curve, element, part, parts, subArc.p1, subArc.t1);
@@ -161,11 +165,23 @@ void prepare(const RodCurve& curve, RodShape& shape) {
         shape.midS = mid.s;
         shape.samples.push_back(mid);
     }
+    SC_ASSERT(shape.turn.size() == shape.subArcs.size() + 1, "one angle at each end of a sub-arc");
+    SC_ASSERT(shape.samples.size() >= static_cast<std::size_t>(n), "one sample a node at least");
+    SC_ASSERT(shape.length > 0.0, "a rod has a length");
+    SC_ASSERT_EXPENSIVE(invariants::forAll(shape.subArcs.size(),
+                                           [&](std::size_t i) {
+                                               const SubArc& arc = shape.subArcs[i];
+                                               return invariants::isUnit(arc.t0) && invariants::isUnit(arc.t1) &&
+                                                      arc.length > 0.0 &&
+                                                      std::abs(arc.curvature) * arc.length <= kQuarter * (1.0 + 1e-12);
+                                           }),
+                        "a sub-arc has unit tangents and turns by a quarter at most");
 }
 
 Sample sampleAt(const RodCurve& curve, std::int32_t element, double s) {
     const auto n = static_cast<std::int32_t>(curve.arcs.size());
     const auto e = static_cast<std::size_t>(element);
+    SC_ASSERT(element >= 0 && element < n, "an element of the curve");
     Sample sample;
     if (s == curve.nodeS[e] || s == curve.nodeS[e + 1]) {
         const bool end = s == curve.nodeS[e + 1];

@@ -7,6 +7,7 @@
 #include "supercircle/contact/detection.h"
 #include "supercircle/contact/detection/outline_pair.h"
 #include "supercircle/contact/detection/rod_pair.h"
+#include "supercircle/support/invariants.h"
 
 #include <cmath>
 
@@ -20,6 +21,7 @@ public:
     FeatureTracker(const RodCurve& curve, const RodPoint& at) : curve_(curve), element_(at.element) {
         const auto e = static_cast<std::size_t>(element_);
         const std::int32_t parts = subArcCount(curve.arcs[e]);
+        SC_ASSERT_EXPENSIVE(parts > 0, "an arc has a sub-arc at least");
         const double u = (at.s - curve.nodeS[e]) / curve.arcs[e].length * parts;
         part_ = std::min(std::max(static_cast<std::int32_t>(std::floor(u)), 0), parts - 1);
         arc_ = subArcOf(curve_, element_, part_);
@@ -212,9 +214,7 @@ bool inRange(const RodPoint& p, const std::vector<RodCurve>& curves) {
            static_cast<std::size_t>(p.element) < curves[static_cast<std::size_t>(p.rod)].arcs.size();
 }
 
-} // namespace
-
-bool updateCandidate(Candidate& c, const std::vector<RodCurve>& curves, const std::vector<Outline>& outlines) {
+bool update(Candidate& c, const std::vector<RodCurve>& curves, const std::vector<Outline>& outlines) {
     if (!inRange(c.a, curves))
         return false;
     const RodCurve& a = curves[static_cast<std::size_t>(c.a.rod)];
@@ -236,6 +236,18 @@ bool updateCandidate(Candidate& c, const std::vector<RodCurve>& curves, const st
     if (kind == Feature::InteriorOutline)
         return updateInteriorOutline(c, a, shape);
     return updateCorner(c, a, shape);
+}
+
+} // namespace
+
+bool updateCandidate(Candidate& c, const std::vector<RodCurve>& curves, const std::vector<Outline>& outlines) {
+    const std::uint64_t id = c.id;
+    const bool found = update(c, curves, outlines);
+    SC_ASSERT(c.id == id, "an update follows one pair of features");
+    SC_ASSERT(!found || invariants::isUnit(c.normal), "a normal has length 1");
+    SC_ASSERT_EXPENSIVE(!found || inRange(c.a, curves), "side A is a point of a rod");
+    SC_ASSERT_EXPENSIVE(!found || c.b.rod < 0 || inRange(c.b, curves), "side B is an outline or a point of a rod");
+    return found;
 }
 
 } // namespace supercircle::contact

@@ -8,14 +8,18 @@
 
 #include "supercircle/coulomb/gauss_seidel/gauss_seidel.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace supercircle::coulomb {
 
 void SolverState::findStatuses(const MassNormalisedProblem& problem) {
+    SC_ASSERT(status.size() == problem.contactCount() && r.size() == 2 * status.size(), "one status a contact");
     for (std::size_t c = 0; c < status.size(); ++c) {
         const double rn = r[2 * c];
         const double rt = r[2 * c + 1];
@@ -32,6 +36,7 @@ void SolverState::findStatuses(const MassNormalisedProblem& problem) {
 
 void SolverState::start(const MassNormalisedProblem& problem, const Eigen::VectorXd& warm) {
     const std::size_t count = problem.contactCount();
+    SC_ASSERT(warm.size() == 0 || static_cast<std::size_t>(warm.size()) == 2 * count, "two numbers a contact");
     r.assign(2 * count, 0.0);
     status.assign(count, ContactStatus::Open);
     for (std::size_t c = 0; c < count && warm.size() > 0; ++c) {
@@ -39,11 +44,16 @@ void SolverState::start(const MassNormalisedProblem& problem, const Eigen::Vecto
         r[2 * c + 1] = warm[static_cast<Eigen::Index>(2 * c + 1)];
         problem.contact(c).project(r[2 * c], r[2 * c + 1]);
     }
+    SC_ASSERT_EXPENSIVE(
+        invariants::forAll(count, [&](std::size_t c) { return problem.contact(c).bilateral() || !(r[2 * c] < 0.0); }),
+        "a projected warm start does not pull");
     findStatuses(problem);
     problem.assemble(r, w);
 }
 
 bool BestSolution::offer(const std::vector<double>& candidate, const Residual& value) {
+    SC_ASSERT(r.empty() || r.size() == candidate.size(), "candidates of one problem have one size");
+    SC_ASSERT(!(value.contactResidual < 0.0) && !(value.impulseError < 0.0), "an error is not negative");
     if (!r.empty() && !(value.contactResidual < residual.contactResidual))
         return false;
     r = candidate;
@@ -70,6 +80,8 @@ void GaussSeidel::prepare(const MassNormalisedProblem& problem) {
     std::iota(order_.begin(), order_.end(), 0);
     std::sort(order_.begin(), order_.end(),
               [this](std::int32_t a, std::int32_t b) { return rank_[a] != rank_[b] ? rank_[a] < rank_[b] : a < b; });
+    SC_ASSERT_EXPENSIVE(invariants::strictlyRising(order_, [this](std::int32_t c) { return std::pair(rank_[c], c); }),
+                        "every contact is visited once");
 }
 
 /// The exact law of contact c at the present velocities; returns d |dr|^2.
@@ -95,14 +107,21 @@ inline double GaussSeidel::update(const MassNormalisedProblem& problem, std::int
 }
 
 double GaussSeidel::iterate(const MassNormalisedProblem& problem, SolverState& x) const {
+    SC_ASSERT(order_.size() == problem.contactCount() && x.r.size() == 2 * order_.size(), "prepared for this problem");
     double change = 0.0;
     for (const std::int32_t c : order_)
         change += update(problem, c, x);
+    SC_ASSERT(!(change < 0.0), "the change of an iteration is a sum of squares");
     return change;
 }
 
 void GaussSeidel::iterateSome(const MassNormalisedProblem& problem, std::span<const std::int32_t> contacts,
                               int iterations, SolverState& x) const {
+    SC_ASSERT(law_.size() == problem.contactCount() && x.r.size() == 2 * law_.size(), "prepared for this problem");
+    SC_ASSERT_EXPENSIVE(
+        invariants::forAll(contacts.size(),
+                           [&](std::size_t k) { return invariants::inRange(contacts[k], law_.size()); }),
+        "contacts of the problem");
     for (int done = 0; done < iterations; ++done)
         for (const std::int32_t c : contacts)
             update(problem, c, x);
@@ -135,6 +154,7 @@ int GaussSeidel::run(const MassNormalisedProblem& problem, SolverState& x, int i
 
 int GaussSeidel::runAccelerated(const MassNormalisedProblem& problem, SolverState& x, int iterations,
                                 const SolveTarget& target, BestSolution& best) {
+    SC_ASSERT(x.r.size() == 2 * problem.contactCount(), "two impulses a contact");
     directionR_.assign(x.r.size(), 0.0);
     directionW_.assign(x.w.size(), 0.0);
     double lastChange = std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include "supercircle/coulomb/pivoting/envelope_lu.h"
 
 #include "supercircle/coulomb/strategy/mass_normalised.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,6 +51,7 @@ void EnvelopeLu::shape(std::span<const std::int32_t> first) {
     start_.resize(first.size());
     std::size_t total = 0;
     for (std::size_t i = 0; i < first.size(); ++i) {
+        SC_ASSERT(first[i] >= 0 && static_cast<std::size_t>(first[i]) <= i, "a row ends at its diagonal");
         start_[i] = total;
         total += i - static_cast<std::size_t>(first[i]);
     }
@@ -107,6 +109,7 @@ void EnvelopeLu::solve(double* x) const {
 
 EnvelopeLu::IndexRange EnvelopeLu::solveLocal(double* x, std::size_t begin) const {
     const auto n = static_cast<std::int32_t>(first_.size());
+    SC_ASSERT(begin <= first_.size(), "the right-hand side begins inside the matrix");
     const auto zero = static_cast<std::int32_t>(begin);
     double largest = 0.0;
     const auto isNegligible =

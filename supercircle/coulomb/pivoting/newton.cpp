@@ -3,6 +3,8 @@
 
 #include "supercircle/coulomb/pivoting/newton.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 
 namespace supercircle::coulomb {
@@ -51,6 +53,8 @@ void Newton::chooseStatuses(const MassNormalisedProblem& problem, std::span<cons
 
 int Newton::run(const MassNormalisedProblem& problem, std::span<const std::int32_t> island, double eps, int most,
                 double allowed, SolverState& x) {
+    SC_ASSERT(x.r.size() == 2 * problem.contactCount(), "two impulses a contact");
+    SC_ASSERT(eps > 0.0 && most >= 0 && !(allowed < 0.0), "the proximal problem is regular");
     status_.resize(island.size());
     rhs_.resize(2 * island.size());
     step_.resize(2 * island.size());
@@ -81,6 +85,7 @@ int Newton::run(const MassNormalisedProblem& problem, std::span<const std::int32
             const double now = errorOf(problem, island, trial_);
             better = now < 0.99 * error;
             if (better) {
+                SC_ASSERT(now < error, "Newton never increases the residual");
                 error = now;
                 x.r = trial_;
                 x.w = trialW_;

@@ -10,6 +10,8 @@
 
 #include "supercircle/coulomb/pivoting/path_follower.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -235,6 +237,11 @@ void PathFollower::changeStatus(const MassNormalisedProblem& problem, const Brea
     const MassNormalisedProblem::Contact& contact = problem.contact(contacts_[k]);
     ContactStatus& status = status_[k];
     double& rt = r_[2 * k + 1];
+    SC_ASSERT(bilateral_[k] == 0, "a bilateral contact never changes its status");
+    SC_ASSERT((at.event == Event::Close) == (status == ContactStatus::Open), "an open contact can only close");
+    SC_ASSERT(at.event == Event::Close || at.event == Event::None ||
+                  (at.event == Event::Open || at.event == Event::Stick) == (slipSign(status) != 0.0),
+              "opens or sticks from slip, slips from stick");
     switch (at.event) {
     case Event::Close: {
         u_[2 * k] = 0.0;
@@ -295,6 +302,7 @@ PathFollower::Termination PathFollower::follow(const MassNormalisedProblem& prob
             sign = rate > 0.0 ? 1.0 : -1.0;
         }
         last = nextBreakpoint(problem, sign);
+        SC_ASSERT(!(last.step < 0.0) && last.k < contacts_.size(), "the path goes forward to a contact of its own");
         const bool arrives = sign > 0.0 && tau_ + last.step >= 1.0;
         if (last.event == Event::None && !arrives)
             return Termination::Ray;
@@ -346,6 +354,7 @@ bool PathFollower::refine(const MassNormalisedProblem& problem) {
         stale_[k] = 0;
         u_[2 * k] = status_[k] == ContactStatus::Open ? un : 0.0;
         u_[2 * k + 1] = status_[k] == ContactStatus::Stick ? 0.0 : ut;
+        SC_ASSERT_EXPENSIVE(bilateral_[k] != 0 || !(r_[2 * k] < 0.0), "a contact does not pull");
     }
     return true;
 }
@@ -363,6 +372,11 @@ PathFollower::Termination PathFollower::run(const MassNormalisedProblem& problem
                                             std::span<const std::int32_t> contacts,
                                             std::span<const std::int32_t> outside, const PathSettings& settings,
                                             double allowed, SolverState& x, PathCounts& counts) {
+    SC_ASSERT(x.r.size() == 2 * problem.contactCount() && x.status.size() == problem.contactCount(),
+              "a state of this problem");
+    SC_ASSERT(settings.eps > 0.0 && settings.slack > 0.0 && settings.maxPivots >= 0, "the proximal problem is regular");
+    SC_ASSERT(!(allowed < 0.0), "an error is not negative");
+    SC_ASSERT_EXPENSIVE(invariants::strictlyRising(contacts), "the contacts of a path are in rising order");
     contacts_ = contacts;
     outside_ = outside;
     const std::size_t count = contacts.size();

@@ -4,6 +4,7 @@
 // sparse LU is used.
 
 #include "supercircle/coulomb/pivoting/status_system.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,8 @@ constexpr Eigen::Index kDenseUpTo = 320;
 
 bool StatusSystem::factor(const MassNormalisedProblem& problem, std::span<const std::int32_t> contacts,
                           std::span<const ContactStatus> status, double eps) {
+    SC_ASSERT(contacts.size() == status.size(), "one status a contact");
+    SC_ASSERT(eps > 0.0, "the proximal term is positive");
     local_.resize(contacts.size());
     borders_.clear();
     rhs_.clear();
@@ -26,7 +29,11 @@ bool StatusSystem::factor(const MassNormalisedProblem& problem, std::span<const 
     count_ = 0;
     for (std::size_t k = 0; k < local_.size(); ++k) {
         LocalContact& local = local_[k];
+        SC_ASSERT(invariants::inRange(contacts[k], problem.contactCount()), "a contact of the problem");
         const MassNormalisedProblem::Contact& contact = problem.contact(contacts[k]);
+        SC_ASSERT_EXPENSIVE(!contact.frictionless() || status[k] == ContactStatus::Open ||
+                                status[k] == ContactStatus::SlipPlus,
+                            "a frictionless contact is open or slips");
         local = LocalContact{};
         local.contact = contacts[k];
         local.mu = contact.mu;
@@ -41,6 +48,8 @@ bool StatusSystem::factor(const MassNormalisedProblem& problem, std::span<const 
     collectNeighbours(problem);
     orderBodies(problem);
     orderUnknowns(problem);
+    SC_ASSERT(first_.size() == static_cast<std::size_t>(count_), "one row for each unknown");
+    SC_ASSERT(static_cast<std::size_t>(count_) <= 2 * active_.size(), "two unknowns a closed contact at most");
     if (count_ == 0)
         return true;
     if (EnvelopeLu::cost(first_) < kEnvelopeUpTo && factorEnvelope(problem))
@@ -129,6 +138,8 @@ void StatusSystem::orderBodies(const MassNormalisedProblem& problem) {
     bodies_.swap(first_);
     for (std::size_t i = 0; i < bodies_.size(); ++i)
         rank_[bodies_[i]] = static_cast<std::int32_t>(i);
+    SC_ASSERT_EXPENSIVE(std::none_of(rank_.begin(), rank_.end(), [](std::int32_t rank) { return rank == -2; }),
+                        "every body with a closed contact was visited");
 }
 
 /// Contacts in the order of their bodies; numbers the unknowns and finds the envelope.

@@ -13,6 +13,8 @@
 
 #include "supercircle/coulomb/pivoting/status_system.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -190,6 +192,7 @@ void StatusSystem::reserveBorders(std::size_t width) {
 void StatusSystem::addBorder(const MassNormalisedProblem& problem, const Border& border) {
     const std::size_t j = borders_.size();
     reserveBorders(j + 1);
+    SC_ASSERT(rows_.size() > j && columns_.size() >= (j + 1) * height_, "borders fit their storage");
     borders_.push_back(border);
     borders_[j].range = solveBase(column(j), borderColumn(problem, border, column(j)));
     borderRow(problem, border, rows_[j]);
@@ -204,6 +207,7 @@ void StatusSystem::addBorder(const MassNormalisedProblem& problem, const Border&
 }
 
 void StatusSystem::dropBorder(std::size_t j) {
+    SC_ASSERT(j < borders_.size(), "an existing border");
     const auto at = static_cast<Eigen::Index>(j);
     const auto last = static_cast<Eigen::Index>(borders_.size()) - 1;
     if (at != last) {
@@ -217,7 +221,11 @@ void StatusSystem::dropBorder(std::size_t j) {
 }
 
 void StatusSystem::setStatus(const MassNormalisedProblem& problem, std::size_t k, ContactStatus status) {
+    SC_ASSERT(k < local_.size(), "a contact of the system");
     LocalContact& local = local_[k];
+    SC_ASSERT(!problem.contact(local.contact).frictionless() || status == ContactStatus::Open ||
+                  status == ContactStatus::SlipPlus,
+              "a frictionless contact is open or slips");
     for (std::size_t j = borders_.size(); j-- > 0;)
         if (borders_[j].k == static_cast<std::int32_t>(k))
             dropBorder(j);
@@ -247,6 +255,7 @@ void StatusSystem::setStatus(const MassNormalisedProblem& problem, std::size_t k
 }
 
 void StatusSystem::setRightHandSide(std::span<const double> rhs) {
+    SC_ASSERT(rhs.size() == 2 * local_.size(), "two numbers a contact");
     rhs_.assign(rhs.begin(), rhs.end());
     particular_.resize(count_);
     for (const std::int32_t k : active_) {
@@ -315,6 +324,8 @@ bool solveSmall(double* a, std::size_t n, double* b) {
 
 bool StatusSystem::solve(std::span<double> dr) {
     const std::size_t size = borders_.size();
+    SC_ASSERT(dr.size() == 2 * local_.size() && rhs_.size() == dr.size(), "the right-hand side is set");
+    SC_ASSERT(size <= 2 * local_.size(), "a contact has two borders at most");
     x_ = particular_;
     if (size > 0) {
         lambda_.resize(size);

@@ -1,11 +1,14 @@
 #include "supercircle/coulomb/strategy/islands.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <numeric>
 
 namespace supercircle::coulomb {
 
 std::int32_t Islands::root(std::int32_t body) {
+    SC_ASSERT_EXPENSIVE(invariants::inRange(body, parent_.size()), "a body of the problem");
     while (parent_[body] != body) {
         parent_[body] = parent_[parent_[body]];
         body = parent_[body];
@@ -46,6 +49,17 @@ void Islands::split(const MassNormalisedProblem& problem) {
     for (std::size_t i = 0; i + 1 < first_.size(); ++i)
         first_[i] = first_[i + 1];
     first_.back() = contacts_.size();
+    SC_ASSERT(first_.front() == 0 && contacts_.size() <= problem.contactCount(), "a contact is in one island at most");
+    SC_ASSERT_EXPENSIVE(
+        invariants::forAll(count(), [&](std::size_t i) { return invariants::strictlyRising(contacts(i)); }),
+        "the contacts of an island are in rising order");
+    SC_ASSERT_EXPENSIVE(invariants::forAll(problem.contactCount(),
+                                           [&](std::size_t c) {
+                                               const MassNormalisedProblem::Contact& contact = problem.contact(c);
+                                               return contact.sides < 2 ||
+                                                      root(contact.side[0].body) == root(contact.side[1].body);
+                                           }),
+                        "no contact joins two islands");
 }
 
 } // namespace supercircle::coulomb

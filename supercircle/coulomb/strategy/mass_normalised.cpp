@@ -5,6 +5,8 @@
 
 #include "supercircle/coulomb/strategy/mass_normalised.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -47,10 +49,24 @@ void findRanges(const double* gn, const double* gt, std::int32_t padded, MassNor
     side.end2 = split ? last : 0;
 }
 
+/// Whether L L^T is A to round-off: a check of the Cholesky factor.
+[[maybe_unused]] bool reproduces(const double* A, const std::vector<double>& L, std::size_t n) {
+    for (std::size_t j = 0; j < n; ++j)
+        for (std::size_t i = j; i < n; ++i) {
+            double sum = 0.0;
+            for (std::size_t k = 0; k <= j; ++k)
+                sum += L[k * n + i] * L[k * n + j];
+            if (std::abs(sum - A[j * n + i]) > 1e-10 * std::sqrt(A[i * n + i] * A[j * n + j]))
+                return false;
+        }
+    return true;
+}
+
 } // namespace
 
 bool MassNormalisedProblem::factor(Factor& body, const double* A) {
     const std::size_t n = body.n;
+    SC_ASSERT(n > 0, "a body has at least one degree of freedom");
     const std::size_t bytes = n * n * sizeof(double);
     if (body.matrix.size() == n * n && std::memcmp(body.matrix.data(), A, bytes) == 0)
         return true;
@@ -79,6 +95,7 @@ bool MassNormalisedProblem::factor(Factor& body, const double* A) {
             column[i] *= inverse;
     }
     body.matrix.assign(A, A + n * n);
+    SC_ASSERT_EXPENSIVE(reproduces(A, body.lower, n), "A = L L^T");
     return true;
 }
 
@@ -93,12 +110,15 @@ void MassNormalisedProblem::layoutBodies(const Problem& problem) {
         offset += bodies_[b].padded;
         longest_ = std::max(longest_, bodies_[b].padded);
     }
+    SC_ASSERT(longest_ % 2 == 0 && offset % 2 == 0, "velocities are padded to pairs");
     free_.assign(offset, 0.0);
 }
 
 /// Sides of a contact and the positions of their rows.
 void MassNormalisedProblem::layoutContact(const coulomb::Contact& source, Contact& contact) {
     const auto add = [&](std::int32_t index) {
+        SC_ASSERT_EXPENSIVE(invariants::inRange(index, bodies_.size()) && contact.sides < 2,
+                            "two bodies of the problem at most");
         const Factor& body = bodies_[index];
         Side& side = contact.side[contact.sides++];
         side.body = index;
@@ -118,6 +138,10 @@ void MassNormalisedProblem::fillSide(Contact& contact, Side& side, const Eigen::
     const Factor& body = bodies_[side.body];
     const std::size_t n = body.n;
     DoublePair* x = scratch.data();
+    SC_ASSERT(static_cast<std::size_t>(H.cols()) == n, "one column of H for each degree of freedom");
+    SC_ASSERT_EXPENSIVE(other == nullptr || other->cols() == H.cols(), "both sides of self contact belong to one body");
+    SC_ASSERT_EXPENSIVE(side.row + 2 * body.padded <= rows_.size() && n <= scratch.size(),
+                        "the rows lie inside the storage");
     for (std::size_t i = 0; i < n; ++i) {
         x[i] = DoublePair{H.data()[2 * i], H.data()[2 * i + 1]};
         if (other)
@@ -154,6 +178,9 @@ void MassNormalisedProblem::fillSide(Contact& contact, Side& side, const Eigen::
     contact.Wtt += square[1];
     side.reach = std::sqrt(square[0]);
     findRanges(gn, gt, side.padded, side);
+    SC_ASSERT_EXPENSIVE(side.begin1 <= side.end1 && side.begin2 <= side.end2 && side.end1 <= side.padded &&
+                            side.end2 <= side.padded && (side.end2 == 0 || side.end1 <= side.begin2),
+                        "the ranges of a row are disjoint and inside it");
 }
 
 void MassNormalisedProblem::fillContact(const coulomb::Contact& source, Contact& contact,
@@ -169,12 +196,18 @@ void MassNormalisedProblem::fillContact(const coulomb::Contact& source, Contact&
         const bool self = first && source.a == source.b;
         fillSide(contact, contact.side[s], first ? source.Ha : source.Hb, self ? &source.Hb : nullptr, scratch);
     }
+    SC_ASSERT(!(contact.Wnn < 0.0) && !(contact.Wtt < 0.0), "the diagonal of a Delassus block is not negative");
+    SC_ASSERT_EXPENSIVE(!(contact.Wnt * contact.Wnt > (1.0 + 1e-9) * contact.Wnn * contact.Wtt + 1e-300),
+                        "a Delassus block is positive semidefinite");
+    SC_ASSERT(!(contact.mu < 0.0) && std::isfinite(contact.mu), "a friction coefficient is finite, not negative");
     contact.d = 0.5 * (contact.Wnn + contact.Wtt);
 }
 
 std::string MassNormalisedProblem::build(const Problem& problem, const parallel::For& loop) {
     if (std::string error = validate(problem, loop); !error.empty())
         return error;
+    SC_ASSERT(problem.r0.size() == 0 || problem.r0.size() == 2 * static_cast<Eigen::Index>(problem.contacts.size()),
+              "the warm start has two numbers a contact");
     layoutBodies(problem);
     positiveDefinite_.assign(bodies_.size(), 0);
     parallel::forEach(loop, bodies_.size(), 16, [&](std::size_t b) {
@@ -210,12 +243,15 @@ std::string MassNormalisedProblem::build(const Problem& problem, const parallel:
     for (const Contact& contact : contacts_)
         largest = std::max(largest, contact.d);
     const double floor = largest > 0.0 ? 1e-12 * largest : 1.0;
-    for (Contact& contact : contacts_)
+    for (Contact& contact : contacts_) {
         contact.d = std::max(contact.d, floor);
+        SC_ASSERT(!(contact.d <= 0.0), "the scale of a contact is positive");
+    }
     return {};
 }
 
 void MassNormalisedProblem::assemble(std::span<const double> r, std::vector<double>& w) const {
+    SC_ASSERT(r.size() == 2 * contacts_.size(), "two impulses a contact");
     w = free_;
     for (std::size_t c = 0; c < contacts_.size(); ++c)
         if (r[2 * c] != 0.0 || r[2 * c + 1] != 0.0)
@@ -237,6 +273,10 @@ void MassNormalisedProblem::listContacts() {
     // Filling from the back has moved every start to that of its own body; shift the starts into place.
     firstOfBody_.erase(firstOfBody_.begin());
     firstOfBody_.push_back(ofBody_.size());
+    SC_ASSERT(firstOfBody_.size() == bodies_.size() + 1 && firstOfBody_.front() == 0, "one list of contacts a body");
+    SC_ASSERT_EXPENSIVE(
+        invariants::forAll(bodies_.size(), [&](std::size_t b) { return invariants::strictlyRising(sidesOf(b)); }),
+        "the contacts of a body are in rising order");
 }
 
 /// Body by body. Every body sums its contacts in the same order as one loop over all contacts.
@@ -258,6 +298,7 @@ Residual MassNormalisedProblem::residual(std::span<const double> r, const std::v
                                          const parallel::For& loop) {
     if (!loop || contacts_.size() < kFewContacts)
         return residual(r, w);
+    SC_ASSERT(r.size() == 2 * contacts_.size() && w.size() == free_.size(), "impulses and velocities fit the problem");
     velocity_.resize(contacts_.size());
     parallel::forEach(loop, contacts_.size(), 128,
                       [&](std::size_t c) { velocity_[c] = velocity(contacts_[c], w.data()); });
@@ -268,6 +309,7 @@ Residual MassNormalisedProblem::residual(std::span<const double> r, const std::v
 }
 
 Residual MassNormalisedProblem::residual(std::span<const double> r, const std::vector<double>& w) const {
+    SC_ASSERT(r.size() == 2 * contacts_.size() && w.size() == free_.size(), "impulses and velocities fit the problem");
     ResidualSum sum;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
         const Contact& contact = contacts_[c];
@@ -279,6 +321,7 @@ Residual MassNormalisedProblem::residual(std::span<const double> r, const std::v
 
 void MassNormalisedProblem::bodyVelocities(const std::vector<double>& w, std::vector<Eigen::VectorXd>& v,
                                            const parallel::For& loop) const {
+    SC_ASSERT(w.size() == free_.size(), "one mass-normalised velocity for each degree of freedom");
     v.resize(bodies_.size());
     parallel::forEach(loop, bodies_.size(), 32, [&](std::size_t b) {
         const Factor& body = bodies_[b];

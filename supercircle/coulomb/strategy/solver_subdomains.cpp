@@ -4,6 +4,7 @@
 // results. The effect of a subdomain on its neighbours is seen by the next colour.
 
 #include "supercircle/coulomb/strategy/solver_impl.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <array>
@@ -47,6 +48,8 @@ bool Solver::Impl::isBusy(const MassNormalisedProblem::Contact& contact) const {
 /// Builds one colour: subdomains around unsolved contacts of `seedContacts` that share no body. Contacts that have to
 /// wait for one of them go to `later`.
 void Solver::Impl::collectColour(double share, std::size_t size) {
+    SC_ASSERT(covered.size() == normalised.contactCount(), "one mark a contact");
+    SC_ASSERT(!(share < 0.0), "an error is not negative");
     busy.assign(normalised.bodyCount(), 0);
     later.clear();
     workItemCount = 0;
@@ -64,6 +67,9 @@ void Solver::Impl::collectColour(double share, std::size_t size) {
             later.push_back(c);
             continue;
         }
+        SC_ASSERT_EXPENSIVE(std::none_of(subdomain->contacts.begin(), subdomain->contacts.end(),
+                                         [this](std::int32_t k) { return isBusy(normalised.contact(k)); }),
+                            "subdomains of one colour share no body");
         for (const std::int32_t k : subdomain->core)
             covered[k] = 1;
         for (const std::int32_t k : subdomain->contacts)
@@ -98,6 +104,7 @@ void Solver::Impl::passSubdomains(std::span<const std::int32_t> island, double a
     const double error = findErrors(island);
     if (error <= allowed)
         return;
+    SC_ASSERT(contactErrors.size() == island.size() && !island.empty(), "one error a contact");
     const double share =
         std::max(kSubdomainShare * allowed, kSubdomainSkip * error) / static_cast<double>(island.size());
     seedContacts.clear();

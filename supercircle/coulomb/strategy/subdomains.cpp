@@ -1,5 +1,7 @@
 #include "supercircle/coulomb/strategy/subdomains.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 
 namespace supercircle::coulomb {
@@ -46,6 +48,10 @@ bool Subdomains::growBodies(const MassNormalisedProblem& problem, std::int32_t s
 
 const Subdomain* Subdomains::grow(const MassNormalisedProblem& problem, std::int32_t seed, std::size_t most,
                                   std::span<const std::uint8_t> busy) {
+    SC_ASSERT(invariants::inRange(seed, taken_.size()) && taken_.size() == problem.contactCount(),
+              "prepared for this problem");
+    SC_ASSERT(most > 0 && problem.contact(seed).sides > 0, "a subdomain holds its seed, which moves a body");
+    SC_ASSERT(busy.empty() || busy.size() == problem.bodyCount(), "one mark a body");
     if (!growBodies(problem, seed, most, busy))
         return nullptr;
     subdomain_.contacts.clear();
@@ -74,6 +80,16 @@ const Subdomain* Subdomains::grow(const MassNormalisedProblem& problem, std::int
     for (const std::int32_t c : subdomain_.outside)
         taken_[c] = 0;
     std::sort(subdomain_.contacts.begin(), subdomain_.contacts.end());
+    SC_ASSERT(std::binary_search(subdomain_.contacts.begin(), subdomain_.contacts.end(), seed),
+              "a subdomain holds its seed");
+    SC_ASSERT(subdomain_.core.size() <= subdomain_.contacts.size(), "the core is a part of the subdomain");
+    SC_ASSERT_EXPENSIVE(invariants::strictlyRising(subdomain_.contacts), "every contact is listed once");
+    SC_ASSERT_EXPENSIVE(std::none_of(subdomain_.outside.begin(), subdomain_.outside.end(),
+                                     [this](std::int32_t c) {
+                                         return std::binary_search(subdomain_.contacts.begin(),
+                                                                   subdomain_.contacts.end(), c);
+                                     }),
+                        "a contact is inside or outside");
     return &subdomain_;
 }
 

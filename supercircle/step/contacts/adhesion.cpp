@@ -1,6 +1,7 @@
 #include "supercircle/step/contacts/adhesion.h"
 
 #include "supercircle/contact/outline_shape.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -227,10 +228,14 @@ AdhesionWork linearised(const World& world, const std::vector<RodWork>& rods, st
     p.point = k;
     p.share = shareOf(near);
     p.normal = near.normal;
+    SC_ASSERT(p.share > 0.0 && p.share <= 1.0, "a share is a fraction");
+    SC_ASSERT(invariants::isUnit(p.normal), "a normal has length 1");
+    SC_ASSERT((near.rodB >= 0) != (near.bodyB >= 0), "what is near is a rod or a body");
     const double weight = p.share * a.weight[k];
     p.force = weight * law.force;
     p.stiffness = (near.rodB >= 0 ? 2.0 : 1.0) * weight * std::max(0.0, law.slope);
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, rod.model.dofs());
+    SC_ASSERT(!(p.stiffness < 0.0), "the implicit part of adhesion is a stiffness");
     rods[i].kin.pointRows(rod.model, a.points[k], Vec2::Zero(), p.normal, rod::perp(p.normal), rows);
     p.rowA = rows.row(0);
     p.wayA = 2.0 * p.rowA.dot(rods[i].qk - rod.q);

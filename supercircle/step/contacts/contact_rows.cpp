@@ -4,6 +4,7 @@
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/contacts/link_rows.h"
 #include "supercircle/step/coupling/host_rows.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -86,6 +87,7 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     } else {
         const BodyOutline& piece = pieceOf(world, c);
         k.bodyB = bodyIndex(world, piece.body);
+        SC_ASSERT(k.bodyB >= 0, "an outline belongs to a body");
         const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
         const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
         k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
@@ -173,6 +175,7 @@ void addGive(const World& world, double dt, const std::vector<ContactImpulse>& w
         for (std::size_t j = 0; j < ofBody[b].size(); ++j) {
             ContactWork& k = stage.work[ofBody[b][j]];
             const Eigen::Index at = n + 2 * static_cast<Eigen::Index>(j);
+            SC_ASSERT(at + 2 <= body.A.rows(), "two unknowns a compliant contact");
             for (int axis = 0; axis < 2; ++axis)
                 body.A(at + axis, at + axis) = dt * dt / std::max(k.give[axis], kRigid);
         }
@@ -219,6 +222,7 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
         stage.spareBlocks.push_back(std::move(stage.problem.bodies.back()));
         stage.problem.bodies.pop_back();
     }
+    SC_ASSERT(static_cast<std::size_t>(count) <= rods.size(), "one block a rod at most");
     stage.problem.bodies.resize(static_cast<std::size_t>(count));
     parallel::forEach(stage.loop, rods.size(), 32, [&](std::size_t i) {
         const RodWork& w = rods[i];
@@ -230,6 +234,7 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
         else
             b.A = w.held.reduced; // Z^T A Z
         b.vFree = w.vFree;
+        SC_ASSERT(b.A.rows() == b.vFree.size(), "one free velocity for each unknown of a rod");
     });
 }
 
@@ -253,6 +258,7 @@ void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& fu
         reduced = sign * full;
         return;
     }
+    SC_ASSERT(full.cols() == w.Z.rows() && w.vp.size() == full.cols(), "rows of this rod");
     reduced.noalias() = full * w.Z;
     reduced *= sign;
     offset += sign * (full * w.vp);
@@ -273,6 +279,7 @@ void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, do
     for (std::size_t i = 0; i < outlines.size(); ++i) {
         const BodyOutline& piece = world.outlines[i];
         const int index = bodyIndex(world, piece.body);
+        SC_ASSERT(index >= 0, "an outline belongs to a body");
         const Body& body = world.bodies[static_cast<std::size_t>(index)];
         const BodyMotion& m = motion[static_cast<std::size_t>(index)];
         place(piece, body.state.centre + ahead * m.velocity, body.state.angle + ahead * m.spin, outlines[i]);
@@ -283,6 +290,7 @@ void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, do
             key = (key + 1) & kKeyMask;
             at = std::lower_bound(keys.begin(), keys.end(), key);
         }
+        SC_ASSERT(key <= kKeyMask, "an id leaves 20 bits for an outline");
         keys.insert(at, key);
         outlines[i].key = key;
         double reach = 0.0;
@@ -290,11 +298,14 @@ void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, do
             reach = std::max(reach, p.norm() + piece.local.radius);
         outlines[i].motion = motionTime * (m.velocity.norm() + std::abs(m.spin) * reach);
     }
+    SC_ASSERT_EXPENSIVE(invariants::strictlyRising(keys), "an outline has a key of its own");
 }
 
 void collide(const World& world, const std::vector<const rod::Kinematics*>& kin, const std::vector<double>& range,
              double ahead, double motionTime, double margin, ContactStage& stage,
              std::vector<contact::Candidate>& out) {
+    SC_ASSERT(kin.size() == world.rods.size() && range.size() == world.rods.size(), "one configuration a rod");
+    SC_ASSERT(!(ahead < 0.0) && !(margin < 0.0), "looks forward, outwards");
     placeOutlines(world, stage.motion, ahead, motionTime, stage.outlineKeys, stage.outlines);
     stage.curves.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32, [&](std::size_t i) {
@@ -343,10 +354,14 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
     parallel::forEach(stage.loop, stage.candidates.size(), 64, [&](std::size_t i) {
         contact::updateCandidate(stage.candidates[i], stage.curvesMiddle, stage.outlinesMiddle);
     });
+    SC_ASSERT(stage.candidates.size() == stage.gapAtStart.size() && stage.candidates.size() >= start.size(),
+              "no candidate is lost");
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
             bool again, ContactStage& stage) {
+    SC_ASSERT(dt > 0.0, "a step takes time");
+    SC_ASSERT(rods.size() == world.rods.size() && stage.motion.size() == world.bodies.size(), "sizes of the world");
     stage.problem.dt = dt;
     prepareLinks(world, rods, dt, again, stage);
     addRodBodies(world, rods, stage);
@@ -379,8 +394,10 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
     } else {
         stage.report = stage.solver.solve(stage.problem, options, stage.r, stage.velocity, stage.loop);
     }
+    SC_ASSERT(!any || stage.velocity.size() == stage.problem.bodies.size(), "one velocity a body of the problem");
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
+        SC_ASSERT(w.body < static_cast<int>(stage.problem.bodies.size()), "a rod's block is one of the problem");
         const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
         const Eigen::Index own = w.vFree.size(); // behind it stand the springs of compliant contacts
         if (w.frozen)
@@ -393,11 +410,14 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
             (w.v = w.vp).noalias() += w.Z * x;
         else
             (w.v = w.vp).noalias() += w.Z * x.head(own);
+        SC_ASSERT(w.v.size() == world.rods[i].model.dofs(), "one velocity for each degree of freedom");
     }
     readHostBlocks(world, stage);
 }
 
 void gather(const ContactStage& stage, double dt, std::vector<ContactImpulse>& out) {
+    SC_ASSERT(dt > 0.0, "a step takes time");
+    SC_ASSERT(static_cast<std::size_t>(stage.r.size()) >= 2 * stage.candidates.size(), "two impulses a candidate");
     out.clear();
     for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
         const double rn = stage.r[static_cast<Eigen::Index>(2 * i)], rt = stage.r[static_cast<Eigen::Index>(2 * i + 1)];

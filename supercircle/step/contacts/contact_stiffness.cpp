@@ -3,6 +3,7 @@
 #include "supercircle/contact/feature_id.h"
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/parallel.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,8 +80,10 @@ double relativeCurvature(const World& world, const std::vector<RodWork>& rods, c
 
 void rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, double normal, bool firstIteration,
                const contact::Candidate& c, RollingPair& pair) {
+    SC_ASSERT(normal > 0.0, "a contact that carried force");
     pair.any = true;
     const double strength = normal * dt / relativeCurvature(world, rods, c);
+    SC_ASSERT(!(strength < 0.0), "rolling is a stiffness");
     const auto turn = [&](const contact::RodPoint& at, Rolling& rolling) {
         const auto i = static_cast<std::size_t>(at.rod);
         rolling.tau.resize(world.rods[i].model.dofs());
@@ -134,6 +137,7 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
         RodWork& w = rods[static_cast<std::size_t>(rod)];
         if (w.rolling.size() == w.rollingCount)
             w.rolling.emplace_back().tau.resize(rolling.tau.size());
+        SC_ASSERT(rolling.tau.size() == world.rods[static_cast<std::size_t>(rod)].model.dofs(), "a row of this rod");
         std::swap(w.rolling[w.rollingCount++], rolling);
     };
     for (std::size_t i = 0; i < count; ++i) {
@@ -154,6 +158,7 @@ void pull(const rod::RodModel& model, const rod::MaterialPoint& at, const Vec2& 
         w.beyond[at.side][static_cast<std::size_t>(k)] += force;
     // Of its own segment it pulls at the part between the inner end and the point.
     const auto own = static_cast<std::size_t>(at.segment);
+    SC_ASSERT_EXPENSIVE(own < model.side(at.side).size(), "a segment of the rod");
     w.beyond[at.side][own] += (at.local / model.side(at.side)[own].signedLength) * force;
     w.loaded = true;
 }
@@ -175,6 +180,7 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
         for (const MouseJoint& g : world.rods[i].mouseJoints)
             pull(model, rod::locate(model, g.s), g.force, w);
     }
+    SC_ASSERT(stage.linkEnds.size() == world.links.size(), "the ends of all links are known");
     for (std::size_t k = 0; k < world.links.size(); ++k) {
         const Link& l = world.links[k];
         const auto at = [&](int rod, double s, const Vec2& force) {
@@ -220,6 +226,8 @@ void axialStiffness(const rod::RodModel& model, const RodWork& w, Eigen::MatrixX
     // A segment's middle turns with the frame (theta), with all curvatures on its inner side (by their lengths) and
     // with half of its own: sums from the tip inwards give every entry once.
     const int theta = model.dofTheta();
+    SC_ASSERT(w.tension[0].size() == model.side(0).size() && w.tension[1].size() == model.side(1).size(),
+              "one tension a segment");
     out.setZero(model.dofs(), model.dofs());
     const auto add = [&](int a, int b, double value) {
         out(a, b) += value;

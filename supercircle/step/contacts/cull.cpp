@@ -1,6 +1,7 @@
 #include "supercircle/step/contacts/cull.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,6 +48,7 @@ Vec2 velocityOf(const World& world, const contact::Candidate& c, double dt) {
 
 void cull(const World& world, double dt, double slack, const std::vector<contact::Candidate>& all,
           std::vector<contact::Candidate>& kept) {
+    SC_ASSERT(dt > 0.0 && !(slack < 0.0), "a step takes time");
     kept.clear();
     const Vec2 fall = dt * world.gravity;
     for (const contact::Candidate& c : all) {
@@ -58,6 +60,7 @@ void cull(const World& world, double dt, double slack, const std::vector<contact
         if (c.gap <= slack + approach || findImpulse(world.impulses, c.id))
             kept.push_back(c);
     }
+    SC_ASSERT(kept.size() <= all.size(), "a part of the candidates");
 }
 
 } // namespace supercircle::step

@@ -1,5 +1,7 @@
 #include "supercircle/step/contacts/friction_state.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -16,6 +18,7 @@ bool anySurface(const World& world) {
 
 /// Speed of slip as last solved, m/s.
 double slipOf(const std::vector<RodWork>& rods, double dt, const ContactStage& stage, std::size_t i) {
+    SC_ASSERT(i < stage.work.size() && stage.work.size() == stage.candidates.size(), "one work space a candidate");
     const ContactWork& k = stage.work[i];
     double u = k.Ja.row(1).dot(rods[static_cast<std::size_t>(k.rodA)].v);
     if (k.rodB >= 0) {
@@ -75,6 +78,7 @@ double nextFactor(FactorBounds& b, double factor, double wanted, bool& bracketed
         b.atHigh = excess;
         b.last = -1;
     }
+    SC_ASSERT(!(b.atLow < 0.0) && !(b.atHigh > 0.0), "too small below, too large above");
     bracketed = b.atLow > 0.0 && b.atHigh < 0.0;
     return bracketed ? b.low + (b.high - b.low) * b.atLow / (b.atLow - b.atHigh) : wanted;
 }

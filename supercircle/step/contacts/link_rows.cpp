@@ -2,6 +2,7 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/coupling/host_rows.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -173,6 +174,7 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
             const Ends& e, ContactStage& stage) {
     const Link& l = world.links[static_cast<std::size_t>(index)];
     const Places middle = placesOf(world, rods, stage.motion, l, e, When::Middle, dt);
+    SC_ASSERT(e.counts && e.rodA >= 0, "a link whose ends are there");
     const std::size_t used = stage.linkCount++;
     if (stage.linkRows.size() < stage.linkCount)
         stage.linkRows.emplace_back();
@@ -188,6 +190,7 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
         const Vec2 way = middle.b - middle.a;
         row.normal = way.norm() > 1e-9 * l.length ? Vec2(way.normalized()) : Vec2::UnitX();
     }
+    SC_ASSERT(invariants::isUnit(row.normal) && !(row.lever <= 0.0), "a direction of length 1, a lever");
     rowsOf(world, rods, static_cast<std::size_t>(e.rodA), l.sA, Vec2::Zero(), row, row.Ja);
     if (e.rodB >= 0)
         rowsOf(world, rods, static_cast<std::size_t>(e.rodB), l.sB, turned(l.local, middle.angleB), row, row.Jb);
@@ -248,6 +251,7 @@ void findLinkEnds(const World& world, ContactStage& stage) {
 }
 
 void prepareLinks(const World& world, const std::vector<RodWork>& rods, double dt, bool again, ContactStage& stage) {
+    SC_ASSERT(stage.linkEnds.size() == world.links.size(), "the ends of all links are known");
     stage.linkCount = 0;
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
@@ -270,6 +274,7 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
     const std::size_t first = stage.candidates.size();
     for (std::size_t i = 0; i < stage.linkCount; ++i) {
         LinkRow& row = stage.linkRows[i];
+        SC_ASSERT(invariants::inRange(row.link, world.links.size()), "a row belongs to a link");
         const Link& l = world.links[static_cast<std::size_t>(row.link)];
         coulomb::Contact& out = stage.problem.contacts[first + i];
         out.kind = row.kind == LinkRowKind::Pull ? coulomb::ContactKind::Unilateral : coulomb::ContactKind::Bilateral;
@@ -291,6 +296,7 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
         side(row.rodB, row.Jb, -1.0);
         row.bodyProblem = row.bodyB >= 0 ? stage.place[static_cast<std::size_t>(row.bodyB)].block : -1;
         if (row.bodyProblem >= 0) {
+            SC_ASSERT(out.b < 0, "a joint connects two bodies at most");
             const bool isFirst = out.a < 0;
             (isFirst ? out.a : out.b) = row.bodyProblem;
             bodyRows(stage, row, row.Hb);
@@ -367,6 +373,7 @@ void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& s
     for (std::size_t i = 0; i < stage.linkCount; ++i) {
         const LinkRow& row = stage.linkRows[i];
         const std::size_t contact = stage.candidates.size() + i;
+        SC_ASSERT(2 * contact + 1 < static_cast<std::size_t>(stage.r.size()), "two impulses a row");
         const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * contact));
         if (r.isZero(0.0))
             continue;

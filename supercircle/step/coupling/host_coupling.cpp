@@ -1,5 +1,7 @@
 #include "supercircle/step/coupling/host_coupling.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -60,6 +62,7 @@ void findIntruders(const World& world, double h, HostCouplingWork& work) {
     }
     copies.resize(count);
     originals.resize(count);
+    SC_ASSERT(owner.size() == count, "one owner an outline");
     depths(curves, copies, kLeave * h, work, work.depthOfCopy);
     depths(curves, originals, kLeave * h, work, work.depthOfOriginal);
     work.crossings.clear();
@@ -91,6 +94,7 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
         const Body& b = world.bodies[static_cast<std::size_t>(i)];
         if (!solvedThroughout(b, advanced))
             return;
+        SC_ASSERT(b.state.mass > 0.0, "a dynamic body has a mass");
         out[static_cast<std::size_t>(i)].velocity += impulse / b.state.mass;
         if (b.state.inertia > 0.0)
             out[static_cast<std::size_t>(i)].spin += turn / b.state.inertia;
@@ -128,6 +132,7 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
 }
 
 void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork& work) {
+    SC_ASSERT(work.unsolved.size() == world.bodies.size(), "one motion a body");
     const double h = thinnest(world);
     const std::vector<BodyMotion>& unsolved = work.unsolved;
     std::vector<int>& suspects = work.suspects;

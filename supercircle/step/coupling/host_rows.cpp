@@ -1,5 +1,7 @@
 #include "supercircle/step/coupling/host_rows.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -92,6 +94,7 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
         }
         BodyPlace& p = stage.place[static_cast<std::size_t>(b)];
         p.block = static_cast<int>(stage.problem.bodies.size()) + block;
+        SC_ASSERT(p.freedoms == 2 || p.freedoms == 3, "a body translates, and turns unless that is fixed");
         p.column = size[static_cast<std::size_t>(block)];
         size[static_cast<std::size_t>(block)] += p.freedoms;
     }
@@ -118,6 +121,7 @@ void pushBody(ContactStage& stage, int body, const Vec2& impulse, double turn) {
     const BodyPlace& p = placeOf(stage, body);
     if (p.freedoms == 0)
         return;
+    SC_ASSERT(invariants::inRange(p.block, stage.problem.bodies.size()), "a block of the problem");
     Eigen::VectorXd& momentum = stage.problem.bodies[static_cast<std::size_t>(p.block)].vFree;
     momentum.segment<2>(p.column) += impulse;
     if (p.freedoms == 3)
@@ -162,6 +166,8 @@ void addJointRow(const World& world, std::size_t k, double dt, ContactStage& sta
         pushBody(stage, e.b, dt * r.last * r.axisB, dt * r.last * r.turnB);
         return;
     }
+    SC_ASSERT(saturated >= -1 && saturated <= 1, "a sign");
+    SC_ASSERT(blockOfRow(stage, e) >= static_cast<int>(stage.hostBlocks), "blocks of the host stand behind the rods");
     coulomb::Body& block = stage.problem.bodies[static_cast<std::size_t>(blockOfRow(stage, e))];
     stage.row.assign(static_cast<std::size_t>(block.A.cols()), 0.0);
     Eigen::Map<Eigen::RowVectorXd> row(stage.row.data(), block.A.cols());
@@ -213,6 +219,7 @@ void putRows(const World& world, ContactStage& stage, const BodyEnds& e, const S
     const auto columns = [&](int block) {
         return block >= 0 ? stage.problem.bodies[static_cast<std::size_t>(block)].vFree.size() : Eigen::Index{0};
     };
+    SC_ASSERT(out.a >= 0 && out.a != out.b, "a constraint of the host acts on a body of the problem");
     out.Ha.setZero(2, columns(out.a));
     out.Hb.setZero(2, columns(out.b));
     out.w.setZero();
@@ -239,6 +246,7 @@ void addToRow(const ContactStage& stage, int body, const Vec2& direction, double
     const BodyPlace& p = placeOf(stage, body);
     if (p.freedoms == 0)
         return;
+    SC_ASSERT_EXPENSIVE(p.column >= 0 && p.column + p.freedoms <= row.size(), "columns of the body lie in its block");
     row.segment<2>(p.column) += direction.transpose();
     if (p.freedoms == 3)
         row[p.column + 2] += turn;
@@ -272,6 +280,7 @@ void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
                                            body.hostCoupling.unexplained.expectedAngular, dt);
         Eigen::MatrixXd& A = stage.problem.bodies[static_cast<std::size_t>(p.block)].A;
         const double m = body.state.mass, inertia = body.state.inertia;
+        SC_ASSERT(body.dynamic && m > 0.0, "a dynamic body has a mass");
         A.diagonal().segment(p.column, p.freedoms) = Eigen::Vector3d(m, m, inertia).head(p.freedoms);
         pushBody(stage, i, m * free.velocity, inertia * free.spin);
     }
@@ -297,6 +306,9 @@ void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
 }
 
 void listHostContacts(const World& world, ContactStage& stage) {
+    SC_ASSERT(stage.contactEnds.size() == world.constraints.contacts.size() &&
+                  stage.rowEnds.size() == world.constraints.rows.size(),
+              "the ends of all constraints are known");
     stage.hostEntries.clear();
     const auto counts = [&](const BodyEnds& e) { return touchesProblem(stage, e) && !onBorder(world, stage, e); };
     for (std::size_t k = 0; k < stage.contactEnds.size(); ++k)
@@ -309,6 +321,7 @@ void listHostContacts(const World& world, ContactStage& stage) {
 
 void addHostContacts(const World& world, double dt, ContactStage& stage) {
     const std::size_t first = stage.candidates.size() + stage.linkCount;
+    SC_ASSERT(first + stage.hostEntries.size() == stage.problem.contacts.size(), "contacts of the host stand last");
     for (std::size_t i = 0; i < stage.hostEntries.size(); ++i) {
         coulomb::Contact& out = stage.problem.contacts[first + i];
         Vec2 warm = Vec2::Zero();
@@ -343,6 +356,7 @@ void readHostBlocks(const World& world, ContactStage& stage) {
         const BodyPlace p = stage.problem.contacts.empty() ? BodyPlace{} : stage.place[i];
         if (p.block >= 0) {
             const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(p.block)];
+            SC_ASSERT(p.column + p.freedoms <= x.size(), "columns of the body lie in its block");
             m.velocity = x.segment<2>(p.column);
             m.spin = p.freedoms == 3 ? x[p.column + 2] : b.state.spin;
         }
@@ -362,6 +376,7 @@ bool boundHostRows(const World& world, double dt, ContactStage& stage) {
         const double force = rigidDamping(world, row, e, dt) * (row.speed - u);
         if (std::abs(force) <= row.strength)
             continue;
+        SC_ASSERT(k < stage.saturated.size(), "one state a row of the host");
         stage.saturated[k] = force > 0.0 ? 1 : -1;
         changed = true;
     }
@@ -379,6 +394,7 @@ void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
             const BodyEnds& e = stage.contactEnds[static_cast<std::size_t>(entry)];
             HostContact& c = world.constraints.contacts[static_cast<std::size_t>(entry)];
             c.clearance = std::max(0.0, c.clearance + dt * relative(world, stage, e, contactSides(c, c.normal)));
+            SC_ASSERT(!(c.clearance < 0.0), "a clearance is not negative");
             c.normalForce = r.x() / dt;
             c.tangentForce = r.y() / dt;
             c.sumNormal += r.x();

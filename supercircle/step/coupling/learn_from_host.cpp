@@ -1,6 +1,7 @@
 // After the host's own step: what its constraints did to the bodies.
 
 #include "supercircle/step/coupling/host_coupling.h"
+#include "supercircle/support/invariants.h"
 
 namespace supercircle::step {
 
@@ -10,6 +11,7 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
     port.impulses(advanced, world.constraints);
     unsolvedByHost(world, port, advanced, work);
     const std::vector<BodyMotion>& unsolved = work.unsolved;
+    SC_ASSERT(unsolved.size() == world.bodies.size(), "one motion a body");
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
         HostCoupling& h = b.hostCoupling;

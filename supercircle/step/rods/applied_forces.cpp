@@ -1,5 +1,7 @@
 #include "supercircle/step/applied_forces.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +14,7 @@ constexpr double kSameTime = 1e-9; ///< of a path's duration: round-off of World
 /// Cubic from the pose and velocity at its start to those at its end (Hermite), straight on afterwards.
 Pose along(const Path& p, double time) {
     const double T = p.end - p.start, left = time - p.end;
+    SC_ASSERT(!(T < 0.0), "a path ends after its start");
     if (left >= -kSameTime * T) {
         const double over = left > kSameTime * T ? left : 0.0; // at its end: to the last digit
         return {p.to + over * p.toVelocity, p.toAngle + over * p.toSpin, p.toVelocity, p.toSpin};
@@ -122,6 +125,7 @@ void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
         MouseJointWork& k = w.mouseJoints[i];
         rowsAt(rod, w, g.s, k.J);
         k.stretch = g.target - rod.kin.point(rod::locate(rod.model, g.s));
+        SC_ASSERT(k.J.cols() == rod.model.dofs(), "a row of this rod");
         k.stiffness = g.stiffness;
         k.damping = g.damping;
         const double force = forceOf(k, dt, first ? rod.v : w.v).norm();
@@ -136,6 +140,7 @@ void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
 
 double recordAppliedForces(Rod& rod, double dt, const RodWork& w) {
     double work = w.load.size() > 0 ? dt * w.load.dot(w.v) : 0.0;
+    SC_ASSERT(w.mouseJoints.size() == rod.mouseJoints.size(), "one work space a mouse joint");
     for (std::size_t i = 0; i < w.mouseJoints.size(); ++i) {
         rod.mouseJoints[i].force = forceOf(w.mouseJoints[i], dt, w.v);
         work += dt * rod.mouseJoints[i].force.dot(w.mouseJoints[i].J * w.v);

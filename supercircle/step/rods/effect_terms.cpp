@@ -1,5 +1,7 @@
 #include "supercircle/step/rods/effect_terms.h"
 
+#include "supercircle/support/invariants.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -94,6 +96,9 @@ void addEffects(const Rod& rod, double dt, bool again, RodWork& w) {
 double effectError(const Rod& rod, double dt, const RodWork& w) {
     double worst = 0.0;
     const EffectWork& work = w.effects;
+    SC_ASSERT(!rod.effects.material.on() || work.moment.size() == static_cast<std::size_t>(rod.model.elements()),
+              "one moment an element");
+    SC_ASSERT(!rod.effects.drag.on() || work.drag.size() == rod.effects.drag.points.size(), "one drag a point");
     if (rod.effects.material.on()) {
         const double unit = kMomentTolerance * rod.model.definition().bendingModulus / rod.model.definition().length;
         for (int e = 0; e < rod.model.elements(); ++e) {

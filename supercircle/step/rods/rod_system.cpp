@@ -2,6 +2,7 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/rods/effect_terms.h"
+#include "supercircle/support/invariants.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -31,6 +32,7 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     otherTurn.resize(rod.model.dofs());
     Eigen::Index row = 0;
     const auto put = [&](const auto& line, double missing) {
+        SC_ASSERT_EXPENSIVE(row < w.C.rows(), "as many rows as were counted");
         w.C.row(row) = line;
         w.c[row++] = missing / dt;
     };
@@ -62,6 +64,7 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
             2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
         put(turn - otherTurn, target - total);
     }
+    SC_ASSERT(row == rows, "as many rows as were counted");
 }
 
 /// Mean tangent angle of the rod's material.
@@ -75,12 +78,14 @@ double meanAngle(const rod::RodModel& model, const rod::Kinematics& kin) {
 
 /// Turns the velocities relative to the centre of mass by `angle`.
 void carryAlong(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u) {
+    SC_ASSERT(u.size() == gauss.mass.size(), "one velocity a Gauss point");
     Vec2 mean = Vec2::Zero();
     double mass = 0.0;
     for (std::size_t g = 0; g < u.size(); ++g) {
         mean += gauss.mass[g] * u[g];
         mass += gauss.mass[g];
     }
+    SC_ASSERT(!(mass <= 0.0), "a rod has a mass");
     mean /= mass;
     const double c = std::cos(angle), s = std::sin(angle);
     for (Vec2& x : u) {
@@ -93,6 +98,7 @@ void carryAlong(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u
 
 /// Evaluates everything at the linearisation point w.qk.
 void placeAt(const Rod& rod, RodWork& w) {
+    SC_ASSERT(w.qk.size() == rod.model.dofs() && rod.v.size() == rod.model.dofs(), "state sizes are the rod's");
     w.kin.evaluate(rod.model, w.qk);
     rod::evaluateGauss(rod.model, w.kin, w.gauss);
     w.u0 = rod.u;
@@ -102,6 +108,7 @@ void placeAt(const Rod& rod, RodWork& w) {
 void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w) {
     w.frozen = false;
     const double share = std::min(1.0, farthest / std::max(0.5 * dt * rod.speed, 1e-300));
+    SC_ASSERT(!(share < 0.0) && !(share > 1.0), "a prediction goes a part of the way");
     w.qk = rod.q + (0.5 * dt * share) * rod.v;
     placeAt(rod, w);
 }
@@ -131,7 +138,15 @@ void freezeRod(const Rod& rod, RodWork& w) {
 }
 
 void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodWork& w) {
+    SC_ASSERT(dt > 0.0, "a step takes time");
+    SC_ASSERT(w.rollingCount <= w.rolling.size(), "rolling terms fit their storage");
     rod::massMatrix(rod.model, w.kin, w.gauss, w.A);
+    SC_ASSERT_EXPENSIVE(invariants::forAll(static_cast<std::size_t>(w.A.rows()),
+                                           [&](std::size_t i) {
+                                               const auto k = static_cast<Eigen::Index>(i);
+                                               return !(w.A(k, k) <= 0.0);
+                                           }),
+                        "the diagonal of the mass matrix is positive");
     for (int i = 0; i < rod.model.elements(); ++i)
         w.A(i, i) += dt * dt * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i));
     rod::momentum(rod.model, w.kin, w.gauss, w.u0, w.p);
@@ -153,10 +168,12 @@ void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodW
     if (rod.effects.on())
         addEffects(rod, dt, !first, w);
     evaluateHolds(world, rod, dt, w);
+    SC_ASSERT(w.A.rows() == rod.model.dofs() && w.rhs.size() == w.A.rows(), "one equation for each degree of freedom");
 }
 
 void predictRod(const Rod& rod, RodWork& w) {
     const Eigen::Index n = rod.model.dofs(), m = w.C.rows();
+    SC_ASSERT(w.c.size() == m && (m == 0 || w.C.cols() == n), "one velocity a hold row");
     if (m == 0) {
         w.llt.compute(w.A);
         w.vFree = w.rhs;
@@ -169,6 +186,7 @@ void predictRod(const Rod& rod, RodWork& w) {
     const Eigen::Index rank = h.qr.rank(); // redundant holds (two clamps on a straight stiff piece) are dropped
     h.Q.resize(n, n);
     h.qr.householderQ().evalTo(h.Q, h.scratch);
+    SC_ASSERT(rank <= std::min(m, n), "a rank is at most the number of rows");
     w.Z = h.Q.rightCols(n - rank);
     h.permuted.noalias() = h.qr.colsPermutation().transpose() * w.c;
     auto pc = h.permuted.head(rank);
@@ -184,6 +202,11 @@ void predictRod(const Rod& rod, RodWork& w) {
     h.rhs.noalias() -= w.A * w.vp;
     w.vFree.noalias() = w.Z.transpose() * h.rhs;
     w.llt.solveInPlace(w.vFree);
+    SC_ASSERT(w.vFree.size() == n - rank && w.vp.size() == n, "free motions and held ones make all");
+    SC_ASSERT_EXPENSIVE(
+        !(((w.Z.transpose() * w.Z).eval() - Eigen::MatrixXd::Identity(n - rank, n - rank)).cwiseAbs().sum() >
+          1e-9 * static_cast<double>(n)),
+        "free motions are orthonormal");
 }
 
 /// Impulses of the holds: the least-squares solution of C^T x = force by predictRod()'s factorisation.
@@ -198,6 +221,7 @@ const Eigen::VectorXd& holdImpulses(const Eigen::VectorXd& force, HoldWork& h) {
 }
 
 void advanceRod(const Rod& rod, double dt, RodWork& w) {
+    SC_ASSERT(w.v.size() == rod.model.dofs(), "one velocity for each degree of freedom");
     w.q1 = rod.q + dt * w.v;
     w.kin1.evaluate(rod.model, w.q1);
     w.moved = w.shift = 0.0;
@@ -214,6 +238,8 @@ void advanceRod(const Rod& rod, double dt, RodWork& w) {
 
 RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     RodEnergies energies;
+    SC_ASSERT(!rod.frozen() && dt > 0.0, "a rod that moves, in a step that takes time");
+    SC_ASSERT(w.u1.size() == w.u0.size() && w.gauss.mass.size() == w.u1.size(), "one velocity a Gauss point");
     for (std::size_t g = 0; g < w.u1.size(); ++g) {
         energies.kineticChange += 0.5 * w.gauss.mass[g] * (w.u1[g].squaredNorm() - w.u0[g].squaredNorm());
         energies.kineticLoss += 0.5 * w.gauss.mass[g] * (w.u1[g] - w.u0[g]).squaredNorm();
@@ -265,6 +291,7 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     energies.secondOrder -= dt * w.v.dot(w.gravityForce) + energies.gravityChange;
     rod.speed = w.moved / dt;
     rod.lastAccepted = rod.q;
+    SC_ASSERT(!(rod.speed < 0.0) && rod.u.size() == rod.gauss.mass.size(), "the new state is complete");
     return energies;
 }
 

@@ -7,7 +7,9 @@
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rods/rod_system.h"
+#include "supercircle/step/stages/fingerprint.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,6 +45,10 @@ void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stag
             continue;
         const contact::Candidate& c = stage.candidates[i];
         const ContactWork& k = stage.work[i];
+        SC_ASSERT(invariants::inRange(k.rodA, rods.size()), "side A is a rod");
+        SC_ASSERT(k.rodB >= 0 ? invariants::inRange(k.rodB, rods.size())
+                              : invariants::inRange(k.bodyB, world.bodies.size()),
+                  "side B is a rod or a body");
         RodWork& a = rods[static_cast<std::size_t>(k.rodA)];
         Vec2 u = k.Ja * a.v - k.surface;
         addImpulse(k.Ja, r, 1.0, a);
@@ -81,6 +87,16 @@ void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stag
         world.energyBalance.friction -= r.y() * u.y();
         world.energyBalance.positionCorrection -= r.x() * u.x();
     }
+}
+
+/// Far below what overflows when it is squared.
+bool isModerate(const RodWork& w) {
+    return w.v.squaredNorm() < 1e100 && w.q1.squaredNorm() < 1e100 && w.error < 1e50;
+}
+
+/// The energies of the motion itself. Forces, effects and gravity are given by others, in any size.
+bool isFinite(const RodEnergies& e) {
+    return std::isfinite(e.kineticChange + e.kineticLoss + e.bendingChange);
 }
 
 /// Energy in the springs of compliant contacts, J.
@@ -127,9 +143,31 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
     world.crossheadTravel += dt * world.crossheadVelocity;
 }
 
+/// All that the world keeps of a step fits its rods and bodies.
+void assertConsistent(const World& world) {
+    SC_ASSERT(world.range.size() == world.rods.size(), "one range a rod");
+    SC_ASSERT_EXPENSIVE(invariants::strictlyRising(world.bodies, [](const Body& b) { return b.id; }),
+                        "bodies are unique, sorted by id");
+    for (const Rod& r : world.rods) {
+        const Eigen::Index n = r.model.dofs();
+        SC_ASSERT(r.q.size() == n && r.v.size() == n && r.lastAccepted.size() == n, "state sizes are the rod's");
+        SC_ASSERT(r.u.size() == r.gauss.mass.size(), "one velocity a Gauss point");
+        SC_ASSERT(r.frozen() || !(r.speed < 0.0), "a speed is not negative");
+    }
+    for (const contact::Candidate& c : world.candidates)
+        SC_ASSERT_EXPENSIVE(invariants::inRange(c.a.rod, world.rods.size()) &&
+                                (c.b.rod >= 0 ? invariants::inRange(c.b.rod, world.rods.size())
+                                              : invariants::inRange(c.outline, world.outlines.size())),
+                            "a candidate names rods and outlines of the world");
+}
+
 } // namespace
 
 void accept(World& world, TrialStep& t) {
+    SC_ASSERT(t.result.judged, "only a trial that came to its end is accepted");
+    SC_ASSERT(t.reached == Stage::Linearise || t.reached == Stage::CheckCrossings, "accepted after its last stage");
+    t.reached = Stage::Accept;
+    const std::uint64_t sleepers = invariants::kExpensive ? fingerprintOfFrozen(world) : 0;
     std::vector<RodWork>& rods = t.rods;
     ContactStage& stage = t.stage;
     const double dt = t.dt;
@@ -164,6 +202,9 @@ void accept(World& world, TrialStep& t) {
             continue;
         const RodEnergies& b = energies[i];
         const double impact = std::clamp(rods[i].impactShare, 0.0, b.kineticLoss);
+        SC_ASSERT(!(b.kineticLoss < 0.0), "a sum of squares is not negative");
+        SC_ASSERT(!(impact < 0.0) && !(impact > b.kineticLoss), "an impact takes a part of the loss");
+        SC_ASSERT(isFinite(b) || !isModerate(rods[i]), "the energies of a moderate motion are finite");
         l.kinetic += b.kineticChange;
         l.bending += b.bendingChange;
         l.gravity += b.gravityChange;
@@ -187,6 +228,9 @@ void accept(World& world, TrialStep& t) {
     if (!stage.report.converged)
         ++world.counters.unconverged;
     world.counters.penetrationMax = std::max(world.counters.penetrationMax, deepest(world.candidates));
+    assertConsistent(world);
+    SC_ASSERT_EXPENSIVE(sleepers == fingerprintOfFrozen(world), "a step leaves frozen rods as they are");
+    (void)sleepers;
 }
 
 } // namespace supercircle::step

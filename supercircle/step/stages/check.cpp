@@ -1,6 +1,7 @@
 // Stage Check: numbers that came in are finite.
 
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 #include <cmath>
 
@@ -16,6 +17,7 @@ void quarantine(World& world, Rod& r) {
         world.energyBalance.added -= kinetic;
     }
     refreshRod(r);
+    SC_ASSERT(r.v.isZero(0.0) && r.q.size() == r.model.dofs(), "a quarantined rod stands still");
     world.range.clear();
     ++world.counters.quarantined;
 }

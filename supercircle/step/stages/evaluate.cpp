@@ -5,10 +5,12 @@
 #include "supercircle/step/contacts/contact_stiffness.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 namespace supercircle::step {
 
 void evaluate(const World& world, TrialStep& t) {
+    t.enter(Stage::Evaluate, Stage::Linearise);
     collectRolling(world, t.rods, t.dt, t.impulses, t.first(), t.stage);
     collectAxial(world, t.rods, t.impulses, t.stage);
     collectAdhesion(world, t.rods, t.dt, t.stage);

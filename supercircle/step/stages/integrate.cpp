@@ -2,6 +2,7 @@
 
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +41,7 @@ bool measure(const World& world, const Settings& settings, TrialStep& t) {
     t.error = t.moved = 0.0;
     t.result.runaways.clear();
     bool outOfRange = false;
+    SC_ASSERT(t.result.range.size() == t.rods.size(), "one range a rod");
     for (std::size_t i = 0; i < t.rods.size(); ++i) {
         const RodWork& w = t.rods[i];
         t.error = std::max(t.error, w.error);
@@ -72,14 +74,23 @@ void findPressedSleepers(const World& world, TrialStep& t) {
 } // namespace
 
 void integrate(const World& world, TrialStep& t) {
+    t.enter(Stage::Integrate, Stage::Solve);
     forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
         if (!t.rods[i].frozen)
             advanceRod(world.rods[i], t.dt, t.rods[i]);
     });
     markTouching(t.rods, t.stage);
+    for (std::size_t i = 0; i < t.rods.size(); ++i) {
+        const RodWork& w = t.rods[i];
+        SC_ASSERT(w.v.size() == world.rods[i].q.size() && w.q1.size() == w.v.size(), "state sizes are the rod's");
+        SC_ASSERT(w.frozen == world.rods[i].frozen(), "quarantined and sleeping rods are frozen");
+        SC_ASSERT(!(w.moved < 0.0) && !(w.shift < 0.0) && !(w.error < 0.0), "motion and error are lengths");
+        SC_ASSERT_EXPENSIVE(!w.frozen || (w.v.isZero(0.0) && w.q1 == world.rods[i].q), "a frozen rod does not move");
+    }
 }
 
 bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, bool& wider) {
+    SC_ASSERT(t.reached == Stage::Integrate, "a motion was found");
     constexpr int kMostWidenings = 4;
     const bool adaptive = settings.fixedDt <= 0.0;
     const auto reject = [&](Reason reason) {

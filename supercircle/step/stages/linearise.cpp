@@ -11,6 +11,7 @@
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rods/effect_terms.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,10 +66,13 @@ bool jointsOrEffectsOff(const World& world, double tolerance, const TrialStep& t
 /// Rods near others are not predicted farther than a quarter of the thickness, so that no predicted frame can lie on
 /// the wrong side of a contact.
 void linearise(const World& world, const Settings& settings, TrialStep& t) {
+    t.enter(Stage::Linearise, Stage::Detect);
     ContactStage& stage = t.stage;
     std::vector<char>& near = stage.marked;
     near.assign(world.rods.size(), 0);
     for (const contact::Candidate& c : t.candidates(world)) {
+        SC_ASSERT(invariants::inRange(c.a.rod, near.size()) && c.b.rod < static_cast<std::int32_t>(near.size()),
+                  "a candidate names rods of the world");
         near[static_cast<std::size_t>(c.a.rod)] = 1;
         if (c.b.rod >= 0)
             near[static_cast<std::size_t>(c.b.rod)] = 1;
@@ -85,9 +89,13 @@ void linearise(const World& world, const Settings& settings, TrialStep& t) {
     findLinkEnds(world, stage);
     beginHostRows(world, stage);
     frameInMiddle(world, t.rods, startCandidates(world, settings, t), false, t.dt, stage);
+    SC_ASSERT(stage.candidates.size() == stage.gapAtStart.size(), "one gap a candidate");
+    SC_ASSERT(stage.saturated.size() == world.constraints.rows.size(), "one state a row of the host");
 }
 
 bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
+    t.enter(Stage::Linearise, Stage::Detect);
+    SC_ASSERT(t.nextRange.size() == t.rods.size() && t.result.range.size() == t.rods.size(), "one range a rod");
     const bool adaptive = settings.fixedDt <= 0.0;
     gather(t.stage, t.dt, t.impulses);
     const GapErrors e = gapErrors(world, t.stage, t.impulses);
@@ -104,6 +112,7 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
             t.result.range[i] = std::max(t.result.range[i], t.nextRange[i]);
         return true;
     }
+    SC_ASSERT(t.linearisations <= settings.maxIterations, "linearisations are bounded");
     t.result.judged = true;
     if (deeper && (adaptive || e.deepest > 0.25 * t.h))
         t.result.reason = Reason::Penetration;

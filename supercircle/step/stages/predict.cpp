@@ -2,10 +2,12 @@
 
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 namespace supercircle::step {
 
 void predict(const World& world, TrialStep& t) {
+    t.enter(Stage::Predict, Stage::Evaluate);
     forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
         if (!t.rods[i].frozen)
             predictRod(world.rods[i], t.rods[i]);

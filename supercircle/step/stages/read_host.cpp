@@ -2,6 +2,7 @@
 
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <limits>
@@ -68,8 +69,11 @@ void readBodies(const World& world, const Port& port, const std::vector<BodyId>&
             if (b.dynamic && old.hostCoupling.known)
                 carryOver(old, frame, b);
         }
+        SC_ASSERT(!b.dynamic || b.state.mass > 0.0, "a dynamic body has a mass");
         bodies.push_back(b);
     }
+    SC_ASSERT(invariants::strictlyRising(bodies, [](const Body& b) { return b.id; }),
+              "bodies are unique, sorted by id");
 }
 
 bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
@@ -128,6 +132,8 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
                 wake(world, static_cast<std::size_t>(rod));
         return gone;
     });
+    for (const BodyOutline& o : world.outlines)
+        SC_ASSERT(bodyIndex(world, o.body) >= 0, "an outline belongs to a body");
 }
 
 } // namespace supercircle::step

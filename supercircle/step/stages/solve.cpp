@@ -3,6 +3,7 @@
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 namespace supercircle::step {
 
@@ -20,11 +21,15 @@ void solveOnce(const World& world, const Settings& settings, TrialStep& t) {
     t.result.contactsSolved += t.stage.candidates.size();
     t.result.gaussSeidelIterations += static_cast<std::uint64_t>(t.stage.report.gaussSeidelIterations);
     t.result.pivots += static_cast<std::uint64_t>(t.stage.report.pivots);
+    SC_ASSERT(t.stage.r.size() == 2 * static_cast<Eigen::Index>(t.stage.problem.contacts.size()),
+              "two impulses a contact");
+    SC_ASSERT(t.stage.motion.size() == world.bodies.size(), "one motion a body");
 }
 
 } // namespace
 
 void solve(const World& world, const Settings& settings, TrialStep& t) {
+    t.enter(Stage::Solve, Stage::Assemble);
     solveOnce(world, settings, t);
     for (int again = 0; again < 3 && boundHostRows(world, t.dt, t.stage); ++again) {
         renewHostBlocks(world, t.dt, t.stage);

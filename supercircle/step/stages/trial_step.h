@@ -5,6 +5,7 @@
 #include "supercircle/step/contacts/contact_rows.h"
 #include "supercircle/step/rods/rod_system.h"
 #include "supercircle/step/stepper.h"
+#include "supercircle/support/invariants.h"
 
 namespace supercircle::step {
 
@@ -37,18 +38,24 @@ struct TrialStep {
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::RodCurve> curvesBefore;
     std::vector<contact::Outline> outlinesBefore;
-    double error = 0.0;          ///< largest local error, m
-    double moved = 0.0;          ///< farthest motion of a touching rod, m
-    double overlapAtStart = 0.0; ///< deepest, m
-    int linearisations = 0;      ///< so far in this trial
-    int widenings = 0;           ///< of the candidates' range in this trial
-    int threads = 1;             ///< of stage.loop; 0: it is the host's
+    double error = 0.0;           ///< largest local error, m
+    double moved = 0.0;           ///< farthest motion of a touching rod, m
+    double overlapAtStart = 0.0;  ///< deepest, m
+    int linearisations = 0;       ///< so far in this trial
+    int widenings = 0;            ///< of the candidates' range in this trial
+    int threads = 1;              ///< of stage.loop; 0: it is the host's
+    Stage reached = Stage::Drive; ///< the last stage of this trial
 
     /// Candidates at the start of the step.
     [[nodiscard]] const std::vector<contact::Candidate>& candidates(const World& world) const {
         return result.renewed ? result.candidates : world.candidates;
     }
     [[nodiscard]] bool first() const { return linearisations == 0; }
+    /// Begins a stage, which reads what `before` has left.
+    void enter(Stage entered, Stage before) {
+        SC_ASSERT(reached == before, "the stages of a step follow each other");
+        reached = entered;
+    }
     /// Forgets the trial before.
     void begin(const World& world, const Settings& settings);
     /// Loops of all stages: the host's if there is one, else over `count` threads.

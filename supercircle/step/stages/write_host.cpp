@@ -1,6 +1,7 @@
 // Stage WriteHost: impulses of the shells and driven poses to the host, before its own step.
 
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/invariants.h"
 
 namespace supercircle::step {
 
@@ -13,6 +14,8 @@ void writeHost(World& world, Port& port, double advanced) {
         }
         if (!b.dynamic)
             continue;
+        SC_ASSERT(!b.hostCoupling.coupled || b.hostCoupling.coupledTime > 0.0,
+                  "a coupled body was solved for some time");
         BodyState now;
         if (!port.state(b.id, now))
             continue;

@@ -158,8 +158,9 @@ void TestbedScene::pushAway(Point at) {
         // At the centre: the speed of a fall through twice its own length.
         const double push = m->mass * std::sqrt(4.0 * 9.81 * reach) * std::exp(-apart / reach);
         const double d = std::hypot(m->centre.x - at.x, m->centre.y - at.y) + 1e-12;
-        shells.apply_impulse(shell, near->arc_fraction,
-                             {push * (m->centre.x - at.x) / d, push * (m->centre.y - at.y) / d});
+        (void)shells.apply_impulse(
+            shell, near->arc_fraction,
+            {push * (m->centre.x - at.x) / d, push * (m->centre.y - at.y) / d}); // too strong a blow is left out
     }
     for (const frame::BodyPose& pose : world_->bodies(1.0))
         if (pose.body->GetType() == b2_dynamicBody) {

@@ -13,37 +13,40 @@ double shellLength(const ShellDef& d) {
 
 namespace {
 
-std::string checkNumbers(const ShellDef& d) {
+Status checkNumbers(const ShellDef& d) {
     const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
     if (d.elements < 1 || d.elements > 4096)
-        return "elements must lie between 1 and 4096";
+        return Status::failure("elements must lie between 1 and 4096");
     if (!positive(d.thickness) || !positive(d.width) || !positive(d.density) || !positive(d.young_modulus))
-        return "thickness, width, density and young_modulus must be positive and finite";
+        return Status::failure("thickness, width, density and young_modulus must be positive and finite");
     if (!limits::friction(d.mu))
-        return limits::kBadFriction;
+        return Status::failure(limits::kBadFriction);
     if (d.length == 0.0 && !(positive(d.phi_bar) && d.phi_bar <= 1.0 && positive(d.radius)))
-        return "without a length, radius must be positive and phi_bar lie in (0, 1]";
+        return Status::failure("without a length, radius must be positive and phi_bar lie in (0, 1]");
     if (std::isnan(d.radius) || d.radius == 0.0)
-        return "radius must not be zero";
+        return Status::failure("radius must not be zero");
     if (!positive(shellLength(d)))
-        return "length must be positive and finite";
+        return Status::failure("length must be positive and finite");
     for (double x : {d.position.x, d.position.y, d.angle, d.velocity.x, d.velocity.y, d.spin})
         if (!std::isfinite(x))
-            return "position, angle, velocity and spin must be finite";
+            return Status::failure("position, angle, velocity and spin must be finite");
     if (!(d.tip_refinement >= 0.01 && d.tip_refinement <= 100.0))
-        return "tip_refinement must lie between 0.01 and 100";
+        return Status::failure("tip_refinement must lie between 0.01 and 100");
     const auto count = static_cast<std::size_t>(d.elements);
     if ((!d.natural_curvature.empty() && d.natural_curvature.size() != count) ||
         (!d.curvature.empty() && d.curvature.size() != count))
-        return "natural_curvature and curvature need one value per element (" + std::to_string(d.elements) + ")";
+        return Status::failure("natural_curvature and curvature need one value per element (" +
+                               std::to_string(d.elements) + ")");
     return {};
 }
 
 } // namespace
 
-std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
-    if (std::string why = checkNumbers(d); !why.empty())
-        return why;
+Result<RodFromDefinition> fromDefinition(const ShellDef& d) {
+    using Made = Result<RodFromDefinition>;
+    if (const Status checked = checkNumbers(d); !checked)
+        return Made::failure(checked.error());
+    RodFromDefinition out;
     const auto count = static_cast<std::size_t>(d.elements);
     rod::RodDefinition& r = out.definition;
     r.length = shellLength(d);
@@ -57,22 +60,23 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     if (r.naturalCurvature.empty())
         r.naturalCurvature.assign(count, std::isinf(d.radius) ? 0.0 : 1.0 / d.radius);
     if (std::string why = rod::validate(r); !why.empty())
-        return why;
+        return Made::failure(std::move(why));
     std::vector<double> curvature = d.curvature.empty() ? r.naturalCurvature : d.curvature;
     if (d.closed && d.curvature.empty()) // the round ring: natural curvature may differ, the welded shape may not
         curvature.assign(count, 2.0 * M_PI / r.length);
-    if (std::string why = limits::shell(r); !why.empty())
-        return why;
+    if (const Status sized = limits::shell(r); !sized)
+        return Made::failure(sized.error());
     double bend = 0.0;
     for (const double k : curvature)
         bend = std::max(bend, std::abs(k));
     if (!limits::motion(r, d.velocity, d.spin) || !(r.bendingModulus * r.length * bend * bend < limits::kMostEnergy) ||
         !limits::position(d.position) || !limits::angle(d.angle))
-        return "the shell is too far away, too fast or too strongly curved: its energy would not be finite";
+        return Made::failure(
+            "the shell is too far away, too fast or too strongly curved: its energy would not be finite");
     const rod::RodModel model(r);
     for (const auto* list : {&r.naturalCurvature, &curvature})
-        if (std::string why = limits::turns(model, *list); !why.empty())
-            return why;
+        if (const Status turned = limits::turns(model, *list); !turned)
+            return Made::failure(turned.error());
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {
@@ -84,7 +88,7 @@ std::string fromDefinition(const ShellDef& d, RodFromDefinition& out) {
     out.v[model.dofX()] = d.velocity.x;
     out.v[model.dofY()] = d.velocity.y;
     out.v[model.dofTheta()] = d.spin;
-    return {};
+    return out;
 }
 
 } // namespace supercircle

@@ -3,9 +3,9 @@
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 #include "supercircle/rod/model.h"
+#include "supercircle/support/result.h"
 
 #include <Eigen/Core>
-#include <string>
 
 namespace supercircle {
 
@@ -19,7 +19,7 @@ struct RodFromDefinition {
 /// Arc length of a definition, m.
 double shellLength(const ShellDef& d);
 
-/// Fills `out`; empty string, or what is wrong with the definition.
-std::string fromDefinition(const ShellDef& d, RodFromDefinition& out);
+/// Fails with what is wrong with the definition.
+Result<RodFromDefinition> fromDefinition(const ShellDef& d);
 
 } // namespace supercircle

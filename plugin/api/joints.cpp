@@ -14,19 +14,19 @@ step::Vec2 toLocal(const step::Vec2& v, double angle) {
     return {c * v.x() + s * v.y(), -s * v.x() + c * v.y()};
 }
 
-std::string checkDefinition(const JointDef& d) {
+Status checkDefinition(const JointDef& d) {
     if (d.kind != JointKind::Pin && d.kind != JointKind::Weld && d.kind != JointKind::Tether)
-        return "a joint is a pin, a weld or a tether";
+        return refused("a joint is a pin, a weld or a tether");
     if (!isFraction(d.arc_fraction) || !isFraction(d.other_fraction))
-        return "arc_fraction and other_fraction must lie between 0 and 1";
+        return refused("arc_fraction and other_fraction must lie between 0 and 1");
     if (!limits::position(d.point))
-        return limits::kTooFar;
+        return refused(limits::kTooFar);
     if (!(d.length >= 0.0) || !(d.length < limits::kFarthest))
-        return "length must not be negative (0: the present distance), and below 1e12 m";
+        return refused("length must not be negative (0: the present distance), and below 1e12 m");
     if (!d.other.null() && d.body != 0)
-        return "a joint has one other end: a shell or a body, not both";
+        return refused("a joint has one other end: a shell or a body, not both");
     if (d.other.null() && d.body == 0 && d.kind != JointKind::Tether)
-        return "a pin or weld needs a shell or a body at its other end (create_hold attaches it to the world)";
+        return refused("a pin or weld needs a shell or a body at its other end (create_hold attaches it to the world)");
     return {};
 }
 
@@ -51,8 +51,8 @@ void Shells::Impl::wake(const step::Link& link) {
 Result<JointHandle> Shells::create_joint(const JointDef& d) {
     using R = Result<JointHandle>;
     return impl_->change([&] {
-        if (std::string why = checkDefinition(d); !why.empty())
-            return R::failure(std::move(why));
+        if (const Status checked = checkDefinition(d); !checked)
+            return R::failure(checked.error());
         const int a = impl_->find(d.shell), b = d.other.null() ? -1 : impl_->find(d.other);
         if (a < 0 || (!d.other.null() && b < 0))
             return R::failure(kNoSuchShell);

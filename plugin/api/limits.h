@@ -6,6 +6,7 @@
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 #include "supercircle/rod/model.h"
+#include "supercircle/support/result.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,28 +49,30 @@ inline bool motion(const rod::RodDefinition& d, const Point& v, double spin) {
     const double speed = std::hypot(v.x, v.y) + std::abs(spin) * d.length;
     return d.linearMass * d.length * speed * speed < kMostEnergy;
 }
-/// What is wrong with the sizes of a shell that passes rod::validate; empty if nothing.
-inline std::string shell(const rod::RodDefinition& d) {
+/// Checks the sizes of a shell that passes rod::validate.
+inline Status shell(const rod::RodDefinition& d) {
     const auto within = [](double x, double low, double high) { return x > low && x < high; };
     const double mass = d.linearMass * d.length;
     if (!within(d.length, 1.0 / kFarthest, kFarthest) || !within(d.thickness, 1.0 / kFarthest, kFarthest) ||
         !within(mass, 1.0 / kScale, kScale) || !within(d.bendingModulus / d.length, 1.0 / kScale, kScale))
-        return "the shell is too large or too small, too heavy or too light, too stiff or too soft: its motion would "
-               "not be finite";
+        return Status::failure(
+            "the shell is too large or too small, too heavy or too light, too stiff or too soft: its motion would "
+            "not be finite");
     double bend = 0.0;
     for (const double k : d.naturalCurvature)
         bend = std::max(bend, std::abs(k));
     if (!(d.bendingModulus * d.length * bend * bend < kMostEnergy))
-        return "the shell is too strongly curved: its energy would not be finite";
+        return Status::failure("the shell is too strongly curved: its energy would not be finite");
     return {};
 }
 /// An element that turns more than once overlaps itself, and drawing a million turns would take unbounded memory.
-inline std::string turns(const rod::RodModel& model, const std::vector<double>& curvature) {
+inline Status turns(const rod::RodModel& model, const std::vector<double>& curvature) {
     for (int i = 0; i < model.elements(); ++i)
         if (const double turn = curvature[static_cast<std::size_t>(i)] * model.elementLength(i);
             !(std::abs(turn) <= kMostTurn))
-            return "natural_curvature, curvature and radius may turn an element by 8 pi at most: element " +
-                   std::to_string(i) + " would turn by " + std::to_string(turn) + " rad";
+            return Status::failure(
+                "natural_curvature, curvature and radius may turn an element by 8 pi at most: element " +
+                std::to_string(i) + " would turn by " + std::to_string(turn) + " rad");
     return {};
 }
 

@@ -16,20 +16,20 @@ bool isConstrained(const step::World& world, const step::Rod& rod) {
     });
 }
 
-std::string checkMaterial(const MaterialDef& m, int elements) {
+Status checkMaterial(const MaterialDef& m, int elements) {
     const auto positive = [](const std::optional<double>& x) { return !x || (std::isfinite(*x) && *x > 0.0); };
     if (!positive(m.young_modulus) || !positive(m.density))
-        return "young_modulus and density must be positive and finite";
+        return refused("young_modulus and density must be positive and finite");
     if (m.mu && !limits::friction(*m.mu))
-        return limits::kBadFriction;
+        return refused(limits::kBadFriction);
     if (!m.natural_curvature)
         return {};
     const std::size_t n = m.natural_curvature->size();
     if (n != 1 && n != static_cast<std::size_t>(elements))
-        return "natural_curvature needs one value, or one per element (" + std::to_string(elements) + ")";
+        return refused("natural_curvature needs one value, or one per element (" + std::to_string(elements) + ")");
     for (const double k : *m.natural_curvature)
         if (!std::isfinite(k))
-            return "natural_curvature must be finite";
+            return refused("natural_curvature must be finite");
     return {};
 }
 
@@ -83,8 +83,8 @@ Status Shells::set_material(ShellHandle shell, const MaterialDef& change) {
         if (i < 0)
             return refused(kNoSuchShell);
         step::Rod& rod = impl_->rod(i);
-        if (std::string why = checkMaterial(change, rod.model.elements()); !why.empty())
-            return refused(std::move(why));
+        if (Status checked = checkMaterial(change, rod.model.elements()); !checked)
+            return checked;
         rod::RodDefinition d = rod.model.definition();
         const double section = rod.width * d.thickness;
         if (change.young_modulus)
@@ -95,7 +95,8 @@ Status Shells::set_material(ShellHandle shell, const MaterialDef& change) {
             d.naturalCurvature.assign(d.naturalCurvature.size(), change.natural_curvature->front());
         else if (change.natural_curvature)
             d.naturalCurvature = *change.natural_curvature;
-        for (std::string why : {rod::validate(d), limits::shell(d), limits::turns(rod.model, d.naturalCurvature)})
+        for (std::string why :
+             {rod::validate(d), limits::shell(d).error(), limits::turns(rod.model, d.naturalCurvature).error()})
             if (!why.empty())
                 return refused(std::move(why));
         if (change.mu)

@@ -85,11 +85,11 @@ void entries(const ThickCurve& curve, const Vec2& from, const Vec2& to, bool fir
     }
 }
 
-std::string badRay(const Point& from, const Point& to) {
+Status checkRay(const Point& from, const Point& to) {
     if (!usable(from) || !usable(to))
-        return "the ends of the ray must be finite";
+        return refused("the ends of the ray must be finite");
     if (from.x == to.x && from.y == to.y)
-        return "the ends of the ray must differ";
+        return refused("the ends of the ray must differ");
     return {};
 }
 
@@ -192,8 +192,8 @@ Status Shells::set_user_data(ShellHandle shell, std::uint64_t data) {
 }
 
 Result<RayHit> Shells::ray_cast(Point from, Point to, QueryMask mask) const {
-    if (std::string why = badRay(from, to); !why.empty())
-        return Result<RayHit>::failure(std::move(why));
+    if (const Status checked = checkRay(from, to); !checked)
+        return Result<RayHit>::failure(checked.error());
     const Vec2 a = vec(from), b = vec(to);
     std::vector<double> cuts, in;
     std::optional<RayHit> best;
@@ -213,8 +213,8 @@ Result<RayHit> Shells::ray_cast(Point from, Point to, QueryMask mask) const {
 
 Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask mask) const {
     using Hits = std::vector<RayHit>;
-    if (std::string why = badRay(from, to); !why.empty())
-        return Result<Hits>::failure(std::move(why));
+    if (const Status checked = checkRay(from, to); !checked)
+        return Result<Hits>::failure(checked.error());
     const Vec2 a = vec(from), b = vec(to);
     std::vector<double> cuts, in;
     Hits hits;

@@ -68,11 +68,11 @@ Shells& Shells::operator=(Shells&&) noexcept = default;
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {
-        RodFromDefinition rod;
-        if (std::string why = fromDefinition(definition, rod); !why.empty())
-            return Result<ShellHandle>::failure(std::move(why));
+        const Result<RodFromDefinition> rod = fromDefinition(definition);
+        if (!rod)
+            return Result<ShellHandle>::failure(rod.error());
         step::World& w = impl_->world;
-        step::Rod& added = w.rods[step::addRod(w, rod.definition, rod.q, rod.v, definition.mu)];
+        step::Rod& added = w.rods[step::addRod(w, rod->definition, rod->q, rod->v, definition.mu)];
         added.category = definition.category;
         added.mask = definition.mask;
         added.group = definition.group;

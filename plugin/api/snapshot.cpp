@@ -35,25 +35,24 @@ std::vector<std::uint8_t> wrap(const FileKind& kind, const std::vector<std::uint
     return std::move(out.bytes);
 }
 
-std::size_t unwrap(const FileKind& kind, const std::vector<std::uint8_t>& file, std::string& fault) {
+Result<std::size_t> unwrap(const FileKind& kind, const std::vector<std::uint8_t>& file) {
+    using Offset = Result<std::size_t>;
     Loader in(file.data(), file.size());
     bool same = file.size() >= 8;
     for (int i = 0; i < 8 && same; ++i)
         same = in.word(1) == static_cast<std::uint8_t>(kind.name[i]);
     std::string name(kind.name);
     name.resize(name.find_last_not_of(' ') + 1);
-    if (!same) {
-        fault = "these bytes are not an " + name + " file";
-        return 0;
-    }
+    if (!same)
+        return Offset::failure("these bytes are not an " + name + " file");
     const std::uint64_t version = in.word(4), size = in.word(8), sum = in.word(8);
     if (in.fault().empty() && version != kind.version)
-        fault = name + ": written as version " + std::to_string(version) + ", this program reads version " +
-                std::to_string(kind.version);
-    else if (!in.fault().empty() || size != in.left())
-        fault = name + ": it is cut off or continues after its end";
-    else if (hashOf(in.at(), in.left()) != sum)
-        fault = name + ": the checksum is wrong, the bytes are damaged";
+        return Offset::failure(name + ": written as version " + std::to_string(version) +
+                               ", this program reads version " + std::to_string(kind.version));
+    if (!in.fault().empty() || size != in.left())
+        return Offset::failure(name + ": it is cut off or continues after its end");
+    if (hashOf(in.at(), in.left()) != sum)
+        return Offset::failure(name + ": the checksum is wrong, the bytes are damaged");
     return file.size() - in.left();
 }
 
@@ -64,29 +63,29 @@ namespace {
 constexpr archive::FileKind kStateKind{"SCSTATE ", 6};
 constexpr archive::FileKind kLogKind{"SCCALLS ", 1};
 
-/// What is inconsistent in a state whose fields could all be read; empty if nothing.
-std::string faultOf(const archive::State& s) {
+/// Checks the consistency of a state whose fields could all be read.
+Status checkConsistency(const archive::State& s) {
     const step::World& w = s.world;
     const auto rods = static_cast<std::int64_t>(w.rods.size());
     for (std::size_t i = 0; i < w.rods.size(); ++i)
         for (std::size_t k = 0; k < i; ++k)
             if (w.rods[i].key == w.rods[k].key)
-                return "two shells have the same key";
+                return refused("two shells have the same key");
     for (const Slot& slot : s.slots)
         if (slot.key != 0 &&
             std::none_of(w.rods.begin(), w.rods.end(), [&](const step::Rod& r) { return r.key == slot.key; }))
-            return "a handle refers to no shell";
+            return refused("a handle refers to no shell");
     for (std::size_t i = 1; i < w.bodies.size(); ++i)
         if (w.bodies[i - 1].id >= w.bodies[i].id)
-            return "bodies are out of order";
+            return refused("bodies are out of order");
     for (const step::BodyOutline& o : w.outlines) {
         if (std::none_of(w.bodies.begin(), w.bodies.end(), [&](const step::Body& b) { return b.id == o.body; }))
-            return "an outline belongs to no body";
+            return refused("an outline belongs to no body");
         const std::size_t points = o.local.kind == contact::OutlineKind::Circle    ? 1
                                    : o.local.kind == contact::OutlineKind::Polygon ? 3
                                                                                    : 2;
         if (o.local.kind > contact::OutlineKind::Polygon || o.local.points.size() < points)
-            return "an outline is malformed";
+            return refused("an outline is malformed");
     }
     for (const contact::Candidate& c : w.candidates) {
         const auto outside = [&](const contact::RodPoint& p) {
@@ -96,44 +95,44 @@ std::string faultOf(const archive::State& s) {
         const bool rigid = c.b.rod < 0;
         if (outside(c.a) || (!rigid && outside(c.b)) ||
             (rigid && (c.outline < 0 || c.outline >= static_cast<std::int64_t>(w.outlines.size()))))
-            return "a contact refers to a missing shell or body";
+            return refused("a contact refers to a missing shell or body");
     }
     if (!w.range.empty() && w.range.size() != w.rods.size())
-        return "contact ranges do not fit the shells";
+        return refused("contact ranges do not fit the shells");
     if (!std::is_sorted(w.impulses.begin(), w.impulses.end(), [](const auto& a, const auto& b) { return a.id < b.id; }))
-        return "contact forces are out of order";
+        return refused("contact forces are out of order");
     for (const ContactPairState& t : s.detector.pairs)
         if (t.pair.a == 0)
-            return "a contact pair has no shell";
+            return refused("a contact pair has no shell");
     for (const SnapState& snap : s.detector.snaps)
         if (snap.bucket < 0 || snap.filled < 0 || snap.filled > SnapState::kBuckets)
-            return "an energy history is malformed";
+            return refused("an energy history is malformed");
     if (!std::isfinite(w.time) || !(s.detector.settings.snap_time > 0.0) || !(s.detector.settings.snap_energy > 0.0))
-        return "a number is not finite or not positive";
+        return refused("a number is not finite or not positive");
     return {};
 }
 
-std::string parse(const std::vector<std::uint8_t>& file, archive::State& state) {
-    std::string fault;
-    const std::size_t start = archive::unwrap(kStateKind, file, fault);
-    if (!fault.empty())
-        return fault;
-    Loader in(file.data() + start, file.size() - start);
+Result<archive::State> parse(const std::vector<std::uint8_t>& file) {
+    using Parsed = Result<archive::State>;
+    const auto start = archive::unwrap(kStateKind, file);
+    if (!start)
+        return Parsed::failure(start.error());
+    Loader in(file.data() + *start, file.size() - *start);
+    archive::State state;
     archive::ioState(in, state.slots, state.advanced, state.world, state.settings, state.detector);
     if (in.fault().empty() && in.left() != 0)
         in.fail("it continues after its end");
     if (in.fault().empty())
-        in.fail(faultOf(state));
-    return in.fault().empty() ? std::string() : "SCSTATE: " + in.fault();
+        in.fail(checkConsistency(state).error());
+    return in.fault().empty() ? Parsed(std::move(state)) : Parsed::failure("SCSTATE: " + in.fault());
 }
 
 } // namespace
 
 Result<Snapshot> Snapshot::from_bytes(std::vector<std::uint8_t> bytes) {
-    archive::State state;
     try {
-        if (std::string why = parse(bytes, state); !why.empty())
-            return Result<Snapshot>::failure(std::move(why));
+        if (const auto parsed = parse(bytes); !parsed)
+            return Result<Snapshot>::failure(parsed.error());
     } catch (const std::exception& e) {
         return Result<Snapshot>::failure(std::string("SCSTATE: ") + e.what());
     }
@@ -161,9 +160,10 @@ std::uint64_t Shells::hash() const {
 
 Status Shells::restore(const Snapshot& snapshot) {
     return impl_->change([&] {
-        archive::State state;
-        if (std::string why = parse(snapshot.bytes_, state); !why.empty())
-            return refused(std::move(why));
+        Result<archive::State> parsed = parse(snapshot.bytes_);
+        if (!parsed)
+            return refused(parsed.error());
+        archive::State& state = *parsed;
         Impl& m = *impl_;
         const int threads = m.stepper.settings().threads;
         const bool ours = snapshot.origin_ == m.worldId;
@@ -196,25 +196,23 @@ Status Shells::restore(const Snapshot& snapshot) {
 }
 
 Result<CallLog> CallLog::from_bytes(std::vector<std::uint8_t> bytes) {
-    std::string fault;
-    const std::size_t start = archive::unwrap(kLogKind, bytes, fault);
+    const auto start = archive::unwrap(kLogKind, bytes);
+    if (!start)
+        return Result<CallLog>::failure(start.error());
     CallLog log;
-    if (fault.empty()) {
-        Loader in(bytes.data() + start, bytes.size() - start);
-        in(log.seed_);
-        while (in.left() > 0 && in.fault().empty()) {
-            Call call{};
-            in(call);
-            in.skip(in.count());
-            if (call < Call::Restore || call >= Call::Count)
-                in.fail("it contains an unknown call");
-            log.calls_ += call == Call::FrameEnd ? 0 : 1;
-            log.frames_ += call == Call::PreStep ? 1 : 0;
-        }
-        fault = in.fault().empty() ? std::string() : "SCCALLS: " + in.fault();
+    Loader in(bytes.data() + *start, bytes.size() - *start);
+    in(log.seed_);
+    while (in.left() > 0 && in.fault().empty()) {
+        Call call{};
+        in(call);
+        in.skip(in.count());
+        if (call < Call::Restore || call >= Call::Count)
+            in.fail("it contains an unknown call");
+        log.calls_ += call == Call::FrameEnd ? 0 : 1;
+        log.frames_ += call == Call::PreStep ? 1 : 0;
     }
-    if (!fault.empty())
-        return Result<CallLog>::failure(std::move(fault));
+    if (!in.fault().empty())
+        return Result<CallLog>::failure("SCCALLS: " + in.fault());
     log.bytes_ = std::move(bytes);
     return log;
 }

@@ -3,6 +3,7 @@
 // loading and hashing. Numbers are stored in little-endian order with all their bits, so files are portable.
 
 #include "supercircle/contact/outline_points.h"
+#include "supercircle/support/result.h"
 
 #include <Eigen/Core>
 #include <array>
@@ -239,7 +240,7 @@ struct FileKind {
 constexpr std::size_t kHeader = 8 + 4 + 8 + 8; ///< bytes of name, version, size and checksum
 /// Adds the header.
 std::vector<std::uint8_t> wrap(const FileKind& kind, const std::vector<std::uint8_t>& content);
-/// Offset of the content; `fault` stays empty if header, size and checksum are correct.
-std::size_t unwrap(const FileKind& kind, const std::vector<std::uint8_t>& file, std::string& fault);
+/// Offset of the content. Fails unless header, size and checksum are correct.
+Result<std::size_t> unwrap(const FileKind& kind, const std::vector<std::uint8_t>& file);
 
 } // namespace supercircle::archive

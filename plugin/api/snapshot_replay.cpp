@@ -25,7 +25,7 @@ class Replay {
 public:
     Replay(Shells& shells, const std::function<bool(double)>& hostStep) : shells_(shells), hostStep_(hostStep) {}
 
-    std::string run(const std::vector<Record>& records) {
+    Status run(const std::vector<Record>& records) {
         for (std::size_t i = 0; i < records.size() && !ended_; ++i) {
             if (records[i].call == Call::PreStep)
                 frame(records, i++);
@@ -34,7 +34,7 @@ public:
             else if (!makeBasic(records[i]) && !makeMechanics(records[i]) && !makeProperty(records[i]))
                 fault_ = "this call is not possible here";
             if (!fault_.empty())
-                return "record " + std::to_string(i) + " of the log: " + fault_;
+                return refused("record " + std::to_string(i) + " of the log: " + fault_);
         }
         return {};
     }
@@ -257,8 +257,7 @@ Status Shells::replay(const CallLog& log, const std::function<bool(double)>& hos
             records.emplace_back();
             in(records.back().call, records.back().arguments);
         }
-        std::string why = Replay(*this, host_step).run(records);
-        return why.empty() ? done() : refused(std::move(why));
+        return Replay(*this, host_step).run(records);
     });
 }
 

@@ -56,7 +56,8 @@ std::string jsonText(const std::vector<Measurement>& rows, const std::string& fi
 /// Empty, or why the file could not be written.
 std::string writeJson(const std::string& file, const std::vector<Measurement>& rows, const std::string& filter) {
     const std::filesystem::path path(file);
-    return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), jsonText(rows, filter)}});
+    return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), jsonText(rows, filter)}})
+        .error();
 }
 
 } // namespace
@@ -97,7 +98,7 @@ writesPictures(std::shared_ptr<const std::vector<record::NamedText>> files, std:
                 return std::string();
             const std::filesystem::path folder = json.empty() ? "out" : std::filesystem::path(json).parent_path();
             std::printf("pictures: %s\n", (folder / names).c_str());
-            return record::writeAtomically(folder.string(), *files);
+            return record::writeAtomically(folder.string(), *files).error();
         };
 }
 

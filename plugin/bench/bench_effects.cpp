@@ -139,8 +139,8 @@ void addEffectsPicture(std::vector<Benchmark>& all) {
             return why;
         const auto png = canvas.png();
         if (!png)
-            return png.error;
-        files->push_back({"effects.png", png.value});
+            return png.error();
+        files->push_back({"effects.png", *png});
         done(summarise("effects", std::move(milliseconds)));
         return std::string();
     };

@@ -163,7 +163,7 @@ double ourFrame(GameRun& run, Shells& shells, step::HostWorld& host, double dt, 
     });
     if (report.advanced > 0.0)
         host.step(report.advanced);
-    shells.post_step();
+    shells.post_step().or_fail();
     run.budgetExhausted += report.budget_exhausted;
     run.failure = report.failure;
     run.stretch = std::max(run.stretch, stretchOf(shells.world()));
@@ -177,13 +177,13 @@ GameRun ourCylinder(const CylinderCase& which, Quality quality, int elements) {
     std::string error;
     std::shared_ptr<step::HostWorld> host = bridge::makeWorld(cylinderWorld(which.mu, 0.0), error);
     Shells shells(host);
-    shells.set_quality(quality);
+    shells.set_quality(quality).or_fail();
     if (quality == Quality::Laboratory) // the step limit of a session
         shells.stepper().settings().dtMax = kGameRadius / 500.0 / kMachineSpeed;
     const ShellDef d = onCylinder(which, elements, 1e-6);
     const auto shell = shells.create(d);
-    shells.create_hold(*shell, 0.5, HoldKind::Clamp, HoldBase::Moving);
-    shells.set_crosshead_velocity({0.0, -kMachineSpeed});
+    shells.create_hold(*shell, 0.5, HoldKind::Clamp, HoldBase::Moving).or_fail();
+    shells.set_crosshead_velocity({0.0, -kMachineSpeed}).or_fail();
     SustainedPeak peak(which.theory * bending_modulus(d) / (kGameRadius * kGameRadius));
     runFrames(run, travelOf(d) / kMachineSpeed, [&](double dt) {
         double impulse = 0.0;
@@ -203,7 +203,7 @@ GameRun ourPile(const PileCase& pile, Quality quality) {
     std::string error;
     std::shared_ptr<step::HostWorld> host = bridge::makeWorld(boxWorld(pile), error);
     Shells shells(host);
-    shells.set_quality(quality);
+    shells.set_quality(quality).or_fail();
     shells.stepper().settings().crossingCheck = true;
     shells.stepper().settings().threads = pile.threads;
     player::Random random(pile.seed);
@@ -213,7 +213,7 @@ GameRun ourPile(const PileCase& pile, Quality quality) {
     runFrames(run, pile.seconds, [&](double dt) {
         if (static_cast<int>(made.size()) < pile.shells && shells.time() >= next - 1e-9) {
             const int count = std::min(pile.batchSize, pile.shells - static_cast<int>(made.size()));
-            run.failure = player::dropBatch(shells, drop, count, random, made);
+            run.failure = player::dropBatch(shells, drop, count, random, made).error();
             next = shells.time() + pile.every;
         }
         return run.failure.empty() ? ourFrame(run, shells, *host, dt) : 0.0;

@@ -64,7 +64,7 @@ struct GameWorld {
         if (!host)
             return;
         shells = std::make_unique<Shells>(host);
-        shells->set_quality(Quality::Game);
+        shells->set_quality(Quality::Game).or_fail();
     }
     ShellHandle add(const ShellDef& d) {
         const auto made = shells->create(d);
@@ -85,7 +85,7 @@ struct GameWorld {
             if (report.advanced <= 0.0)
                 return;
             host->step(report.advanced);
-            shells->post_step();
+            shells->post_step().or_fail();
             frames.push_back(1e3 * (wallSeconds() - begin));
             t += report.advanced;
         }
@@ -109,7 +109,7 @@ struct GameWorld {
                 canvas.path(points, true, solid);
         }
         SheetDraw sheet(canvas, window, width);
-        shells->draw(sheet, options);
+        shells->draw(sheet, options).or_fail();
         canvas.popClip();
     }
 };
@@ -235,7 +235,7 @@ DrawnPicture drawDebug(graphics::Canvas& canvas) {
     scene::Drop drop = dropOf(pile);
     player::Random random(5);
     std::vector<ShellHandle> made;
-    stage.failure = player::dropBatch(*stage.shells, drop, pile.shells, random, made);
+    stage.failure = player::dropBatch(*stage.shells, drop, pile.shells, random, made).error();
     stage.run(5.0);
     DrawOptions options;
     options.outlines = false;
@@ -274,8 +274,8 @@ void addGuidePictures(std::vector<Benchmark>& all) {
             const DrawnPicture drawn = p.draw(canvas);
             const auto png = canvas.png();
             if (!drawn.failure.empty() || !png)
-                return name + ": " + (drawn.failure.empty() ? png.error : drawn.failure);
-            files->push_back({std::string("guide_") + p.name + ".png", png.value});
+                return name + ": " + (drawn.failure.empty() ? png.error() : drawn.failure);
+            files->push_back({std::string("guide_") + p.name + ".png", *png});
             done(summarise(name, drawn.frames));
         }
         return std::string();

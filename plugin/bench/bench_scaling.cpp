@@ -173,7 +173,7 @@ std::string finish(const std::vector<Measurement>&, const std::string& json) {
     if (!error.empty())
         return error;
     const fs::path file = fs::path(json).replace_extension(".png");
-    return record::writeAtomically(file.parent_path().string(), {{file.filename().string(), png}});
+    return record::writeAtomically(file.parent_path().string(), {{file.filename().string(), png}}).error();
 }
 
 } // namespace

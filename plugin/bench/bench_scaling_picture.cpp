@@ -141,8 +141,8 @@ std::string scalingPicture(const std::vector<ScalingRow>& rows, std::string& err
     drawCost(canvas, graphics::Plot({left, top, width, height}, x, y), rows);
     drawSpeedUp(canvas, graphics::Plot({2.0 * left + width, top, width, height}, {-0.2, 6.2}, {-0.2, 6.2}), rows);
     auto png = canvas.png();
-    error = png.error;
-    return png ? png.value : std::string();
+    error = png.error();
+    return png ? *png : std::string();
 }
 
 } // namespace supercircle::cli

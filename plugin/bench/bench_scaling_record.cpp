@@ -60,7 +60,8 @@ std::string saveScaling(const ScalingRow& row) {
     const std::filesystem::path path(scalingFile(row.shells));
     std::error_code ignored;
     std::filesystem::create_directories(path.parent_path(), ignored);
-    return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), out.dump(2) + "\n"}});
+    return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), out.dump(2) + "\n"}})
+        .error();
 }
 
 bool loadScaling(int shells, ScalingRow& row) {

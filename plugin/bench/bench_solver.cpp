@@ -218,7 +218,7 @@ std::string finishSolvers(const std::vector<Measurement>& measured, const std::s
     if (!error.empty())
         return error;
     const std::filesystem::path file = std::filesystem::path(json).replace_extension(".png");
-    return record::writeAtomically(file.parent_path().string(), {{file.filename().string(), png}});
+    return record::writeAtomically(file.parent_path().string(), {{file.filename().string(), png}}).error();
 }
 
 std::uint64_t nextRandom(std::uint64_t& state) { // SplitMix64 (Steele, Lea & Flood 2014)

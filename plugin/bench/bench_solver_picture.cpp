@@ -205,8 +205,8 @@ std::string solverPicture(const std::vector<SolverRow>& rows, std::string& error
             }
         }
     auto png = canvas.png();
-    error = png.error;
-    return png ? png.value : std::string();
+    error = png.error();
+    return png ? *png : std::string();
 }
 
 } // namespace supercircle::cli

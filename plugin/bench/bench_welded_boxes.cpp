@@ -69,7 +69,7 @@ GameRun weldedPile(const PileCase& pile, const WeldedBoxSettings& settings) {
     Shells posed(nullptr);
     player::Random random(pile.seed);
     std::vector<ShellHandle> made;
-    player::dropBatch(posed, drop, pile.shells, random, made);
+    player::dropBatch(posed, drop, pile.shells, random, made).or_fail();
     WeldedShells welded(boxWorld(pile), settings);
     for (const ShellHandle shell : made)
         welded.add(drop.shell, *posed.pose(shell), false);
@@ -152,7 +152,7 @@ std::string writePicture(const std::vector<GameRun>& runs, const std::string& js
         return error;
     const std::filesystem::path folder = json.empty() ? "out" : std::filesystem::path(json).parent_path();
     std::printf("picture: %s\n", (folder / "welded_boxes.png").c_str());
-    return record::writeAtomically(folder.string(), {{"welded_boxes.png", png}});
+    return record::writeAtomically(folder.string(), {{"welded_boxes.png", png}}).error();
 }
 
 } // namespace

@@ -73,8 +73,8 @@ std::string weldedBoxesPicture(const GameRun& ours, const GameRun& boxes, const 
     drawPanel(canvas, 60.0 + kPanel, boxes, "15 welded boxes, 8/3 iterations, 1 substep");
     drawPanel(canvas, 90.0 + 2.0 * kPanel, tuned, "15 welded boxes, 64 substeps");
     auto png = canvas.png();
-    error = png.error;
-    return png ? png.value : std::string();
+    error = png.error();
+    return png ? *png : std::string();
 }
 
 } // namespace supercircle::cli

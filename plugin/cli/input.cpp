@@ -62,8 +62,8 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
     if (!readOverrides(parameters, overrides))
         return std::nullopt;
     std::vector<scene::Problem> problems;
-    std::optional<scene::Scene> loaded;
-    if (const auto text = scene::readFile(file, problems)) {
+    const auto text = scene::readFile(file, problems);
+    if (text) {
         std::vector<scene::Problem> ignored; // the loader reports them again
         const auto document = scene::parseDocument(*text, file, ignored);
         if (const std::string kind = document ? otherKind(document->root) : ""; !kind.empty()) {
@@ -73,8 +73,9 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
                                     : "`supercircle sweep` runs one whose \"schema\" says supercircle-sweep/1");
             return std::nullopt;
         }
-        loaded = scene::loadText(*text, file, overrides, problems);
     }
+    auto loaded =
+        text ? scene::loadText(*text, file, overrides, problems) : Result<scene::Scene>::failure(text.error());
     for (const scene::Problem& p : problems) {
         const bool note = p.severity == scene::Problem::Severity::Note;
         if (!note || !quiet)
@@ -88,13 +89,15 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
         std::fprintf(stderr, "%s: %s\n", file.c_str(), why.c_str());
         return std::nullopt;
     }
-    return Input{std::move(*loaded), std::move(host)};
+    return Input{*std::move(loaded), std::move(host)};
 }
 
 std::string schemaOf(const std::string& file) {
     std::vector<scene::Problem> ignored; // the loader of the file reports them
     const auto text = scene::readFile(file, ignored);
-    const auto document = text ? scene::parseDocument(*text, file, ignored) : std::nullopt;
+    if (!text)
+        return "";
+    const auto document = scene::parseDocument(*text, file, ignored);
     const scene::Node* schema = document ? document->root.find("schema") : nullptr;
     return schema != nullptr ? schema->text : "";
 }
@@ -105,7 +108,7 @@ std::optional<experiment::Experiment> loadExperiment(const std::string& file, bo
     for (const scene::Problem& p : problems)
         if (p.severity == scene::Problem::Severity::Error || !quiet)
             std::fprintf(stderr, "%s\n", p.toString().c_str());
-    return loaded;
+    return loaded ? std::optional(*std::move(loaded)) : std::nullopt;
 }
 
 std::optional<sweep::SweepDefinition> loadSweep(const std::string& file) {
@@ -116,9 +119,9 @@ std::optional<sweep::SweepDefinition> loadSweep(const std::string& file) {
     return loaded;
 }
 
-std::optional<scene::Scene> loadWithParameters(const std::string& text, const std::string& file,
-                                               const std::vector<sweep::ParameterValue>& values,
-                                               std::vector<scene::Problem>& problems) {
+Result<scene::Scene> loadWithParameters(const std::string& text, const std::string& file,
+                                        const std::vector<sweep::ParameterValue>& values,
+                                        std::vector<scene::Problem>& problems) {
     std::vector<scene::Override> overrides;
     for (const auto& [name, value] : values)
         overrides.push_back({name, value});

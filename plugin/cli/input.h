@@ -36,9 +36,9 @@ std::optional<experiment::Experiment> loadExperiment(const std::string& file, bo
 std::optional<sweep::SweepDefinition> loadSweep(const std::string& file);
 
 /// A scene with these parameter values; empty after problems.
-std::optional<scene::Scene> loadWithParameters(const std::string& sceneText, const std::string& sceneFile,
-                                               const std::vector<sweep::ParameterValue>& values,
-                                               std::vector<scene::Problem>& problems);
+Result<scene::Scene> loadWithParameters(const std::string& sceneText, const std::string& sceneFile,
+                                        const std::vector<sweep::ParameterValue>& values,
+                                        std::vector<scene::Problem>& problems);
 /// Loads the scene with these values and builds its world, without a step. Prints every problem.
 bool canStart(const std::string& sceneText, const std::string& sceneFile,
               const std::vector<sweep::ParameterValue>& values);

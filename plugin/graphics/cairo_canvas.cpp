@@ -110,13 +110,13 @@ void CairoCanvas::markDirty() const {
     cairo_surface_mark_dirty(surface_);
 }
 
-record::Result<std::string> CairoCanvas::png() {
-    record::Result<std::string> result;
+Result<std::string> CairoCanvas::png() {
+    std::string result;
     cairo_status_t status = cairo_status(context_); // also carries a failed surface
     if (status == CAIRO_STATUS_SUCCESS)
-        status = cairo_surface_write_to_png_stream(surface_, appendBytes, &result.value);
+        status = cairo_surface_write_to_png_stream(surface_, appendBytes, &result);
     if (status != CAIRO_STATUS_SUCCESS)
-        return record::Result<std::string>::fail(std::string("cannot draw the PNG: ") + cairo_status_to_string(status));
+        return Result<std::string>::failure(std::string("cannot draw the PNG: ") + cairo_status_to_string(status));
     return result;
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "plugin/graphics/canvas.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 typedef struct _cairo cairo_t;
 typedef struct _cairo_surface cairo_surface_t;
@@ -24,7 +24,7 @@ public:
     void popClip() override;
 
     /// The picture as the content of a PNG file, or Cairo's error.
-    [[nodiscard]] record::Result<std::string> png();
+    [[nodiscard]] Result<std::string> png();
 
     /// The finished picture in memory: rows of `stride` bytes, four bytes a pixel, 0xXXRRGGBB in native order. Valid
     /// until the next drawing call; null if Cairo failed.

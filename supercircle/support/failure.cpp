@@ -20,9 +20,9 @@ FailureHandler set_failure_handler(FailureHandler handler) {
     return current.exchange(handler);
 }
 
-void fail(std::string_view message, std::source_location where) {
+void fail(std::string_view message, const char* file, int line) {
     const FailureHandler handler = current.load();
-    (handler != nullptr ? handler : print)(where.file_name(), static_cast<int>(where.line()), message);
+    (handler != nullptr ? handler : print)(file, line, message);
     std::abort();
 }
 

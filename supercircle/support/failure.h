@@ -1,8 +1,7 @@
 #pragma once
-// What happens when a program breaks a promise: an empty Result is read, or an assertion does not hold. Both call one
-// handler. Bad input never comes here; it is answered by a Result.
+// What happens when a program breaks a promise: an empty Result is read, a call with or_fail() fails, or an assertion
+// does not hold. All call one handler. Bad input never comes here; it is answered by a Result.
 
-#include <source_location>
 #include <string_view>
 
 namespace supercircle {
@@ -14,8 +13,8 @@ using FailureHandler = void (*)(const char* file, int line, std::string_view mes
 /// and abort, which is the default. May be called from any thread.
 FailureHandler set_failure_handler(FailureHandler handler);
 
-/// Calls the handler.
-[[noreturn]] void fail(std::string_view message, std::source_location where = std::source_location::current());
+/// Calls the handler. The defaults are the place of the call (std::source_location is not in all compilers yet).
+[[noreturn]] void fail(std::string_view message, const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
 } // namespace supercircle
 

@@ -179,7 +179,7 @@ private:
         if (&s == shells_.get() && bytes_.chance(230) && !world_.IsLocked())
             world_.Step(static_cast<float>(bytes_.chance(10) ? 0.0 : r.advanced), 8, 3);
         if (bytes_.chance(230))
-            s.post_step();
+            (void)s.post_step();
     }
 
     /// After a frame: all queries are finite, and events have shells.
@@ -285,7 +285,7 @@ private:
 
     void logOrReplay(Shells& s) {
         if (s.log().calls() == 0 || s.log().calls() > 60) {
-            s.start_log(bytes_.byte());
+            (void)s.start_log(bytes_.byte());
             ++statistics_.calls;
             if (&s == other_.get())
                 logComplete_ = true;
@@ -379,7 +379,7 @@ private:
                 logOrReplay(s);
             break;
         case 20:
-            s.post_step();
+            (void)s.post_step();
             ++statistics_.calls;
             break;
         case 21:

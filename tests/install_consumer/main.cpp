@@ -31,7 +31,7 @@ void fall() {
     const auto attached = supercircle::bridge::attach(world);
     attached.set_name(*ground, "ground");
     supercircle::Shells shells(attached);
-    shells.set_quality(supercircle::Quality::Game);
+    shells.set_quality(supercircle::Quality::Game).or_fail();
     auto def = supercircle::scaled_shell(1.0, 2.0);
     def.position = {0.0, 2.0}; // a bowl
     const auto shell = shells.create(def);
@@ -40,7 +40,7 @@ void fall() {
         const auto report = shells.pre_step(1.0 / 60.0);
         expect(report.failure.empty(), "the step succeeds");
         world.Step(static_cast<float>(report.advanced), 8, 3);
-        shells.post_step();
+        shells.post_step().or_fail();
     }
     // A bowl lies on its middle: both tips one chord height above the ground, R (1 - cos(phi)) = 1.707 m when
     // undeformed; its own weight opens it a little.
@@ -65,7 +65,7 @@ void play() {
         const auto report = scene.pre_step(1.0 / 60.0);
         if (report.advanced > 0.0)
             world.Step(static_cast<float>(report.advanced), 8, 3);
-        scene.post_step();
+        scene.post_step().or_fail();
     }
     expect(std::abs(shells.time() - 0.2) < 0.02 && world.GetBodyCount() > 0, "the scene plays to its end");
 }

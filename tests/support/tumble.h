@@ -23,7 +23,7 @@ inline std::shared_ptr<FakeHost> tumbleHost() {
 
 /// Shells of different opening angles, some moving fast; two of them snap when the plate comes.
 inline void addTumblers(Shells& shells, int count = 5) {
-    shells.attach_to_crosshead("plate");
+    shells.attach_to_crosshead("plate").or_fail();
     for (int i = 0; i < count; ++i) {
         ShellDef d;
         d.name = "shell " + std::to_string(i);
@@ -35,17 +35,17 @@ inline void addTumblers(Shells& shells, int count = 5) {
         d.angle = 1.3 * i;
         d.velocity = {0.3 * ((i % 3) - 1), -0.2 * i};
         d.spin = 15.0 * (i - 2);
-        shells.create(d);
+        (void)shells.create(d); // from the eighth on phi_bar exceeds 1, and there are no more
     }
 }
 
 /// One frame with the plate moving down and up at up to 0.8 m/s; false when the shells could not go on.
 inline bool tumbleFrame(Shells& shells, FakeHost& host, double dt = 1e-3) {
     const double phase = 2.0 * M_PI * shells.time() / 0.6;
-    shells.set_crosshead_velocity({0.0, -0.8 * std::sin(phase)});
+    shells.set_crosshead_velocity({0.0, -0.8 * std::sin(phase)}).or_fail();
     const FrameReport r = shells.pre_step(dt);
     host.step(r.advanced);
-    shells.post_step();
+    shells.post_step().or_fail();
     return r.failure.empty();
 }
 

@@ -27,7 +27,7 @@ int main() {
     crate->CreateFixture(&crateFixture);
 
     supercircle::Shells shells(supercircle::bridge::attach(world)); // +
-    shells.set_quality(supercircle::Quality::Game);                 // +
+    shells.set_quality(supercircle::Quality::Game).or_fail();       // +
     auto def = supercircle::scaled_shell(1.0, 2.0);                 // + radius 1 m, mass 2 kg
     def.position = {3.0, 4.0};                                      // +
     const auto shell = shells.create(def);                          // +
@@ -36,7 +36,7 @@ int main() {
     for (int frame = 0; frame < 120; ++frame) {
         const auto report = shells.pre_step(dt);               // +
         world.Step(static_cast<float>(report.advanced), 8, 3); // + was: world.Step(dt, 8, 3)
-        shells.post_step();                                    // +
+        shells.post_step().or_fail();                          // +
         if (frame % 10 != 0)
             continue;
         std::printf("t %4.2f  crate %5.2f %5.2f", frame / 60.0, static_cast<double>(crate->GetPosition().x),

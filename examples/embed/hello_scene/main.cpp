@@ -39,7 +39,7 @@ int main(int count, char** arguments) {
         }
         if (frame.advanced > 0.0)
             world.Step(static_cast<float>(frame.advanced), 8, 3);
-        scene.post_step();
+        scene.post_step().or_fail();
         largest = scene.force() > largest ? scene.force() : largest;
         if (shells.time() < nextLine)
             continue;

@@ -144,7 +144,8 @@ private:
                 continue;
             const double inertia = 2.0 * shell->mass * std::pow(0.25 * shell->length, 2);
             const double turn = std::remainder(middle->angle, 2.0 * M_PI);
-            world.shells().apply_torque(clip.upper, 0.5, -inertia * (kStiff * turn + kDamp * middle->spin));
+            // A refused torque is one frame without help.
+            (void)world.shells().apply_torque(clip.upper, 0.5, -inertia * (kStiff * turn + kDamp * middle->spin));
         }
     }
 

@@ -32,7 +32,7 @@ struct GameWorld::Impl {
     Impl(scene::Scene s, Quality q)
         : scene(std::move(s)), world(b2Vec2(0.0F, 0.0F)), attachment(bridge::attach(world, {scene.rigid.lengthScale})),
           shells(attachment) {
-        shells.set_quality(q);
+        shells.set_quality(q).or_fail();
     }
 
     scene::Scene scene;
@@ -109,12 +109,8 @@ Result<std::shared_ptr<GameWorld>> GameWorld::load(const std::string& path,
         overrides.push_back({name, value});
     std::vector<scene::Problem> problems;
     auto scene = scene::load(path, overrides, problems);
-    std::string all;
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error)
-            all += (all.empty() ? "" : "\n") + p.toString();
     if (!scene)
-        return Answer::failure(all);
+        return Answer::failure(scene.error());
     std::shared_ptr<GameWorld> world(new GameWorld);
     world->impl_ = std::make_unique<Impl>(std::move(*scene), quality);
     Impl& s = *world->impl_;
@@ -193,7 +189,7 @@ FrameReport GameWorld::step(double dt) {
         s.world.Step(static_cast<float>(s.report.advanced), 8, 3);
         s.attachment->stepped(s.report.advanced);
     }
-    s.player->post_step();
+    s.player->post_step().or_fail();
     const double spent = 1e3 * (cpuNow() - before);
     s.cost += spent;
     s.worst = std::max(s.worst, spent);
@@ -259,7 +255,7 @@ void GameWorld::moveMouse(Point to) {
     Impl& s = *impl_;
     s.dragTarget = to;
     if (!s.mouseJoint.null())
-        s.shells.set_target(s.mouseJoint, to);
+        (void)s.shells.set_target(s.mouseJoint, to); // it may be gone with its shell
     if (s.bodyJoint != nullptr)
         s.bodyJoint->SetTarget(s.unitsOf(to));
 }
@@ -267,7 +263,7 @@ void GameWorld::moveMouse(Point to) {
 void GameWorld::releaseMouse() {
     Impl& s = *impl_;
     if (!s.mouseJoint.null())
-        s.shells.destroy(s.mouseJoint);
+        (void)s.shells.destroy(s.mouseJoint); // it may be gone with its shell
     s.mouseJoint = {};
     if (s.bodyJoint != nullptr)
         s.world.DestroyJoint(s.bodyJoint);

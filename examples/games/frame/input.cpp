@@ -11,9 +11,9 @@ namespace supercircle::frame {
 Script Script::load(const std::string& path, std::string& error) {
     std::vector<scene::Problem> problems;
     Script script;
-    std::optional<scene::Document> document;
-    if (const auto text = scene::readFile(path, problems))
-        document = scene::parseDocument(*text, path, problems);
+    const auto text = scene::readFile(path, problems);
+    const auto document =
+        text ? scene::parseDocument(*text, path, problems) : Result<scene::Document>::failure(text.error());
     if (document) {
         scene::Scope scope;
         scene::Context context{*document, problems, scope};

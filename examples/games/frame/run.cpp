@@ -126,9 +126,9 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
 std::string writePng(const std::string& path, graphics::CairoCanvas& canvas) {
     const auto png = canvas.png();
     if (!png)
-        return png.error;
+        return png.error();
     std::ofstream out(path, std::ios::binary);
-    out.write(png.value.data(), static_cast<std::streamsize>(png.value.size()));
+    out.write(png->data(), static_cast<std::streamsize>(png->size()));
     out.close();
     return out ? "" : path + ": cannot be written";
 }

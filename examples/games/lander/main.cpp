@@ -201,7 +201,7 @@ private:
             if (const auto clamp = world.shells().create_clamp(leg.shell, 0.5))
                 leg.clamp = *clamp;
         if (!leg.spent && !leg.clamp.null()) {
-            world.shells().destroy(leg.clamp);
+            (void)world.shells().destroy(leg.clamp); // it may be gone with its shell
             leg.clamp = {};
         }
     }

@@ -99,8 +99,10 @@ Json jsonOf(const std::optional<CriticalFriction>& c) {
 int write(const CalibrateArguments& a, const Json& json) {
     if (a.out.empty())
         return kDone;
-    const std::string error = record::writeAtomically(
-        a.out, {{"calibration.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"}});
+    const std::string error =
+        record::writeAtomically(a.out,
+                                {{"calibration.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"}})
+            .error();
     if (!error.empty())
         return complain(kCannotWrite, error);
     if (!a.quiet)
@@ -138,8 +140,8 @@ int fromSwitch(const CalibrateArguments& a) {
         return complain(kInterrupted, "interrupted");
     if (!result)
         return complain(simulation.why.empty() ? kBadInput : kCannotGoOn,
-                        a.file + ": " + result.error + (simulation.why.empty() ? "" : " (" + simulation.why + ")"));
-    const auto& r = result.value;
+                        a.file + ": " + result.error() + (simulation.why.empty() ? "" : " (" + simulation.why + ")"));
+    const auto& r = *result;
     if (std::isfinite(r.high))
         std::printf("friction coefficient: %.3f to %.3f\n", r.low, r.high);
     else

@@ -36,9 +36,7 @@ int checkSweep(const std::string& file, const std::vector<std::string>& paramete
     }
     std::vector<scene::Problem> problems;
     const auto loaded = sweep::load(file, problems);
-    std::optional<std::string> text;
-    if (loaded)
-        text = scene::readFile(loaded->scene, problems);
+    const auto text = loaded ? scene::readFile(loaded->scene, problems) : Result<std::string>::failure("no sweep");
     for (const scene::Problem& p : problems)
         std::fprintf(stderr, "%s\n", p.toString().c_str());
     if (!text)

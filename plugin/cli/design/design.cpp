@@ -96,8 +96,8 @@ int load(const DesignArguments& a, Design& design) {
         return complain(kBadInput, why);
     auto table = sweep::collect(design.sweep, store);
     if (!table)
-        return complain(kBadInput, table.error);
-    design.table = std::move(table.value);
+        return complain(kBadInput, table.error());
+    design.table = *std::move(table);
     const double shells = shellsOf(design.sweep);
     if (shells == 0.0 && a.shells > 0.0)
         return complain(kBadInput, "--shells: the scene " + design.sweep.scene + " has no parameter \"shells\"");
@@ -115,8 +115,8 @@ int solve(const DesignArguments& a, Design& design) {
     for (const scene::Override& w : targets) {
         auto surface = sweep::responseSurface(design.sweep, design.table, w.name);
         if (!surface)
-            return complain(kBadInput, a.results + ": " + surface.error);
-        DesignTarget target{w.name, w.value, std::move(surface.value), {}};
+            return complain(kBadInput, a.results + ": " + surface.error());
+        DesignTarget target{w.name, w.value, *std::move(surface), {}};
         for (const double y : rowsOf(target.surface))
             for (const DesignPoint& s : sweep::solveFor(target.surface, w.value, y))
                 target.points.push_back(s);
@@ -124,7 +124,7 @@ int solve(const DesignArguments& a, Design& design) {
     }
     for (const std::string& name : pages::mainQuantities(design.table))
         if (auto surface = sweep::responseSurface(design.sweep, design.table, name))
-            design.others.emplace_back(name, std::move(surface.value));
+            design.others.emplace_back(name, *std::move(surface));
     return kDone;
 }
 
@@ -205,13 +205,13 @@ int write(const DesignArguments& a, const Design& d) {
         charts.back().draw(canvas);
         auto png = canvas.png();
         if (!png)
-            return complain(kCannotWrite, png.error);
-        files.emplace_back(charts.back().name + ".png", std::move(png.value));
+            return complain(kCannotWrite, png.error());
+        files.emplace_back(charts.back().name + ".png", *std::move(png));
         files.emplace_back(charts.back().name + ".csv", csvOf(d, w));
     }
     files.emplace_back("design.html", pageOf(d, charts));
     const std::string folder = a.out.empty() ? a.results + "/design" : a.out;
-    if (const std::string error = record::writeAtomically(folder, files); !error.empty())
+    if (const std::string error = record::writeAtomically(folder, files).error(); !error.empty())
         return complain(kCannotWrite, error);
     if (!a.quiet)
         std::printf("chart and table: %s/design.html\n", folder.c_str());

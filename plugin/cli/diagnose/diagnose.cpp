@@ -146,12 +146,13 @@ int diagnose(const DiagnoseArguments& a) {
         return kCannotGoOn;
     }
     auto pictures = diagnosisPictures(d);
-    std::vector<record::NamedText> files = std::move(pictures.value);
+    const std::string pictureError = pictures.error();
+    std::vector<record::NamedText> files = pictures ? *std::move(pictures) : std::vector<record::NamedText>{};
     files.emplace_back("diagnosis.json", diagnosisJson(d));
     files.emplace_back("report.html", diagnosisPage(d, *experiment));
-    std::string why = record::writeAtomically(folder.path(), files);
+    std::string why = record::writeAtomically(folder.path(), files).error();
     if (why.empty())
-        why = pictures.error; // the result is written even if a picture fails
+        why = pictureError; // the result is written even if a picture fails
     if (!why.empty()) {
         std::fprintf(stderr, "%s\n", why.c_str());
         return kCannotWrite;

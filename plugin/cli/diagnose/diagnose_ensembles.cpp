@@ -89,14 +89,14 @@ private:
         options.ignored = {"scene", "snap_type"};
         const auto series = record::parseCsv(*text, path, options);
         if (!series)
-            return wrong(series.error);
-        const std::size_t rows = series.value.rows();
+            return wrong(series.error());
+        const std::size_t rows = series->rows();
         if (rows < kLeast)
             return wrong(path + " holds " + std::to_string(rows) + " stacks", "at least 4");
         out.values.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(quantities.size()));
         for (std::size_t q = 0; q < quantities.size(); ++q)
             for (std::size_t k = 0; k < rows; ++k) {
-                const double v = (*series.value.find(quantities[q]))[k];
+                const double v = (*series->find(quantities[q]))[k];
                 if (!std::isfinite(v))
                     return wrong(path + ":" + std::to_string(record::lineOfRow(*text, k)) + ": there is no " +
                                  quantities[q]);
@@ -140,7 +140,8 @@ std::string jsonOf(const EnsembleDiagnosis& d, std::int64_t seed) {
 std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
     std::vector<scene::Problem> problems; // reported again when the experiment is loaded
     const auto text = scene::readFile(a.file, problems);
-    const auto document = text ? scene::parseDocument(*text, a.file, problems) : std::nullopt;
+    const auto document =
+        text ? scene::parseDocument(*text, a.file, problems) : Result<scene::Document>::failure(text.error());
     const scene::Node* schema = document ? document->root.find("schema") : nullptr;
     if (schema == nullptr || schema->text != "stack-ensembles/1")
         return std::nullopt;
@@ -161,7 +162,7 @@ std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
     OutputFolder folder(a.out.empty() ? "out/" + fs::path(a.file).stem().string() + "_diagnosis" : a.out);
     std::string why = folder.prepare();
     if (why.empty())
-        why = record::writeAtomically(folder.path(), {{"diagnosis.json", jsonOf(d, a.seed)}});
+        why = record::writeAtomically(folder.path(), {{"diagnosis.json", jsonOf(d, a.seed)}}).error();
     if (!why.empty()) {
         std::fprintf(stderr, "%s\n", why.c_str());
         return kCannotWrite;

@@ -42,9 +42,9 @@ std::string wholeAccount(const importing::Imported& imported, const importing::D
 void keepOld(const std::string& folder, std::vector<record::NamedText>& files, const std::string& fresh,
              std::string& account) {
     const auto old = record::readText(folder + "/experiment.json");
-    if (!old || old.value == fresh)
+    if (!old || *old == fresh)
         return;
-    files.emplace_back("experiment.old.json", old.value);
+    files.emplace_back("experiment.old.json", *old);
     account += "the earlier experiment.json is kept as experiment.old.json (give it with --specimen to reuse its "
                "values)\n";
 }
@@ -77,40 +77,40 @@ int import(const ImportArguments& a) {
     hints.average = a.average;
     const auto imported = importing::readExports(a.files, hints);
     if (!imported) {
-        std::fprintf(stderr, "%s\n", imported.error.c_str());
+        std::fprintf(stderr, "%s\n", imported.error().c_str());
         return kBadInput;
     }
-    const auto description = importing::describe(imported.value, {a.protocol, a.specimen, a.scene});
+    const auto description = importing::describe(*imported, {a.protocol, a.specimen, a.scene});
     if (!description) {
-        std::fprintf(stderr, "%s\n", description.error.c_str());
+        std::fprintf(stderr, "%s\n", description.error().c_str());
         return kBadInput;
     }
-    auto files = importing::runFiles(imported.value);
+    auto files = importing::runFiles(*imported);
     if (!files) {
-        std::fprintf(stderr, "%s\n", files.error.c_str());
+        std::fprintf(stderr, "%s\n", files.error().c_str());
         return kBadInput;
     }
-    std::string account = wholeAccount(imported.value, description.value);
+    std::string account = wholeAccount(*imported, *description);
     OutputFolder folder(a.out);
     std::string error = folder.prepare();
     if (error.empty()) {
-        keepOld(folder.path(), files.value, description.value.json, account);
-        for (const record::NamedText& beside : description.value.files)
-            files.value.push_back(beside);
-        files.value.emplace_back("experiment.json", description.value.json);
-        files.value.emplace_back("import.json", importing::accountJson(imported.value, description.value));
-        files.value.emplace_back("import.txt", account);
-        error = record::writeAtomically(folder.path(), files.value);
+        keepOld(folder.path(), *files, description->json, account);
+        for (const record::NamedText& beside : description->files)
+            files->push_back(beside);
+        files->emplace_back("experiment.json", description->json);
+        files->emplace_back("import.json", importing::accountJson(*imported, *description));
+        files->emplace_back("import.txt", account);
+        error = record::writeAtomically(folder.path(), *files).error();
     }
     if (!error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;
     }
     if (!a.quiet) {
-        const std::size_t runs = imported.value.runs.size();
+        const std::size_t runs = imported->runs.size();
         std::printf("%swritten: %s/experiment.json, %zu run%s; this account: import.txt and import.json\n",
                     account.c_str(), folder.path().c_str(), runs, runs == 1 ? "" : "s");
-        printReady(description.value, folder.path() + "/experiment.json");
+        printReady(*description, folder.path() + "/experiment.json");
     }
     return printed() ? kDone : kCannotWrite;
 }

@@ -74,8 +74,8 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
     const auto put = [&](const std::string& name, const record::Series& series) {
         auto text = record::csvText(series);
         if (text)
-            files.emplace_back(name, std::move(text.value));
-        return text.error;
+            files.emplace_back(name, *std::move(text));
+        return text.error();
     };
     std::vector<double> simulated = done.simulated.readings.force;
     simulated.resize(run.readings.time.size(), std::numeric_limits<double>::quiet_NaN());
@@ -212,9 +212,9 @@ std::string writeAll(const Replay& replay, const std::string& folder) {
             return why;
     auto pages = replayPages(replay);
     if (!pages)
-        return pages.error;
-    std::move(pages.value.begin(), pages.value.end(), std::back_inserter(files));
-    return record::writeAtomically(folder, files);
+        return pages.error();
+    std::move(pages->begin(), pages->end(), std::back_inserter(files));
+    return record::writeAtomically(folder, files).error();
 }
 
 void print(const Replay& replay, const std::string& folder) {

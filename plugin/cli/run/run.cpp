@@ -82,16 +82,17 @@ void printSummary(const record::Recording& r, const std::string& folder, bool pi
 std::string writeAll(const record::Recording& recording, const std::string& folder, bool report) {
     auto files = record::recordingFiles(recording);
     if (!files)
-        return files.error;
+        return files.error();
     std::string reportError;
     if (report) {
         auto pictures = pages::reportFiles(recording);
-        reportError = pictures.error;
-        std::move(pictures.value.begin(), pictures.value.end(), std::back_inserter(files.value));
+        reportError = pictures.error();
+        if (pictures)
+            std::move(pictures->begin(), pictures->end(), std::back_inserter(*files));
     }
-    if (const std::string error = record::writeAtomically(folder, files.value); !error.empty())
+    if (const std::string error = record::writeAtomically(folder, *files).error(); !error.empty())
         return error;
-    const std::string old = pages::removeOldReport(folder, files.value);
+    const std::string old = pages::removeOldReport(folder, *files);
     return reportError.empty() ? old : reportError;
 }
 

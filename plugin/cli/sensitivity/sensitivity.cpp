@@ -150,20 +150,20 @@ std::string writeAll(const SensitivityStudy& study, const std::string& folder) {
         const RunSensitivity& run = study.result.runs[r];
         auto force = record::csvText(forceTable(study, run));
         if (!force)
-            return force.error;
-        files.emplace_back(study.runName(r) + "_sensitivity.csv", std::move(force.value));
+            return force.error();
+        files.emplace_back(study.runName(r) + "_sensitivity.csv", *std::move(force));
         if (run.markers.rows() == 0)
             continue;
         auto markers = record::csvText(markerTable(study, run));
         if (!markers)
-            return markers.error;
-        files.emplace_back(study.runName(r) + "_sensitivity_markers.csv", std::move(markers.value));
+            return markers.error();
+        files.emplace_back(study.runName(r) + "_sensitivity_markers.csv", *std::move(markers));
     }
     auto pages = sensitivityPages(study);
     if (!pages)
-        return pages.error;
-    std::move(pages.value.begin(), pages.value.end(), std::back_inserter(files));
-    return record::writeAtomically(folder, files);
+        return pages.error();
+    std::move(pages->begin(), pages->end(), std::back_inserter(files));
+    return record::writeAtomically(folder, files).error();
 }
 
 void print(const SensitivityStudy& study, const std::string& folder) {

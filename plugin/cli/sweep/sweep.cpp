@@ -53,7 +53,7 @@ std::string hostName() {
 std::string buildName() {
     std::uint64_t h = 14695981039346656037ULL;
     if (const auto program = record::readText("/proc/self/exe"))
-        for (const char c : program.value)
+        for (const char c : *program)
             h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
     char text[64];
     std::snprintf(text, sizeof text, "%s %016llx", SC_VERSION, static_cast<unsigned long long>(h));
@@ -130,18 +130,18 @@ int checkIdentity(const SweepArguments& a, SweepWork& work) {
         {"format", sweep::kStoreFormat}, {"scene", work.sceneText}, {"shard", shard}};
     const auto known = work.store.finished();
     if (!known)
-        return cannotWrite(known.error);
-    if (!known.value.empty() && !a.resume && a.merge.empty())
-        return badInput(a.out + ": holds " + std::to_string(known.value.size()) +
+        return cannotWrite(known.error());
+    if (!known->empty() && !a.resume && a.merge.empty())
+        return badInput(a.out + ": holds " + std::to_string(known->size()) +
                         " runs already; continue with --resume, or choose another folder with --out");
     for (const auto& [key, value] : wanted) {
         const auto there = work.store.meta(key);
         if (!there)
-            return cannotWrite(there.error);
-        if (!there.value.empty() && there.value != value && !known.value.empty())
+            return cannotWrite(there.error());
+        if (!there->empty() && *there != value && !known->empty())
             return badInput(a.out + ": " +
                             (key == "scene" ? "these runs are of another version of the scene"
-                                            : "holds shard " + there.value + " of a sweep, not shard " + value) +
+                                            : "holds shard " + *there + " of a sweep, not shard " + value) +
                             "; choose another folder with --out");
         if (const std::string error = work.store.setMeta(key, value); !error.empty())
             return cannotWrite(error);
@@ -161,7 +161,7 @@ int mergeAll(const SweepArguments& a, SweepWork& work) {
         if (const std::string why = shard.checkFormat(); !why.empty())
             return badInput(why);
         const auto scene = shard.meta("scene");
-        if (!scene || scene.value != work.sceneText)
+        if (!scene || *scene != work.sceneText)
             return badInput(folder + ": holds runs of another scene");
         if (const std::string why = work.store.mergeFrom(shard); !why.empty())
             return cannotWrite(why);
@@ -197,10 +197,10 @@ StoredRun storedRun(const SweepDefinition& definition, const FinishedTask& f, co
 std::string runMissing(const SweepArguments& a, SweepWork& work, FolderLock& lock) {
     const auto known = work.store.finished();
     if (!known)
-        return known.error;
+        return known.error();
     std::vector<Task> missing;
     for (const Task& task : sweep::tasks(work.sweep, work.shard))
-        if (known.value.count({sweep::keyOf(work.sweep.parameterValues(task.set)), task.seed}) == 0)
+        if (known->count({sweep::keyOf(work.sweep.parameterValues(task.set)), task.seed}) == 0)
             missing.push_back(task);
         else
             ++work.knownBefore;
@@ -261,23 +261,23 @@ void printResults(const SweepArguments& a, SweepWork& work, const sweep::RunTabl
 int finish(const SweepArguments& a, SweepWork& work) {
     const auto table = sweep::collect(work.sweep, work.store);
     if (!table)
-        return cannotWrite(table.error);
-    std::vector<record::NamedText> files = {{"results.csv", sweep::resultsCsv(work.sweep, table.value)},
-                                            {"statistics.csv", sweep::statisticsCsv(work.sweep, table.value)},
-                                            {"timings.csv", sweep::timingsCsv(work.sweep, table.value)},
-                                            {"failed.csv", sweep::failedCsv(work.sweep, table.value)}};
-    if (std::string cycles = sweep::cyclesCsv(work.sweep, table.value); !cycles.empty())
+        return cannotWrite(table.error());
+    std::vector<record::NamedText> files = {{"results.csv", sweep::resultsCsv(work.sweep, *table)},
+                                            {"statistics.csv", sweep::statisticsCsv(work.sweep, *table)},
+                                            {"timings.csv", sweep::timingsCsv(work.sweep, *table)},
+                                            {"failed.csv", sweep::failedCsv(work.sweep, *table)}};
+    if (std::string cycles = sweep::cyclesCsv(work.sweep, *table); !cycles.empty())
         files.emplace_back("cycles.csv", std::move(cycles));
-    auto made = pages::sweepPages(work.sweep, table.value, work.store);
+    auto made = pages::sweepPages(work.sweep, *table, work.store);
     if (!made)
-        return cannotWrite(made.error);
-    std::move(made.value.begin(), made.value.end(), std::back_inserter(files));
-    if (const std::string error = record::writeAtomically(a.out, files); !error.empty())
+        return cannotWrite(made.error());
+    std::move(made->begin(), made->end(), std::back_inserter(files));
+    if (const std::string error = record::writeAtomically(a.out, files).error(); !error.empty())
         return cannotWrite(error);
-    printResults(a, work, table.value);
+    printResults(a, work, *table);
     const bool wasPrinted = printed();
-    const bool allDone = std::all_of(table.value.rows.begin(), table.value.rows.end(),
-                                     [](const sweep::Row& r) { return r.status == "done"; });
+    const bool allDone =
+        std::all_of(table->rows.begin(), table->rows.end(), [](const sweep::Row& r) { return r.status == "done"; });
     const bool ended = a.engine != "slurm" || interrupted || work.missing == 0;
     if (!ended)
         std::fprintf(stderr, "%zu runs are missing; the output of the tasks is in %s/slurm, --resume runs them again\n",

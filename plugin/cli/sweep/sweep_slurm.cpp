@@ -60,11 +60,11 @@ std::string mergeShards(const std::string& folder, SweepWork& work) {
 std::string prepareShards(const std::string& folder, int parts, SweepWork& work) {
     const auto known = work.store.finished();
     if (!known)
-        return known.error;
+        return known.error();
     for (int part = 1; part <= parts; ++part) {
         std::set<RunName> theirs;
         for (const Task& task : sweep::tasks(work.sweep, {part, parts}))
-            if (known.value.count(nameOf(work, task)) > 0)
+            if (known->count(nameOf(work, task)) > 0)
                 theirs.insert(nameOf(work, task));
         if (theirs.empty())
             continue;
@@ -86,8 +86,8 @@ std::string prepareShards(const std::string& folder, int parts, SweepWork& work)
     return {};
 }
 
-record::Result<ArrayJob> submit(const SweepArguments& a, const std::string& folder, const std::string& name) {
-    using Out = record::Result<ArrayJob>;
+Result<ArrayJob> submit(const SweepArguments& a, const std::string& folder, const std::string& name) {
+    using Out = Result<ArrayJob>;
     const std::string program = fs::read_symlink("/proc/self/exe").string();
     std::vector<std::string> command = {program,
                                         "sweep",
@@ -102,10 +102,10 @@ record::Result<ArrayJob> submit(const SweepArguments& a, const std::string& fold
     if (!a.seeds.empty())
         command.insert(command.end(), {"--seeds", a.seeds});
     const std::string script = sweep::arrayScript(command, a.jobs, folder + "/slurm/%a.log");
-    if (std::string error = record::writeAtomically(folder + "/slurm", {{"job.sh", script}}); !error.empty())
-        return Out::fail(error);
+    if (std::string error = record::writeAtomically(folder + "/slurm", {{"job.sh", script}}).error(); !error.empty())
+        return Out::failure(error);
     const auto id = sweep::submitArray(folder + "/slurm/job.sh", name, a.jobs, a.slurmOptions);
-    return id ? Out{{id.value, name + std::to_string(a.jobs), a.jobs}, {}} : Out::fail(id.error);
+    return id ? Out(ArrayJob{*id, name + std::to_string(a.jobs), a.jobs}) : Out::failure(id.error());
 }
 
 /// Number of runs finished by the tasks of an array, from their progress lines; their stores stay locked until they
@@ -114,9 +114,9 @@ std::size_t finishedRuns(const std::string& folder, int parts) {
     std::size_t all = 0;
     for (int part = 1; part <= parts; ++part) {
         const auto log = record::readText(folder + "/slurm/" + std::to_string(part) + ".log");
-        const std::size_t at = log ? log.value.rfind("run ") : std::string::npos; // "  5 %  run 3 of 60 (...)"
+        const std::size_t at = log ? log->rfind("run ") : std::string::npos; // "  5 %  run 3 of 60 (...)"
         if (at != std::string::npos)
-            all += static_cast<std::size_t>(std::strtoull(log.value.c_str() + at + 4, nullptr, 10));
+            all += static_cast<std::size_t>(std::strtoull(log->c_str() + at + 4, nullptr, 10));
     }
     return all;
 }
@@ -126,8 +126,8 @@ std::string wait(const SweepArguments& a, const std::string& folder, const Array
     while (!interrupted) {
         const auto there = sweep::findArray(job.name);
         if (!there)
-            return there.error;
-        if (!there.value)
+            return there.error();
+        if (!*there)
             return {};
         const std::size_t done = std::min(missing, finishedRuns(folder, job.parts));
         line.show(static_cast<double>(done) / static_cast<double>(missing),
@@ -148,23 +148,23 @@ std::string runOnCluster(const SweepArguments& a, SweepWork& work) {
         return error;
     const auto known = work.store.finished();
     if (!known)
-        return known.error;
+        return known.error();
     const std::vector<Task> tasks = sweep::tasks(work.sweep, {});
-    const auto missing = static_cast<std::size_t>(std::count_if(
-        tasks.begin(), tasks.end(), [&](const Task& t) { return known.value.count(nameOf(work, t)) == 0; }));
+    const auto missing = static_cast<std::size_t>(
+        std::count_if(tasks.begin(), tasks.end(), [&](const Task& t) { return known->count(nameOf(work, t)) == 0; }));
     if (missing == 0)
         return {};
     const auto there = sweep::findArray(name);
     if (!there)
-        return there.error;
-    ArrayJob job = there.value.value_or(ArrayJob{});
-    if (!there.value) {
+        return there.error();
+    ArrayJob job = there->value_or(ArrayJob{});
+    if (!*there) {
         if (std::string error = prepareShards(folder, a.jobs, work); !error.empty())
             return error;
         const auto submitted = submit(a, folder, name);
         if (!submitted)
-            return submitted.error;
-        job = submitted.value;
+            return submitted.error();
+        job = *submitted;
     }
     if (std::string error = wait(a, folder, job, missing); !error.empty())
         return error;

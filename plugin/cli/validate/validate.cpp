@@ -76,7 +76,7 @@ int validate(const ValidateArguments& a) {
     if (all.empty())
         return explainFilter(a.filter);
     const auto files = pages::validationFiles(all, settings);
-    const std::string error = files ? record::writeAtomically(folder.path(), files.value) : files.error;
+    const std::string error = files ? record::writeAtomically(folder.path(), *files).error() : files.error();
     if (!error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

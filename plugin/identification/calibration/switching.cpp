@@ -16,9 +16,8 @@ std::string number(double v) {
 
 } // namespace
 
-record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate& simulate,
-                                                  const SwitchSettings& settings) {
-    using Out = record::Result<CriticalFriction>;
+Result<CriticalFriction> criticalFriction(double phiBar, const Simulate& simulate, const SwitchSettings& settings) {
+    using Out = Result<CriticalFriction>;
     CriticalFriction c;
     c.phiBar = phiBar;
     const auto smooth = [&](double mu) -> std::optional<bool> {
@@ -27,8 +26,8 @@ record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate&
         return snap ? std::optional<bool>(*snap == Snap::Smooth) : std::nullopt;
     };
     const auto fail = [&](double mu) {
-        return Out::fail("the simulation at an opening angle of " + number(phiBar) + " and a friction coefficient of " +
-                         number(mu) + " ended in no snap");
+        return Out::failure("the simulation at an opening angle of " + number(phiBar) +
+                            " and a friction coefficient of " + number(mu) + " ended in no snap");
     };
     const auto atMost = smooth(settings.largest);
     if (!atMost)
@@ -36,7 +35,7 @@ record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate&
     if (*atMost) {
         c.below = settings.largest;
         c.above = std::numeric_limits<double>::infinity();
-        return {c, {}};
+        return c;
     }
     c.above = settings.largest;
     const auto atZero = smooth(0.0);
@@ -44,7 +43,7 @@ record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate&
         return fail(0.0);
     if (!*atZero) {
         c.above = 0.0;
-        return {c, {}};
+        return c;
     }
     while (c.above - c.below > settings.tolerance) {
         const double middle = 0.5 * (c.below + c.above);
@@ -53,12 +52,12 @@ record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate&
             return fail(middle);
         (*is ? c.below : c.above) = middle;
     }
-    return {c, {}};
+    return c;
 }
 
-record::Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials, const Simulate& simulate,
-                                                const SwitchSettings& settings) {
-    using Out = record::Result<SwitchResult>;
+Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials, const Simulate& simulate,
+                                        const SwitchSettings& settings) {
+    using Out = Result<SwitchResult>;
     double deepestSmooth = -1.0, shallowestAbrupt = std::numeric_limits<double>::infinity();
     for (const Trial& t : trials) {
         if (t.outcome == Snap::Smooth)
@@ -67,30 +66,30 @@ record::Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials
             shallowestAbrupt = std::min(shallowestAbrupt, t.phiBar);
     }
     if (trials.empty())
-        return Out::fail("no trials");
+        return Out::failure("no trials");
     if (deepestSmooth - settings.angleUncertainty > shallowestAbrupt + settings.angleUncertainty)
-        return Out::fail("the trials contradict each other: smooth at " + number(deepestSmooth) +
-                         ", abrupt at the shallower " + number(shallowestAbrupt) +
-                         "; deeper shells never snap more smoothly");
+        return Out::failure("the trials contradict each other: smooth at " + number(deepestSmooth) +
+                            ", abrupt at the shallower " + number(shallowestAbrupt) +
+                            "; deeper shells never snap more smoothly");
     const auto inside = [&](double phiBar) { return std::clamp(phiBar, settings.shallowest, settings.deepest); };
-    Out out;
-    out.value.high = std::numeric_limits<double>::infinity();
+    SwitchResult out;
+    out.high = std::numeric_limits<double>::infinity();
     if (std::isfinite(shallowestAbrupt)) {
         const auto c = criticalFriction(inside(shallowestAbrupt + settings.angleUncertainty), simulate, settings);
         if (!c)
-            return Out::fail(c.error);
-        if (std::isinf(c.value.above))
-            return Out::fail("an abrupt snap at an opening angle of " + number(shallowestAbrupt) +
-                             " takes more friction than " + number(settings.largest));
-        out.value.fromAbrupt = c.value;
-        out.value.low = c.value.below;
+            return Out::failure(c.error());
+        if (std::isinf(c->above))
+            return Out::failure("an abrupt snap at an opening angle of " + number(shallowestAbrupt) +
+                                " takes more friction than " + number(settings.largest));
+        out.fromAbrupt = *c;
+        out.low = c->below;
     }
     if (deepestSmooth > 0.0) {
         const auto c = criticalFriction(inside(deepestSmooth - settings.angleUncertainty), simulate, settings);
         if (!c)
-            return Out::fail(c.error);
-        out.value.fromSmooth = c.value;
-        out.value.high = c.value.above;
+            return Out::failure(c.error());
+        out.fromSmooth = *c;
+        out.high = c->above;
     }
     return out;
 }

@@ -6,7 +6,7 @@
 // snap means mu < mu*(angle), an abrupt one mu > mu*(angle). The deepest smooth and the shallowest abrupt shell
 // therefore bound mu. mu* is found by simulation and bisection; an uncertain angle widens the interval.
 
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <functional>
 #include <optional>
@@ -47,11 +47,11 @@ struct SwitchResult {
 };
 
 /// mu* of one opening angle by bisection, or an error message.
-[[nodiscard]] record::Result<CriticalFriction> criticalFriction(double phiBar, const Simulate& simulate,
-                                                                const SwitchSettings& settings);
+[[nodiscard]] Result<CriticalFriction> criticalFriction(double phiBar, const Simulate& simulate,
+                                                const SwitchSettings& settings);
 
 /// The interval, or an error message: contradictory trials, or failed simulations.
-[[nodiscard]] record::Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials,
-                                                              const Simulate& simulate, const SwitchSettings& settings);
+[[nodiscard]] Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials, const Simulate& simulate,
+                                                      const SwitchSettings& settings);
 
 } // namespace supercircle::calibration

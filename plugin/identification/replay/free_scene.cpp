@@ -39,7 +39,7 @@ std::optional<scene::Scene> sceneOf(const Experiment& e, std::size_t run, const 
     for (const scene::Problem& problem : problems)
         if (why.empty() && problem.severity == scene::Problem::Severity::Error)
             why = problem.toString();
-    return scene;
+    return scene ? std::optional(*std::move(scene)) : std::nullopt;
 }
 
 /// All recorded channels, step by step.

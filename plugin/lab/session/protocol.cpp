@@ -26,15 +26,26 @@ void Session::approach() {
     }
     // The pile may still move by a few micrometres: approach slowly until the first force.
     const double speed = p.approach_speed > 0.0 ? p.approach_speed : 1e-3;
-    shells_.set_crosshead_velocity({speed * p.direction.x, speed * p.direction.y});
+    if (!setCrossheadSpeed(speed))
+        return;
     setStepLimits(10.0 * speed); // small steps give an exact height at first contact
     bool touched = false;
     const double start = shells_.time();
     while (!touched && shells_.time() - start < 1.0 + (p.approach_gap + 1e-3) / speed)
         if (!frame(frame_, [&] { return touched = force() > 0.0; }))
             return;
-    shells_.set_crosshead_velocity({0.0, 0.0});
+    shells_.set_crosshead_velocity({0.0, 0.0}).or_fail();
     pileHeight_ = crossheadBottom();
+}
+
+bool Session::setCrossheadSpeed(double speed) {
+    const Point& direction = scene_.protocol->direction;
+    const Status set = shells_.set_crosshead_velocity({speed * direction.x, speed * direction.y});
+    if (!set) {
+        status_ = RunStatus::BadScene;
+        message_ = set.error();
+    }
+    return static_cast<bool>(set);
 }
 
 void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t number) {
@@ -43,7 +54,8 @@ void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t numb
     const double speed = moves ? segment.speed : 0.0;
     if (speed != 0.0)
         reversed_ = speed < 0.0;
-    shells_.set_crosshead_velocity({speed * p.direction.x, speed * p.direction.y});
+    if (!setCrossheadSpeed(speed))
+        return;
     double branch = std::isfinite(segment.stop_when.displacement) ? std::abs(segment.stop_when.displacement - travel())
                                                                   : 0.25 * pileHeight_;
     if (std::isfinite(segment.stop_when.force)) // whichever comes first; a distant displacement may be a mere limit

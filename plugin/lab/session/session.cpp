@@ -263,13 +263,15 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
         keepFrame(false);
         return (options_.interrupt && options_.interrupt->load()) || (stop && stop());
     });
+    std::string failure = r.failure;
     if (r.advanced > 0.0) {
         host_->step(r.advanced);
-        shells_.post_step();
+        if (const Status stepped = shells_.post_step(); !stepped && failure.empty())
+            failure = stepped.error();
     }
-    if (!r.failure.empty()) {
+    if (!failure.empty()) {
         status_ = RunStatus::Failed;
-        message_ = r.failure + " (at t = " + std::to_string(shells_.time()) + " s)";
+        message_ = failure + " (at t = " + std::to_string(shells_.time()) + " s)";
         return false;
     }
     if (shells_.world().counters.quarantined > 0) { // a game continues without the shell, an experiment cannot
@@ -389,8 +391,8 @@ bool Session::settle(double speed, double longest) {
 std::string Session::dropBatch(int count) {
     const std::size_t before = shells_.size();
     std::vector<ShellHandle> made;
-    if (std::string error = player::dropBatch(shells_, *scene_.drop, count, random_, made); !error.empty())
-        return error;
+    if (const Status dropped = player::dropBatch(shells_, *scene_.drop, count, random_, made); !dropped)
+        return dropped.error();
     for (std::size_t i = before; i < shells_.size(); ++i) {
         addEffects(i, {});
         addShellInfo(i);

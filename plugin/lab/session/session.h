@@ -41,6 +41,8 @@ private:
     bool settle(double speed, double longest);
     void approach(); ///< brings the crosshead to first contact
     void runFree();  ///< a scene without a protocol
+    /// m/s along the protocol's direction; false after a refusal, which is the end of the run.
+    [[nodiscard]] bool setCrossheadSpeed(double speed);
     void runSegment(const scene::ProtocolSegment& segment, std::size_t number);
     void sample();
     void keepFrame(bool always); ///< for the player

@@ -34,38 +34,38 @@ std::size_t indexOf(const std::vector<double>& axis, double value) {
 
 } // namespace
 
-record::Result<ResponseSurface> responseSurface(const SweepDefinition& sweep, const RunTable& table,
-                                                const std::string& quantity) {
-    using Out = record::Result<ResponseSurface>;
+Result<ResponseSurface> responseSurface(const SweepDefinition& sweep, const RunTable& table,
+                                        const std::string& quantity) {
+    using Out = Result<ResponseSurface>;
     const std::size_t column = table.column(quantity);
     if (column == table.columns.size())
-        return Out::fail("the runs have no quantity \"" + quantity + "\"; did you mean \"" +
-                         scene::nearestName(quantity, table.columns) + "\"?");
+        return Out::failure("the runs have no quantity \"" + quantity + "\"; did you mean \"" +
+                            scene::nearestName(quantity, table.columns) + "\"?");
     if (sweep.names.empty() || sweep.names.size() > 2)
-        return Out::fail("the sweep must vary one or two parameters, this one varies " +
-                         std::to_string(sweep.names.size()));
+        return Out::failure("the sweep must vary one or two parameters, this one varies " +
+                            std::to_string(sweep.names.size()));
     const std::size_t xAt = sweep.names[0] == sweep.x ? 0 : 1, yAt = 1 - xAt;
     const bool two = sweep.names.size() == 2;
-    Out out;
-    ResponseSurface& s = out.value;
+    ResponseSurface s;
     s.xName = sweep.names[xAt];
     s.yName = two ? sweep.names[yAt] : "";
     s.x = axisOf(sweep, xAt);
     s.y = two ? axisOf(sweep, yAt) : std::vector<double>{0.0};
     if (s.x.size() * s.y.size() != sweep.sets.size())
-        return Out::fail("the parameter sets of the sweep do not form a full grid");
+        return Out::failure("the parameter sets of the sweep do not form a full grid");
     s.mean.assign(s.y.size(), std::vector<double>(s.x.size(), 0.0));
     s.error = s.spread = s.mean;
     for (std::size_t set = 0; set < sweep.sets.size(); ++set) {
         const Statistics stat = statisticsOf(valuesOf(table, set, column));
         if (stat.n < 2)
-            return Out::fail("too few runs with " + keyOf(sweep.parameterValues(set)) + ": " + std::to_string(stat.n));
+            return Out::failure("too few runs with " + keyOf(sweep.parameterValues(set)) + ": " +
+                                std::to_string(stat.n));
         const std::size_t i = two ? indexOf(s.y, sweep.sets[set][yAt]) : 0, k = indexOf(s.x, sweep.sets[set][xAt]);
         s.mean[i][k] = stat.mean;
         s.error[i][k] = stat.standardError;
         s.spread[i][k] = stat.madSigma;
     }
-    return out;
+    return s;
 }
 
 double ResponseSurface::fraction(std::size_t row, double py) const {

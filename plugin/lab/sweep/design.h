@@ -2,7 +2,7 @@
 // Inverse design: from the results of a sweep over two parameters to the pairs that give a target value.
 
 #include "plugin/lab/sweep/run_table.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <string>
 #include <vector>
@@ -29,8 +29,8 @@ public:
 };
 
 /// The sweep must vary one or two parameters over a full grid with runs in every set. `x` is the sweep's abscissa.
-[[nodiscard]] record::Result<ResponseSurface> responseSurface(const SweepDefinition& sweep, const RunTable& table,
-                                                              const std::string& quantity);
+[[nodiscard]] Result<ResponseSurface> responseSurface(const SweepDefinition& sweep, const RunTable& table,
+                                                      const std::string& quantity);
 
 /// A pair of parameters that gives the target value.
 struct DesignPoint {

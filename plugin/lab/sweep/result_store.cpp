@@ -90,20 +90,20 @@ std::string ResultStore::open(const std::string& path) {
     return impl_->execute(kSchema);
 }
 
-record::Result<std::string> ResultStore::meta(const std::string& key) {
+Result<std::string> ResultStore::meta(const std::string& key) {
     Statement s(impl_->db, "SELECT value FROM meta WHERE key = ?");
     if (s.bind(key).step())
-        return {s.text(0), {}};
-    return s.ok() ? record::Result<std::string>{} : record::Result<std::string>::fail(impl_->error());
+        return s.text(0);
+    return s.ok() ? Result<std::string>(std::string{}) : Result<std::string>::failure(impl_->error());
 }
 
 std::string ResultStore::checkFormat() {
     const auto format = meta("format");
     if (!format)
-        return format.error;
-    if (format.value.empty() || format.value == kStoreFormat)
+        return format.error();
+    if (format->empty() || *format == kStoreFormat)
         return {};
-    return impl_->path + ": these results have the format " + format.value + ", this version reads and writes " +
+    return impl_->path + ": these results have the format " + *format + ", this version reads and writes " +
            kStoreFormat + "; run the sweep again into a new folder";
 }
 
@@ -130,14 +130,12 @@ std::string ResultStore::save(const StoredRun& run) {
     return error;
 }
 
-record::Result<std::set<RunName>> ResultStore::finished() {
-    record::Result<std::set<RunName>> all;
+Result<std::set<RunName>> ResultStore::finished() {
+    std::set<RunName> all;
     Statement s(impl_->db, "SELECT parameters, seed FROM runs WHERE status <> 'crashed'");
     while (s.step())
-        all.value.emplace(s.text(0), s.integer(1));
-    if (!s.ok())
-        all.error = impl_->error();
-    return all;
+        all.emplace(s.text(0), s.integer(1));
+    return s.ok() ? Result<std::set<RunName>>(std::move(all)) : Result<std::set<RunName>>::failure(impl_->error());
 }
 
 std::string ResultStore::forEach(const std::function<void(const StoredRun&)>& each) {
@@ -153,11 +151,11 @@ std::string ResultStore::forEach(const std::function<void(const StoredRun&)>& ea
 std::string ResultStore::mergeFrom(ResultStore& other, const std::set<RunName>& only) {
     const auto here = finished();
     if (!here)
-        return here.error;
+        return here.error();
     std::string error;
     const std::string read = other.forEach([&](const StoredRun& run) {
         const RunName name{run.parameters, run.seed};
-        if (error.empty() && here.value.count(name) == 0 && (only.empty() || only.count(name) > 0))
+        if (error.empty() && here->count(name) == 0 && (only.empty() || only.count(name) > 0))
             error = save(run);
     });
     return error.empty() ? read : error;

@@ -3,7 +3,7 @@
 // computer stops. Tables: meta(key, value); runs(parameters, seed, status, message, result), one row a run, `result` as
 // run_record.h serialises it; timings(parameters, seed, host, build, wall_s, cpu_s).
 
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <cstdint>
 #include <functional>
@@ -43,14 +43,14 @@ public:
     /// Opens or makes the file. Empty, or why not.
     [[nodiscard]] std::string open(const std::string& path);
     /// Value of the table meta, empty if there is none.
-    [[nodiscard]] record::Result<std::string> meta(const std::string& key);
+    [[nodiscard]] Result<std::string> meta(const std::string& key);
     [[nodiscard]] std::string setMeta(const std::string& key, const std::string& value);
     /// Empty if the file is new or of this version; else a message for the user.
     [[nodiscard]] std::string checkFormat();
     /// Stores a run, in place of an earlier one of this name; on the disk when this returns.
     [[nodiscard]] std::string save(const StoredRun& run);
     /// Names of the runs that need no repetition: all but those whose process died.
-    [[nodiscard]] record::Result<std::set<RunName>> finished();
+    [[nodiscard]] Result<std::set<RunName>> finished();
     /// Calls `each` for every run, ordered by parameters and seed.
     [[nodiscard]] std::string forEach(const std::function<void(const StoredRun&)>& each);
     /// Copies the runs of another store that are missing or crashed here; only those named, unless `only` is empty.

@@ -78,7 +78,7 @@ std::size_t RunTable::column(const std::string& name) const {
     return static_cast<std::size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin());
 }
 
-record::Result<RunTable> collect(const SweepDefinition& sweep, ResultStore& store) {
+Result<RunTable> collect(const SweepDefinition& sweep, ResultStore& store) {
     const auto keys = keysOf(sweep);
     std::vector<std::pair<Row, RunRecord>> found;
     const std::string error = store.forEach([&](const StoredRun& run) {
@@ -100,30 +100,31 @@ record::Result<RunTable> collect(const SweepDefinition& sweep, ResultStore& stor
         found.emplace_back(std::move(row), std::move(result));
     });
     if (!error.empty())
-        return record::Result<RunTable>::fail(error);
+        return Result<RunTable>::failure(error);
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return std::pair(a.first.set, a.first.seed) < std::pair(b.first.set, b.first.seed);
     });
-    record::Result<RunTable> table;
+    RunTable table;
     for (auto& [row, result] : found) {
-        addCells(table.value, row, result);
-        table.value.rows.push_back(std::move(row));
+        addCells(table, row, result);
+        table.rows.push_back(std::move(row));
     }
-    for (Row& row : table.value.rows)
-        row.cells.resize(table.value.columns.size());
+    for (Row& row : table.rows)
+        row.cells.resize(table.columns.size());
     return table;
 }
 
-record::Result<std::vector<RunRecord>> curvesOf(const SweepDefinition& sweep, std::size_t set, ResultStore& store,
-                                                std::size_t most) {
-    record::Result<std::vector<RunRecord>> all;
+Result<std::vector<RunRecord>> curvesOf(const SweepDefinition& sweep, std::size_t set, ResultStore& store,
+                                        std::size_t most) {
+    std::vector<RunRecord> all;
     const std::string key = keyOf(sweep.parameterValues(set));
-    all.error = store.forEach([&](const StoredRun& run) {
-        if (run.parameters == key && run.status == "done" && all.value.size() < most)
+    std::string error = store.forEach([&](const StoredRun& run) {
+        if (run.parameters == key && run.status == "done" && all.size() < most)
             if (auto result = deserialise(run.result))
-                all.value.push_back(std::move(*result));
+                all.push_back(std::move(*result));
     });
-    return all;
+    return error.empty() ? Result<std::vector<RunRecord>>(std::move(all))
+                         : Result<std::vector<RunRecord>>::failure(std::move(error));
 }
 
 std::string cell(const std::string& text) {

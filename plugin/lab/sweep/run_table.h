@@ -5,7 +5,7 @@
 #include "plugin/lab/sweep/result_store.h"
 #include "plugin/lab/sweep/run_record.h"
 #include "plugin/recording/table/recording.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <optional>
 #include <string>
@@ -34,11 +34,11 @@ struct RunTable {
 };
 
 /// The runs of `sweep`'s sets in a store, of all seeds.
-[[nodiscard]] record::Result<RunTable> collect(const SweepDefinition& sweep, ResultStore& store);
+[[nodiscard]] Result<RunTable> collect(const SweepDefinition& sweep, ResultStore& store);
 
 /// Force curves of the runs of one set, ordered by seed, at most `most` of them.
-[[nodiscard]] record::Result<std::vector<RunRecord>> curvesOf(const SweepDefinition& sweep, std::size_t set,
-                                                              ResultStore& store, std::size_t most);
+[[nodiscard]] Result<std::vector<RunRecord>> curvesOf(const SweepDefinition& sweep, std::size_t set, ResultStore& store,
+                                                      std::size_t most);
 
 /// One row a run: parameters, seed, status, summary. The bytes do not depend on interruptions of the sweep.
 [[nodiscard]] std::string resultsCsv(const SweepDefinition& sweep, const RunTable& table);

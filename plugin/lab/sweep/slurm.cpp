@@ -94,20 +94,18 @@ std::string arrayName(const std::string& folder) {
     return text;
 }
 
-record::Result<std::optional<ArrayJob>> findArray(const std::string& name) {
-    record::Result<std::optional<ArrayJob>> found;
+Result<std::optional<ArrayJob>> findArray(const std::string& name) {
     const ProgramOutput c = runCommand({"squeue", "--me", "--noheader", "--format=%F %j"});
-    if (c.code != 0) {
-        found.error = errorOf("squeue", c);
-        return found;
-    }
+    if (c.code != 0)
+        return Result<std::optional<ArrayJob>>::failure(errorOf("squeue", c));
+    std::optional<ArrayJob> found;
     std::istringstream lines(c.out);
     for (std::string id, job; lines >> id >> job;)
         if (job.rfind(name, 0) == 0) {
             ArrayJob array{id, job, 0};
             const std::string parts = job.substr(name.size());
             std::from_chars(parts.data(), parts.data() + parts.size(), array.parts);
-            found.value = array;
+            found = array;
         }
     return found;
 }
@@ -127,16 +125,16 @@ std::string arrayScript(const std::vector<std::string>& command, int parts, cons
     return script + "\n";
 }
 
-record::Result<std::string> submitArray(const std::string& script, const std::string& name, int parts,
-                                        const std::vector<std::string>& options) {
+Result<std::string> submitArray(const std::string& script, const std::string& name, int parts,
+                                const std::vector<std::string>& options) {
     std::vector<std::string> command = {"sbatch", "--parsable", "--array=1-" + std::to_string(parts),
                                         "--job-name=" + name + std::to_string(parts)};
     command.insert(command.end(), options.begin(), options.end());
     command.push_back(script);
     const ProgramOutput c = runCommand(command);
     if (c.code != 0)
-        return record::Result<std::string>::fail(errorOf("sbatch", c));
-    return {c.out.substr(0, c.out.find_first_of(";\n")), {}}; // "12" or "12;cluster"
+        return Result<std::string>::failure(errorOf("sbatch", c));
+    return c.out.substr(0, c.out.find_first_of(";\n")); // "12" or "12;cluster"
 }
 
 } // namespace supercircle::sweep

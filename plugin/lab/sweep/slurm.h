@@ -1,7 +1,7 @@
 #pragma once
 // Runs on a cluster: shards are the tasks of a Slurm job array, each a sweep into its own folder.
 
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <optional>
 #include <string>
@@ -29,14 +29,14 @@ struct ArrayJob {
 [[nodiscard]] std::string arrayName(const std::string& folder);
 
 /// The array whose name begins with `name`, pending or running; empty if there is none.
-[[nodiscard]] record::Result<std::optional<ArrayJob>> findArray(const std::string& name);
+[[nodiscard]] Result<std::optional<ArrayJob>> findArray(const std::string& name);
 
 /// A shell script that runs `command` for one task; "@TASK@" and "@TASKS@" in its arguments become the
 /// task's number and the number of tasks.
 [[nodiscard]] std::string arrayScript(const std::vector<std::string>& command, int parts, const std::string& log);
 
 /// Submits a script as an array of `parts` tasks. @return the job's number
-[[nodiscard]] record::Result<std::string> submitArray(const std::string& script, const std::string& name, int parts,
-                                                      const std::vector<std::string>& options);
+[[nodiscard]] Result<std::string> submitArray(const std::string& script, const std::string& name, int parts,
+                                              const std::vector<std::string>& options);
 
 } // namespace supercircle::sweep

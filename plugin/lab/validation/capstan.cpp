@@ -111,7 +111,7 @@ Tensions drag(const ValidationSettings& settings, ValidationExperiment& e, const
         if (!r.failure.empty())
             throw std::runtime_error("capstan: " + r.failure);
         host->step(r.advanced);
-        shells.post_step();
+        shells.post_step().or_fail();
         if (shells.time() > 0.5 * duration) {
             first += reactionOf(shells.world(), 0);
             second += reactionOf(shells.world(), 1);

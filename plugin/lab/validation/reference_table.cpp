@@ -29,8 +29,8 @@ std::vector<std::string> cells(const std::string& line) {
 ReferenceTable::ReferenceTable(const std::string& directory, const std::string& name) : file_(directory + "/" + name) {
     const auto text = record::readText(file_);
     if (!text)
-        throw std::runtime_error(text.error);
-    std::istringstream in(text.value);
+        throw std::runtime_error(text.error());
+    std::istringstream in(*text);
     std::vector<std::string> header;
     int number = 0;
     for (std::string line; std::getline(in, line);) {

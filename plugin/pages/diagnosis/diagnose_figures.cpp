@@ -274,33 +274,33 @@ std::string probabilityFigure(const Diagnosis& d) {
     return canvas.finish();
 }
 
-record::Result<std::vector<record::NamedText>> diagnosisPictures(const Diagnosis& d) {
+Result<std::vector<record::NamedText>> diagnosisPictures(const Diagnosis& d) {
     using Files = std::vector<record::NamedText>;
     constexpr double kScale = 1.5;
     Files files;
     const auto keep = [&](const std::string& name, graphics::CairoCanvas& canvas) {
         auto picture = canvas.png();
         if (picture)
-            files.emplace_back(name, std::move(picture.value));
-        return picture ? std::string{} : name + ": " + picture.error;
+            files.emplace_back(name, *std::move(picture));
+        return picture ? std::string{} : name + ": " + picture.error();
     };
     for (std::size_t r = 0; r < d.runs.size(); ++r) {
         graphics::CairoCanvas canvas(kRunWidth, kRunHeight, kScale);
         drawRun(canvas, d, r);
         if (std::string why = keep("run_" + std::to_string(r + 1) + "_diagnosis.png", canvas); !why.empty())
-            return record::Result<Files>::fail(std::move(why));
+            return Result<Files>::failure(std::move(why));
         if (d.runs[r].markers.empty())
             continue;
         graphics::CairoCanvas markers(kRunWidth, markersHeight(d.runs[r]), kScale);
         drawMarkers(markers, d, r);
         if (std::string why = keep("run_" + std::to_string(r + 1) + "_markers.png", markers); !why.empty())
-            return record::Result<Files>::fail(std::move(why));
+            return Result<Files>::failure(std::move(why));
     }
     graphics::CairoCanvas canvas(kBarsWidth, barsHeight(d), kScale);
     drawProbabilities(canvas, d);
     if (std::string why = keep("probabilities.png", canvas); !why.empty())
-        return record::Result<Files>::fail(std::move(why));
-    return {std::move(files), {}};
+        return Result<Files>::failure(std::move(why));
+    return files;
 }
 
 namespace {

@@ -4,7 +4,7 @@
 #include "plugin/identification/diagnosis/result.h"
 #include "plugin/recording/experiment/experiment.h"
 #include "plugin/recording/table/files.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ std::string markerFigure(const diagnosis::Diagnosis& diagnosis, std::size_t run)
 /// A bar for each explanation: effects, "no missing effect", too small to be detected, outside the catalogue.
 std::string probabilityFigure(const diagnosis::Diagnosis& diagnosis);
 /// The three above as PNG: run_1_diagnosis.png, run_1_markers.png, ..., probabilities.png.
-record::Result<std::vector<record::NamedText>> diagnosisPictures(const diagnosis::Diagnosis& diagnosis);
+Result<std::vector<record::NamedText>> diagnosisPictures(const diagnosis::Diagnosis& diagnosis);
 /// Screening gain of each effect, and its detectable amplitude.
 std::string screenFigure(const diagnosis::Diagnosis& diagnosis);
 /// A learned law with bands of one and two sigma in the range that the runs cover.

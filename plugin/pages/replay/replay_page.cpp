@@ -177,7 +177,7 @@ std::string parameterTable(const Replay& replay) {
 
 } // namespace
 
-record::Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
+Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
     using Files = std::vector<record::NamedText>;
     Files files;
     const std::string title = graphics::escaped(replay.experiment.file);
@@ -194,8 +194,8 @@ record::Result<std::vector<record::NamedText>> replayPages(const Replay& replay)
         drawRun(png, replay.experiment, replay.experiment.runs[k], run);
         auto picture = png.png();
         if (!picture)
-            return record::Result<Files>::fail(run.name + "_replay.png: " + picture.error);
-        files.emplace_back(run.name + "_replay.png", std::move(picture.value));
+            return Result<Files>::failure(run.name + "_replay.png: " + picture.error());
+        files.emplace_back(run.name + "_replay.png", *std::move(picture));
         graphics::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1),
                                 "recorded and simulated force of " + run.name);
         drawRun(svg, replay.experiment, replay.experiment.runs[k], run);
@@ -208,7 +208,7 @@ record::Result<std::vector<record::NamedText>> replayPages(const Replay& replay)
             std::to_string(replay.resolution.elements) +
             " elements a specimen</p></section></div></main></body></html>\n";
     files.emplace_back("replay.html", std::move(html));
-    return {std::move(files), {}};
+    return files;
 }
 
 } // namespace supercircle::cli

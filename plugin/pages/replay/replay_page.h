@@ -4,7 +4,7 @@
 #include "plugin/identification/replay/compare.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/recording/table/files.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <string>
 #include <vector>
@@ -27,6 +27,6 @@ struct Replay {
 };
 
 /// NAME_replay.png per run and replay.html, by name and content.
-record::Result<std::vector<record::NamedText>> replayPages(const Replay& replay);
+Result<std::vector<record::NamedText>> replayPages(const Replay& replay);
 
 } // namespace supercircle::cli

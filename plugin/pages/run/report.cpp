@@ -33,10 +33,10 @@ void addPicture(std::vector<NamedText>& files, const std::string& name, double w
     CairoCanvas canvas(width, height, scale);
     if (!draw(canvas))
         return;
-    record::Result<std::string> png = canvas.png();
+    Result<std::string> png = canvas.png();
     if (!png)
-        throw std::runtime_error(name + ": " + png.error);
-    files.emplace_back(name, std::move(png.value));
+        throw std::runtime_error(name + ": " + png.error());
+    files.emplace_back(name, *std::move(png));
 }
 
 struct Views {
@@ -111,12 +111,12 @@ std::vector<NamedText> draw(const Recording& recording) {
 
 } // namespace
 
-record::Result<std::vector<NamedText>> reportFiles(const Recording& recording) noexcept {
-    using Files = record::Result<std::vector<NamedText>>;
+Result<std::vector<NamedText>> reportFiles(const Recording& recording) noexcept {
+    using Files = Result<std::vector<NamedText>>;
     try {
-        return Files{draw(recording), {}};
+        return Files(draw(recording));
     } catch (const std::exception& exception) {
-        return Files::fail(std::string("cannot make the report: ") + exception.what());
+        return Files::failure(std::string("cannot make the report: ") + exception.what());
     }
 }
 
@@ -140,9 +140,9 @@ std::string removeOldReport(const std::string& directory, const std::vector<Name
 std::string writeReport(const Recording& recording, const std::string& directory) noexcept {
     const auto files = reportFiles(recording);
     if (!files)
-        return files.error;
-    const std::string error = record::writeAtomically(directory, files.value);
-    return error.empty() ? removeOldReport(directory, files.value) : error;
+        return files.error();
+    const std::string error = record::writeAtomically(directory, *files).error();
+    return error.empty() ? removeOldReport(directory, *files) : error;
 }
 
 } // namespace supercircle::pages

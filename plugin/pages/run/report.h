@@ -10,7 +10,7 @@
 namespace supercircle::pages {
 
 /// report.html and its pictures by name and content, drawn but not written. Never throws.
-[[nodiscard]] record::Result<std::vector<record::NamedText>> reportFiles(const record::Recording& recording) noexcept;
+[[nodiscard]] Result<std::vector<record::NamedText>> reportFiles(const record::Recording& recording) noexcept;
 
 /// Removes from `directory` the files of an earlier report that `files` does not replace, so that no old picture stays
 /// beside a new page.

@@ -187,10 +187,10 @@ std::string picture(const std::string& name, double width, double height, const 
     draw(png);
     auto pixels = png.png();
     if (!pixels) {
-        error = name + ".png: " + pixels.error;
+        error = name + ".png: " + pixels.error();
         return {};
     }
-    files.emplace_back(name + ".png", std::move(pixels.value));
+    files.emplace_back(name + ".png", *std::move(pixels));
     graphics::SvgCanvas svg(width, height, name, label);
     draw(svg);
     return "<div class=\"scroll wide\">" + svg.finish() + "</div>";
@@ -198,7 +198,7 @@ std::string picture(const std::string& name, double width, double height, const 
 
 } // namespace
 
-record::Result<Files> sensitivityPages(const SensitivityStudy& study) {
+Result<Files> sensitivityPages(const SensitivityStudy& study) {
     const Sensitivities& s = study.result;
     Files files;
     std::string error;
@@ -234,9 +234,9 @@ record::Result<Files> sensitivityPages(const SensitivityStudy& study) {
             "<p>" + std::to_string(s.simulations) + " simulations with " + std::to_string(study.resolution.elements) +
             " elements a specimen.</p></section></div></main></body></html>\n";
     if (!error.empty())
-        return record::Result<Files>::fail(error);
+        return Result<Files>::failure(error);
     files.emplace_back("sensitivity.html", std::move(html));
-    return {std::move(files), {}};
+    return files;
 }
 
 } // namespace supercircle::cli

@@ -3,7 +3,7 @@
 
 #include "plugin/identification/sensitivity/sensitivity.h"
 #include "plugin/recording/table/files.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <string>
 #include <vector>
@@ -19,6 +19,6 @@ struct SensitivityStudy {
 };
 
 /// NAME_sensitivity.png per run, similarity.png and sensitivity.html, by name and content.
-record::Result<std::vector<record::NamedText>> sensitivityPages(const SensitivityStudy& study);
+Result<std::vector<record::NamedText>> sensitivityPages(const SensitivityStudy& study);
 
 } // namespace supercircle::cli

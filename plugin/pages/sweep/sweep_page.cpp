@@ -54,8 +54,9 @@ std::vector<SweepFigure> figuresOf(const sweep::SweepDefinition& sweep, const sw
         std::vector<std::vector<sweep::RunRecord>> curves;
         for (std::size_t set = 0; set < sweep.sets.size() && error.empty(); ++set) {
             auto some = sweep::curvesOf(sweep, set, store, kCurves);
-            error = some.error;
-            curves.push_back(std::move(some.value));
+            error = some.error();
+            if (some)
+                curves.push_back(*std::move(some));
         }
         if (error.empty())
             figures.push_back(forceFigure(sweep, curves));
@@ -173,23 +174,23 @@ std::string pageOf(const sweep::SweepDefinition& sweep, const sweep::RunTable& t
 
 } // namespace
 
-record::Result<std::vector<record::NamedText>> sweepPages(const sweep::SweepDefinition& sweep,
-                                                          const sweep::RunTable& table, sweep::ResultStore& store) {
-    using Files = record::Result<std::vector<record::NamedText>>;
+Result<std::vector<record::NamedText>> sweepPages(const sweep::SweepDefinition& sweep, const sweep::RunTable& table,
+                                                  sweep::ResultStore& store) {
+    using Files = Result<std::vector<record::NamedText>>;
     std::string error;
     const std::vector<SweepFigure> figures = figuresOf(sweep, table, store, error);
     if (!error.empty())
-        return Files::fail(error);
-    Files files;
+        return Files::failure(error);
+    std::vector<record::NamedText> files;
     for (const SweepFigure& f : figures) {
         graphics::CairoCanvas canvas(f.width, f.height, 1.5);
         f.draw(canvas);
         auto png = canvas.png();
         if (!png)
-            return Files::fail(f.name + ".png: " + png.error);
-        files.value.emplace_back(f.name + ".png", std::move(png.value));
+            return Files::failure(f.name + ".png: " + png.error());
+        files.emplace_back(f.name + ".png", *std::move(png));
     }
-    files.value.emplace_back("report.html", pageOf(sweep, table, figures));
+    files.emplace_back("report.html", pageOf(sweep, table, figures));
     return files;
 }
 

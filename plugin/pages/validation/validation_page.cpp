@@ -198,10 +198,10 @@ std::string json(const std::vector<ValidationExperiment>& all, const ValidationS
 
 } // namespace
 
-record::Result<std::vector<record::NamedText>> validationFiles(const std::vector<ValidationExperiment>& all,
-                                                               const ValidationSettings& settings) {
-    using Files = record::Result<std::vector<record::NamedText>>;
-    Files out;
+Result<std::vector<record::NamedText>> validationFiles(const std::vector<ValidationExperiment>& all,
+                                                       const ValidationSettings& settings) {
+    using Files = Result<std::vector<record::NamedText>>;
+    std::vector<record::NamedText> out;
     for (const ValidationExperiment& e : all) {
         if (e.diagrams.empty())
             continue;
@@ -210,11 +210,11 @@ record::Result<std::vector<record::NamedText>> validationFiles(const std::vector
         drawFigure(canvas, e);
         auto png = canvas.png();
         if (!png)
-            return Files::fail(e.id + ": " + png.error);
-        out.value.emplace_back("validation_" + e.id + ".png", std::move(png.value));
+            return Files::failure(e.id + ": " + png.error());
+        out.emplace_back("validation_" + e.id + ".png", *std::move(png));
     }
-    out.value.emplace_back("validation.json", json(all, settings));
-    out.value.emplace_back("validation.html", page(all, settings));
+    out.emplace_back("validation.json", json(all, settings));
+    out.emplace_back("validation.html", page(all, settings));
     return out;
 }
 

@@ -9,7 +9,7 @@
 namespace supercircle::pages {
 
 /// validation.html (self-contained), validation.json and one validation_ID.png per experiment, by name and content.
-[[nodiscard]] record::Result<std::vector<record::NamedText>>
+[[nodiscard]] Result<std::vector<record::NamedText>>
 validationFiles(const std::vector<validation::ValidationExperiment>& all,
                 const validation::ValidationSettings& settings);
 

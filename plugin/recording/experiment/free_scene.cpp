@@ -17,9 +17,9 @@ constexpr Channel kAngleRad{"angle", "rad", "angle_rad", 1.0};
 constexpr Channel kX{"x", "mm", "x_mm", 1e3};
 constexpr Channel kY{"y", "mm", "y_mm", 1e3};
 
-/// The scene with the nominal parameters of a run; empty after reports.
-std::optional<scene::Scene> nominalScene(const Experiment& e, const Run& run, const std::string& path,
-                                         std::vector<scene::Problem>& problems) {
+/// The scene with the nominal parameters of a run.
+Result<scene::Scene> nominalScene(const Experiment& e, const Run& run, const std::string& path,
+                                  std::vector<scene::Problem>& problems) {
     std::vector<scene::Override> overrides;
     for (const auto* list : {&e.scene->parameters, &run.parameters})
         for (const SceneParameter& p : *list)

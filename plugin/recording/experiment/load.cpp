@@ -358,48 +358,39 @@ const char* name(Protocol protocol) {
     return kProtocolNames[static_cast<std::size_t>(protocol)];
 }
 
-std::optional<Experiment> loadText(const std::string& text, const std::string& file,
-                                   std::vector<scene::Problem>& problems) {
+Result<Experiment> loadText(const std::string& text, const std::string& file, std::vector<scene::Problem>& problems) {
     std::vector<scene::Problem> found;
-    std::optional<Experiment> experiment;
+    Experiment experiment;
     if (const auto document = scene::parseDocument(text, file, found)) {
         scene::Scope none;
         Context context{*document, found, none};
-        experiment.emplace();
-        experiment->file = file;
-        experiment->text = text;
-        readTop(context, *experiment);
+        experiment.file = file;
+        experiment.text = text;
+        readTop(context, experiment);
     }
-    if (scene::anyError(found))
-        experiment.reset();
     problems.insert(problems.end(), found.begin(), found.end());
-    return experiment;
+    return scene::anyError(found) ? Result<Experiment>::failure(scene::errorText(found))
+                                  : Result<Experiment>(std::move(experiment));
 }
 
-std::optional<Experiment> load(const std::string& path, std::vector<scene::Problem>& problems) {
+Result<Experiment> load(const std::string& path, std::vector<scene::Problem>& problems) {
     const auto text = scene::readFile(path, problems);
-    std::optional<Experiment> experiment = text ? loadText(*text, path, problems) : std::nullopt;
+    if (!text)
+        return Result<Experiment>::failure(text.error());
+    Result<Experiment> experiment = loadText(*text, path, problems);
     if (!experiment)
         return experiment;
     const std::size_t before = problems.size();
     if (experiment->scene)
         readSceneFile(*experiment, problems);
     readRuns(*experiment, problems);
-    if (std::any_of(problems.begin() + static_cast<std::ptrdiff_t>(before), problems.end(),
-                    [](const scene::Problem& p) { return p.severity == scene::Problem::Severity::Error; }))
-        experiment.reset();
-    return experiment;
+    std::string errors = scene::errorText(problems, before);
+    return errors.empty() ? std::move(experiment) : Result<Experiment>::failure(std::move(errors));
 }
 
 Result<Experiment> load(const std::string& path) {
     std::vector<scene::Problem> problems;
-    if (auto experiment = load(path, problems))
-        return std::move(*experiment);
-    std::string all;
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error)
-            all += (all.empty() ? "" : "\n") + p.toString();
-    return Result<Experiment>::failure(std::move(all));
+    return load(path, problems);
 }
 
 } // namespace supercircle::experiment

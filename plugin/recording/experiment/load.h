@@ -2,11 +2,10 @@
 // Loads experiment.json (schema "rod-recordings/1", experiment.schema.json) and its CSV files. Everything is checked,
 // and every problem has file:line:column, JSON pointer, what is wrong, what was expected, nearest known name.
 
-#include "plugin/api/include/supercircle/shells.hpp"
 #include "plugin/recording/experiment/experiment.h"
 #include "plugin/scene/loader/problem.h"
+#include "supercircle/support/result.h"
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,15 +13,15 @@ namespace supercircle::experiment {
 
 inline constexpr const char* schemaName = "rod-recordings/1";
 
-/// Loads description and runs. All problems are appended to `problems`; the result is empty exactly if one is an error.
-std::optional<Experiment> load(const std::string& path, std::vector<scene::Problem>& problems);
+/// Loads description and runs. All problems are appended to `problems`; the call fails, with the text of the errors,
+/// exactly if one is an error.
+Result<Experiment> load(const std::string& path, std::vector<scene::Problem>& problems);
 
-/// The same with all errors in one text, one per line, without notes.
+/// The same without the list.
 Result<Experiment> load(const std::string& path);
 
 /// Loads the description alone from a text; `file` is its name in messages.
-std::optional<Experiment> loadText(const std::string& text, const std::string& file,
-                                   std::vector<scene::Problem>& problems);
+Result<Experiment> loadText(const std::string& text, const std::string& file, std::vector<scene::Problem>& problems);
 
 /// Reads the CSV files of all runs beside experiment.file.
 void readRuns(Experiment& experiment, std::vector<scene::Problem>& problems);

@@ -47,7 +47,7 @@ public:
     void error(const std::string& what, const std::string& expected = {}) { report(what, expected, 0); }
     void errorAt(std::size_t row, const std::string& what, const std::string& expected = {}) {
         const auto text = record::readText(path_);
-        report(what, expected, text ? static_cast<int>(record::lineOfRow(text.value, row)) : 0);
+        report(what, expected, text ? static_cast<int>(record::lineOfRow(*text, row)) : 0);
     }
     void note(const std::string& what) {
         report(what, {}, 0);

@@ -38,32 +38,34 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
     return out;
 }
 
-/// Description of a file of another kind; empty: nothing unusual.
-std::string foreign(const std::string& text) {
+/// Fails for a file of another kind.
+Status checkForm(const std::string& text) {
     const std::string import = "; `supercircle import` reads exports of other forms";
     if (text.find('\0') != std::string::npos)
-        return ":1:1: there are zero bytes in it: UTF-16, or no text; expected CSV in UTF-8" + import;
+        return Status::failure(":1:1: there are zero bytes in it: UTF-16, or no text; expected CSV in UTF-8" + import);
     if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos)
-        return ":1:1: its lines end with a carriage return alone; expected LF or CRLF" + import;
+        return Status::failure(":1:1: its lines end with a carriage return alone; expected LF or CRLF" + import);
     const std::string head = text.substr(0, std::min(text.find('\n'), text.size()));
     const auto strange = std::find_if(head.begin(), head.end(), [](char c) {
         return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r';
     });
     if (strange != head.end())
-        return ":1:" + std::to_string(strange - head.begin() + 1) + ": a control character; expected names of columns";
+        return Status::failure(":1:" + std::to_string(strange - head.begin() + 1) +
+                               ": a control character; expected names of columns");
     if (head.find(',') == std::string::npos && head.find_first_of(";\t") != std::string::npos)
-        return ":1:1: cells are separated by " +
-               std::string(head.find(';') != std::string::npos ? "semicolons" : "tabs") + "; expected commas" + import;
+        return Status::failure(":1:1: cells are separated by " +
+                               std::string(head.find(';') != std::string::npos ? "semicolons" : "tabs") +
+                               "; expected commas" + import);
     return {};
 }
 
-record::Result<record::Series> readTable(const std::string& path, const record::CsvOptions& options) {
+Result<record::Series> readTable(const std::string& path, const record::CsvOptions& options) {
     const auto text = record::readText(path);
     if (!text)
-        return record::Result<record::Series>::fail(text.error);
-    if (const std::string why = foreign(text.value); !why.empty())
-        return record::Result<record::Series>::fail(path + why);
-    return record::parseCsv(text.value, path, options);
+        return Result<record::Series>::failure(text.error());
+    if (const Status usual = checkForm(*text); !usual)
+        return Result<record::Series>::failure(path + usual.error());
+    return record::parseCsv(*text, path, options);
 }
 
 void readReadings(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
@@ -71,12 +73,12 @@ void readReadings(const Experiment& e, Run& run, const std::string& path, std::v
     options.required = {"time_s", "displacement_mm", "force_N"};
     const auto csv = readTable(path, options);
     if (!csv) {
-        reportCsv(problems, path, csv.error);
+        reportCsv(problems, path, csv.error());
         return;
     }
-    run.readings.time = *csv.value.find("time_s");
-    run.readings.displacement = scaled(*csv.value.find("displacement_mm"), 1e-3);
-    run.readings.force = *csv.value.find("force_N");
+    run.readings.time = *csv->find("time_s");
+    run.readings.displacement = scaled(*csv->find("displacement_mm"), 1e-3);
+    run.readings.force = *csv->find("force_N");
     checkReadings(e, run, path, problems);
 }
 
@@ -86,16 +88,16 @@ void readPose(const Experiment& e, Run& run, const std::string& path, std::vecto
     options.required = {"time_s"};
     auto csv = readTable(path, options);
     if (!csv) {
-        reportCsv(problems, path, csv.error);
+        reportCsv(problems, path, csv.error());
         return;
     }
     std::string wanted;
     for (const Channel& c : columnsOf(e)) {
         wanted += (wanted.empty() ? "" : " or ") + std::string(c.column);
-        const std::vector<double>* column = csv.value.find(c.column);
+        const std::vector<double>* column = csv->find(c.column);
         if (column == nullptr)
             continue;
-        run.readings.time = *csv.value.find("time_s");
+        run.readings.time = *csv->find("time_s");
         run.readings.force = scaled(*column, 1.0 / c.perUnit);
         run.readings.displacement.assign(run.readings.time.size(), 0.0);
         checkReadings(e, run, path, problems);
@@ -112,13 +114,13 @@ void readTracks(const Experiment& e, Run& run, const std::string& path, std::vec
             options.required.push_back(m.name + axis);
     const auto csv = readTable(path, options);
     if (!csv) {
-        reportCsv(problems, path, csv.error);
+        reportCsv(problems, path, csv.error());
         return;
     }
-    run.markers.time = *csv.value.find("time_s");
+    run.markers.time = *csv->find("time_s");
     for (const Marker& m : e.markers) {
-        run.markers.x.push_back(scaled(*csv.value.find(m.name + "_x_mm"), 1e-3));
-        run.markers.y.push_back(scaled(*csv.value.find(m.name + "_y_mm"), 1e-3));
+        run.markers.x.push_back(scaled(*csv->find(m.name + "_x_mm"), 1e-3));
+        run.markers.y.push_back(scaled(*csv->find(m.name + "_y_mm"), 1e-3));
     }
     checkTracks(e, run, path, problems);
 }

@@ -184,10 +184,9 @@ void addParameters(const scene::Scene& s, const Imported& all, Json& json, std::
 
 } // namespace
 
-record::Result<Description> describeFree(const Imported& all, const TemplateOptions& options) {
-    using Result = record::Result<Description>;
-    Result result;
-    Description& d = result.value;
+Result<Description> describeFree(const Imported& all, const TemplateOptions& options) {
+    using Answer = Result<Description>;
+    Description d;
     Json runs = Json::array();
     double step = 0.0;
     for (const ImportedRun& run : all.runs) {
@@ -210,12 +209,13 @@ record::Result<Description> describeFree(const Imported& all, const TemplateOpti
     if (!options.sceneFile.empty()) {
         std::vector<scene::Problem> problems;
         const auto text = scene::readFile(options.sceneFile, problems);
-        const auto scene = text ? scene::loadText(*text, options.sceneFile, {}, problems) : std::nullopt;
-        if (!scene) {
-            for (const scene::Problem& p : problems)
-                if (p.severity == scene::Problem::Severity::Error)
-                    return Result::fail(p.toString());
-            return Result::fail(options.sceneFile + ": cannot be read");
+        const auto scene = text ? scene::loadText(*text, options.sceneFile, {}, problems)
+                                : Result<scene::Scene>::failure(text.error());
+        if (!scene) { // the first error says enough
+            const auto first = std::find_if(problems.begin(), problems.end(), [](const scene::Problem& p) {
+                return p.severity == scene::Problem::Severity::Error;
+            });
+            return Answer::failure(first->toString());
         }
         const std::string name = std::filesystem::path(options.sceneFile).filename().string();
         json["scene"] = name;
@@ -230,7 +230,7 @@ record::Result<Description> describeFree(const Imported& all, const TemplateOpti
         d.assumed.emplace_back("/scene_parameters: the scene's own values, all of them exact");
     }
     d.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    return result;
+    return d;
 }
 
 } // namespace supercircle::importing

@@ -27,6 +27,6 @@ void cutToTurningPoint(Signals& signals, int which, std::vector<Remark>& remarks
 void average(Signals& signals, int size, std::vector<Remark>& remarks);
 
 /// experiment.json of angle-only runs.
-record::Result<Description> describeFree(const Imported& imported, const TemplateOptions& options);
+Result<Description> describeFree(const Imported& imported, const TemplateOptions& options);
 
 } // namespace supercircle::importing

@@ -148,12 +148,14 @@ std::string about(const std::string& file, const std::string& why) {
     return file + (placed ? ":" : ": ") + why;
 }
 
-std::string addMarkers(Signals&& part, Imported& all) {
+Status addMarkers(Signals&& part, Imported& all) {
     const std::string here = std::to_string(part.line.front()) + ":1: ";
     if (all.runs.empty())
-        return here + "positions of markers without a force before them; expected the file of the run first";
+        return Status::failure(here +
+                               "positions of markers without a force before them; expected the file of the run first");
     if (!all.runs.back().markers.channels.empty())
-        return here + "these are markers again, but the run before already has markers; expected the file of a run";
+        return Status::failure(
+            here + "these are markers again, but the run before already has markers; expected the file of a run");
     ImportedRun& run = all.runs.back();
     std::vector<double>& time = *part.find(Quantity::Time);
     const double shift = part.clockStart - run.signals.clockStart, end = run.signals.find(Quantity::Time)->back();
@@ -175,17 +177,17 @@ std::string addMarkers(Signals&& part, Imported& all) {
 }
 
 /// One run of a file.
-std::string addRun(Signals&& part, std::size_t source, const Table& table, std::size_t runsOfFile, const Hints& hints,
-                   Imported& all) {
+Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_t runsOfFile, const Hints& hints,
+              Imported& all) {
     ImportedRun run;
     run.source = source;
-    if (const std::string why = implausible(part); !why.empty())
-        return why;
+    if (Status plausible = checkPlausible(part); !plausible)
+        return plausible;
     const bool clock = measures(part, Quantity::Time);
     if (!clock)
         repairCounter(part, run.remarks); // times derived from travel need the original travel
-    if (const std::string why = repairTime(part, hints, table.layout.metadata, run.remarks); !why.empty())
-        return why;
+    if (Status repaired = repairTime(part, hints, table.layout.metadata, run.remarks); !repaired)
+        return repaired;
     if (clock)
         repairCounter(part, run.remarks);
     if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
@@ -193,7 +195,7 @@ std::string addRun(Signals&& part, std::size_t source, const Table& table, std::
             cutToTurningPoint(part, hints.fromTurningPoint, run.remarks);
         average(part, hints.average, run.remarks);
         if (part.rows() < 10)
-            return "1:1: fewer than ten rows are left of a run";
+            return Status::failure("1:1: fewer than ten rows are left of a run");
     }
     orient(part, hints, run.remarks);
     run.markers = select(part, true);
@@ -208,35 +210,37 @@ std::string addRun(Signals&& part, std::size_t source, const Table& table, std::
     return {};
 }
 
-std::string missingColumn(const Signals& t, const Layout& l) {
+Status checkColumns(const Signals& t, const Layout& l) {
     const std::string here = std::to_string(l.namesLine > 0 ? l.namesLine : l.firstDataLine) + ":1: ";
     if (!measures(t, Quantity::Force) && !measures(t, Quantity::Angle))
-        return here + "there is neither a force nor an angle; name the columns with --columns " +
-               exampleOfColumns(l.columns);
+        return Status::failure(here + "there is neither a force nor an angle; name the columns with --columns " +
+                               exampleOfColumns(l.columns));
     if (measures(t, Quantity::Force) && !measures(t, Quantity::Displacement))
-        return here + "there is a force but no displacement; expected both, or name the column with --columns " +
-               exampleOfColumns(l.columns);
+        return Status::failure(
+            here + "there is a force but no displacement; expected both, or name the column with --columns " +
+            exampleOfColumns(l.columns));
     return {};
 }
 
 /// Runs of one file are added; a file of markers alone goes to the last run.
-std::string addFile(const std::string& file, const Hints& hints, Imported& all) {
+Status addFile(const std::string& file, const Hints& hints, Imported& all) {
+    const auto failed = [&](const std::string& why) { return Status::failure(about(file, why)); };
     if (std::any_of(all.sources.begin(), all.sources.end(), [&](const Source& s) { return s.file == file; }))
-        return about(file, "this file is given twice");
+        return failed("this file is given twice");
     auto bytes = record::readText(file);
     if (!bytes)
-        return bytes.error;
+        return Status::failure(bytes.error());
     Source source;
     source.file = file;
     {
-        auto text = decode(std::move(bytes.value));
+        auto text = decode(*std::move(bytes));
         if (!text)
-            return about(file, text.error);
-        auto read = readTable(text.value, hints);
+            return failed(text.error());
+        auto read = readTable(*text, hints);
         if (!read)
-            return about(file, read.error);
-        source.text = {{}, text.value.encoding, text.value.lineEnds};
-        source.table = std::move(read.value);
+            return failed(read.error());
+        source.text = {{}, text->encoding, text->lineEnds};
+        source.table = *std::move(read);
     }
     Signals whole = std::move(source.table.signals);
     source.rows = whole.rows();
@@ -244,19 +248,20 @@ std::string addFile(const std::string& file, const Hints& hints, Imported& all) 
     const bool onlyMarkers = !measures(whole, Quantity::Force) && !measures(whole, Quantity::Angle) &&
                              std::any_of(whole.channels.begin(), whole.channels.end(), isMarker);
     if (!onlyMarkers)
-        if (const std::string why = missingColumn(whole, source.table.layout); !why.empty())
-            return about(file, why);
+        if (const Status complete = checkColumns(whole, source.table.layout); !complete)
+            return failed(complete.error());
     std::vector<Signals> parts = splitRuns(std::move(whole), source.table.remarks);
     for (Signals& part : parts) {
-        std::string why;
+        Status added;
         if (onlyMarkers) {
-            why = repairTime(part, hints, source.table.layout.metadata, source.table.remarks);
-            why = why.empty() ? addMarkers(std::move(part), all) : why;
+            added = repairTime(part, hints, source.table.layout.metadata, source.table.remarks);
+            if (added)
+                added = addMarkers(std::move(part), all);
         } else {
-            why = addRun(std::move(part), index, source.table, parts.size(), hints, all);
+            added = addRun(std::move(part), index, source.table, parts.size(), hints, all);
         }
-        if (!why.empty())
-            return about(file, why);
+        if (!added)
+            return failed(added.error());
     }
     all.sources.push_back(std::move(source));
     return {};
@@ -331,12 +336,11 @@ void write(std::string& out, const std::vector<Remark>& remarks) {
 
 } // namespace
 
-record::Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints) {
-    record::Result<Imported> result;
+Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints) {
+    Imported all;
     for (const std::string& file : files)
-        if (const std::string why = addFile(file, hints, result.value); !why.empty())
-            return record::Result<Imported>::fail(why);
-    Imported& all = result.value;
+        if (const Status added = addFile(file, hints, all); !added)
+            return Result<Imported>::failure(added.error());
     nameMarkers(all);
     for (std::size_t k = 0; k < all.runs.size(); ++k) {
         ImportedRun& run = all.runs[k];
@@ -344,7 +348,7 @@ record::Result<Imported> readExports(const std::vector<std::string>& files, cons
         if (run.markers.channels.size() > 2)
             run.markersFile = "run_" + std::to_string(k + 1) + "_markers.csv";
     }
-    return result;
+    return all;
 }
 
 std::string account(const Imported& all) {
@@ -368,20 +372,20 @@ std::string account(const Imported& all) {
     return out;
 }
 
-record::Result<std::vector<record::NamedText>> runFiles(const Imported& all) {
-    using Files = record::Result<std::vector<record::NamedText>>;
-    Files files;
+Result<std::vector<record::NamedText>> runFiles(const Imported& all) {
+    using Files = Result<std::vector<record::NamedText>>;
+    std::vector<record::NamedText> files;
     for (const ImportedRun& run : all.runs) {
         auto text = record::csvText(tableOf(run));
         if (!text)
-            return Files::fail(text.error);
-        files.value.emplace_back(run.file, std::move(text.value));
+            return Files::failure(text.error());
+        files.emplace_back(run.file, *std::move(text));
         if (run.markersFile.empty())
             continue;
         auto markers = record::csvText(markersOf(run));
         if (!markers)
-            return Files::fail(markers.error);
-        files.value.emplace_back(run.markersFile, std::move(markers.value));
+            return Files::failure(markers.error());
+        files.emplace_back(run.markersFile, *std::move(markers));
     }
     return files;
 }

@@ -42,12 +42,12 @@ struct Imported {
 
 /// Reads exports; a file with markers and no force belongs to the run before it. An error names file, line and what was
 /// expected.
-record::Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints);
+Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints);
 
 /// Report of everything understood, assumed, corrected and left out.
 std::string account(const Imported& imported);
 
 /// The CSV files of the runs, by name and content.
-record::Result<std::vector<record::NamedText>> runFiles(const Imported& imported);
+Result<std::vector<record::NamedText>> runFiles(const Imported& imported);
 
 } // namespace supercircle::importing

@@ -258,7 +258,7 @@ void readHeader(const std::vector<std::string_view>& lines, std::size_t end, Lay
 
 } // namespace
 
-record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
+Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
     const std::vector<std::size_t> chosen = sampled(lines.size());
     Trial best;
     best.separator = 0;
@@ -269,11 +269,9 @@ record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
                 best = t;
         }
     if (best.separator == 0 || best.rows < 2)
-        return record::Result<Layout>::fail(
-            "there is no table of numbers in it; expected lines of numbers separated by "
-            "commas, semicolons, tabs or blanks");
-    record::Result<Layout> result;
-    Layout& l = result.value;
+        return Result<Layout>::failure("there is no table of numbers in it; expected lines of numbers separated by "
+                                       "commas, semicolons, tabs or blanks");
+    Layout l;
     l.separator = best.separator;
     l.numbers = best.style;
     l.columns = best.columns;
@@ -281,7 +279,7 @@ record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
     findNumericColumns(lines, chosen, l);
     const std::size_t first = firstRow(lines, l);
     if (first == lines.size())
-        return record::Result<Layout>::fail("no two lines of numbers follow each other");
+        return Result<Layout>::failure("no two lines of numbers follow each other");
     l.firstDataLine = first + 1;
     findHeadings(lines, first, l);
     if (l.names.empty())
@@ -296,7 +294,7 @@ record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
                        std::any_of(chosen.begin(), chosen.end(), [&](std::size_t i) {
                            return i >= first && lines[i].find(best.style.decimal) != std::string_view::npos;
                        });
-    return result;
+    return l;
 }
 
 std::vector<std::string> cellsOf(std::string_view line, const Layout& l) {

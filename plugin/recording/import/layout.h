@@ -2,7 +2,7 @@
 // Position and format of the table in an export.
 
 #include "plugin/recording/import/number.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <cstddef>
 #include <string>
@@ -33,7 +33,7 @@ struct Layout {
 /// Finds separator, decimal mark, table and headings, by the largest number of numeric rows with equal numbers of
 /// cells.
 /// @return the layout, or an error
-record::Result<Layout> layoutOf(const std::vector<std::string_view>& lines);
+Result<Layout> layoutOf(const std::vector<std::string_view>& lines);
 
 /// Cells of a line in this layout; a separator at the end makes no cell.
 std::vector<std::string> cellsOf(std::string_view line, const Layout& layout);

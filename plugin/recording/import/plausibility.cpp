@@ -124,7 +124,7 @@ void reportMissing(ImportedRun& run, const std::vector<double>& values, std::siz
 
 } // namespace
 
-std::string implausible(const Signals& signals) {
+Status checkPlausible(const Signals& signals) {
     const std::string here = std::to_string(signals.line.front()) + ":1: ";
     for (const Quantity q : {Quantity::Force, Quantity::Displacement}) {
         const std::vector<double>* values = signals.find(q);
@@ -132,12 +132,14 @@ std::string implausible(const Signals& signals) {
             continue;
         const Range r = rangeOf(*values);
         if (2 * r.known < values->size() || r.known < 2)
-            return here + std::to_string(values->size() - r.known) + " of " + std::to_string(values->size()) +
-                   " values of the " + name(q) + " are missing from here on; expected at least half of them";
+            return Status::failure(here + std::to_string(values->size() - r.known) + " of " +
+                                   std::to_string(values->size()) + " values of the " + name(q) +
+                                   " are missing from here on; expected at least half of them");
         if (q == Quantity::Force && r.lo == r.hi)
-            return here + "the force is " + shown(r.lo) +
-                   " N in every row from here on; expected one that changes (is the load cell connected, and this its "
-                   "column?)";
+            return Status::failure(
+                here + "the force is " + shown(r.lo) +
+                " N in every row from here on; expected one that changes (is the load cell connected, and this its "
+                "column?)");
     }
     return {};
 }

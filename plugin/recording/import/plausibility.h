@@ -3,13 +3,10 @@
 
 #include "plugin/recording/import/import.h"
 
-#include <string>
-
 namespace supercircle::importing {
 
-/// Error for a run with a constant or mostly missing channel.
-/// @return empty, or "LINE:COLUMN: what is wrong; what was expected"
-std::string implausible(const Signals& signals);
+/// Fails for a run with a constant or mostly missing channel: "LINE:COLUMN: what is wrong; what was expected".
+Status checkPlausible(const Signals& signals);
 
 /// Adds remarks about implausible sizes (another unit?) and header entries that contradict the rows. They do not stop
 /// an import.

@@ -73,8 +73,8 @@ void fillTimes(Signals& signals, std::vector<double>& time, std::vector<Remark>&
 }
 
 /// Continues a clock that was set back; single rows out of order are removed.
-/// @return empty, or an error if too much of it decreases
-std::string mendBackwards(Signals& signals, std::vector<Remark>& remarks) {
+/// Fails if too much of it decreases.
+Status mendBackwards(Signals& signals, std::vector<Remark>& remarks) {
     std::vector<double>& time = *signals.find(Quantity::Time);
     const double step = usualStep(time);
     std::vector<char> gone(signals.rows(), 0);
@@ -104,9 +104,9 @@ std::string mendBackwards(Signals& signals, std::vector<Remark>& remarks) {
         time[i] = last = time[i] + offset;
     }
     if (const std::size_t back = resets.count() + dropped.count(); 10 * back > time.size())
-        return std::to_string(first) + ":1: the time runs back in " + std::to_string(back) + " of " +
-               std::to_string(time.size()) +
-               " rows, here first; expected a clock that runs on (is this column the time?)";
+        return Status::failure(std::to_string(first) + ":1: the time runs back in " + std::to_string(back) + " of " +
+                               std::to_string(time.size()) +
+                               " rows, here first; expected a clock that runs on (is this column the time?)");
     resets.finish(remarks);
     dropped.finish(remarks);
     signals.erase(gone);
@@ -177,8 +177,8 @@ bool startsAgain(const Signals& signals, std::size_t begin, std::size_t i, doubl
     return std::abs((*d)[i] - (*d)[begin]) <= 0.02 * travel;
 }
 
-std::string timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
-                             std::vector<Remark>& remarks) {
+Status timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
+                        std::vector<Remark>& remarks) {
     const auto rate = metadataValue(metadata, MetadataKey::Rate), speed = metadataValue(metadata, MetadataKey::Speed);
     if (hints.rate > 0.0 || rate) {
         const double hz = hints.rate > 0.0 ? hints.rate : rate->value;
@@ -192,13 +192,13 @@ std::string timeWithoutClock(Signals& signals, const Hints& hints, const std::ve
         return {};
     }
     if (signals.find(Quantity::Displacement) == nullptr)
-        return std::to_string(signals.line.front()) +
-               ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ";
+        return Status::failure(std::to_string(signals.line.front()) +
+                               ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ");
     const bool known = hints.speed > 0.0 || speed;
     const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
     timeFromSpeed(signals, metresPerSecond);
     if (signals.rows() < 2)
-        return "there is no time, and the displacement never changes; expected one of them to";
+        return Status::failure("there is no time, and the displacement never changes; expected one of them to");
     remarks.push_back(
         {known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
          known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) + " mm/s as " +
@@ -210,21 +210,22 @@ std::string timeWithoutClock(Signals& signals, const Hints& hints, const std::ve
 
 } // namespace
 
-std::string repairTime(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
-                       std::vector<Remark>& remarks) {
+Status repairTime(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
+                  std::vector<Remark>& remarks) {
     if (std::vector<double>* time = signals.find(Quantity::Time)) {
         const std::string here = std::to_string(signals.line.front()) + ":1: ";
         const auto known = static_cast<std::size_t>(
             std::count_if(time->begin(), time->end(), [](double v) { return std::isfinite(v); }));
         if (known < 2 || 2 * known < time->size())
-            return here + std::to_string(time->size() - known) + " of " + std::to_string(time->size()) +
-                   " times are missing from here on; expected at least half of them";
+            return Status::failure(here + std::to_string(time->size() - known) + " of " + std::to_string(time->size()) +
+                                   " times are missing from here on; expected at least half of them");
         if (span(*time) == 0.0)
-            return here + "the time never changes from here on; expected a clock that runs (without a column of times, "
-                          "--rate or --speed gives them)";
+            return Status::failure(
+                here + "the time never changes from here on; expected a clock that runs (without a column of times, "
+                       "--rate or --speed gives them)");
         fillTimes(signals, *time, remarks);
-        if (const std::string why = mendBackwards(signals, remarks); !why.empty())
-            return why;
+        if (Status repaired = mendBackwards(signals, remarks); !repaired)
+            return repaired;
         spreadEqual(signals, remarks);
         std::vector<double>& t = *signals.find(Quantity::Time);
         if (t.front() != 0.0) {

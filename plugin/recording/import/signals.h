@@ -66,12 +66,12 @@ struct Table {
 std::string exampleOfColumns(std::size_t columns);
 
 /// Reads the table of a text. Errors name line, column and what was expected: "LINE:COLUMN: ...".
-record::Result<Table> readTable(const Text& text, const Hints& hints);
+Result<Table> readTable(const Text& text, const Hints& hints);
 
 /// Sets the times: from a corrected column (clocks set back, coarse clocks, missing times), or from rate or speed.
-/// @return empty, or an error "LINE:1: what is wrong"
-std::string repairTime(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
-                       std::vector<Remark>& remarks);
+/// Errors: "LINE:1: what is wrong".
+Status repairTime(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
+                  std::vector<Remark>& remarks);
 
 /// Splits consecutive tests of one file: at a restarted clock with the crosshead at its start, or below a repeated
 /// header.

@@ -21,12 +21,13 @@ void remark(Table& t, Remark::Kind kind, std::size_t line, const std::string& wh
     t.remarks.push_back({kind, line, what});
 }
 
-/// Headings from the file or from the hints; an error text.
-std::string readHeadings(Table& t, const Hints& hints) {
+/// Headings from the file or from the hints.
+Status readHeadings(Table& t, const Hints& hints) {
     const Layout& l = t.layout;
     if (!hints.columns.empty() && hints.columns.size() != l.columns)
-        return std::to_string(hints.columns.size()) + " columns are named, but the table has " +
-               std::to_string(l.columns) + "; expected one name per column, \"-\" for one that is not used";
+        return Status::failure(std::to_string(hints.columns.size()) + " columns are named, but the table has " +
+                               std::to_string(l.columns) +
+                               "; expected one name per column, \"-\" for one that is not used");
     for (std::size_t c = 0; c < l.columns; ++c) {
         if (hints.columns.empty()) {
             t.headings.push_back(headingOf(l.names[c], l.units[c]));
@@ -34,9 +35,10 @@ std::string readHeadings(Table& t, const Hints& hints) {
         }
         t.headings.push_back(headingOf(hints.columns[c], ""));
         if (hints.columns[c] != "-" && t.headings.back().quantity == Quantity::None)
-            return "\"" + hints.columns[c] +
-                   "\" is no quantity; expected time, displacement, force, angle, NAME_x, NAME_y or -, with a unit in "
-                   "brackets: \"force[kN]\"";
+            return Status::failure(
+                "\"" + hints.columns[c] +
+                "\" is no quantity; expected time, displacement, force, angle, NAME_x, NAME_y or -, with a unit in "
+                "brackets: \"force[kN]\"");
     }
     return {};
 }
@@ -126,7 +128,7 @@ void tellColumns(Table& t) {
 }
 
 /// The best column of every quantity becomes a channel. An error is about column `wrong`.
-std::string chooseColumns(Table& t, std::size_t& wrong) {
+Status chooseColumns(Table& t, std::size_t& wrong) {
     const Layout& l = t.layout;
     t.channelOf.assign(l.columns, -1);
     for (std::size_t c = 0; c < l.columns; ++c) {
@@ -139,8 +141,8 @@ std::string chooseColumns(Table& t, std::size_t& wrong) {
         }
         if (!h.unknownUnit.empty()) {
             wrong = c;
-            return columnText(t, c) + ": \"" + h.unknownUnit + "\" is no unit of " + name(h.quantity) +
-                   "; expected one of " + unitsFor(h.quantity);
+            return Status::failure(columnText(t, c) + ": \"" + h.unknownUnit + "\" is no unit of " + name(h.quantity) +
+                                   "; expected one of " + unitsFor(h.quantity));
         }
         const auto same = std::find_if(t.signals.channels.begin(), t.signals.channels.end(), [&](const Channel& ch) {
             return ch.quantity == h.quantity && ch.marker == h.marker;
@@ -349,28 +351,27 @@ std::string exampleOfColumns(std::size_t columns) {
     return list;
 }
 
-record::Result<Table> readTable(const Text& text, const Hints& hints) {
-    using Tables = record::Result<Table>;
+Result<Table> readTable(const Text& text, const Hints& hints) {
+    using Tables = Result<Table>;
     const std::vector<std::string_view> lines = linesOf(text.utf8);
     auto layout = layoutOf(lines);
     if (!layout)
-        return Tables::fail(layout.error);
-    Tables result;
-    Table& t = result.value;
-    t.layout = std::move(layout.value);
+        return Tables::failure(layout.error());
+    Table t;
+    t.layout = *std::move(layout);
     const std::size_t heading =
         t.layout.namesLine > 0 ? std::max(t.layout.namesLine, t.layout.unitsLine) : t.layout.firstDataLine;
     std::size_t wrong = 0;
     const auto failed = [&](const std::string& why) {
-        return Tables::fail(std::to_string(heading) + ":" +
-                            std::to_string(columnOf(lines[heading - 1], t.layout.separator, wrong)) + ": " + why);
+        return Tables::failure(std::to_string(heading) + ":" +
+                               std::to_string(columnOf(lines[heading - 1], t.layout.separator, wrong)) + ": " + why);
     };
     describe(text, t);
-    if (const std::string why = readHeadings(t, hints); !why.empty())
-        return failed(why);
+    if (const Status read = readHeadings(t, hints); !read)
+        return failed(read.error());
     guessColumns(t, lines);
-    if (const std::string why = chooseColumns(t, wrong); !why.empty())
-        return failed(why);
+    if (const Status chosen = chooseColumns(t, wrong); !chosen)
+        return failed(chosen.error());
     if (t.signals.channels.empty()) {
         std::string names;
         for (const std::string& n : t.layout.names)
@@ -382,7 +383,7 @@ record::Result<Table> readTable(const Text& text, const Hints& hints) {
     readRows(lines, t);
     if (t.signals.rows() < 2)
         return failed("fewer than two rows of numbers");
-    return result;
+    return t;
 }
 
 std::string shown(double value) {

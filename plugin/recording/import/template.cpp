@@ -160,20 +160,21 @@ void merge(Json& into, const Json& from) {
 }
 
 /// The file given by the user.
-std::string readOwn(const std::string& file, Json& own) {
+Result<Json> readOwn(const std::string& file) {
+    using Own = Result<Json>;
     const auto text = record::readText(file);
     if (!text)
-        return text.error;
+        return Own::failure(text.error());
     try {
-        own = Json::parse(text.value);
+        Json own = Json::parse(*text);
+        return own.is_object() ? Own(std::move(own)) : Own::failure(file + ":1:1: this is no JSON object");
     } catch (const Json::parse_error& e) {
-        const std::size_t at = std::min(text.value.size(), e.byte > 0 ? e.byte - 1 : 0);
-        const std::string before = text.value.substr(0, at);
+        const std::size_t at = std::min(text->size(), e.byte > 0 ? e.byte - 1 : 0);
+        const std::string before = text->substr(0, at);
         const std::size_t line = before.rfind('\n') == std::string::npos ? 0 : before.rfind('\n') + 1;
-        return file + ":" + std::to_string(std::count(before.begin(), before.end(), '\n') + 1) + ":" +
-               std::to_string(at - line + 1) + ": this is no JSON";
+        return Own::failure(file + ":" + std::to_string(std::count(before.begin(), before.end(), '\n') + 1) + ":" +
+                            std::to_string(at - line + 1) + ": this is no JSON");
     }
-    return own.is_object() ? std::string() : file + ":1:1: this is no JSON object";
 }
 
 void addOwn(Json& json, const Json& own) {
@@ -292,33 +293,32 @@ Json sourceJson(const Source& s) {
             {"remarks", remarksJson(s.table.remarks)}};
 }
 
-record::Result<Description> fillIn(const Imported& all, const std::string& protocol, const Json& own) {
-    record::Result<Description> result;
+Description fillIn(const Imported& all, const std::string& protocol, const Json& own) {
+    Description result;
     Json json = frameOf(all, protocol);
     Json taken = own;
     if (own.contains("runs") && own["runs"].size() != all.runs.size()) {
         taken.erase("runs");
-        result.value.remarks.push_back("the runs of the file with the specimen are not taken: there are " +
-                                       std::to_string(own["runs"].size()) + ", here " +
-                                       std::to_string(all.runs.size()));
+        result.remarks.push_back("the runs of the file with the specimen are not taken: there are " +
+                                 std::to_string(own["runs"].size()) + ", here " + std::to_string(all.runs.size()));
     }
     addOwn(json, taken);
-    json = Json::parse(withDerivedValues(text(json), all, result.value.remarks));
-    collectTodo(json, "", result.value.todo);
-    result.value.assumed = assumed(json, own);
-    result.value.json = text(json) + "\n";
+    json = Json::parse(withDerivedValues(text(json), all, result.remarks));
+    collectTodo(json, "", result.todo);
+    result.assumed = assumed(json, own);
+    result.json = text(json) + "\n";
     return result;
 }
 
-record::Result<Description> fillInFree(const Imported& all, const TemplateOptions& options, const Json& own) {
+Result<Description> fillInFree(const Imported& all, const TemplateOptions& options, const Json& own) {
     auto result = describeFree(all, options);
     if (!result)
         return result;
-    Json json = Json::parse(result.value.json);
+    Json json = Json::parse(result->json);
     merge(json, own);
-    std::erase_if(result.value.assumed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
-    collectTodo(json, "", result.value.todo);
-    result.value.json = text(json) + "\n";
+    std::erase_if(result->assumed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
+    collectTodo(json, "", result->todo);
+    result->json = text(json) + "\n";
     return result;
 }
 
@@ -331,27 +331,30 @@ const std::vector<std::string>& protocols() {
     return kAll;
 }
 
-record::Result<Description> describe(const Imported& all, const TemplateOptions& options) {
-    using Result = record::Result<Description>;
+Result<Description> describe(const Imported& all, const TemplateOptions& options) {
+    using Answer = Result<Description>;
     const auto& known = protocols();
     if (!options.protocol.empty() && std::find(known.begin(), known.end(), options.protocol) == known.end()) {
         const std::string near = scene::nearestName(options.protocol, known);
         std::string list;
         for (const std::string& p : known)
             list += (list.empty() ? "" : ", ") + p;
-        return Result::fail("there is no protocol \"" + options.protocol + "\"; expected one of " + list +
-                            (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+        return Answer::failure("there is no protocol \"" + options.protocol + "\"; expected one of " + list +
+                               (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
     }
     Json own = Json::object();
-    if (!options.specimenFile.empty())
-        if (const std::string why = readOwn(options.specimenFile, own); !why.empty())
-            return Result::fail(why);
+    if (!options.specimenFile.empty()) {
+        auto read = readOwn(options.specimenFile);
+        if (!read)
+            return Answer::failure(read.error());
+        own = *std::move(read);
+    }
     std::string protocol = options.protocol;
     if (own.contains("protocol") && own["protocol"].is_string()) {
         const std::string said = own["protocol"];
         if (!protocol.empty() && said != protocol)
-            return Result::fail(options.specimenFile + ": /protocol: this is \"" + said + "\", but --protocol says \"" +
-                                protocol + "\"; expected one protocol");
+            return Answer::failure(options.specimenFile + ": /protocol: this is \"" + said +
+                                   "\", but --protocol says \"" + protocol + "\"; expected one protocol");
         if (std::find(known.begin(), known.end(), said) != known.end())
             protocol = said;
     }
@@ -359,13 +362,13 @@ record::Result<Description> describe(const Imported& all, const TemplateOptions&
                                     [](const ImportedRun& r) { return r.signals.find(Quantity::Force) == nullptr; });
     if (const bool free = protocol == "free_scene"; free != angles || all.runs.empty()) {
         if (free || !protocol.empty())
-            return Result::fail(free ? "the protocol free_scene is about angles, and there are forces"
-                                     : "there are angles only; protocol " + protocol +
-                                           " is about forces, expected free_scene");
+            return Answer::failure(free ? "the protocol free_scene is about angles, and there are forces"
+                                        : "there are angles only; protocol " + protocol +
+                                              " is about forces, expected free_scene");
         for (const ImportedRun& r : all.runs)
             if (!angles && r.signals.find(Quantity::Force) == nullptr)
-                return Result::fail(r.file +
-                                    " has an angle and no force, others have forces; expected one kind of run");
+                return Answer::failure(r.file +
+                                       " has an angle and no force, others have forces; expected one kind of run");
     }
     try {
         if (angles)
@@ -373,8 +376,8 @@ record::Result<Description> describe(const Imported& all, const TemplateOptions&
         return fillIn(all, protocol, own);
     } catch (const Json::exception& e) { // wrong types
         const std::string what = e.what();
-        return Result::fail(options.specimenFile + ": this is no part of an experiment: " +
-                            what.substr(std::min(what.size(), what.find("] ") + 2)));
+        return Answer::failure(options.specimenFile + ": this is no part of an experiment: " +
+                               what.substr(std::min(what.size(), what.find("] ") + 2)));
     }
 }
 

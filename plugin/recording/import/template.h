@@ -27,7 +27,7 @@ struct Description {
 const std::vector<std::string>& protocols();
 
 /// Returns an error if the protocol or the specimen file is invalid.
-record::Result<Description> describe(const Imported& imported, const TemplateOptions& options);
+Result<Description> describe(const Imported& imported, const TemplateOptions& options);
 
 /// import.json: the report in JSON.
 std::string accountJson(const Imported& imported, const Description& description);

@@ -117,14 +117,13 @@ int zeroParity(std::string_view bytes) {
 }
 
 Result<Text> refused(const std::string& what) {
-    return Result<Text>::fail(what + "; expected a text of lines and columns (export it as CSV)");
+    return Result<Text>::failure(what + "; expected a text of lines and columns (export it as CSV)");
 }
 
 } // namespace
 
 Result<Text> decode(std::string bytes) {
-    Result<Text> result;
-    Text& t = result.value;
+    Text t;
     if (bytes.empty())
         return refused("the file is empty");
     if (startsWith(bytes, "PK\x03\x04") || startsWith(bytes, "\xD0\xCF\x11\xE0"))
@@ -152,7 +151,7 @@ Result<Text> decode(std::string bytes) {
         t.utf8 = fromWindows(bytes);
     }
     t.lineEnds = lineEndsOf(t.utf8);
-    return result;
+    return t;
 }
 
 std::vector<std::string_view> linesOf(std::string_view text) {

@@ -1,15 +1,13 @@
 #pragma once
 // Bytes of an export as lines of UTF-8, and cells of a line.
 
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace supercircle::importing {
-
-using record::Result;
 
 /// A file as text.
 struct Text {

@@ -106,13 +106,13 @@ public:
     Result<Series> run() {
         std::string_view line;
         if (!lines.next(line))
-            return Result<Series>::fail(source + ":1:1: no header line: expected the column names");
+            return Result<Series>::failure(source + ":1:1: no header line: expected the column names");
         if (std::string message = header(line); !message.empty())
-            return Result<Series>::fail(std::move(message));
+            return Result<Series>::failure(std::move(message));
         while (lines.next(line))
             if (std::string message = row(line); !message.empty())
-                return Result<Series>::fail(std::move(message));
-        return {std::move(series), {}};
+                return Result<Series>::failure(std::move(message));
+        return std::move(series);
     }
 
 private:
@@ -185,7 +185,7 @@ Result<Series> parseCsv(std::string_view text, const std::string& source, const 
 
 Result<Series> readCsv(const std::string& path, const CsvOptions& options) {
     const Result<std::string> text = readText(path);
-    return text ? parseCsv(text.value, path, options) : Result<Series>::fail(text.error);
+    return text ? parseCsv(*text, path, options) : Result<Series>::failure(text.error());
 }
 
 std::size_t lineOfRow(std::string_view text, std::size_t row) {
@@ -199,15 +199,14 @@ std::size_t lineOfRow(std::string_view text, std::size_t row) {
 
 Result<std::string> csvText(const Series& series) {
     if (series.names.size() != series.columns.size())
-        return Result<std::string>::fail("series: " + std::to_string(series.names.size()) + " names for " +
-                                         std::to_string(series.columns.size()) + " columns");
-    Result<std::string> result;
-    std::string& out = result.value;
+        return Result<std::string>::failure("series: " + std::to_string(series.names.size()) + " names for " +
+                                            std::to_string(series.columns.size()) + " columns");
+    std::string out;
     for (std::size_t i = 0; i < series.names.size(); ++i) {
         if (series.columns[i].size() != series.rows())
-            return Result<std::string>::fail("series: column '" + series.names[i] + "' has " +
-                                             std::to_string(series.columns[i].size()) + " rows, the first one " +
-                                             std::to_string(series.rows()));
+            return Result<std::string>::failure("series: column '" + series.names[i] + "' has " +
+                                                std::to_string(series.columns[i].size()) + " rows, the first one " +
+                                                std::to_string(series.rows()));
         if (i > 0)
             out += ',';
         out += quotedIfNeeded(series.names[i]);
@@ -222,35 +221,35 @@ Result<std::string> csvText(const Series& series) {
         }
         out += '\n';
     }
-    return result;
+    return out;
 }
 
 Result<std::vector<double>> resample(const std::vector<double>& abscissa, const std::vector<double>& column,
                                      const std::vector<double>& at) {
     using Values = Result<std::vector<double>>;
     if (abscissa.size() != column.size())
-        return Values::fail("resample: " + std::to_string(abscissa.size()) + " abscissae for " +
-                            std::to_string(column.size()) + " values");
+        return Values::failure("resample: " + std::to_string(abscissa.size()) + " abscissae for " +
+                               std::to_string(column.size()) + " values");
     if (abscissa.empty())
-        return Values::fail("resample: no samples");
+        return Values::failure("resample: no samples");
     for (std::size_t i = 0; i < abscissa.size(); ++i)
         if (std::isnan(abscissa[i]) || (i > 0 && abscissa[i] < abscissa[i - 1]))
-            return Values::fail("resample: the abscissa " +
-                                std::string(std::isnan(abscissa[i]) ? "is not a number" : "decreases") + " at row " +
-                                std::to_string(i));
-    Values result;
-    result.value.reserve(at.size());
+            return Values::failure("resample: the abscissa " +
+                                   std::string(std::isnan(abscissa[i]) ? "is not a number" : "decreases") + " at row " +
+                                   std::to_string(i));
+    std::vector<double> result;
+    result.reserve(at.size());
     for (const double x : at) {
         if (std::isnan(x))
-            return Values::fail("resample: a wanted abscissa is not a number");
+            return Values::failure("resample: a wanted abscissa is not a number");
         const auto upper = std::upper_bound(abscissa.begin(), abscissa.end(), x);
         const auto i = static_cast<std::size_t>(upper - abscissa.begin());
         if (i == 0 || i == abscissa.size() || abscissa[i - 1] == x) {
-            result.value.push_back(column[i == 0 ? 0 : i - 1]);
+            result.push_back(column[i == 0 ? 0 : i - 1]);
             continue;
         }
         const double t = (x - abscissa[i - 1]) / (abscissa[i] - abscissa[i - 1]);
-        result.value.push_back((1.0 - t) * column[i - 1] + t * column[i]);
+        result.push_back((1.0 - t) * column[i - 1] + t * column[i]);
     }
     return result;
 }
@@ -258,19 +257,19 @@ Result<std::vector<double>> resample(const std::vector<double>& abscissa, const 
 Result<Series> resampleSeries(const Series& series, const std::string& abscissa, const std::vector<double>& at) {
     const std::vector<double>* x = series.find(abscissa);
     if (x == nullptr)
-        return Result<Series>::fail("resample: no column '" + abscissa + "'; there are " + joined(series.names));
-    Result<Series> result;
-    result.value.names = series.names;
+        return Result<Series>::failure("resample: no column '" + abscissa + "'; there are " + joined(series.names));
+    Series result;
+    result.names = series.names;
     for (const auto& column : series.columns) {
         auto values = resample(*x, column, at);
         if (!values)
-            return Result<Series>::fail(values.error);
-        result.value.columns.push_back(std::move(values.value));
+            return Result<Series>::failure(values.error());
+        result.columns.push_back(*std::move(values));
     }
     // The abscissa is what was asked for, also outside the range where it would be held.
     for (std::size_t i = 0; i < series.names.size(); ++i)
         if (series.names[i] == abscissa)
-            result.value.columns[i] = at;
+            result.columns[i] = at;
     return result;
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "plugin/recording/table/recording.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 namespace supercircle::record {
 

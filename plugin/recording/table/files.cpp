@@ -17,8 +17,8 @@ namespace supercircle::record {
 
 namespace {
 
-std::string because(const std::string& what, int error) {
-    return what + ": " + std::strerror(error);
+Status because(const std::string& what, int error) {
+    return Status::failure(what + ": " + std::strerror(error));
 }
 
 /// Owns a temporary file until it is renamed; an abandoned one is removed.
@@ -35,7 +35,7 @@ public:
             ::unlink(path.c_str());
     }
 
-    std::string write(std::string_view text) {
+    Status write(std::string_view text) {
         file = ::mkstemp(path.data());
         if (file < 0)
             return because("cannot write " + target, errno);
@@ -56,10 +56,10 @@ public:
             return because("cannot write " + target, errno);
         const int closed = ::close(file);
         file = -1;
-        return closed == 0 ? std::string{} : because("cannot write " + target, errno);
+        return closed == 0 ? Status{} : because("cannot write " + target, errno);
     }
 
-    std::string commit() {
+    Status commit() {
         if (::rename(path.c_str(), target.c_str()) != 0)
             return because("cannot put " + target + " in place", errno);
         exists = false;
@@ -81,48 +81,48 @@ void flushDirectory(const std::string& directory) {
     ::close(handle);
 }
 
-std::string writeAll(const std::string& directory, const std::vector<NamedText>& files) {
+Status writeAll(const std::string& directory, const std::vector<NamedText>& files) {
     const std::string folder = directory.empty() ? "." : directory;
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error)
-        return "cannot make the directory " + folder + ": " + error.message();
+        return Status::failure("cannot make the directory " + folder + ": " + error.message());
     if (!std::filesystem::is_directory(folder, error))
-        return "cannot write into " + folder + ": not a directory";
+        return Status::failure("cannot write into " + folder + ": not a directory");
 
     std::vector<std::unique_ptr<Staged>> staged;
     for (const auto& [name, text] : files) {
         staged.push_back(std::make_unique<Staged>(folder, name));
-        if (std::string message = staged.back()->write(text); !message.empty())
-            return message;
+        if (Status written = staged.back()->write(text); !written)
+            return written;
     }
     for (const auto& file : staged)
-        if (std::string message = file->commit(); !message.empty())
-            return message;
+        if (Status placed = file->commit(); !placed)
+            return placed;
     flushDirectory(folder);
     return {};
 }
 
 } // namespace
 
-std::string writeAtomically(const std::string& directory, const std::vector<NamedText>& files) noexcept {
+Status writeAtomically(const std::string& directory, const std::vector<NamedText>& files) noexcept {
     try {
         return writeAll(directory, files);
     } catch (const std::exception& exception) {
-        return std::string("cannot write files: ") + exception.what();
+        return Status::failure(std::string("cannot write files: ") + exception.what());
     }
 }
 
 Result<std::string> readText(const std::string& path) {
     std::FILE* file = std::fopen(path.c_str(), "rb");
     if (file == nullptr)
-        return Result<std::string>::fail(because("cannot read " + path, errno));
-    Result<std::string> result;
+        return Result<std::string>::failure(because("cannot read " + path, errno).error());
+    Result<std::string> result = std::string{};
     std::vector<char> buffer(1 << 16);
     while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), file))
-        result.value.append(buffer.data(), n);
+        result->append(buffer.data(), n);
     if (std::ferror(file) != 0)
-        result.error = because("cannot read " + path, errno);
+        result = Result<std::string>::failure(because("cannot read " + path, errno).error());
     std::fclose(file);
     return result;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 namespace supercircle::record {
 
@@ -16,8 +16,8 @@ using NamedText = std::pair<std::string, std::string>;
 /// Writes all files into `directory` (made if missing): each to a temporary name beside its place, flushed to the disk,
 /// and only when all of them are there are they renamed into place. On failure nothing old is touched and the temporary
 /// files are gone.
-/// @return empty, or what could not be written and why. Never throws.
-[[nodiscard]] std::string writeAtomically(const std::string& directory, const std::vector<NamedText>& files) noexcept;
+/// The error names what could not be written and why. Never throws.
+[[nodiscard]] Status writeAtomically(const std::string& directory, const std::vector<NamedText>& files) noexcept;
 
 /// Whole content of a file, or why it cannot be read.
 [[nodiscard]] Result<std::string> readText(const std::string& path);

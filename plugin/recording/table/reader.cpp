@@ -217,27 +217,27 @@ std::string place(std::string_view text, std::size_t byte) {
 
 /// Runs `use` on the parsed text and turns whatever goes wrong into a message.
 template <typename Use>
-std::string guarded(std::string_view text, const std::string& source, Use use) {
+Status guarded(std::string_view text, const std::string& source, Use use) {
     try {
         const Json json = Json::parse(text);
         use(Node(json, ""));
         return {};
     } catch (const Json::parse_error& error) {
-        return source + ":" + place(text, error.byte) + ": not valid JSON";
+        return Status::failure(source + ":" + place(text, error.byte) + ": not valid JSON");
     } catch (const std::exception& error) {
-        return source + ": " + error.what();
+        return Status::failure(source + ": " + error.what());
     }
 }
 
 } // namespace
 
 Result<Recording> parseTrajectory(std::string_view text, const std::string& source) {
-    Result<Recording> result;
-    result.error = guarded(text, source, [&](const Node& root) { result.value = readTrajectory(root); });
-    return result;
+    Recording recording;
+    const Status read = guarded(text, source, [&](const Node& root) { recording = readTrajectory(root); });
+    return read ? Result<Recording>(std::move(recording)) : Result<Recording>::failure(read.error());
 }
 
-std::string parseSummary(std::string_view text, const std::string& source, Recording& recording) {
+Status parseSummary(std::string_view text, const std::string& source, Recording& recording) {
     return guarded(text, source, [&](const Node& root) { readSummary(root, recording); });
 }
 
@@ -245,19 +245,23 @@ Result<Recording> readFiles(const std::string& directory) {
     const std::string trajectory = directory + "/trajectory.json";
     const Result<std::string> text = readText(trajectory);
     if (!text)
-        return Result<Recording>::fail(text.error);
-    Result<Recording> result = parseTrajectory(text.value, trajectory);
+        return Result<Recording>::failure(text.error());
+    Result<Recording> result = parseTrajectory(*text, trajectory);
     if (!result)
         return result;
     std::error_code ignored;
     if (const std::string path = directory + "/series.csv"; std::filesystem::exists(path, ignored)) {
         Result<Series> series = readCsv(path);
-        result.error = series.error;
-        result.value.series = std::move(series.value);
+        if (!series)
+            return Result<Recording>::failure(series.error());
+        result->series = *std::move(series);
     }
-    if (const std::string path = directory + "/summary.json"; result && std::filesystem::exists(path, ignored)) {
+    if (const std::string path = directory + "/summary.json"; std::filesystem::exists(path, ignored)) {
         const Result<std::string> summary = readText(path);
-        result.error = summary ? parseSummary(summary.value, path, result.value) : summary.error;
+        if (!summary)
+            return Result<Recording>::failure(summary.error());
+        if (const Status read = parseSummary(*summary, path, *result); !read)
+            return Result<Recording>::failure(read.error());
     }
     return result;
 }

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "plugin/recording/table/recording.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 namespace supercircle::record {
 
@@ -13,8 +13,7 @@ namespace supercircle::record {
 [[nodiscard]] Result<Recording> parseTrajectory(std::string_view text, const std::string& source);
 
 /// Puts what summaryJson() wrote into `recording` (summary, parameters, energy, cycles).
-/// @return empty, or what is wrong
-[[nodiscard]] std::string parseSummary(std::string_view text, const std::string& source, Recording& recording);
+[[nodiscard]] Status parseSummary(std::string_view text, const std::string& source, Recording& recording);
 
 /// trajectory.json, series.csv and summary.json of a directory; the last two may be missing.
 [[nodiscard]] Result<Recording> readFiles(const std::string& directory);

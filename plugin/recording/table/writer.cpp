@@ -213,12 +213,12 @@ void writeEvents(Json& json, const Recording& recording) {
 } // namespace
 
 Result<std::string> summaryJson(const Recording& recording) {
-    Result<std::string> result;
-    Members members(result.value, "");
+    std::string result;
+    Members members(result, "");
     std::set<std::string> seen{"parameters", "timing", "energy", "cycles"};
     for (const auto& [name, value] : recording.summary) {
         if (!seen.insert(name).second)
-            return Result<std::string>::fail("summary: the key '" + name + "' appears twice");
+            return Result<std::string>::failure("summary: the key '" + name + "' appears twice");
         appendValue(members.key(name), value);
     }
     if (seen.insert("scene").second && !recording.scene.empty())
@@ -232,7 +232,7 @@ Result<std::string> summaryJson(const Recording& recording) {
     if (!recording.cycles.empty())
         appendCycles(members.key("cycles"), recording.cycles);
     members.end();
-    result.value += '\n';
+    result += '\n';
     return result;
 }
 
@@ -264,23 +264,23 @@ Result<std::vector<NamedText>> recordingFiles(const Recording& recording) noexce
     try {
         Result<std::string> summary = summaryJson(recording);
         if (!summary)
-            return Files::fail(summary.error);
+            return Files::failure(summary.error());
         Result<std::string> series = csvText(recording.series);
         if (!series)
-            return Files::fail(series.error);
-        Files files;
-        files.value.emplace_back("series.csv", std::move(series.value));
-        files.value.emplace_back("trajectory.json", trajectoryJson(recording));
-        files.value.emplace_back("summary.json", std::move(summary.value));
+            return Files::failure(series.error());
+        std::vector<NamedText> files;
+        files.emplace_back("series.csv", *std::move(series));
+        files.emplace_back("trajectory.json", trajectoryJson(recording));
+        files.emplace_back("summary.json", *std::move(summary));
         return files;
     } catch (const std::exception& exception) {
-        return Files::fail(std::string("cannot write the recording: ") + exception.what());
+        return Files::failure(std::string("cannot write the recording: ") + exception.what());
     }
 }
 
-std::string writeFiles(const Recording& recording, const std::string& directory) noexcept {
+Status writeFiles(const Recording& recording, const std::string& directory) noexcept {
     const Result<std::vector<NamedText>> files = recordingFiles(recording);
-    return files ? writeAtomically(directory, files.value) : files.error;
+    return files ? writeAtomically(directory, *files) : Status::failure(files.error());
 }
 
 } // namespace supercircle::record

@@ -5,7 +5,7 @@
 
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/recording.h"
-#include "plugin/recording/table/result.h"
+#include "supercircle/support/result.h"
 
 namespace supercircle::record {
 
@@ -22,7 +22,7 @@ namespace supercircle::record {
 [[nodiscard]] Result<std::vector<NamedText>> recordingFiles(const Recording& recording) noexcept;
 
 /// Writes the three files into `directory` (made if missing), all of them or none, see writeAtomically().
-/// @return empty, or why not. Never throws.
-[[nodiscard]] std::string writeFiles(const Recording& recording, const std::string& directory) noexcept;
+/// Never throws.
+[[nodiscard]] Status writeFiles(const Recording& recording, const std::string& directory) noexcept;
 
 } // namespace supercircle::record

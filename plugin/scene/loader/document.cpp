@@ -253,7 +253,9 @@ Problem Document::problemAt(std::size_t offset, std::string pointer, std::string
     return p;
 }
 
-std::optional<Document> parseDocument(std::string text, const std::string& file, std::vector<Problem>& problems) {
+Result<Document> parseDocument(std::string text, const std::string& file, std::vector<Problem>& problems) {
+    const std::size_t before = problems.size();
+    const auto failed = [&] { return Result<Document>::failure(errorText(problems, before)); };
     Document document;
     document.file = file;
     document.text = std::move(text);
@@ -263,30 +265,29 @@ std::optional<Document> parseDocument(std::string text, const std::string& file,
             document.lineStarts.push_back(i + 1);
     if (document.text.find_first_not_of(" \t\r\n") == std::string::npos) {
         problems.push_back(document.problemAt(0, {}, "the file is empty", "a JSON object"));
-        return std::nullopt;
+        return failed();
     }
     // nlohmann-json takes a zero byte as the end of the text and would ignore what follows.
     if (const std::size_t zero = document.text.find('\0'); zero != std::string::npos) {
         problems.push_back(document.problemAt(zero, {}, "zero byte in the text", "JSON text in UTF-8"));
-        return std::nullopt;
+        return failed();
     }
-    const std::size_t before = problems.size();
     TreeBuilder builder(document, problems);
     const bool complete = json::sax_parse(document.text, &builder);
     if (!complete && problems.size() == before)
         problems.push_back(document.problemAt(0, {}, "not JSON"));
     if (!complete || problems.size() != before)
-        return std::nullopt;
+        return failed();
     return document;
 }
 
-std::optional<std::string> readFile(const std::string& path, std::vector<Problem>& problems) {
+Result<std::string> readFile(const std::string& path, std::vector<Problem>& problems) {
     const auto fail = [&](const std::string& what) {
         Problem p;
         p.file = path.empty() ? "(no file)" : path;
         p.what = what;
         problems.push_back(p);
-        return std::nullopt;
+        return Result<std::string>::failure(p.toString());
     };
     std::error_code code;
     const auto status = std::filesystem::status(path, code);

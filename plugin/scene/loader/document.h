@@ -2,9 +2,9 @@
 // A JSON text as a tree with the position of every key and value, for the line and column in messages.
 
 #include "plugin/scene/loader/problem.h"
+#include "supercircle/support/result.h"
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,10 +50,10 @@ inline constexpr int maxDepth = 100;
 inline constexpr std::size_t maxFileSize = std::size_t{64} << 20;
 
 /// Parses strict JSON (RFC 8259: no comments, no trailing commas). Of syntax errors the first is reported; duplicate
-/// keys are all reported. Empty result if there was any error.
-std::optional<Document> parseDocument(std::string text, const std::string& file, std::vector<Problem>& problems);
+/// keys are all reported. Fails if there was any error.
+Result<Document> parseDocument(std::string text, const std::string& file, std::vector<Problem>& problems);
 
-/// Reads a whole file. Empty result and a problem if it is missing, not a regular file, unreadable or too large.
-std::optional<std::string> readFile(const std::string& path, std::vector<Problem>& problems);
+/// Reads a whole file. Fails, with one problem, if it is missing, not a regular file, unreadable or too large.
+Result<std::string> readFile(const std::string& path, std::vector<Problem>& problems);
 
 } // namespace supercircle::scene

@@ -49,27 +49,23 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
 
 } // namespace
 
-std::optional<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
-                              std::vector<Problem>& problems) {
+Result<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
+                       std::vector<Problem>& problems) {
     std::vector<Problem> found;
-    std::optional<Scene> scene;
+    Scene scene;
     if (const auto document = parseDocument(text, file, found)) {
         Scope scope;
         Context context{*document, found, scope};
-        scene.emplace();
-        scene->file = file;
-        readTop(context, overrides, *scene);
+        scene.file = file;
+        readTop(context, overrides, scene);
     }
-    if (anyError(found))
-        scene.reset();
     problems.insert(problems.end(), found.begin(), found.end());
-    return scene;
+    return anyError(found) ? Result<Scene>::failure(errorText(found)) : Result<Scene>(std::move(scene));
 }
 
-std::optional<Scene> load(const std::string& path, const std::vector<Override>& overrides,
-                          std::vector<Problem>& problems) {
+Result<Scene> load(const std::string& path, const std::vector<Override>& overrides, std::vector<Problem>& problems) {
     const auto text = readFile(path, problems);
-    return text ? loadText(*text, path, overrides, problems) : std::nullopt;
+    return text ? loadText(*text, path, overrides, problems) : Result<Scene>::failure(text.error());
 }
 
 } // namespace supercircle::scene

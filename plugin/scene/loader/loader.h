@@ -4,20 +4,20 @@
 #include "plugin/scene/loader/expression.h"
 #include "plugin/scene/loader/problem.h"
 #include "plugin/scene/loader/scene.h"
+#include "supercircle/support/result.h"
 
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace supercircle::scene {
 
 /// Loads a scene with the given parameter values. All problems are appended to `problems` (of syntax errors the first);
-/// the result is empty exactly if one of them is an error. Notes (Problem::Severity::Note) may accompany a valid scene.
-std::optional<Scene> load(const std::string& path, const std::vector<Override>& overrides,
-                          std::vector<Problem>& problems);
+/// the call fails, with the text of the errors, exactly if one of them is an error. Notes (Problem::Severity::Note) may
+/// accompany a valid scene.
+Result<Scene> load(const std::string& path, const std::vector<Override>& overrides, std::vector<Problem>& problems);
 
 /// The same from a text; `file` is its name in messages.
-std::optional<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
-                              std::vector<Problem>& problems);
+Result<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
+                       std::vector<Problem>& problems);
 
 } // namespace supercircle::scene

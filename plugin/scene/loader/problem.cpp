@@ -53,6 +53,14 @@ bool anyError(const std::vector<Problem>& problems) {
                        [](const Problem& p) { return p.severity == Problem::Severity::Error; });
 }
 
+std::string errorText(const std::vector<Problem>& problems, std::size_t first) {
+    std::string all;
+    for (std::size_t i = first; i < problems.size(); ++i)
+        if (problems[i].severity == Problem::Severity::Error)
+            all += (all.empty() ? "" : "\n") + problems[i].toString();
+    return all;
+}
+
 std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
     // The distance takes time quadratic in the length.
     if (name.empty() || name.size() > 64)

@@ -1,6 +1,8 @@
 #pragma once
-// Problems of input files: what is wrong, where, and how to correct it.
+// Problems of input files: what is wrong, where, and how to correct it. A reader goes on after an error, so that one
+// run shows all of them. It therefore fills a list of problems beside its Result, whose error is their text.
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -23,7 +25,10 @@ struct Problem {
 };
 
 /// True if at least one of them is an error.
-bool anyError(const std::vector<Problem>& problems);
+[[nodiscard]] bool anyError(const std::vector<Problem>& problems);
+
+/// Their errors from index `first` on, one a line, without the notes: the error of a Result.
+[[nodiscard]] std::string errorText(const std::vector<Problem>& problems, std::size_t first = 0);
 
 /// The known name nearest to `name` by edit distance (insert, delete, replace, swap neighbours; case counts half of a
 /// replacement); empty if none is near enough to be a likely typing error. Ties go to the first.

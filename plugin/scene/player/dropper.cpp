@@ -47,7 +47,7 @@ private:
 
 } // namespace
 
-std::string dropBatch(Shells& shells, const scene::Drop& d, int count, Random& random, std::vector<ShellHandle>& made) {
+Status dropBatch(Shells& shells, const scene::Drop& d, int count, Random& random, std::vector<ShellHandle>& made) {
     const step::World& w = shells.world();
     const double pad = 0.5 * d.shell.thickness;
     const double top = std::max(0.0, pileTop(w));
@@ -58,7 +58,7 @@ std::string dropBatch(Shells& shells, const scene::Drop& d, int count, Random& r
         def.position = {0.0, 0.0};
         const auto probe = shells.create(def); // created at the origin for its extent, then in its place
         if (!probe)
-            return probe.error();
+            return Status::failure(probe.error());
         Vec2 lower = Vec2::Constant(1e300), upper = -lower;
         walk(w.rods.back(), [&](const Vec2& p) {
             lower = lower.cwiseMin(p);
@@ -67,10 +67,11 @@ std::string dropBatch(Shells& shells, const scene::Drop& d, int count, Random& r
         const double x = random.uniform(d.x_min, d.x_max);
         def.position = {x - 0.5 * (lower.x() + upper.x()),
                         rows.place(x, 0.55 * (upper.x() - lower.x()) + pad) - lower.y() + pad};
-        shells.destroy(*probe);
+        if (Status gone = shells.destroy(*probe); !gone)
+            return gone;
         const auto placed = shells.create(def);
         if (!placed)
-            return placed.error();
+            return Status::failure(placed.error());
         made.push_back(*placed);
     }
     return {};

@@ -10,10 +10,9 @@
 
 namespace supercircle::player {
 
-/// Creates `count` shells of `drop`, side by side in rows above the pile, and appends their handles. Empty, or the
-/// error.
-std::string dropBatch(Shells& shells, const scene::Drop& drop, int count, Random& random,
-                      std::vector<ShellHandle>& made);
+/// Creates `count` shells of `drop`, side by side in rows above the pile, and appends their handles. After a
+/// failure those already made stay.
+Status dropBatch(Shells& shells, const scene::Drop& drop, int count, Random& random, std::vector<ShellHandle>& made);
 
 /// Highest point of the shells' surfaces, m; minus infinity without shells.
 double pileTop(const step::World& world);

@@ -52,14 +52,15 @@ struct ScenePlayer::Impl {
     }
     void setSpeed(double speed) {
         const Vec2 v = scene.protocol ? Vec2(speed * direction()) : Vec2::Zero();
-        shells->set_crosshead_velocity({v.x(), v.y()});
+        if (const Status set = shells->set_crosshead_velocity({v.x(), v.y()}); !set)
+            failure = set.error();
     }
     void enter(Phase next) {
         current = next;
         since = shells->time();
     }
 
-    std::string populate();
+    Status populate();
     void start();
     void prepare();
     void skipFinished(double dt);
@@ -78,17 +79,16 @@ void ScenePlayer::Impl::addEffects(std::size_t rod, const std::string& name) {
         step::setEffects(shells->world(), rod, effects::modelFor(scene.effects, name.empty() ? "all" : name));
 }
 
-/// Creates bodies, shells and holds and attaches the crosshead. Empty, or the error; the caller destroys the shells
-/// then.
-std::string ScenePlayer::Impl::populate() {
+/// Creates bodies, shells and holds and attaches the crosshead. The caller destroys the shells after a failure.
+Status ScenePlayer::Impl::populate() {
     const std::shared_ptr<step::Port> port = shells->host();
     if (!port && !scene.rigid.bodies.empty())
-        return "the scene has rigid bodies, but these shells have no host world";
+        return Status::failure("the scene has rigid bodies, but these shells have no host world");
     std::vector<std::pair<std::string, ShellHandle>> named;
     for (const ShellDef& d : scene.shells) {
         const auto shell = shells->create(d);
         if (!shell)
-            return "shell \"" + d.name + "\": " + shell.error();
+            return Status::failure("shell \"" + d.name + "\": " + shell.error());
         made.push_back(*shell);
         addEffects(shells->world().rods.size() - 1, d.name);
         named.emplace_back(d.name, *shell);
@@ -96,15 +96,15 @@ std::string ScenePlayer::Impl::populate() {
     for (const HoldDef& h : scene.holds) {
         const auto it = std::find_if(named.begin(), named.end(), [&](const auto& n) { return n.first == h.shell; });
         if (it == named.end())
-            return "hold: there is no shell called \"" + h.shell + "\"";
+            return Status::failure("hold: there is no shell called \"" + h.shell + "\"");
         if (const auto hold = shells->create_hold(it->second, h.arc_fraction, h.kind, h.base); !hold)
-            return "hold on \"" + h.shell + "\": " + hold.error();
+            return Status::failure("hold on \"" + h.shell + "\": " + hold.error());
     }
     if (port) // last, because bodies are not destroyed after an error
         if (std::string why = port->build(scene.rigid); !why.empty())
-            return why;
+            return Status::failure(std::move(why));
     if (scene.protocol && !scene.protocol->body.empty() && !shells->attach_to_crosshead(scene.protocol->body))
-        return "protocol: the host has no body called \"" + scene.protocol->body + "\"";
+        return Status::failure("protocol: the host has no body called \"" + scene.protocol->body + "\"");
     return {};
 }
 
@@ -133,7 +133,8 @@ void ScenePlayer::Impl::dropNextBatch() {
     }
     const int count = std::min(d.batch_size, d.count - dropped);
     const std::size_t before = shells->world().rods.size();
-    failure = player::dropBatch(*shells, d, count, random, made);
+    if (const Status placed = player::dropBatch(*shells, d, count, random, made); !placed)
+        failure = placed.error();
     for (std::size_t i = before; i < shells->world().rods.size(); ++i)
         addEffects(i, {});
     dropped += count;
@@ -286,8 +287,8 @@ FrameReport ScenePlayer::pre_step(double dt) {
     return report;
 }
 
-void ScenePlayer::post_step() {
-    impl_->shells->post_step();
+Status ScenePlayer::post_step() {
+    return impl_->shells->post_step();
 }
 bool ScenePlayer::finished() const {
     return impl_->current == Impl::Phase::Done || !impl_->failure.empty();
@@ -314,19 +315,14 @@ Result<ScenePlayer> load_scene(const std::string& path, Shells& shells, const Sc
     for (const auto& [name, value] : options.parameters)
         overrides.push_back({name, value});
     std::vector<scene::Problem> problems;
-    std::optional<scene::Scene> scene = scene::load(path, overrides, problems);
-    if (!scene) {
-        std::string all;
-        for (const scene::Problem& p : problems)
-            if (p.severity == scene::Problem::Severity::Error)
-                all += (all.empty() ? "" : "\n") + p.toString();
-        return Answer::failure(all);
-    }
-    auto impl = std::make_shared<ScenePlayer::Impl>(std::move(*scene), shells, options.seed);
-    if (const std::string why = impl->populate(); !why.empty()) {
+    Result<scene::Scene> scene = scene::load(path, overrides, problems);
+    if (!scene)
+        return Answer::failure(scene.error());
+    auto impl = std::make_shared<ScenePlayer::Impl>(*std::move(scene), shells, options.seed);
+    if (const Status populated = impl->populate(); !populated) {
         for (const ShellHandle shell : impl->made)
-            shells.destroy(shell);
-        return Answer::failure(path + ": " + why);
+            (void)shells.destroy(shell);
+        return Answer::failure(path + ": " + populated.error());
     }
     impl->start();
     return ScenePlayer(std::move(impl));

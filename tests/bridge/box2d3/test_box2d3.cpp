@@ -166,7 +166,7 @@ TEST_CASE("box2d3: the loop of the hello example", "[box2d3]") {
     const b2BodyId crate = g.body(b2_dynamicBody, 0.0F, 4.0F);
     Ground::box(crate, 0.5F, 0.5F, 1.0);
     Shells shells(box2d3::attach(g.world));
-    shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_quality(Quality::Game));
     ShellDef def = scaled_shell(1.0, 2.0);
     def.position = {3.0, 4.0};
     const auto shell = shells.create(def);

@@ -119,7 +119,7 @@ TEST_CASE("contacts, forces, holds and rings are drawn", "[plugin][draw]") {
     REQUIRE(shells.create_hold(*shells.create(ring), 0.25, HoldKind::Pin));
     for (int i = 0; i < 400; ++i) {
         REQUIRE(shells.pre_step(4e-3).failure.empty());
-        shells.post_step();
+        REQUIRE(shells.post_step());
     }
     RecordingCanvas canvas;
     DrawOptions options;

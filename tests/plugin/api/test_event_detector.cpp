@@ -31,7 +31,7 @@ FrameEvents run(Shells& shells, FakeHost* host, double seconds, double dt = 2e-3
         REQUIRE(r.failure.empty());
         if (host)
             host->step(r.advanced);
-        shells.post_step();
+        REQUIRE(shells.post_step());
         all = all + shells.events();
     }
     return all;
@@ -91,7 +91,7 @@ TEST_CASE("a falling shell has one contact event, at the right place and speed",
     }
     CHECK(all.snap_begin.empty());
     // Destroyed with the shell; the event comes in the next frame.
-    shells.destroy(shell);
+    REQUIRE(shells.destroy(shell));
     all = run(shells, host.get(), 2e-3);
     REQUIRE(all.contact_end.size() == 1);
     CHECK(all.contact_end[0].at.a == shell);
@@ -192,7 +192,7 @@ TEST_CASE("a buckled strip pushed through has one snap event with the released e
     const double before = shells.section(strip, 0.5)->position.y;
     FrameEvents all;
     double highest = first;
-    shells.set_crosshead_velocity({0.0, -0.02});
+    REQUIRE(shells.set_crosshead_velocity({0.0, -0.02}));
     for (int i = 0; i < 700 && all.snap_end.empty(); ++i) {
         all = all + run(shells, host.get(), 4e-3, 4e-3);
         if (all.snap_begin.empty())

@@ -71,11 +71,11 @@ double snapPeak(double phiBar, double mu, int elements) {
     d.mu = mu;
     d.elements = elements;
     Shells shells(host);
-    shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_quality(Quality::Game));
     const auto shell = shells.create(d);
     REQUIRE(shell);
     REQUIRE(shells.create_hold(*shell, 0.5, HoldKind::Clamp, HoldBase::Moving));
-    shells.set_crosshead_velocity({0.0, -0.25});
+    REQUIRE(shells.set_crosshead_velocity({0.0, -0.25}));
     double peak = 0.0;
     std::array<double, 5> last{};
     std::size_t frames = 0;
@@ -88,7 +88,7 @@ double snapPeak(double phiBar, double mu, int elements) {
         REQUIRE(r.failure.empty());
         REQUIRE_FALSE(r.budget_exhausted);
         host->step(r.advanced);
-        shells.post_step();
+        REQUIRE(shells.post_step());
         last[frames++ % last.size()] = impulse / kFrame / bending_modulus(d);
         std::array<double, 5> sorted = last;
         std::sort(sorted.begin(), sorted.end());
@@ -132,10 +132,10 @@ TEST_CASE("a pile at 60 frames a second crosses nothing, keeps its length and ga
     constexpr double kWidth = 10.4;
     const auto host = boxHost(kWidth);
     Shells shells(host);
-    shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_quality(Quality::Game));
     player::Random random(7);
     std::vector<ShellHandle> made;
-    REQUIRE(player::dropBatch(shells, dropOf(30, kWidth), 30, random, made).empty());
+    REQUIRE(player::dropBatch(shells, dropOf(30, kWidth), 30, random, made));
     double before = energy(shells), most = 0.0, grown = 0.0;
     for (int i = 0; i < 240; ++i) {
         const FrameReport r = shells.pre_step(kFrame, [&] {
@@ -146,7 +146,7 @@ TEST_CASE("a pile at 60 frames a second crosses nothing, keeps its length and ga
         });
         REQUIRE(r.failure.empty());
         host->step(r.advanced);
-        shells.post_step();
+        REQUIRE(shells.post_step());
         most = std::max(most, shells.energy_balance().kinetic);
         if (i % 10 == 0)
             CHECK(crossings(shells) == 0);
@@ -171,13 +171,13 @@ TEST_CASE("a shell at rest weighs and sags the same in both qualities", "[plugin
     const auto rest = [](Quality quality) {
         const auto host = boxHost(10.0);
         Shells shells(host);
-        shells.set_quality(quality);
+        REQUIRE(shells.set_quality(quality));
         ShellDef d = scaled_shell(1.0, 2.0);
         d.position = {0.0, 0.2};
         const auto shell = shells.create(d);
         for (int i = 0; i < 360; ++i) {
             host->step(shells.pre_step(kFrame).advanced);
-            shells.post_step();
+            REQUIRE(shells.post_step());
         }
         return shells.pose(*shell)->bending_energy;
     };
@@ -189,12 +189,12 @@ TEST_CASE("a shell at rest weighs and sags the same in both qualities", "[plugin
 TEST_CASE("a frame beyond its budget ends early", "[plugin][game]") {
     const auto host = boxHost(8.0);
     Shells shells(host);
-    shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_quality(Quality::Game));
     CHECK_FALSE(Shells(nullptr).set_frame_budget(1)); // Laboratory has none
     REQUIRE(shells.set_frame_budget(1));
     player::Random random(3);
     std::vector<ShellHandle> made;
-    REQUIRE(player::dropBatch(shells, dropOf(12, 8.0), 12, random, made).empty());
+    REQUIRE(player::dropBatch(shells, dropOf(12, 8.0), 12, random, made));
     double time = 0.0;
     int exhausted = 0;
     for (int i = 0; i < 240; ++i) {
@@ -205,7 +205,7 @@ TEST_CASE("a frame beyond its budget ends early", "[plugin][game]") {
         exhausted += r.budget_exhausted;
         time += r.advanced;
         host->step(r.advanced);
-        shells.post_step();
+        REQUIRE(shells.post_step());
     }
     CHECK(exhausted > 0);
     CHECK(shells.time() == Approx(time).epsilon(1e-12));
@@ -217,7 +217,7 @@ TEST_CASE("a shell thrown against its neighbour by an impact touches it although
     // Three shells in a row; the first flies at 30 m/s: half a metre, twenty thicknesses, per frame.
     auto host = std::make_shared<FakeHost>();
     Shells shells(host);
-    shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_quality(Quality::Game));
     for (int i = 0; i < 3; ++i) {
         ShellDef d = scaled_shell(1.0, 2.0);
         d.position = {2.2 * i, -1.0};
@@ -230,7 +230,7 @@ TEST_CASE("a shell thrown against its neighbour by an impact touches it although
     for (int i = 0; i < 60; ++i) {
         const FrameReport r = shells.pre_step(kFrame);
         REQUIRE(r.failure.empty());
-        shells.post_step();
+        REQUIRE(shells.post_step());
         CHECK(crossings(shells) == 0);
     }
     for (const step::Rod& rod : shells.world().rods) // momentum went down the row
@@ -241,8 +241,8 @@ TEST_CASE("the quality is saved and logged", "[plugin][game]") {
     Shells shells(nullptr);
     CHECK(shells.quality() == Quality::Laboratory);
     const Snapshot before = shells.save();
-    shells.start_log();
-    shells.set_quality(Quality::Game);
+    REQUIRE(shells.start_log());
+    REQUIRE(shells.set_quality(Quality::Game));
     REQUIRE(shells.set_frame_budget(77));
     CHECK(shells.quality() == Quality::Game);
     Shells other(nullptr);
@@ -253,7 +253,7 @@ TEST_CASE("the quality is saved and logged", "[plugin][game]") {
     CHECK(shells.quality() == Quality::Laboratory);
     CHECK_FALSE(shells.set_threads(0));
     REQUIRE(shells.set_threads(2));
-    shells.set_quality(Quality::Game);
+    REQUIRE(shells.set_quality(Quality::Game));
     CHECK(shells.stepper().settings().threads == 2);
 }
 
@@ -285,10 +285,10 @@ TEST_CASE("a frame at rest allocates nothing", "[plugin][game]") {
         const auto host = std::make_shared<CountingHost>();
         static_cast<FakeHost&>(*host) = *boxHost(6.0);
         Shells shells(host);
-        shells.set_quality(quality);
+        REQUIRE(shells.set_quality(quality));
         player::Random random(7);
         std::vector<ShellHandle> made;
-        REQUIRE(player::dropBatch(shells, dropOf(6, 6.0), 6, random, made).empty());
+        REQUIRE(player::dropBatch(shells, dropOf(6, 6.0), 6, random, made));
         std::uint64_t settling = 0, constant = 0;
         for (int i = 0; i < 480; ++i) {
             const std::uint64_t before = test::allocations() - host->own;
@@ -299,7 +299,7 @@ TEST_CASE("a frame at rest allocates nothing", "[plugin][game]") {
                 most = std::max(most, taken);
             REQUIRE(r.steps > 0);
             host->step(r.advanced);
-            shells.post_step();
+            REQUIRE(shells.post_step());
         }
         CHECK(shells.world().impulses.size() >= 6);
         CHECK(constant == 0);

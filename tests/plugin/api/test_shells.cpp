@@ -173,7 +173,7 @@ TEST_CASE("bad frames fail and change nothing", "[plugin]") {
         CHECK(r.advanced == 0.0);
         CHECK(shells.time() == 0.0);
         CHECK(shells.pose(a)->start.y > 0.1);
-        shells.post_step();
+        REQUIRE(shells.post_step());
     }
     CHECK(shells.pre_step(0.01).failure.empty());
     CHECK(shells.time() == Approx(0.01));
@@ -217,7 +217,7 @@ TEST_CASE("hundreds of shells are created and destroyed", "[plugin]") {
         INFO(r.failure);
         REQUIRE(r.failure.empty());
         host->step(r.advanced);
-        shells.post_step();
+        REQUIRE(shells.post_step());
         while (!alive.empty()) { // last in, first out, then the other way round
             const std::size_t k = round % 2 == 0 ? alive.size() - 1 : 0;
             CHECK(shells.destroy(alive[k]));
@@ -243,7 +243,7 @@ TEST_CASE("a shell dropped while others rest leaves them at rest", "[plugin]") {
             const FrameReport r = shells.pre_step(4e-3);
             REQUIRE(r.failure.empty());
             host->step(r.advanced);
-            shells.post_step();
+            REQUIRE(shells.post_step());
         }
     };
     ShellDef d = above(0.0, 0.0192 + 0.0003);

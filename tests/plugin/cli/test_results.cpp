@@ -70,12 +70,12 @@ void checkCommon(const json& summary, const std::string& name) {
 
 record::Series seriesOf(const std::string& path) {
     const auto series = record::readCsv(path);
-    REQUIRE(series.error.empty());
-    REQUIRE(series.value.names.size() > 3);
-    CHECK(series.value.names[0] == "time_s");
-    CHECK(series.value.names[1] == "displacement_m");
-    CHECK(series.value.names[2] == "force_N");
-    return series.value;
+    REQUIRE(series.error().empty());
+    REQUIRE(series->names.size() > 3);
+    CHECK(series->names[0] == "time_s");
+    CHECK(series->names[1] == "displacement_m");
+    CHECK(series->names[2] == "force_N");
+    return *series;
 }
 
 } // namespace

@@ -45,10 +45,10 @@ std::size_t lost(const std::string& file, const std::string& out, std::size_t& k
     REQUIRE(store.open(out + "/results.sqlite").empty());
     const auto finished = store.finished();
     REQUIRE(finished);
-    kept = finished.value.size();
+    kept = finished->size();
     std::size_t missing = 0, holes = 0;
     for (const sweep::Task& t : sweep::tasks(*sweep, {})) {
-        if (finished.value.count({sweep::keyOf(sweep->parameterValues(t.set)), t.seed}) == 0)
+        if (finished->count({sweep::keyOf(sweep->parameterValues(t.set)), t.seed}) == 0)
             ++missing;
         else
             holes = missing;

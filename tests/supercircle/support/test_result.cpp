@@ -39,6 +39,9 @@ TEST_CASE("a result holds a value or the reason why there is none") {
     CHECK(text->size() == 3);
     *text += "d";
     CHECK(std::move(text).value() == "abcd");
+    CHECK(Status());
+    CHECK(Status::failure("").error().empty());
+    CHECK_FALSE(Status::failure(""));
 }
 
 TEST_CASE("reading the value of a failed result calls the handler with the reason") {
@@ -47,6 +50,8 @@ TEST_CASE("reading the value of a failed result calls the handler with the reaso
     CHECK_THROWS_WITH(bad.value(), Catch::Contains("the radius is negative"));
     CHECK_THROWS_AS(*bad, Broken);
     CHECK_THROWS_AS(bad->size(), Broken);
+    CHECK_THROWS_WITH(bad.or_fail(), Catch::Contains("test_result.cpp:") && Catch::Contains("the radius is negative"));
+    CHECK_NOTHROW(Result<int>(3).or_fail());
 }
 
 TEST_CASE("an assertion that does not hold calls the handler with its place") {

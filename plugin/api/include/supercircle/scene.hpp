@@ -31,7 +31,7 @@ public:
     /// Shells::pre_step. The end of a protocol segment ends the frame: step your world by FrameReport::advanced.
     FrameReport pre_step(double dt);
     /// Shells::post_step().
-    void post_step();
+    Status post_step();
 
     /// The end of the protocol (or, without one, of the scene's duration), or a failure.
     [[nodiscard]] bool finished() const;

@@ -57,3 +57,14 @@ TEST_CASE("the tip slips at every mu of the table and never beyond 0.36", "[lab]
     // well short of a strain of 0.33, where the stuck tip lies down
     CHECK(slipAt(press(0.4, 0.30, 2e-4, 0.005).recording) == 0.0);
 }
+
+TEST_CASE("a crosshead speed that the shells refuse ends the run with the reason", "[lab]") {
+    scene::Scene scene = loadScene("pinning", {});
+    REQUIRE(scene.protocol);
+    for (scene::ProtocolSegment& segment : scene.protocol->segments)
+        segment.speed = 1e6;
+    std::string error;
+    const lab::RunResult out = lab::runScene(scene, bridge::makeWorld(scene.rigid, error), {});
+    CHECK(out.status == lab::RunStatus::BadScene);
+    CHECK_THAT(out.message, Catch::Contains("the crosshead's velocity must be finite and below 1e5 m/s"));
+}

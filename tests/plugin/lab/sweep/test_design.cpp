@@ -38,7 +38,7 @@ TEST_CASE("a surface linear in angle and logarithm of friction is interpolated a
     const RunTable table = tableOf(sweep);
     const auto surface = responseSurface(sweep, table, "delta");
     REQUIRE(surface);
-    const ResponseSurface& s = surface.value;
+    const ResponseSurface& s = *surface;
     for (const double phi : {0.5, 0.55, 0.73, 0.9})
         for (const double mu : {0.1, 0.2, 0.5, 1.0})
             CHECK(s.at(phi, mu).mean == Approx(10.0 * phi + 2.0 * std::log10(mu)).epsilon(1e-12));
@@ -60,10 +60,10 @@ TEST_CASE("scatter falls with the root of the number of shells") {
 TEST_CASE("results that give no surface are refused") {
     SweepDefinition sweep;
     RunTable table = tableOf(sweep);
-    CHECK_THAT(responseSurface(sweep, table, "delto").error, Contains("did you mean \"delta\""));
+    CHECK_THAT(responseSurface(sweep, table, "delto").error(), Contains("did you mean \"delta\""));
     SweepDefinition holes = sweep;
     holes.sets.pop_back();
-    CHECK_THAT(responseSurface(holes, table, "delta").error, Contains("do not form a full grid"));
+    CHECK_THAT(responseSurface(holes, table, "delta").error(), Contains("do not form a full grid"));
     table.rows.resize(30);
-    CHECK_THAT(responseSurface(sweep, table, "delta").error, Contains("too few runs"));
+    CHECK_THAT(responseSurface(sweep, table, "delta").error(), Contains("too few runs"));
 }

@@ -56,7 +56,7 @@ StoredRun runOf(const SweepDefinition& d, std::size_t set, std::int64_t seed, co
 std::string tables(const SweepDefinition& d, ResultStore& store) {
     const auto table = collect(d, store);
     REQUIRE(table);
-    return resultsCsv(d, table.value) + cyclesCsv(d, table.value) + failedCsv(d, table.value);
+    return resultsCsv(d, *table) + cyclesCsv(d, *table) + failedCsv(d, *table);
 }
 
 } // namespace
@@ -144,17 +144,17 @@ TEST_CASE("crashed runs are repeated, failed ones are not, both are listed with 
     }
     ResultStore store; // opened again, as after a kill
     REQUIRE(store.open(folder.path + "/store").empty());
-    CHECK(store.meta("scene").value == "text");
-    CHECK(store.meta("nothing").value.empty());
+    CHECK(store.meta("scene").value() == "text");
+    CHECK(store.meta("nothing").value().empty());
     const auto finished = store.finished();
     REQUIRE(finished);
-    CHECK(finished.value.size() == 2);
-    CHECK(finished.value.count({keyOf(d.parameterValues(1)), 1}) == 0);
+    CHECK(finished->size() == 2);
+    CHECK(finished->count({keyOf(d.parameterValues(1)), 1}) == 0);
     const std::string text = tables(d, store);
     CHECK_THAT(text, Contains("2,0.5,0.1,2,failed,\"a \"\"reason\"\", with a comma\",supercircle run"));
     CHECK_THAT(text, Contains("--param cycles=2 --param phi_bar=0.5 --param mu=1 --seed 1"));
     REQUIRE(store.save(runOf(d, 1, 1)).empty());
-    CHECK(store.finished().value.size() == 3);
+    CHECK(store.finished().value().size() == 3);
 }
 
 TEST_CASE("results of another format are refused with a message that says what to do") {

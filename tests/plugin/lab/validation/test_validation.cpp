@@ -101,7 +101,7 @@ TEST_CASE("the page holds every experiment and nothing from outside", "[validati
     const auto made = pages::validationFiles(all, s);
     REQUIRE(made);
     bool page = false;
-    for (const auto& [name, content] : made.value) {
+    for (const auto& [name, content] : *made) {
         CHECK(content.size() > 100);
         if (name != "validation.html")
             continue;

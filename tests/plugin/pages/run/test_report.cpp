@@ -127,9 +127,9 @@ TEST_CASE("a stack's report is complete, self-contained and the same twice") {
     REQUIRE(writeReport(recording, b.path).empty());
     for (const auto& entry : fs::directory_iterator(a.path)) {
         const std::string name = entry.path().filename();
-        CHECK(record::readText(a.path + "/" + name).value == record::readText(b.path + "/" + name).value);
+        CHECK(record::readText(a.path + "/" + name).value() == record::readText(b.path + "/" + name).value());
     }
-    const std::string html = record::readText(a.path + "/report.html").value;
+    const std::string html = record::readText(a.path + "/report.html").value();
     CHECK(problemsOf(html).empty());
     for (const char* part : {"id=\"force-figure\"", "id=\"energy-figure\"", "id=\"view-before\"", "id=\"view-peak\"",
                              "id=\"view-after\"", "id=\"stage\"", "id=\"scrub\"", "<h2>Results</h2>",
@@ -182,7 +182,7 @@ TEST_CASE("a free scene has no force curve and an old one is removed") {
     CHECK_FALSE(folder.has("peak.png"));
     CHECK(folder.has("start.png"));
     CHECK(folder.has("overview.png"));
-    const std::string html = record::readText(folder.path + "/report.html").value;
+    const std::string html = record::readText(folder.path + "/report.html").value();
     CHECK(problemsOf(html).empty());
     CHECK(html.find("force-figure\"") == std::string::npos);
     CHECK(html.find("Force against displacement") == std::string::npos);
@@ -257,7 +257,7 @@ TEST_CASE("degenerate recordings make reports") {
     }
     const Folder folder;
     CHECK(writeReport(recording, folder.path).empty());
-    const std::string html = record::readText(folder.path + "/report.html").value;
+    const std::string html = record::readText(folder.path + "/report.html").value();
     CHECK(problemsOf(html).empty());
     CHECK(html.find("alert(1)</script>") == std::string::npos);
 }
@@ -297,7 +297,7 @@ TEST_CASE("templates are filled once, and unknown names stay") {
 TEST_CASE("a picture that is too large for Cairo is an error, not a crash") {
     CairoCanvas canvas(1e6, 1e6, 1.0);
     canvas.circle({1.0, 1.0}, 1.0, {.fill = Colour::hex(0)});
-    CHECK_THAT(canvas.png().error, Catch::Contains("cannot draw the PNG"));
+    CHECK_THAT(canvas.png().error(), Catch::Contains("cannot draw the PNG"));
 }
 
 TEST_CASE("the view holds the shells, and not a floor of ten metres") {

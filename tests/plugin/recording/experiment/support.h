@@ -23,7 +23,7 @@ inline std::string baseline(int number) {
 inline std::string problemsOf(const std::string& text) {
     std::vector<scene::Problem> problems;
     const auto loaded = experiment::loadText(text, "e.json", problems);
-    CHECK(loaded.has_value() == !scene::anyError(problems));
+    CHECK(bool(loaded) == !scene::anyError(problems));
     std::string all;
     for (const scene::Problem& p : problems)
         all += p.toString() + "\n";

@@ -46,7 +46,7 @@ std::string description(const std::string& rate = "25") {
 }
 
 struct Loaded {
-    std::optional<experiment::Experiment> experiment;
+    Result<experiment::Experiment> experiment;
     std::string text; ///< all problems and notes
 };
 
@@ -54,12 +54,11 @@ Loaded load(const std::string& runs, const std::string& text = description()) {
     const Folder folder;
     folder.write("run_1.csv", runs);
     std::vector<scene::Problem> problems;
-    Loaded l;
-    l.experiment = experiment::load(folder.write("experiment.json", text), problems);
+    Loaded l{experiment::load(folder.write("experiment.json", text), problems), {}};
     for (const scene::Problem& p : problems)
         l.text += p.toString() + "\n";
     INFO(l.text);
-    CHECK(l.experiment.has_value() == !scene::anyError(problems));
+    CHECK(bool(l.experiment) == !scene::anyError(problems));
     return l;
 }
 

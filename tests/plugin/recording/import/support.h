@@ -68,29 +68,29 @@ inline std::string exported() {
     return exported(Style{});
 }
 
-inline record::Result<importing::Imported> read(const std::string& text, const importing::Hints& hints = {}) {
+inline Result<importing::Imported> read(const std::string& text, const importing::Hints& hints = {}) {
     const Folder folder;
     auto result = importing::readExports({folder.write("x.csv", text)}, hints);
-    const std::size_t at = result.error.find(folder.path + "/");
-    if (at != std::string::npos)
-        result.error.erase(at, folder.path.size() + 1);
-    return result;
+    std::string error = result.error();
+    if (const std::size_t at = error.find(folder.path + "/"); at != std::string::npos)
+        error.erase(at, folder.path.size() + 1);
+    return result ? std::move(result) : Result<importing::Imported>::failure(std::move(error));
 }
 
 /// The account of a text that can be imported.
 inline std::string accountOf(const std::string& text, const importing::Hints& hints = {}) {
     const auto all = read(text, hints);
-    INFO(all.error);
+    INFO(all.error());
     REQUIRE(all);
-    return importing::account(all.value);
+    return importing::account(*all);
 }
 
 /// Why a text cannot be imported.
 inline std::string errorOf(const std::string& text, const importing::Hints& hints = {}) {
     const auto all = read(text, hints);
-    INFO((all ? importing::account(all.value) : std::string()));
+    INFO((all ? importing::account(*all) : std::string()));
     CHECK_FALSE(all);
-    return all.error;
+    return all.error();
 }
 
 /// The values of a run are those that were written, to `digits` of the file (SI).

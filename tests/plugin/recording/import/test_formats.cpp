@@ -12,11 +12,11 @@ namespace {
 /// Imports to the known run, with break points of the commanded motion where they were put.
 void same(const std::string& text, const importing::Hints& hints = {}, double slack = 1e-6) {
     const auto all = read(text, hints);
-    INFO(all.error);
+    INFO(all.error());
     REQUIRE(all);
-    INFO(importing::account(all.value));
-    REQUIRE(all.value.runs.size() == 1);
-    const importing::ImportedRun& run = all.value.runs[0];
+    INFO(importing::account(*all));
+    REQUIRE(all->runs.size() == 1);
+    const importing::ImportedRun& run = all->runs[0];
     checkValues(run, slack);
     CHECK(run.rate == Approx(20.0).epsilon(1e-3));
     const std::vector<double> corner = {0.0, 1.0, 9.0, 17.0, 18.0}, way = {0.0, 0.0, 4e-3, 0.0, 0.0};
@@ -144,7 +144,7 @@ TEST_CASE("the more direct of two columns of one quantity is used and reported",
     hints.columns = {"time[s]", "displacement[mm]", "-", "force[N]", "-"};
     const auto all = read(text, hints);
     REQUIRE(all);
-    CHECK((*all.value.runs[0].signals.find(Quantity::Displacement))[180] == Approx(1.1 * 4e-3));
+    CHECK((*all->runs[0].signals.find(Quantity::Displacement))[180] == Approx(1.1 * 4e-3));
 }
 
 TEST_CASE("without headings columns are guessed and reported", "[importing]") {
@@ -166,8 +166,8 @@ TEST_CASE("without times they come from a rate or a speed", "[importing]") {
     CHECK_THAT(accountOf(text), Contains("assumed    there is no time; the crosshead is assumed to move at 1 mm/s"));
     const auto all = read("Speed: 30 mm/min\n" + text); // dwells cannot be timed: 16 s of motion remain
     REQUIRE(all);
-    CHECK(all.value.runs[0].drive.time.back() == Approx(16.0).margin(0.05));
-    CHECK_THAT(importing::account(all.value),
+    CHECK(all->runs[0].drive.time.back() == Approx(16.0).margin(0.05));
+    CHECK_THAT(importing::account(*all),
                Contains("line 1: there is no time; the crosshead moves at 0.5 mm/s as stated in the header"));
 }
 
@@ -184,18 +184,18 @@ TEST_CASE("markers come with the run or in a file of their own", "[importing]") 
         markers += printed(timeOf(i), 3) + ",1,2,3," + printed(wayOf(timeOf(i)), 4) + ",5\n";
     const Folder folder;
     const auto all = importing::readExports({folder.write("a.csv", run), folder.write("b.csv", markers)}, {});
-    INFO(all.error);
+    INFO(all.error());
     REQUIRE(all);
-    REQUIRE(all.value.runs.size() == 1);
-    CHECK(all.value.markerNames == std::vector<std::string>{"m0", "tip"});
-    CHECK(all.value.runs[0].markersFile == "run_1_markers.csv");
-    CHECK(all.value.runs[0].markers.rows() == 91);
-    CHECK_THAT(importing::account(all.value), Contains("marker lost has only one coordinate"));
-    const auto files = importing::runFiles(all.value);
+    REQUIRE(all->runs.size() == 1);
+    CHECK(all->markerNames == std::vector<std::string>{"m0", "tip"});
+    CHECK(all->runs[0].markersFile == "run_1_markers.csv");
+    CHECK(all->runs[0].markers.rows() == 91);
+    CHECK_THAT(importing::account(*all), Contains("marker lost has only one coordinate"));
+    const auto files = importing::runFiles(*all);
     REQUIRE(files);
-    CHECK(files.value.size() == 2);
-    CHECK(files.value[1].second.substr(0, 42) == "time_s,m0_x_mm,m0_y_mm,tip_x_mm,tip_y_mm\n0");
-    CHECK_THAT(importing::readExports({folder.path + "/b.csv"}, {}).error,
+    CHECK(files->size() == 2);
+    CHECK((*files)[1].second.substr(0, 42) == "time_s,m0_x_mm,m0_y_mm,tip_x_mm,tip_y_mm\n0");
+    CHECK_THAT(importing::readExports({folder.path + "/b.csv"}, {}).error(),
                Contains("expected the file of the run first"));
 }
 
@@ -211,15 +211,15 @@ TEST_CASE("markers keep their time against the run", "[importing]") {
     const std::string runFile = folder.write("a.csv", run);
     auto all = importing::readExports({runFile, folder.write("b.csv", markers)}, {});
     REQUIRE(all);
-    CHECK(all.value.runs[0].markers.find(Quantity::Time)->front() == Approx(2.0));
+    CHECK(all->runs[0].markers.find(Quantity::Time)->front() == Approx(2.0));
     // another clock: both are assumed to start together, with a remark
     std::string other = "time_s,m_x_mm,m_y_mm\n";
     for (int i = 0; i < rows; i += 4)
         other += printed(timeOf(i), 3) + ",1,2\n";
     all = importing::readExports({runFile, folder.write("d.csv", other)}, {});
     REQUIRE(all);
-    CHECK(all.value.runs[0].markers.find(Quantity::Time)->front() == 0.0);
-    CHECK_THAT(importing::account(all.value), Contains("both are taken to start together"));
+    CHECK(all->runs[0].markers.find(Quantity::Time)->front() == 0.0);
+    CHECK_THAT(importing::account(*all), Contains("both are taken to start together"));
 }
 
 TEST_CASE("an angle alone is converted", "[importing]") {
@@ -230,15 +230,15 @@ TEST_CASE("an angle alone is converted", "[importing]") {
     importing::Hints hints;
     hints.columns = {"angle[deg]"};
     const auto all = read(text, hints);
-    INFO(all.error);
+    INFO(all.error());
     REQUIRE(all);
-    CHECK(all.value.runs[0].signals.find(Quantity::Angle)->at(10) == Approx(-91.0 * M_PI / 180.0));
-    CHECK(all.value.runs[0].rate == Approx(1000.0));
-    CHECK_THAT(importing::account(all.value), Contains("assumed    line 2: there is no time; rows come at 1000 Hz"));
+    CHECK(all->runs[0].signals.find(Quantity::Angle)->at(10) == Approx(-91.0 * M_PI / 180.0));
+    CHECK(all->runs[0].rate == Approx(1000.0));
+    CHECK_THAT(importing::account(*all), Contains("assumed    line 2: there is no time; rows come at 1000 Hz"));
 }
 
 TEST_CASE("an export gives bitwise identical files", "[importing]") {
     const auto a = read(exported()), b = read(exported());
     REQUIRE((a && b));
-    CHECK(importing::runFiles(a.value).value == importing::runFiles(b.value).value);
+    CHECK(importing::runFiles(*a).value() == importing::runFiles(*b).value());
 }

@@ -17,9 +17,9 @@ TEST_CASE("empty and near empty files", "[importing]") {
     CHECK_THAT(errorOf("time_s,displacement_mm,force_N\n0,0,0\n"), Contains("x.csv: "));
     CHECK_THAT(errorOf("Dear colleague,\nthe machine is broken.\n"), Contains("there is no table of numbers"));
     CHECK_THAT(errorOf("PK\x03\x04 and so on"), Contains("x.csv: this is a spreadsheet or an archive"));
-    CHECK_THAT(importing::readExports({"/not/there.csv"}, {}).error,
+    CHECK_THAT(importing::readExports({"/not/there.csv"}, {}).error(),
                Contains("/not/there.csv") && Contains("No such file"));
-    CHECK_THAT(importing::readExports({"/"}, {}).error, Contains("cannot read /"));
+    CHECK_THAT(importing::readExports({"/"}, {}).error(), Contains("cannot read /"));
 }
 
 TEST_CASE("a constant channel is refused where it begins", "[importing]") {
@@ -89,7 +89,7 @@ TEST_CASE("invalid rows are reported one by one, then counted", "[importing]") {
 TEST_CASE("a file given twice is refused", "[importing]") {
     const Folder folder;
     const std::string file = folder.write("a.csv", exported());
-    CHECK_THAT(importing::readExports({file, file}, {}).error, Contains("a.csv: this file is given twice"));
+    CHECK_THAT(importing::readExports({file, file}, {}).error(), Contains("a.csv: this file is given twice"));
 }
 
 namespace {
@@ -99,14 +99,14 @@ void survives(const std::string& bytes) {
     const Folder folder;
     const auto all = importing::readExports({folder.write("x.csv", bytes)}, {});
     if (!all) {
-        REQUIRE_FALSE(all.error.empty());
+        REQUIRE_FALSE(all.error().empty());
         return;
     }
-    REQUIRE_FALSE(importing::account(all.value).empty());
-    REQUIRE(importing::runFiles(all.value));
-    const auto description = importing::describe(all.value, {});
+    REQUIRE_FALSE(importing::account(*all).empty());
+    REQUIRE(importing::runFiles(*all));
+    const auto description = importing::describe(*all, {});
     REQUIRE(description);
-    REQUIRE_FALSE(importing::accountJson(all.value, description.value).empty());
+    REQUIRE_FALSE(importing::accountJson(*all, *description).empty());
 }
 
 /// A sound export with bytes changed, taken out, doubled, or lines cut.

@@ -24,9 +24,9 @@ const double none = std::nan("");
 
 importing::Imported imported(const std::string& text, const importing::Hints& hints = {}) {
     auto all = read(text, hints);
-    INFO(all.error);
+    INFO(all.error());
     REQUIRE(all);
-    return all.value;
+    return *all;
 }
 
 } // namespace

@@ -22,10 +22,10 @@ const char* const specimen = R"({"arc_length_m": 0.0837758, "natural_curvature_1
 importing::Description described(const importing::TemplateOptions& options) {
     const auto all = read(exported());
     REQUIRE(all);
-    auto d = importing::describe(all.value, options);
-    INFO(d.error);
+    auto d = importing::describe(*all, options);
+    INFO(d.error());
     REQUIRE(d);
-    return d.value;
+    return *d;
 }
 
 std::string joined(const std::vector<std::string>& lines) {
@@ -38,9 +38,9 @@ std::string joined(const std::vector<std::string>& lines) {
 std::string refusal(const importing::TemplateOptions& options) {
     const auto all = read(exported());
     REQUIRE(all);
-    const auto d = importing::describe(all.value, options);
+    const auto d = importing::describe(*all, options);
     CHECK_FALSE(d);
-    return d.error;
+    return d.error();
 }
 
 } // namespace

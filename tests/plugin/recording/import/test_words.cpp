@@ -25,37 +25,42 @@ Cell kindOf(const std::string& cell, char decimal = '.') {
 } // namespace
 
 TEST_CASE("encodings are recognised", "[importing]") {
-    CHECK(decode("a;b\n").value.encoding == "UTF-8");
+    CHECK(decode("a;b\n").value().encoding == "UTF-8");
     CHECK(decode("\xEF\xBB\xBF"
                  "a\n")
-              .value.utf8 == "a\n");
+              .value()
+              .utf8 == "a\n");
     CHECK(decode("Pr\xFC"
                  "fkraft\r\n")
-              .value.utf8 == "Prüfkraft\r\n");
-    CHECK(decode("10 \x80\n").value.utf8 == "10 €\n"); // Windows-1252 where Latin-1 has nothing
+              .value()
+              .utf8 == "Prüfkraft\r\n");
+    CHECK(decode("10 \x80\n").value().utf8 == "10 €\n"); // Windows-1252 where Latin-1 has nothing
     CHECK(decode(std::string("\xFF\xFE"
                              "a\0\xB5\0\n\0",
                              8))
-              .value.utf8 == "aµ\n");
+              .value()
+              .utf8 == "aµ\n");
     CHECK(decode(std::string("\xFE\xFF"
                              "\0a\0\xB5\0\n",
                              8))
-              .value.utf8 == "aµ\n");
-    CHECK(decode(std::string("1\0;\0002\0\n\0", 8)).value.encoding == "UTF-16 (little-endian)"); // no mark
+              .value()
+              .utf8 == "aµ\n");
+    CHECK(decode(std::string("1\0;\0002\0\n\0", 8)).value().encoding == "UTF-16 (little-endian)"); // no mark
     // a surrogate without its partner is no character, and the next one stays
     CHECK(decode(std::string("\xFF\xFE\x00\xD8"
                              "a\0",
                              6))
-              .value.utf8 == "\xEF\xBF\xBD"
-                             "a");
-    CHECK(decode("a\r\nb\n").value.lineEnds == "mixed");
+              .value()
+              .utf8 == "\xEF\xBF\xBD"
+                       "a");
+    CHECK(decode("a\r\nb\n").value().lineEnds == "mixed");
     CHECK(linesOf("a\r\nb\rc\n\nd").size() == 5);
 }
 
 TEST_CASE("other files than text are refused", "[importing]") {
-    CHECK_THAT(decode("").error, Contains("empty"));
-    CHECK_THAT(decode("PK\x03\x04xyz").error, Contains("spreadsheet"));
-    CHECK_THAT(decode(std::string("ab\0\0\0\0\0\x01 cdefgh ijkl", 21)).error, Contains("zero bytes"));
+    CHECK_THAT(decode("").error(), Contains("empty"));
+    CHECK_THAT(decode("PK\x03\x04xyz").error(), Contains("spreadsheet"));
+    CHECK_THAT(decode(std::string("ab\0\0\0\0\0\x01 cdefgh ijkl", 21)).error(), Contains("zero bytes"));
 }
 
 TEST_CASE("cells have positions", "[importing]") {

@@ -12,7 +12,7 @@ using namespace supercircle::record;
 namespace {
 
 std::string messageOf(const std::string& text, const CsvOptions& options = {}) {
-    return parseCsv(text, "run.csv", options).error;
+    return parseCsv(text, "run.csv", options).error();
 }
 
 } // namespace
@@ -21,29 +21,29 @@ TEST_CASE("a series reads back bit for bit and is written the same again") {
     const Series series = test::smallRecording().series;
     const auto text = csvText(series);
     REQUIRE(text);
-    const auto back = parseCsv(text.value, "x");
+    const auto back = parseCsv(*text, "x");
     REQUIRE(back);
-    CHECK(back.value.names == series.names);
+    CHECK(back->names == series.names);
     for (std::size_t c = 0; c < series.columns.size(); ++c)
         for (std::size_t i = 0; i < series.rows(); ++i) {
-            const double a = series.columns[c][i], b = back.value.columns[c][i];
+            const double a = series.columns[c][i], b = back->columns[c][i];
             CHECK((std::isnan(a) ? std::isnan(b) : std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b)));
         }
-    CHECK(csvText(back.value).value == text.value);
+    CHECK(csvText(*back).value() == *text);
 }
 
 TEST_CASE("what spreadsheets do to CSV is understood") {
     const auto r =
         parseCsv("\xEF\xBB\xBF# a comment\r\n\"force, N\", time_s ,note\r\n\r\n 1.5 ,2,\"a \"\"b\"\"\"\r\n,3,x", "x",
                  {',', {"time_s"}, {"note"}});
-    REQUIRE(r.error.empty());
-    CHECK(r.value.names == std::vector<std::string>{"force, N", "time_s"});
-    CHECK(r.value.columns[0][0] == 1.5);
-    CHECK(std::isnan(r.value.columns[0][1]));
-    CHECK(r.value.columns[1] == std::vector<double>{2.0, 3.0});
+    REQUIRE(r.error().empty());
+    CHECK(r->names == std::vector<std::string>{"force, N", "time_s"});
+    CHECK(r->columns[0][0] == 1.5);
+    CHECK(std::isnan(r->columns[0][1]));
+    CHECK(r->columns[1] == std::vector<double>{2.0, 3.0});
     const auto tabs = parseCsv("a\tb\n1\t\n", "x", {'\t', {}, {}});
     REQUIRE(tabs);
-    CHECK(std::isnan(tabs.value.columns[1][0]));
+    CHECK(std::isnan(tabs->columns[1][0]));
 }
 
 TEST_CASE("errors name file, line and column") {
@@ -55,27 +55,28 @@ TEST_CASE("errors name file, line and column") {
     CHECK(messageOf("a,,b\n") == "run.csv:1:3: column without a name");
     CHECK(messageOf("a\n\"1\n") == "run.csv:2:1: quote is not closed");
     CHECK(messageOf("a,b\n", {',', {"force_N"}, {}}) == "run.csv:1:1: no column 'force_N'; there are 'a', 'b'");
-    CHECK_THAT(readCsv("/nowhere/x.csv").error, Catch::Contains("/nowhere/x.csv") && Catch::Contains("No such file"));
+    CHECK_THAT(readCsv("/nowhere/x.csv").error(), Catch::Contains("/nowhere/x.csv") && Catch::Contains("No such file"));
 }
 
 TEST_CASE("a series with columns of different lengths is refused") {
-    CHECK_THAT(csvText({{"a", "b"}, {{1.0, 2.0}, {1.0}}}).error, Catch::Contains("column 'b' has 1 rows"));
+    CHECK_THAT(csvText({{"a", "b"}, {{1.0, 2.0}, {1.0}}}).error(), Catch::Contains("column 'b' has 1 rows"));
     CHECK_FALSE(csvText({{"a"}, {}}));
 }
 
 TEST_CASE("resampling a line is exact, ends hold and jumps take their last value") {
     const auto r = resample({0.0, 1.0, 1.0, 3.0}, {0.0, 2.0, 5.0, 9.0}, {-1.0, 0.0, 0.25, 1.0, 2.0, 3.0, 4.0});
     REQUIRE(r);
-    CHECK(r.value == std::vector<double>{0.0, 0.0, 0.5, 5.0, 7.0, 9.0, 9.0});
+    CHECK(*r == std::vector<double>{0.0, 0.0, 0.5, 5.0, 7.0, 9.0, 9.0});
 }
 
 TEST_CASE("resampling refuses what has no order") {
-    CHECK_THAT(resample({0.0, 2.0, 1.0}, {0.0, 0.0, 0.0}, {0.5}).error, Catch::Contains("decreases at row 2"));
-    CHECK_THAT(resample({0.0, std::nan("")}, {0.0, 0.0}, {0.5}).error, Catch::Contains("not a number at row 1"));
+    CHECK_THAT(resample({0.0, 2.0, 1.0}, {0.0, 0.0, 0.0}, {0.5}).error(), Catch::Contains("decreases at row 2"));
+    CHECK_THAT(resample({0.0, std::nan("")}, {0.0, 0.0}, {0.5}).error(), Catch::Contains("not a number at row 1"));
     CHECK_FALSE(resample({}, {}, {0.5}));
     CHECK_FALSE(resample({0.0}, {0.0, 1.0}, {0.5}));
-    CHECK_THAT(resampleSeries(Series{{"a"}, {{1.0}}}, "t", {}).error, Catch::Contains("no column 't'; there are 'a'"));
+    CHECK_THAT(resampleSeries(Series{{"a"}, {{1.0}}}, "t", {}).error(),
+               Catch::Contains("no column 't'; there are 'a'"));
     const auto all = resampleSeries(Series{{"t", "f"}, {{0.0, 1.0}, {0.0, 4.0}}}, "t", {0.5, 2.0});
     REQUIRE(all);
-    CHECK(all.value.columns == std::vector<std::vector<double>>{{0.5, 2.0}, {2.0, 4.0}});
+    CHECK(all->columns == std::vector<std::vector<double>>{{0.5, 2.0}, {2.0, 4.0}});
 }

@@ -35,7 +35,7 @@ inline Scene loaded(const std::string& path, const std::vector<Override>& overri
     std::vector<Problem> problems;
     auto scene = load(path, overrides, problems);
     INFO(say(problems));
-    REQUIRE(scene.has_value());
+    REQUIRE(scene);
     return *scene;
 }
 
@@ -43,7 +43,7 @@ inline Scene loadedText(const std::string& text, const std::vector<Override>& ov
     std::vector<Problem> problems;
     auto scene = loadText(text, "text.json", overrides, problems);
     INFO(say(problems));
-    REQUIRE(scene.has_value());
+    REQUIRE(scene);
     return *scene;
 }
 
@@ -52,7 +52,7 @@ inline std::vector<Problem> refused(const std::string& text, const std::vector<O
     std::vector<Problem> problems;
     const auto scene = loadText(text, "text.json", overrides, problems);
     INFO(text);
-    REQUIRE_FALSE(scene.has_value());
+    REQUIRE_FALSE(scene);
     std::vector<Problem> errors;
     for (const Problem& p : problems)
         if (p.severity == Problem::Severity::Error)

@@ -322,7 +322,7 @@ TEST_CASE("no cut and no flipped byte of a valid file crashes the loader") {
             damaged[next() % damaged.size()] = static_cast<char>(next() & 0xff);
         problems.clear();
         const auto scene = loadText(damaged, "damaged.json", {}, problems);
-        CHECK(scene.has_value() != anyError(problems));
+        CHECK(bool(scene) != anyError(problems));
     }
 }
 

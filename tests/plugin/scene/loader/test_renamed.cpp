@@ -51,7 +51,7 @@ TEST_CASE("every old key loads with one note that names its successor") {
         std::vector<Problem> problems;
         const auto scene = loadText(k.file, "text.json", {}, problems);
         INFO(say(problems));
-        REQUIRE(scene.has_value());
+        REQUIRE(scene);
         REQUIRE(problems.size() == 1);
         CHECK(problems[0].severity == Problem::Severity::Note);
         CHECK(problems[0].pointer == k.pointer);
@@ -113,7 +113,7 @@ TEST_CASE("a parameter is also found under its former name, with a note") {
     std::vector<Problem> problems;
     const auto scene = loadText(text, "text.json", {{"together", 5}}, problems);
     INFO(say(problems));
-    REQUIRE(scene.has_value());
+    REQUIRE(scene);
     CHECK(scene->duration == 5.0);
     REQUIRE(problems.size() == 1);
     CHECK(problems[0].what == "\"together\" is called \"batch_size\" since 0.2");

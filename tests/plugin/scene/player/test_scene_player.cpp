@@ -28,7 +28,7 @@ struct PlayedWorld {
             REQUIRE(r.failure.empty());
             if (r.advanced > 0.0)
                 world.Step(static_cast<float>(r.advanced), 8, 3);
-            scene.post_step();
+            REQUIRE(scene.post_step());
             largestForce = std::max(largestForce, scene.force());
             largestTravel = std::max(largestTravel, scene.travel());
         }

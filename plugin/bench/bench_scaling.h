@@ -39,11 +39,11 @@ std::string number(const char* format, double value);
 
 std::string scalingTables(const std::vector<ScalingRow>& rows);
 /// PNG; empty `error` on success.
-std::string scalingPicture(const std::vector<ScalingRow>& rows, std::string& error);
+[[nodiscard]] std::string scalingPicture(const std::vector<ScalingRow>& rows, std::string& error);
 
 /// Results of a size are stored, because they take hours: its file below the current directory.
 std::string scalingFile(int shells);
-std::string saveScaling(const ScalingRow& row);
-bool loadScaling(int shells, ScalingRow& row);
+[[nodiscard]] std::string saveScaling(const ScalingRow& row);
+[[nodiscard]] bool loadScaling(int shells, ScalingRow& row);
 
 } // namespace supercircle::cli

@@ -10,7 +10,7 @@ namespace supercircle::cli {
 
 /// Runs a scene of the project by name, without frames, until it is done or interrupted.
 /// @return empty, or why it could not be run
-std::string runBenchmarkScene(const std::string& name, const std::vector<std::string>& parameters,
-                              lab::RunOptions options, lab::RunResult& out);
+[[nodiscard]] std::string runBenchmarkScene(const std::string& name, const std::vector<std::string>& parameters,
+                                            lab::RunOptions options, lab::RunResult& out);
 
 } // namespace supercircle::cli

@@ -30,11 +30,11 @@ struct SolverRow {
     double median = 0.0;  ///< ms of CPU
     double reached = 0.0; ///< fraction of the problems that met the tolerance
 };
-std::optional<SolverRow> solverRow(const Measurement& m);
+[[nodiscard]] std::optional<SolverRow> solverRow(const Measurement& m);
 
 /// One line a set, one column a solver, as Markdown.
 std::string solverTable(const std::vector<SolverRow>& rows);
 /// Time against contacts, log-log, a panel for each kind and tolerance, as a PNG file. Empty `error` on success.
-std::string solverPicture(const std::vector<SolverRow>& rows, std::string& error);
+[[nodiscard]] std::string solverPicture(const std::vector<SolverRow>& rows, std::string& error);
 
 } // namespace supercircle::cli

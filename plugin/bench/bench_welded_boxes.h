@@ -32,7 +32,7 @@ public:
     /// `pose` is where the shell is; one box per arc. `held`: the middle box is kinematic.
     void add(const ShellDef& shell, const ShellPose& pose, bool held);
     /// Builds the world. Empty, or why not.
-    std::string build(std::unique_ptr<step::HostWorld>& host);
+    [[nodiscard]] std::string build(std::unique_ptr<step::HostWorld>& host);
 
     /// Centre lines through the joints, for the crossing check.
     [[nodiscard]] std::vector<contact::RodCurve> curves(const step::HostWorld& host) const;
@@ -62,6 +62,7 @@ GameRun weldedCylinder(const CylinderCase& which, const WeldedBoxSettings& setti
 GameRun weldedPile(const PileCase& pile, const WeldedBoxSettings& settings);
 
 /// Content of a PNG file: both piles side by side; empty after an error.
-std::string weldedBoxesPicture(const GameRun& ours, const GameRun& boxes, const GameRun& tuned, std::string& error);
+[[nodiscard]] std::string weldedBoxesPicture(const GameRun& ours, const GameRun& boxes, const GameRun& tuned,
+                                             std::string& error);
 
 } // namespace supercircle::cli

@@ -16,7 +16,7 @@ public:
     OutputFolder& operator=(const OutputFolder&) = delete;
 
     /// Creates the folder. Empty, or why nothing can be written there.
-    std::string prepare();
+    [[nodiscard]] std::string prepare();
     [[nodiscard]] const std::string& path() const { return path_; }
 
 private:
@@ -25,6 +25,6 @@ private:
 };
 
 /// Flushes stdout; false (after a message) if printing failed, as on a full disk.
-bool printed();
+[[nodiscard]] bool printed();
 
 } // namespace supercircle::cli

@@ -54,7 +54,8 @@ struct OutlineHit {
 
 /// False for a one-sided edge if another edge of its chain is nearer, or the point is deeper behind it than `depth`, m.
 /// @param inward unit vector; chooses the normal for a point exactly on a two-sided segment or at a disc's centre
-bool closestOnOutline(const OutlineShape& shape, const Vec2& p, double depth, const Vec2& inward, OutlineHit& hit);
+[[nodiscard]] bool closestOnOutline(const OutlineShape& shape, const Vec2& p, double depth, const Vec2& inward,
+                                    OutlineHit& hit);
 
 /// Cheap lower bound of the distance from p to the outline, radius included, m.
 double distanceBound(const OutlineShape& shape, const Vec2& p);
@@ -62,6 +63,6 @@ double distanceBound(const OutlineShape& shape, const Vec2& p);
 /// True if the corner touches a rod whose closest point to it is `foot`. Gives the normal out of the outline and the
 /// signed distance, m. Directions up to 6 degrees outside the corner's own cone are accepted, so that contacts of a rod
 /// flat on a face do not flicker, and the corner does not enter the rod there.
-bool cornerHit(const Corner& corner, const Foot& foot, double depth, Vec2& normal, double& distance);
+[[nodiscard]] bool cornerHit(const Corner& corner, const Foot& foot, double depth, Vec2& normal, double& distance);
 
 } // namespace supercircle::contact

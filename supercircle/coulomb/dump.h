@@ -16,14 +16,14 @@
 namespace supercircle::coulomb {
 
 /// Writes the FCP2D image of `problem` (contact ids are not stored). Returns an empty string, or what went wrong.
-std::string encode(const Problem& problem, std::string& bytes);
+[[nodiscard]] std::string encode(const Problem& problem, std::string& bytes);
 
 /// Reads an FCP2D image. Returns an empty string, or a sentence with the byte offset; `problem` is then unchanged.
 /// Every count is checked against the bytes left, and the result by `validate`.
-std::string decode(std::string_view bytes, Problem& problem);
+[[nodiscard]] std::string decode(std::string_view bytes, Problem& problem);
 
 /// The same for a file.
-std::string writeDump(const std::string& path, const Problem& problem);
-std::string readDump(const std::string& path, Problem& problem);
+[[nodiscard]] std::string writeDump(const std::string& path, const Problem& problem);
+[[nodiscard]] std::string readDump(const std::string& path, Problem& problem);
 
 } // namespace supercircle::coulomb

@@ -51,6 +51,6 @@ struct Problem {
 
 /// Empty if sizes, indices, signs and numbers are valid, else one sentence that names the invalid body or contact. The
 /// solver reports an A that is not positive definite, because only the factorisation shows it.
-std::string validate(const Problem& problem, const parallel::For& loop = {});
+[[nodiscard]] std::string validate(const Problem& problem, const parallel::For& loop = {});
 
 } // namespace supercircle::coulomb

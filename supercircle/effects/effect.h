@@ -63,16 +63,16 @@ struct Setting {
 Setting off(const Effect& effect);
 /// Sets a parameter from text: a number or one of its choices; parameter "shell" takes the name of a shell. Returns an
 /// empty string, or what is wrong and the nearest known name.
-std::string set(Setting& setting, std::string_view parameter, std::string_view value);
+[[nodiscard]] std::string set(Setting& setting, std::string_view parameter, std::string_view value);
 /// The same from a number.
-std::string set(Setting& setting, std::string_view parameter, double value);
+[[nodiscard]] std::string set(Setting& setting, std::string_view parameter, double value);
 bool isOff(const Setting& setting);
 /// Reads "KEY:NAME=VALUE" into a list of settings; an existing key gets the value. Returns an empty string, or what is
 /// wrong.
-std::string add(std::vector<Setting>& settings, std::string_view text);
+[[nodiscard]] std::string add(std::vector<Setting>& settings, std::string_view text);
 
 /// Empty, or which settings are inconsistent.
-std::string validate(const std::vector<Setting>& settings);
+[[nodiscard]] std::string validate(const std::vector<Setting>& settings);
 
 /// The model of the shell called `shell`: its own settings and those of all shells.
 Model modelFor(const std::vector<Setting>& settings, std::string_view shell);

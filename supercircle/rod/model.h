@@ -37,7 +37,7 @@ std::vector<double> gradedLengths(double length, int elements, double tipRefinem
 int elementsMeetingAt(double fraction, int atLeast);
 
 /// Empty if the definition can be simulated, else what is wrong with it.
-std::string validate(const RodDefinition& definition);
+[[nodiscard]] std::string validate(const RodDefinition& definition);
 
 /// An element, or half of the middle one, between mid-length and a tip; listed outwards.
 struct Segment {

@@ -71,7 +71,7 @@ public:
     virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
     /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why
     /// nothing was made.
-    virtual std::string build(const RigidWorldDefinition&) { return "this host cannot be given bodies"; }
+    [[nodiscard]] virtual std::string build(const RigidWorldDefinition&) { return "this host cannot be given bodies"; }
     /// The body called `name` in the host, 0 if there is none.
     [[nodiscard]] virtual BodyId find(const std::string& name) const = 0;
 };

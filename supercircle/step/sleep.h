@@ -23,7 +23,7 @@ void wakeIsland(World& world, std::uint32_t island);
 void wakeAll(World& world);
 
 /// Puts the island of a rod to sleep, whatever its speed (its motion is booked as removed). Empty, or why it cannot.
-std::string putToSleep(World& world, std::size_t rod);
+[[nodiscard]] std::string putToSleep(World& world, std::size_t rod);
 
 /// Measures, after a step of `dt` seconds, how long rods have been still; `h`: thinnest shell, m.
 void measureRest(World& world, const Settings& settings, double h, double dt);

@@ -8,6 +8,6 @@
 namespace supercircle::cli {
 
 /// The exit code, or nothing if the file has another schema.
-std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& arguments);
+[[nodiscard]] std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& arguments);
 
 } // namespace supercircle::cli

@@ -63,7 +63,8 @@ struct FitSettings {
 
 /// Simulates at f.x and sets all but Jacobian and iterations. False if the simulation cannot be compared with the
 /// recordings.
-bool evaluate(Evaluator& evaluator, const Likelihood& likelihood, const Variables& variables, FitResult& f);
+[[nodiscard]] bool evaluate(Evaluator& evaluator, const Likelihood& likelihood, const Variables& variables,
+                            FitResult& f);
 
 /// Broyden's update.
 /// @param change whitened change of the simulation by the step

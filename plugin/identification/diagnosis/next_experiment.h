@@ -27,8 +27,9 @@ namespace supercircle::diagnosis {
 /// Empty if there are fewer than two hypotheses, if no candidate run reaches a quarter of the required distance, or if
 /// the evaluator was stopped.
 /// @param zeroWindow as RecordedData::zeroWindow, s; 0: the load cell is not tared
-std::optional<NextExperiment> nextExperiment(Evaluator& evaluator, const std::vector<CompetingHypothesis>& competing,
-                                             const Noise& noise, double zeroWindow);
+[[nodiscard]] std::optional<NextExperiment> nextExperiment(Evaluator& evaluator,
+                                                           const std::vector<CompetingHypothesis>& competing,
+                                                           const Noise& noise, double zeroWindow);
 
 /// Sentence for the case that no candidate run discriminates.
 std::string noRunDiscriminates(const Diagnosis& d);

@@ -36,7 +36,7 @@ public:
 private:
     /// Sets the parameters of a point; returns an error text or nothing.
     void addReading(const Term& term, std::size_t run, const std::vector<double>& time, Eigen::VectorXd& force) const;
-    std::string parametersAt(const ParameterPoint& point, replay::Parameters& parameters) const;
+    [[nodiscard]] std::string parametersAt(const ParameterPoint& point, replay::Parameters& parameters) const;
 
     const experiment::Experiment& experiment_;
     std::vector<Scalar> nominal_;

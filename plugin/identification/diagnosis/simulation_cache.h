@@ -25,8 +25,8 @@ public:
 
     /// Reads the entries of `file` for `identity` and appends new ones there. Returns an error text or nothing. Without
     /// a file entries live in memory only.
-    std::string open(const std::string& file, const std::string& identity);
-    std::optional<Response> find(const std::string& key) const;
+    [[nodiscard]] std::string open(const std::string& file, const std::string& identity);
+    [[nodiscard]] std::optional<Response> find(const std::string& key) const;
     void insert(const std::string& key, const Response& response);
     /// Clears memory and file.
     void clear();

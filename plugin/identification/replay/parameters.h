@@ -61,17 +61,17 @@ std::vector<ParameterInfo> parameterList(const experiment::Experiment& experimen
 
 /// Sets a parameter by name, "KEY:NAME" for one of an effect, which is added. Returns an error text or nothing: unknown
 /// name with the nearest known one, or value out of range.
-std::string set(Parameters& parameters, const experiment::Experiment& experiment, const std::string& name,
-                double value);
+[[nodiscard]] std::string set(Parameters& parameters, const experiment::Experiment& experiment, const std::string& name,
+                              double value);
 
 /// Whether an effect has something to act on in this experiment.
 bool acts(const experiment::Experiment& experiment, effects::Key key);
 
 /// Error text for effects that exclude each other or this experiment, or nothing.
-std::string checkEffects(const Parameters& parameters, const experiment::Experiment& experiment);
+[[nodiscard]] std::string checkEffects(const Parameters& parameters, const experiment::Experiment& experiment);
 
 /// Value by name (of the first specimen for shared names); empty: no such name.
-std::optional<double> get(const Parameters& parameters, const experiment::Experiment& experiment,
-                          const std::string& name);
+[[nodiscard]] std::optional<double> get(const Parameters& parameters, const experiment::Experiment& experiment,
+                                        const std::string& name);
 
 } // namespace supercircle::replay

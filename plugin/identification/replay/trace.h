@@ -32,7 +32,7 @@ struct Tangent {
 
 /// Tangent through the last two certain forces; uncertain ones after them are removed. None (and nothing removed) if
 /// those two are not both steady.
-std::optional<Tangent> endTangent(std::vector<ForceSample>& forces);
+[[nodiscard]] std::optional<Tangent> endTangent(std::vector<ForceSample>& forces);
 
 /// Replaces uncertain means by the tangents of steady ones on either side: a specimen that begins to slide has a kink
 /// where the tangents meet. If they do not meet in between, the chord is used where it is closer to the tangents than

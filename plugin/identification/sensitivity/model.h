@@ -44,7 +44,8 @@ std::vector<std::string> effectNames(const experiment::Experiment& e);
 /// The replay of an experiment with the parameters `names` as columns (empty: all shared ones) at `parameters`;
 /// "KEY:NAME" is a parameter of an effect. `experiment` must outlive the model.
 /// @return the model, or in `error` the unknown name and the nearest known one
-Model replayModel(const experiment::Experiment& experiment, const replay::Parameters& parameters,
-                  const replay::Resolution& resolution, const std::vector<std::string>& names, std::string& error);
+[[nodiscard]] Model replayModel(const experiment::Experiment& experiment, const replay::Parameters& parameters,
+                                const replay::Resolution& resolution, const std::vector<std::string>& names,
+                                std::string& error);
 
 } // namespace supercircle::sensitivity

@@ -23,7 +23,7 @@ public:
     Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const RunOptions& options);
 
     /// Creates the shells and holds that the scene names; empty, or why it cannot start (overlap, unknown names).
-    std::string populate();
+    [[nodiscard]] std::string populate();
     /// Drops the scene's random shells in batches and lets them settle.
     void drop();
     /// Runs the protocol, or the scene's duration when there is none.
@@ -37,7 +37,7 @@ public:
 private:
     using Rows = std::pair<std::size_t, std::size_t>; ///< of the series, the second one past the end
 
-    bool frame(double dt, const std::function<bool()>& stop); ///< false when the run is over
+    [[nodiscard]] bool frame(double dt, const std::function<bool()>& stop); ///< false when the run is over
     bool settle(double speed, double longest);
     void approach(); ///< brings the crosshead to first contact
     void runFree();  ///< a scene without a protocol
@@ -49,7 +49,7 @@ private:
     void addShellInfo(std::size_t rod);
     void describeOutlines();
     void reportProgress(double fraction);
-    std::string dropBatch(int count);
+    [[nodiscard]] std::string dropBatch(int count);
     /// Sets the largest step and frame while the crosshead moves at `speed` m/s for `branch` m.
     void setStepLimits(double speed, double branch = std::numeric_limits<double>::infinity());
     [[nodiscard]] double pileTop() const;         ///< highest point of the shells' surfaces, m

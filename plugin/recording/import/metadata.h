@@ -19,6 +19,6 @@ struct MetadataValue {
 
 /// First header entry with this metadata: "Sample rate: 100 Hz", "Test speed;5;mm/min", "Fmax [N] = 3,2", "Number of
 /// points: 500". Only positive numbers with a suitable unit count; a sampling rate may have none.
-std::optional<MetadataValue> metadataValue(const std::vector<HeaderEntry>& metadata, MetadataKey what);
+[[nodiscard]] std::optional<MetadataValue> metadataValue(const std::vector<HeaderEntry>& metadata, MetadataKey what);
 
 } // namespace supercircle::importing

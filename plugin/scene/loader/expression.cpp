@@ -235,7 +235,7 @@ void Scope::declare(Context& context, const Node* parameters, const Node* consta
     block(constants, "constants", [&](const Node& n, const std::string& p) { declareConstant(context, n, p); });
     override(context, overrides, parameters);
     for (const auto& entry : entries_)
-        resolve(context, *entry, *entry->node, entry->pointer);
+        (void)resolve(context, *entry, *entry->node, entry->pointer); // it reports
 }
 
 bool Scope::resolve(Context& context, Entry& entry, const Node& at, const std::string& pointer) {

@@ -34,10 +34,11 @@ public:
                  const std::vector<Override>& overrides);
 
     /// Value of a parameter or constant; empty (after a report at `at`) if there is none.
-    std::optional<double> value(Context& context, const std::string& name, const Node& at, const std::string& pointer);
+    [[nodiscard]] std::optional<double> value(Context& context, const std::string& name, const Node& at,
+                                              const std::string& pointer);
     /// Value of a formula; empty after a report at `at`.
-    std::optional<double> evaluate(Context& context, const std::string& formula, const Node& at,
-                                   const std::string& pointer);
+    [[nodiscard]] std::optional<double> evaluate(Context& context, const std::string& formula, const Node& at,
+                                                 const std::string& pointer);
     /// The parameters with their final values, in the order of the file.
     [[nodiscard]] std::vector<Parameter> parameters() const;
 
@@ -46,13 +47,13 @@ private:
     struct Calculator;
 
     bool isFunction(const std::string& name) const;
-    bool acceptName(Context& context, const Node& node, const std::string& pointer);
+    [[nodiscard]] bool acceptName(Context& context, const Node& node, const std::string& pointer);
     void declareParameter(Context& context, const Node& node, const std::string& pointer);
     void declareConstant(Context& context, const Node& node, const std::string& pointer);
     std::string presentName(Context& context, const std::string& name, const Node& at) const;
     void override(Context& context, const std::vector<Override>& overrides, const Node* parameters);
-    bool resolve(Context& context, Entry& entry, const Node& at, const std::string& pointer);
-    bool checkParameter(Context& context, Entry& entry);
+    [[nodiscard]] bool resolve(Context& context, Entry& entry, const Node& at, const std::string& pointer);
+    [[nodiscard]] bool checkParameter(Context& context, Entry& entry);
     std::vector<std::string> names() const;
 
     std::vector<std::unique_ptr<Entry>> entries_;

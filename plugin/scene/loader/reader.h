@@ -53,12 +53,12 @@ struct ArrayItem {
 
 /// A number: JSON number, {"param": name}, {"expr": formula}, or, if `hex`, the eight hex digits that b2dJson writes
 /// for the bits of a float. Empty after a report.
-std::optional<double> readNumber(Context& context, const Node& node, const std::string& pointer, const Limits& limits,
-                                 bool hex = false);
+[[nodiscard]] std::optional<double> readNumber(Context& context, const Node& node, const std::string& pointer,
+                                               const Limits& limits, bool hex = false);
 
 /// "{x, y}" or 0 for the origin. Empty after a report.
-std::optional<Eigen::Vector2d> readVector(Context& context, const Node& node, const std::string& pointer,
-                                          bool hex = false);
+[[nodiscard]] std::optional<Eigen::Vector2d> readVector(Context& context, const Node& node, const std::string& pointer,
+                                                        bool hex = false);
 
 class ObjectReader {
 public:

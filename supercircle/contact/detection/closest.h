@@ -46,7 +46,7 @@ inline double footArc(double k, double x, double y) {
 
 /// Foot of p on the circle of a sub-arc, without its arc length. `x` and `y` return p in the start frame. False for the
 /// centre of the circle.
-inline bool footOnCircle(const SubArc& arc, const Vec2& p, Foot& foot, double& x, double& y) {
+[[nodiscard]] inline bool footOnCircle(const SubArc& arc, const Vec2& p, Foot& foot, double& x, double& y) {
     const Vec2 w = p - arc.p0;
     x = w.dot(arc.t0);
     y = rod::cross(arc.t0, w);
@@ -63,7 +63,7 @@ inline bool footOnCircle(const SubArc& arc, const Vec2& p, Foot& foot, double& x
 }
 
 /// Local minimum of the distance from p in the half-open interior of the sub-arc, within maxDistance (m).
-inline bool footInSubArc(const SubArc& arc, const Vec2& p, double maxDistance, Foot& foot) {
+[[nodiscard]] inline bool footInSubArc(const SubArc& arc, const Vec2& p, double maxDistance, Foot& foot) {
     if (!(aheadOfStart(arc, p) >= 0.0) || aheadOfEnd(arc, p) >= 0.0)
         return false;
     double x = 0.0;
@@ -91,7 +91,8 @@ struct ArcMinimum {
 ///     kr = kA - kB - d kA kB   (curvatures counted positive when they bend towards +normal)
 /// the two curves separate by kr l^2 / 8 within half an element from the minimum. Where that is less than `depth` (m),
 /// the projected nodes give the same gap, and the position of the minimum would be arbitrary.
-bool arcArcMinimum(const SubArc& a, const SubArc& b, double maxDistance, double depth, ArcMinimum& minimum);
+[[nodiscard]] bool arcArcMinimum(const SubArc& a, const SubArc& b, double maxDistance, double depth,
+                                 ArcMinimum& minimum);
 /// Where to search if the minimum is not on these sub-arcs: -1 or +1 for the neighbour before or after. Both 0: there
 /// is no such minimum.
 struct NeighbourSteps {
@@ -102,7 +103,7 @@ NeighbourSteps stepsToMinimum(const SubArc& a, const SubArc& b);
 
 /// The interior point of a sub-arc whose distance from a straight line with unit normal `up` has a local minimum
 /// (signed along `up`), under the same condition on `depth` (curvature l^2 / 8).
-bool lowestPoint(const SubArc& arc, const Vec2& up, double depth, Foot& foot);
+[[nodiscard]] bool lowestPoint(const SubArc& arc, const Vec2& up, double depth, Foot& foot);
 
 /// Point and left normal at arc length s (m) of a sub-arc.
 Foot pointOnSubArc(const SubArc& arc, double s);

@@ -40,7 +40,7 @@ Vec2 inwardOf(const Sample& sample);
 
 /// The extremal point of a sub-arc against one face, or (face 0) its closest point to a disc; sets the frame in `c`.
 /// Returns false if there is none, if it is ill conditioned, or if another feature of the outline is nearer.
-bool interiorOutline(const SubArc& arc, double halfThickness, const OutlineShape& shape, std::int32_t face,
-                     double maxGap, Candidate& c, double& s);
+[[nodiscard]] bool interiorOutline(const SubArc& arc, double halfThickness, const OutlineShape& shape,
+                                   std::int32_t face, double maxGap, Candidate& c, double& s);
 
 } // namespace supercircle::contact

@@ -30,7 +30,7 @@ public:
     }
 
     /// Factors in place. False if a pivot lost more than about twelve digits against its diagonal entry.
-    bool factor();
+    [[nodiscard]] bool factor();
 
     /// Solves in place.
     void solve(double* x) const;

@@ -52,7 +52,7 @@ private:
     void begin(const MassNormalisedProblem& problem, const PathSettings& settings, const SolverState& x);
     double errorOf(const MassNormalisedProblem& problem) const;
     Termination follow(const MassNormalisedProblem& problem, const PathSettings& settings, PathCounts& counts);
-    bool direction(const MassNormalisedProblem& problem);
+    [[nodiscard]] bool direction(const MassNormalisedProblem& problem);
     Breakpoint nextBreakpoint(const MassNormalisedProblem& problem, double sign);
     double openRate(const MassNormalisedProblem& problem, std::size_t k) const;
     double enteringRate(const MassNormalisedProblem& problem, std::size_t k, Event event) const;
@@ -61,8 +61,8 @@ private:
     void copyBodies(const MassNormalisedProblem& problem, const std::vector<double>& from,
                     std::vector<double>& to) const;
     void refreshVelocities(const MassNormalisedProblem& problem);
-    bool refactor(const MassNormalisedProblem& problem, const PathSettings& settings, PathCounts& counts);
-    bool refine(const MassNormalisedProblem& problem);
+    [[nodiscard]] bool refactor(const MassNormalisedProblem& problem, const PathSettings& settings, PathCounts& counts);
+    [[nodiscard]] bool refine(const MassNormalisedProblem& problem);
     void store(const MassNormalisedProblem& problem, SolverState& x) const;
 
     std::span<const std::int32_t> contacts_, outside_;

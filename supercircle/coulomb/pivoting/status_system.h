@@ -22,8 +22,8 @@ class StatusSystem {
 public:
     /// `contacts` (indices into the problem) and `status` have one entry per local contact. False if the matrix is
     /// singular.
-    bool factor(const MassNormalisedProblem& problem, std::span<const std::int32_t> contacts,
-                std::span<const ContactStatus> status, double eps);
+    [[nodiscard]] bool factor(const MassNormalisedProblem& problem, std::span<const std::int32_t> contacts,
+                              std::span<const ContactStatus> status, double eps);
 
     /// Changes the status of local contact k.
     void setStatus(const MassNormalisedProblem& problem, std::size_t k, ContactStatus status);
@@ -32,7 +32,7 @@ public:
     void setRightHandSide(std::span<const double> rhs);
 
     /// Writes dr (2 per local contact, N s). False if the bordered system is singular or not finite.
-    bool solve(std::span<double> dr);
+    [[nodiscard]] bool solve(std::span<double> dr);
 
     std::size_t size() const { return static_cast<std::size_t>(count_); }
     std::size_t borders() const { return borders_.size(); }
@@ -76,9 +76,9 @@ private:
     template <class Add>
     void assemblePair(const MassNormalisedProblem& problem, const LocalContact& i, const LocalContact& j,
                       std::int32_t body, Add&& add) const;
-    bool factorEnvelope(const MassNormalisedProblem& problem);
-    bool factorDense(const MassNormalisedProblem& problem);
-    bool factorSparse(const MassNormalisedProblem& problem);
+    [[nodiscard]] bool factorEnvelope(const MassNormalisedProblem& problem);
+    [[nodiscard]] bool factorDense(const MassNormalisedProblem& problem);
+    [[nodiscard]] bool factorSparse(const MassNormalisedProblem& problem);
     void reserveBorders(std::size_t width);
     void addBorder(const MassNormalisedProblem& problem, const Border& border);
     void dropBorder(std::size_t j);

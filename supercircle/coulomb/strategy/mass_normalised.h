@@ -68,7 +68,7 @@ public:
 
     /// Factors the masses, normalises rows and velocities. Returns a sentence if the problem is invalid, else an empty
     /// string. A body whose A is bitwise that of the last call keeps its factor.
-    std::string build(const Problem& problem, const parallel::For& loop = {});
+    [[nodiscard]] std::string build(const Problem& problem, const parallel::For& loop = {});
 
     std::size_t contactCount() const { return contacts_.size(); }
     std::size_t bodyCount() const { return bodies_.size(); }
@@ -126,7 +126,7 @@ private:
         std::vector<double> inverseDiagonal;
     };
 
-    static bool factor(Factor& body, const double* A);
+    [[nodiscard]] static bool factor(Factor& body, const double* A);
     void layoutContact(const coulomb::Contact& source, Contact& contact);
     void fillContact(const coulomb::Contact& source, Contact& contact, std::vector<DoublePair>& scratch);
     void fillSide(Contact& contact, Side& side, const Eigen::Matrix<double, 2, -1>& H,

@@ -49,7 +49,7 @@ struct Solver::Impl {
     int pivotsLeft = 0;
 
     void run(const SolverOptions& options, SolveReport& report);
-    bool evaluateState(Method method, SolveReport& report);
+    [[nodiscard]] bool evaluateState(Method method, SolveReport& report);
     void restoreBest();
     double islandError(std::span<const std::int32_t> island) const;
     std::size_t activeContacts(std::span<const std::int32_t> island) const;
@@ -58,7 +58,7 @@ struct Solver::Impl {
     void setPivotBudget(const SolverOptions& options);
     bool runPaths(const PathSettings& settings, SolveReport& report);
     bool tryPath(const SolveAttempt& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report);
-    bool tryContinuation(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
+    [[nodiscard]] bool tryContinuation(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     double contactError(std::int32_t c) const;
     double findErrors(std::span<const std::int32_t> island);
     void passSubdomains(std::span<const std::int32_t> island, double allowed, std::uint32_t seed, std::size_t size,
@@ -67,10 +67,10 @@ struct Solver::Impl {
     void runSubdomain(WorkItem& item, std::uint32_t seed, double allowed);
     bool isBusy(const MassNormalisedProblem::Contact& contact) const;
     void restoreIsland(std::span<const std::int32_t> island);
-    bool trySubdomains(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
+    [[nodiscard]] bool trySubdomains(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     void countPivots(const PathCounts& counts, SolveReport& report);
-    bool trySmall(SolveReport& report);
-    bool tryWarmStart(const SolverOptions& options, SolveReport& report);
+    [[nodiscard]] bool trySmall(SolveReport& report);
+    [[nodiscard]] bool tryWarmStart(const SolverOptions& options, SolveReport& report);
     bool tryNewton(SolveReport& report);
     bool tryAccelerated(int count, SolveReport& report);
     template <class Visit>

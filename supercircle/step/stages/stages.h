@@ -40,7 +40,7 @@ double deepest(const std::vector<contact::Candidate>& list);
 void linearise(const World& world, const Settings& settings, TrialStep& t);
 /// Whether the nonlinear balance holds at the end of the trial. If not, and another linearisation is allowed, takes it
 /// in the middle of the motion just found and returns true. Else sets the reason why the trial must not stand.
-bool relinearise(const World& world, const Settings& settings, TrialStep& t);
+[[nodiscard]] bool relinearise(const World& world, const Settings& settings, TrialStep& t);
 
 /// Evaluate: forces and tangents of material, loads and effects.
 void evaluate(const World& world, TrialStep& t);
@@ -58,7 +58,7 @@ void solve(const World& world, const Settings& settings, TrialStep& t);
 void integrate(const World& world, TrialStep& t);
 /// Error and motion of the trial. False: it must not stand (TrialResult::reason). `wider` is set where the candidates
 /// did not reach as far as the rods moved.
-bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, bool& wider);
+[[nodiscard]] bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, bool& wider);
 
 /// CheckCrossings: the independent check of the way from start to end.
 void checkCrossings(const World& world, TrialStep& t);

@@ -27,10 +27,11 @@ BaselineFit fitBaseline(const RecordedData& data, Evaluator& evaluator, const No
                         const DiagnosisSettings& settings, const StageReporter& stage);
 
 /// Restarts an existing fit from the opposite side and across the bounds. True if a lower minimum was found.
-bool searchLowerMinimum(Evaluator& evaluator, const DiagnosisSettings& settings, const Likelihood& likelihood,
-                        FitResult& found);
+[[nodiscard]] bool searchLowerMinimum(Evaluator& evaluator, const DiagnosisSettings& settings,
+                                      const Likelihood& likelihood, FitResult& found);
 
 /// The same from one given start.
-bool refitFrom(Evaluator& evaluator, const Likelihood& likelihood, const ParameterPoint& start, FitResult& found);
+[[nodiscard]] bool refitFrom(Evaluator& evaluator, const Likelihood& likelihood, const ParameterPoint& start,
+                             FitResult& found);
 
 } // namespace supercircle::diagnosis

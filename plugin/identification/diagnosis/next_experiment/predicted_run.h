@@ -64,7 +64,7 @@ public:
           competing_(competing), uncertain_(uncertain) {}
 
     /// False if it cannot be simulated.
-    bool simulate();
+    [[nodiscard]] bool simulate();
     /// Computes derivatives with respect to all uncertain parameters, once. Before, parameters count as known.
     void differentiate();
     /// Simulates at other points.

@@ -26,18 +26,19 @@ FittedHypothesis fitProbe(Evaluator& evaluator, const Likelihood& likelihood, co
 /// their best probes, or one variant from its two best. In free scenes all variants. Nothing if none can be simulated.
 /// @param least chi-squared of the best competing fit so far, updated; 0: none yet
 /// @param fitted receives the candidates
-std::optional<FittedHypothesis> fitLabel(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& base,
-                                         const RankedProbes& probes, double& least, std::set<std::size_t>& fitted);
+[[nodiscard]] std::optional<FittedHypothesis> fitLabel(Evaluator& evaluator, const Likelihood& likelihood,
+                                                       const FitResult& base, const RankedProbes& probes, double& least,
+                                                       std::set<std::size_t>& fitted);
 
 /// Refits a hypothesis from the stated nominal values; nothing if that is not better. A fit with one of two effects
 /// pushes nominal parameters into corners that a search cannot leave (decision 0082).
-std::optional<FittedHypothesis> refitFromStated(Evaluator& evaluator, const Likelihood& likelihood,
-                                                const FittedHypothesis& known);
+[[nodiscard]] std::optional<FittedHypothesis> refitFromStated(Evaluator& evaluator, const Likelihood& likelihood,
+                                                              const FittedHypothesis& known);
 
 /// Fits every variant of the label of `known` that is not among `fitted`, from its best probe. Returns the best one if
 /// it is better than `known`. `fitted` receives the candidates.
-std::optional<FittedHypothesis> betterVariant(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& base,
-                                              const std::vector<ScreenedProbe>& screened, const FittedHypothesis& known,
-                                              std::set<std::size_t>& fitted);
+[[nodiscard]] std::optional<FittedHypothesis>
+betterVariant(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& base,
+              const std::vector<ScreenedProbe>& screened, const FittedHypothesis& known, std::set<std::size_t>& fitted);
 
 } // namespace supercircle::diagnosis

@@ -81,7 +81,7 @@ Measurement summarise(std::string name, std::vector<double> milliseconds) {
     m.samples = milliseconds.size();
     if (milliseconds.empty())
         return m;
-    const auto quantile = [&](double p) {
+    const auto quantile = [&](double p) { // the nearest entry; published times are not those of lowerQuantile()
         return milliseconds[static_cast<std::size_t>(std::lround(p * static_cast<double>(m.samples - 1)))];
     };
     m.median = quantile(0.5);

@@ -5,6 +5,7 @@
 #include "plugin/scene/player/dropper.h"
 #include "supercircle/contact/crossing.h"
 #include "supercircle/step/stepper.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <chrono>
 #include <cmath>
@@ -26,10 +27,8 @@ const char* nameOf(Quality q) {
 
 void SustainedPeak::add(double force) {
     last_[count_++ % last_.size()] = force / unit_;
-    auto sorted = last_;
-    std::sort(sorted.begin(), sorted.end());
     if (count_ >= last_.size())
-        highest_ = std::max(highest_, sorted[sorted.size() / 2]);
+        highest_ = std::max(highest_, upperMedian(last_));
 }
 
 ShellDef onCylinder(const CylinderCase& which, int elements, double gap) {

@@ -17,6 +17,7 @@
 #include "plugin/identification/replay/trace.h"
 #include "supercircle/effects/backlash.h"
 #include "supercircle/effects/sensor.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -351,8 +352,7 @@ void withoutImpacts(std::vector<ForceSample>& readings) {
         sizes.push_back(std::abs(r.force));
     }
     const auto n = static_cast<std::ptrdiff_t>(force.size());
-    std::nth_element(sizes.begin(), sizes.begin() + n / 2, sizes.end());
-    const double scale = n > 0 ? sizes[static_cast<std::size_t>(n / 2)] : 0.0; // median size
+    const double scale = upperMedian(std::move(sizes));
     for (std::ptrdiff_t i = 0; i < n; ++i) {
         double around = scale, before = 0.0, after = 0.0;
         for (std::ptrdiff_t k = kNear; k <= kFar; ++k) {

@@ -1,6 +1,7 @@
 #include "plugin/identification/sensitivity/derivative.h"
 
 #include "plugin/identification/sensitivity/noise.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -175,14 +176,11 @@ RunNoise noiseOf(const std::vector<const SimulatedValues*>& curves, const Landma
     for (Index i = 0; i < markers.size(); ++i)
         markers[i] = rough([](const SimulatedValues& o, Index k) { return o.markers[k]; }, i);
     // The median is robust against the few rows around a snap.
-    std::vector<double> sorted(markers.data(), markers.data() + markers.size());
-    sorted.erase(std::remove_if(sorted.begin(), sorted.end(), [](double v) { return !std::isfinite(v); }),
-                 sorted.end());
-    if (!sorted.empty()) {
-        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-        std::nth_element(sorted.begin(), middle, sorted.end());
-        n.markerRms = std::max(*middle, 1e-10);
-    }
+    std::vector<double> finite(markers.data(), markers.data() + markers.size());
+    finite.erase(std::remove_if(finite.begin(), finite.end(), [](double v) { return !std::isfinite(v); }),
+                 finite.end());
+    if (!finite.empty())
+        n.markerRms = std::max(upperMedian(std::move(finite)), 1e-10);
     n.landmarks.resize(static_cast<Index>(first.landmarks.values.size()));
     for (Index i = 0; i < n.landmarks.size(); ++i)
         n.landmarks[i] =

@@ -1,6 +1,7 @@
 #include "plugin/lab/validation/simulation.h"
 
 #include "plugin/lab/validation/reference_table.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
 #include <array>
@@ -182,11 +183,11 @@ std::pair<double, double> collapseLoad(const ForceCurve& load) {
     for (std::size_t i = 0; i + 4 < load.f.size(); ++i) {
         std::array<double, 5> f{};
         std::copy_n(load.f.begin() + static_cast<std::ptrdiff_t>(i), 5, f.begin());
-        std::nth_element(f.begin(), f.begin() + 2, f.end());
-        if (f[2] > top) {
-            top = f[2];
+        const double middle = upperMedian(f);
+        if (middle > top) {
+            top = middle;
             d = load.d[i + 2];
-        } else if (top > 1.0 && f[2] < 0.98 * top)
+        } else if (top > 1.0 && middle < 0.98 * top)
             return {d, top};
     }
     return {kNone, kNone};

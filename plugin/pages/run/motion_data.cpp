@@ -11,6 +11,7 @@
 #include "plugin/pages/run/figures.h"
 #include "plugin/pages/run/geometry.h"
 #include "plugin/recording/table/text.h"
+#include "supercircle/support/order_statistics.h"
 
 // Shapes are stored as 16-bit increments of the running tangent angle, poses as 32-bit floats (decision 0177).
 
@@ -107,11 +108,8 @@ Scales scalesOf(const Recording& recording, const std::vector<std::size_t>& fram
                 scales.force = std::max(scales.force, f);
     }
     scales.turn = std::max(kFinestTurn, std::min(most, 1e4) / 32000.0);
-    if (!changes.empty()) { // a quantile: one kink in one frame must not set the colour scale
-        const auto nth = changes.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(changes.size() - 1));
-        std::nth_element(changes.begin(), nth, changes.end());
-        scales.bend = *nth;
-    }
+    if (!changes.empty()) // a quantile: one kink in one frame must not set the colour scale
+        scales.bend = lowerQuantile(std::move(changes), 0.995);
     scales.x0 = 0.5 * (view.x.lo + view.x.hi);
     scales.y0 = 0.5 * (view.y.lo + view.y.hi);
     scales.length = std::max(view.x.span(), view.y.span()) / 65000.0;

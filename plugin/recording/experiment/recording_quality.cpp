@@ -2,6 +2,7 @@
 
 #include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/files.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
 #include <array>
@@ -28,11 +29,7 @@ double medianStep(const std::vector<double>& time) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < time.size(); ++i)
         steps.push_back(time[i] - time[i - 1]);
-    if (steps.empty())
-        return 0.0;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
+    return upperMedian(std::move(steps));
 }
 
 namespace {

@@ -4,6 +4,8 @@
 
 #include "plugin/recording/import/drive.h"
 
+#include "supercircle/support/order_statistics.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -55,14 +57,6 @@ private:
     std::vector<Sums> sums_;
 };
 
-double median(std::vector<double> values) {
-    if (values.empty())
-        return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 /// White noise from second differences (median: corners do not matter), and the smallest step of the signal.
 void roughness(const Samples& s, double& noise, double& resolution) {
     std::vector<double> bends, steps;
@@ -74,7 +68,7 @@ void roughness(const Samples& s, double& noise, double& resolution) {
         const double share = (s.t[i] - s.t[i - 1]) / (s.t[i + 1] - s.t[i - 1]);
         bends.push_back(std::abs(s.d[i] - (1.0 - share) * s.d[i - 1] - share * s.d[i + 1]));
     }
-    noise = 1.4826 * median(std::move(bends)) / std::sqrt(1.5);
+    noise = 1.4826 * upperMedian(std::move(bends)) / std::sqrt(1.5);
     // a quantised ramp repeats values: the smallest step is then the resolution, else it is only the slope
     const bool repeats = 10 * steps.size() < 9 * s.t.size();
     resolution = repeats && !steps.empty() ? *std::min_element(steps.begin(), steps.end()) : 0.0;

@@ -3,7 +3,9 @@
 #include "plugin/recording/import/free_run.h"
 #include "plugin/recording/import/plausibility.h"
 
+#include "plugin/recording/experiment/experiment.h"
 #include "plugin/recording/table/csv.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,15 +20,6 @@ using Kind = Remark::Kind;
 
 constexpr double kZeroWindow = 0.5; ///< s, by the convention of the recordings
 
-double usualStep(const std::vector<double>& time) {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < time.size(); ++i)
-        steps.push_back(time[i] - time[i - 1]);
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
-}
-
 /// White noise from second differences (median: jumps do not count).
 double whiteNoise(const std::vector<double>& f) {
     std::vector<double> bends;
@@ -35,9 +28,7 @@ double whiteNoise(const std::vector<double>& f) {
             bends.push_back(b);
     if (bends.size() < 10)
         return 0.0;
-    const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-    std::nth_element(bends.begin(), middle, bends.end());
-    return 1.4826 * *middle / std::sqrt(6.0);
+    return 1.4826 * upperMedian(std::move(bends)) / std::sqrt(6.0);
 }
 
 double meanOf(const std::vector<double>& values, std::size_t n) {
@@ -97,7 +88,7 @@ void zeroForce(ImportedRun& run) {
 
 void findMotion(ImportedRun& run, const Hints& hints) {
     const std::vector<double>& time = *run.signals.find(Quantity::Time);
-    run.rate = 1.0 / usualStep(time);
+    run.rate = 1.0 / experiment::medianStep(time);
     std::size_t gaps = 0, firstGap = 0;
     for (std::size_t i = 1; i < time.size(); ++i)
         if (time[i] - time[i - 1] > 3.5 / run.rate) {

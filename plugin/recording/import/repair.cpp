@@ -4,6 +4,7 @@
 
 #include "plugin/recording/import/metadata.h"
 #include "plugin/recording/import/signals.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,14 +16,11 @@ namespace {
 
 using Kind = Remark::Kind;
 
+/// Of the finite values.
 double quantile(std::vector<double> values, double share) {
     values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
                  values.end());
-    if (values.empty())
-        return 0.0;
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
+    return lowerQuantile(std::move(values), share);
 }
 
 /// The usual step forward of a clock.

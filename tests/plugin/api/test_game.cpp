@@ -5,6 +5,7 @@
 #include "plugin/scene/player/dropper.h"
 #include "supercircle/contact/crossing.h"
 #include "supercircle/step/stepper.h"
+#include "supercircle/support/order_statistics.h"
 #include "tests/support/allocations.h"
 #include "tests/support/fake_host.h"
 
@@ -90,9 +91,7 @@ double snapPeak(double phiBar, double mu, int elements) {
         host->step(r.advanced);
         REQUIRE(shells.post_step());
         last[frames++ % last.size()] = impulse / kFrame / bending_modulus(d);
-        std::array<double, 5> sorted = last;
-        std::sort(sorted.begin(), sorted.end());
-        peak = std::max(peak, sorted[2]);
+        peak = std::max(peak, upperMedian(last));
     }
     return peak;
 }

@@ -3,6 +3,7 @@
 
 #include "supercircle/coulomb/dump.h"
 #include "supercircle/coulomb/solver.h"
+#include "supercircle/support/order_statistics.h"
 #include "tests/supercircle/coulomb/generator.h"
 
 #include <algorithm>
@@ -89,18 +90,14 @@ void table(const std::vector<Problem>& problems, Method method, double tolerance
                         report.gaussSeidelIterations, report.pivots, report.factorisations, time,
                         std::string(name(report.finishedBy)).c_str());
     }
-    std::sort(times.begin(), times.end());
-    std::sort(residuals.begin(), residuals.end());
-    const auto at = [](const std::vector<double>& x, double p) {
-        return x[static_cast<std::size_t>(p * static_cast<double>(x.size() - 1))];
-    };
     const double n = static_cast<double>(problems.size());
     std::printf("%-13s tol %.0e reached %3d/%3zu  ms %7.2f /%7.2f /%7.2f  residual %.1e /%.1e  contacts %.0f active "
                 "%.0f iterations "
                 "%.0f pivots %.1f factorisations %.2f\n",
-                std::string(name(method)).c_str(), tolerance, reached, problems.size(), at(times, 0.5), at(times, 0.95),
-                times.back(), at(residuals, 0.5), residuals.back(), candidates / n, activeContacts / n, iterations / n,
-                pivots / n, factorisations / n);
+                std::string(name(method)).c_str(), tolerance, reached, problems.size(), lowerQuantile(times, 0.5),
+                lowerQuantile(times, 0.95), lowerQuantile(times, 1.0), lowerQuantile(residuals, 0.5),
+                lowerQuantile(residuals, 1.0), candidates / n, activeContacts / n, iterations / n, pivots / n,
+                factorisations / n);
 }
 
 } // namespace

@@ -104,7 +104,8 @@ public:
                     rises.push_back(*m);
         if (rises.size() < 3)
             return {0.0, 0.0};
-        // At an active bound one side is high without numerical noise.
+        // At an active bound one side is high without numerical noise. Not upperMedian(): this one reorders, so that
+        // the halves are the three lower and the three higher rises. Published intervals have this amplitude.
         const auto median = [](auto from, auto to) {
             std::nth_element(from, from + (to - from) / 2, to);
             return *(from + (to - from) / 2);

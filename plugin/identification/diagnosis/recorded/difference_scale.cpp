@@ -1,19 +1,13 @@
 #include "plugin/identification/diagnosis/recorded/difference_scale.h"
 
+#include "supercircle/support/order_statistics.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 namespace supercircle::diagnosis {
-
-double median(std::vector<double> v) {
-    if (v.empty())
-        return 0.0;
-    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-    std::nth_element(v.begin(), middle, v.end());
-    return *middle;
-}
 
 std::vector<double> secondDifferences(const Eigen::VectorXd& v, Eigen::Index from, Eigen::Index n) {
     std::vector<double> d;
@@ -49,7 +43,7 @@ void addFourthDifferences(const Eigen::Ref<const Eigen::VectorXd>& v, std::vecto
 }
 
 double whiteStdOf(std::vector<double> fourthDifferences) {
-    return kMadToSigma * median(std::move(fourthDifferences)) / std::sqrt(70.0); // 1 + 16 + 36 + 16 + 1
+    return kMadToSigma * upperMedian(std::move(fourthDifferences)) / std::sqrt(70.0); // 1 + 16 + 36 + 16 + 1
 }
 
 double smallestGap(const Eigen::Ref<const Eigen::VectorXd>& v) {
@@ -104,7 +98,7 @@ DifferenceScale differenceScale(const RecordedRun& run) {
         fourths.push_back(fourth);
         each.push_back(sum / counts.back());
     }
-    const double most = kTooRough * median(each);
+    const double most = kTooRough * upperMedian(each);
     double sum = 0.0;
     for (std::size_t k = 0; k < each.size(); ++k)
         if (each[k] <= most) {

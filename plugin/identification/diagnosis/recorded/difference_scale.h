@@ -11,9 +11,6 @@ namespace supercircle::diagnosis {
 /// Of a normal distribution: standard deviation over median absolute deviation.
 inline constexpr double kMadToSigma = 1.482602218505602;
 
-/// Median; 0 of an empty list.
-double median(std::vector<double> v);
-
 /// Standard deviation of second differences away from snaps, with their number.
 struct DifferenceScale {
     double scale = 0.0;

@@ -4,6 +4,7 @@
 #include "plugin/identification/diagnosis/model/random.h"
 #include "plugin/identification/diagnosis/recorded/difference_scale.h"
 #include "plugin/identification/diagnosis/recorded/dwell_intervals.h"
+#include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +33,7 @@ double markerNoiseOf(const RecordedData& data) {
                 const auto more = secondDifferences(run.markers, c * run.markerTime.size() + from, n);
                 d.insert(d.end(), more.begin(), more.end());
             }
-    const double measured = kMadToSigma * median(d) / std::sqrt(6.0), stated = data.statedMarkerNoise;
+    const double measured = kMadToSigma * upperMedian(d) / std::sqrt(6.0), stated = data.statedMarkerNoise;
     double noise = d.size() < 30 && stated > 0.0 ? stated : measured > 0.0 ? measured : stated;
     std::vector<double> anywhere;
     double step = std::numeric_limits<double>::infinity(), apart = step;
@@ -58,13 +59,13 @@ bool repeats(const RecordedRun& a, const RecordedRun& b) {
 /// apart). A median of absolute values would be one or two quantisation steps.
 double halfSquare(std::vector<double> difference, double sensor) {
     constexpr double kFar = 3.0, kInside = 0.9733; // mean square of a normal variable within three sigma
-    const double middle = median(difference);
+    const double middle = upperMedian(difference);
     std::vector<double> size;
     for (double& x : difference) {
         x -= middle;
         size.push_back(std::abs(x));
     }
-    const double far = kFar * std::max(kMadToSigma * median(size), std::sqrt(2.0) * sensor);
+    const double far = kFar * std::max(kMadToSigma * upperMedian(size), std::sqrt(2.0) * sensor);
     double sum = 0.0, rows = 0.0;
     for (const double x : difference)
         if (std::abs(x) <= far) {
@@ -395,9 +396,7 @@ double noiseChiSquaredBound(const RecordedData& data, const Noise& noise, std::u
         for (std::size_t i = 0; i < squares.size(); ++i)
             squares[i] += whitened(noise.posterior[i]);
     }
-    std::sort(squares.begin(), squares.end());
-    const auto at = static_cast<std::size_t>((1.0 - kMore) * static_cast<double>(squares.size() - 1));
-    return expected > 0.0 ? std::max(1.0, squares[at] / expected) : 1.0;
+    return expected > 0.0 ? std::max(1.0, lowerQuantile(std::move(squares), 1.0 - kMore) / expected) : 1.0;
 }
 
 } // namespace supercircle::diagnosis

@@ -153,7 +153,7 @@ Eigen::MatrixXd drawScores(const std::vector<Eigen::VectorXd>& scores, Random& r
     return out;
 }
 
-/// 2.3 % quantile of the difference of two hypotheses.
+/// 2.3 % quantile of the difference of two hypotheses. Published gains have this entry, one above lowerQuantile().
 double lowEnd(const Eigen::MatrixXd& s, Eigen::Index of, Eigen::Index over) {
     std::vector<double> gains;
     for (Eigen::Index d = 0; d < s.rows(); ++d)

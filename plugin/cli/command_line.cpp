@@ -1,7 +1,7 @@
 #include "plugin/cli/command_line.h"
 
 #include "plugin/cli/subcommands.h"
-#include "plugin/scene/loader/problem.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -41,9 +41,8 @@ void unknownSubcommand(const CLI::App& app, const std::string& word) {
     std::vector<std::string> names;
     for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
         names.push_back(subcommand->get_name());
-    const std::string nearest = scene::nearestName(word, names);
     std::fprintf(stderr, "there is no subcommand \"%s\"%s\nRun with --help for more information.\n", word.c_str(),
-                 nearest.empty() ? "" : ("; did you mean \"" + nearest + "\"?").c_str());
+                 didYouMean(word, names).c_str());
 }
 
 /// Replaces this process by the program beside it; returns only after a message.

@@ -79,7 +79,4 @@ Model modelFor(const std::vector<Setting>& settings, std::string_view shell);
 /// Names of the shells in the settings, for checks.
 std::vector<std::string> shellsNamed(const std::vector<Setting>& settings);
 
-/// The known name nearest to `name` by edit distance, empty if none is near.
-std::string nearest(std::string_view name, const std::vector<std::string>& known);
-
 } // namespace supercircle::effects

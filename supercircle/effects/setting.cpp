@@ -1,10 +1,11 @@
 #include "supercircle/effects/effect.h"
 
+#include "supercircle/support/names.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <utility>
 
 namespace supercircle::effects {
 
@@ -30,10 +31,6 @@ std::string bounds(const Parameter& p) {
     return "a number from " + text(p.min) + " to " + text(p.max) + (p.unit == "1" ? "" : " " + p.unit);
 }
 
-std::string hint(const std::string& near) {
-    return near.empty() ? "" : "; did you mean \"" + near + "\"?";
-}
-
 /// Empty, or that there is no such parameter.
 std::string findParameter(const Effect& effect, std::string_view name, std::size_t& index) {
     std::vector<std::string> names{"shell"};
@@ -46,7 +43,7 @@ std::string findParameter(const Effect& effect, std::string_view name, std::size
         all += (all.empty() ? "" : ", ") + known;
     }
     return "effect " + effect.name + " has no parameter \"" + std::string(name) + "\"; expected one of " + all +
-           hint(nearest(name, names));
+           didYouMean(name, names);
 }
 
 } // namespace
@@ -54,30 +51,6 @@ std::string findParameter(const Effect& effect, std::string_view name, std::size
 const char* name(Slot slot) {
     static const char* const names[] = {"material", "load", "contact", "apparatus", "sensor"};
     return names[static_cast<std::size_t>(slot)];
-}
-
-/// Levenshtein distance; nothing is suggested that differs in more than a third of its letters.
-std::string nearest(std::string_view name, const std::vector<std::string>& known) {
-    std::string best;
-    std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
-    for (const std::string& candidate : known) {
-        std::vector<std::size_t> row(candidate.size() + 1);
-        for (std::size_t j = 0; j < row.size(); ++j)
-            row[j] = j;
-        for (std::size_t i = 1; i <= name.size(); ++i) {
-            std::size_t diagonal = std::exchange(row[0], i);
-            for (std::size_t j = 1; j < row.size(); ++j) {
-                const std::size_t replaced = diagonal + (name[i - 1] == candidate[j - 1] ? 0 : 1);
-                diagonal = row[j];
-                row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-            }
-        }
-        if (row.back() < least) {
-            least = row.back();
-            best = candidate;
-        }
-    }
-    return best;
 }
 
 const Effect* find(std::string_view label) {
@@ -128,7 +101,7 @@ std::string set(Setting& setting, std::string_view parameter, std::string_view v
     const auto read = std::from_chars(value.data(), value.data() + value.size(), number);
     if (!p.choices.empty() || value.empty() || read.ec != std::errc() || read.ptr != value.data() + value.size())
         return "effect " + effect.name + ": " + p.name + " = \"" + std::string(value) + "\"; expected " + bounds(p) +
-               hint(nearest(value, p.choices));
+               didYouMean(value, p.choices);
     return set(setting, parameter, number);
 }
 
@@ -151,8 +124,7 @@ std::string add(std::vector<Setting>& settings, std::string_view textOf) {
             names.push_back(e.name);
             all += (all.empty() ? "" : ", ") + e.name;
         }
-        return "there is no effect \"" + std::string(label) + "\"; expected one of " + all +
-               hint(nearest(label, names));
+        return "there is no effect \"" + std::string(label) + "\"; expected one of " + all + didYouMean(label, names);
     }
     if (colon == std::string_view::npos || equals == std::string_view::npos || equals < colon)
         return "\"" + std::string(textOf) + "\" is not of the form KEY:NAME=VALUE";

@@ -11,9 +11,9 @@
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/rounded.h"
-#include "plugin/scene/loader/problem.h"
 #include "supercircle/effects/effect.h"
 #include "supercircle/step/parallel.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -46,9 +46,8 @@ bool knownEffects(const std::vector<std::string>& labels) {
         known.push_back(e.name);
     for (const std::string& label : labels)
         if (effects::find(label) == nullptr) {
-            const std::string near = effects::nearest(label, known);
             std::fprintf(stderr, "--without %s: there is no such effect%s\n", label.c_str(),
-                         near.empty() ? "" : ("; did you mean \"" + near + "\"?").c_str());
+                         didYouMean(label, known).c_str());
             return false;
         }
     return true;

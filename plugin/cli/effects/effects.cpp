@@ -2,6 +2,7 @@
 #include "plugin/cli/subcommands.h"
 
 #include "supercircle/effects/effect.h"
+#include "supercircle/support/names.h"
 
 #include <cmath>
 #include <cstdio>
@@ -49,9 +50,7 @@ int effects(const std::string& key) {
         for (const effects::Effect& known : effects::catalog())
             names.push_back(known.name);
         if (e == nullptr) {
-            const std::string near = effects::nearest(key, names);
-            std::fprintf(stderr, "there is no effect \"%s\"%s\n", key.c_str(),
-                         near.empty() ? "" : ("; did you mean \"" + near + "\"?").c_str());
+            std::fprintf(stderr, "there is no effect \"%s\"%s\n", key.c_str(), didYouMean(key, names).c_str());
             return kBadInput;
         }
         describe(*e, true);

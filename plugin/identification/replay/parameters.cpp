@@ -1,6 +1,6 @@
 #include "plugin/identification/replay/parameters.h"
 
-#include "plugin/scene/loader/problem.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cmath>
@@ -208,8 +208,7 @@ std::string checkEffects(const Parameters& parameters, const Experiment& experim
         known.push_back(s.id);
     for (const std::string& shell : effects::shellsNamed(parameters.effects))
         if (std::find(known.begin(), known.end(), shell) == known.end()) {
-            const std::string near = effects::nearest(shell, known);
-            return "there is no specimen \"" + shell + "\"" + (near.empty() ? "" : "; did you mean \"" + near + "\"?");
+            return "there is no specimen \"" + shell + "\"" + didYouMean(shell, known);
         }
     return effects::validate(parameters.effects);
 }
@@ -228,9 +227,7 @@ std::string set(Parameters& parameters, const Experiment& experiment, const std:
             names.push_back(info.name);
             all += (all.empty() ? "" : ", ") + info.name;
         }
-        const std::string near = scene::nearestName(name, names);
-        return "there is no parameter \"" + name + "\"; expected one of " + all +
-               (near.empty() ? "" : "; did you mean \"" + near + "\"?");
+        return "there is no parameter \"" + name + "\"; expected one of " + all + didYouMean(name, names);
     }
     char shown[32];
     std::snprintf(shown, sizeof shown, "%.10g", value);

@@ -1,6 +1,7 @@
 #include "plugin/lab/sweep/design.h"
 
 #include "plugin/lab/sweep/statistics.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,8 +40,7 @@ Result<ResponseSurface> responseSurface(const SweepDefinition& sweep, const RunT
     using Out = Result<ResponseSurface>;
     const std::size_t column = table.column(quantity);
     if (column == table.columns.size())
-        return Out::failure("the runs have no quantity \"" + quantity + "\"; did you mean \"" +
-                            scene::nearestName(quantity, table.columns) + "\"?");
+        return Out::failure("the runs have no quantity \"" + quantity + "\"" + didYouMean(quantity, table.columns));
     if (sweep.names.empty() || sweep.names.size() > 2)
         return Out::failure("the sweep must vary one or two parameters, this one varies " +
                             std::to_string(sweep.names.size()));

@@ -2,6 +2,7 @@
 
 #include "plugin/lab/sweep/definition.h"
 #include "plugin/scene/loader/reader.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cmath>
@@ -176,7 +177,7 @@ void readReport(Context& context, ObjectReader& top, SweepDefinition& sweep) {
     sweep.x = object.string("x", sweep.x);
     if (object.find("x") != nullptr && std::find(sweep.names.begin(), sweep.names.end(), sweep.x) == sweep.names.end())
         context.error(*object.find("x"), "/report/x", "no parameter \"" + sweep.x + "\" varies",
-                      "one of \"grid\" or \"cases\"", scene::nearestName(sweep.x, sweep.names));
+                      "one of \"grid\" or \"cases\"", nearestName(sweep.x, sweep.names));
     object.finish();
 }
 

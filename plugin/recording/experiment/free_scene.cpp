@@ -1,6 +1,7 @@
 #include "plugin/recording/experiment/free_scene.h"
 
 #include "plugin/scene/loader/loader.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,7 +55,7 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
         names.push_back(b.name);
     const auto need = [&](const std::string& body) {
         if (std::find(names.begin(), names.end(), body) == names.end())
-            complain("there is no body \"" + body + "\", whose pose is recorded", {}, scene::nearestName(body, names));
+            complain("there is no body \"" + body + "\", whose pose is recorded", {}, nearestName(body, names));
     };
     need(e.scene->body);
     for (const Marker& m : e.markers)

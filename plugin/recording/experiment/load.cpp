@@ -3,6 +3,7 @@
 #include "plugin/recording/experiment/free_scene.h"
 #include "plugin/recording/experiment/recording_quality.h"
 #include "plugin/recording/experiment/values.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <array>
@@ -221,7 +222,7 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
         const std::string id = object.text("specimen");
         const auto found = std::find(ids.begin(), ids.end(), id);
         if (found == ids.end() && object.find("specimen") != nullptr)
-            object.error("specimen", "there is no specimen \"" + id + "\"", {}, scene::nearestName(id, ids));
+            object.error("specimen", "there is no specimen \"" + id + "\"", {}, nearestName(id, ids));
         m.specimen = found == ids.end() ? 0 : static_cast<std::size_t>(found - ids.begin());
         m.arcFraction = object.number("arc_fraction", kShare);
         object.finish();

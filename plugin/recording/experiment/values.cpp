@@ -1,5 +1,7 @@
 #include "plugin/recording/experiment/values.h"
 
+#include "supercircle/support/names.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -139,7 +141,7 @@ void Object::finish() {
     for (const Node& child : reader_.node().children) {
         if (std::find(known_.begin(), known_.end(), child.key) != known_.end())
             continue;
-        const std::string near = scene::nearestName(child.key, absent);
+        const std::string near = nearestName(child.key, absent);
         if (near.empty())
             context_.note(child, pointerTo(child.key), "this key has no meaning here: \"" + child.key + "\"");
         else

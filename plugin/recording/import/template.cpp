@@ -2,7 +2,7 @@
 
 #include "plugin/recording/import/derive.h"
 #include "plugin/recording/import/free_run.h"
-#include "plugin/scene/loader/problem.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cmath>
@@ -335,12 +335,11 @@ Result<Description> describe(const Imported& all, const TemplateOptions& options
     using Answer = Result<Description>;
     const auto& known = protocols();
     if (!options.protocol.empty() && std::find(known.begin(), known.end(), options.protocol) == known.end()) {
-        const std::string near = scene::nearestName(options.protocol, known);
         std::string list;
         for (const std::string& p : known)
             list += (list.empty() ? "" : ", ") + p;
         return Answer::failure("there is no protocol \"" + options.protocol + "\"; expected one of " + list +
-                               (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+                            didYouMean(options.protocol, known));
     }
     Json own = Json::object();
     if (!options.specimenFile.empty()) {

@@ -5,6 +5,7 @@
 #include "plugin/scene/loader/expression.h"
 
 #include "plugin/scene/loader/reader.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cctype>

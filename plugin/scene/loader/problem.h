@@ -30,8 +30,4 @@ struct Problem {
 /// Their errors from index `first` on, one a line, without the notes: the error of a Result.
 [[nodiscard]] std::string errorText(const std::vector<Problem>& problems, std::size_t first = 0);
 
-/// The known name nearest to `name` by edit distance (insert, delete, replace, swap neighbours; case counts half of a
-/// replacement); empty if none is near enough to be a likely typing error. Ties go to the first.
-std::string nearestName(const std::string& name, const std::vector<std::string>& known);
-
 } // namespace supercircle::scene

@@ -1,4 +1,5 @@
 #include "plugin/scene/loader/sections.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 

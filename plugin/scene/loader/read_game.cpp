@@ -1,6 +1,7 @@
 // The section "game" of a level (docs/how-to/levels.md).
 
 #include "plugin/scene/loader/sections.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cctype>

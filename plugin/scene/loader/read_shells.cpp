@@ -1,5 +1,6 @@
 #include "plugin/scene/loader/sections.h"
 #include "supercircle/rod/model.h"
+#include "supercircle/support/names.h"
 
 #include <algorithm>
 #include <cmath>

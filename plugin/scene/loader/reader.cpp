@@ -1,5 +1,7 @@
 #include "plugin/scene/loader/reader.h"
 
+#include "supercircle/support/names.h"
+
 #include <algorithm>
 #include <bit>
 #include <cctype>

@@ -67,3 +67,9 @@ TEST_CASE("results that give no surface are refused") {
     table.rows.resize(30);
     CHECK_THAT(responseSurface(sweep, table, "delta").error(), Contains("too few runs"));
 }
+
+TEST_CASE("an unknown quantity that resembles none gets no empty suggestion") {
+    SweepDefinition sweep;
+    const RunTable table = tableOf(sweep);
+    CHECK(responseSurface(sweep, table, "work").error == "the runs have no quantity \"work\"");
+}

@@ -151,11 +151,3 @@ TEST_CASE("segments are unrolled and cycles numbered") {
     CHECK_FALSE(p.segments.back().loading);
     CHECK(p.segments.back().cycle == 0);
 }
-
-TEST_CASE("the nearest name is the one with the least typing errors") {
-    CHECK(nearestName("frcition", {"friction", "fiction", "fraction"}) == "friction");
-    CHECK(nearestName("MU", {"nu", "mu"}) == "mu");
-    CHECK(nearestName("speed", {"angle", "mu"}).empty());
-    CHECK(nearestName("", {"a"}).empty());
-    CHECK(nearestName(std::string(100000, 'a'), {std::string(100000, 'b')}).empty());
-}

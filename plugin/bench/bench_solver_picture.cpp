@@ -4,6 +4,7 @@
 #include "plugin/graphics/cairo_canvas.h"
 #include "plugin/graphics/plot.h"
 #include "plugin/graphics/theme.h"
+#include "plugin/recording/table/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,16 +28,6 @@ constexpr SolverLine kLines[] = {{"plain_50000", "plain Gauss-Seidel, at most 50
                                  {"newton", "Newton", Colour::hex(0x8055a0)},
                                  {"path", "path alone", Colour::hex(0xe0a030)},
                                  {"strategy", "strategy (default)", Colour::hex(0xc8452d)}};
-
-std::vector<std::string> split(const std::string& text, char by) {
-    std::vector<std::string> parts(1);
-    for (const char c : text)
-        if (c == by)
-            parts.emplace_back();
-        else
-            parts.back() += c;
-    return parts;
-}
 
 double figure(const Measurement& m, const std::string& key) {
     for (const auto& [name, value] : m.more)
@@ -124,7 +115,7 @@ graphics::AxisRange decades(const std::vector<SolverRow>& rows, double SolverRow
 } // namespace
 
 std::optional<SolverRow> solverRow(const Measurement& m) {
-    const std::vector<std::string> parts = split(m.name, '/');
+    const std::vector<std::string> parts = record::splitAt(m.name, '/');
     if (parts.size() != 5 || parts[0] != "solver" || m.samples == 0)
         return std::nullopt;
     SolverRow row;

@@ -3,25 +3,13 @@
 
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/import/template.h"
+#include "plugin/recording/table/text.h"
 
-#include <algorithm>
 #include <cstdio>
 
 namespace supercircle::cli {
 
 namespace {
-
-/// "time[s],displacement[mm],-" as names per column.
-std::vector<std::string> splitNames(const std::string& list) {
-    std::vector<std::string> names;
-    std::size_t from = 0;
-    while (!list.empty() && from <= list.size()) {
-        const std::size_t to = std::min(list.find(',', from), list.size());
-        names.push_back(list.substr(from, to - from));
-        from = to + 1;
-    }
-    return names;
-}
 
 /// The report with assumptions and missing values.
 std::string wholeAccount(const importing::Imported& imported, const importing::Description& d) {
@@ -67,7 +55,8 @@ void printReady(const importing::Description& d, const std::string& file) {
 
 int import(const ImportArguments& a) {
     importing::Hints hints;
-    hints.columns = splitNames(a.columns);
+    if (!a.columns.empty()) // "time[s],displacement[mm],-"
+        hints.columns = record::splitAt(a.columns, ',');
     hints.rate = a.rate;
     hints.speed = 1e-3 * a.speed;
     hints.driveTolerance = 1e-3 * a.tolerance;

@@ -79,7 +79,7 @@ std::string landmarkTable(const SensitivityStudy& study) {
         const RunSensitivity& run = study.result.runs[r];
         for (std::size_t i = 0; i < run.landmarks.names.size(); ++i) {
             const auto row = static_cast<Eigen::Index>(i);
-            text += study.runName(r) + "," + run.landmarks.names[i] + "," + run.landmarks.units[i];
+            text += record::csvCell(study.runName(r)) + "," + run.landmarks.names[i] + "," + run.landmarks.units[i];
             const auto put = [&](double v) {
                 text += ',';
                 record::appendNumber(text, v);

@@ -1,5 +1,6 @@
 #include "plugin/lab/sweep/run_table.h"
 
+#include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/text.h"
 
 #include <algorithm>
@@ -24,16 +25,16 @@ std::string text(const record::Value& value) {
         return std::to_string(*i);
     if (const auto* b = std::get_if<bool>(&value))
         return *b ? "true" : "false";
-    return cell(std::get<std::string>(value));
+    return record::csvCell(std::get<std::string>(value));
 }
 
 /// "phi_bar,mu,cycles,seed," and the like.
 std::string headOf(const SweepDefinition& sweep) {
     std::string head;
     for (const ParameterValue& s : sweep.fixed)
-        head += cell(s.first) + ",";
+        head += record::csvCell(s.first) + ",";
     for (const std::string& name : sweep.names)
-        head += cell(name) + ",";
+        head += record::csvCell(name) + ",";
     return head + "seed";
 }
 
@@ -127,19 +128,10 @@ Result<std::vector<RunRecord>> curvesOf(const SweepDefinition& sweep, std::size_
                          : Result<std::vector<RunRecord>>::failure(std::move(error));
 }
 
-std::string cell(const std::string& text) {
-    if (text.find_first_of(",\"\n\r") == std::string::npos)
-        return text;
-    std::string out = "\"";
-    for (const char c : text)
-        out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
-}
-
 std::string resultsCsv(const SweepDefinition& sweep, const RunTable& table) {
     std::string out = headOf(sweep) + ",status";
     for (const std::string& column : table.columns)
-        out += "," + cell(column);
+        out += "," + record::csvCell(column);
     out += '\n';
     for (const Row& row : table.rows) {
         out += nameOf(sweep, row) + "," + row.status;
@@ -167,8 +159,8 @@ std::string cyclesCsv(const SweepDefinition& sweep, const RunTable& table) {
 std::string timingsCsv(const SweepDefinition& sweep, const RunTable& table) {
     std::string out = headOf(sweep) + ",wall_s,cpu_s,host,build\n";
     for (const Row& row : table.rows)
-        out += nameOf(sweep, row) + "," + text(row.wall) + "," + text(row.cpu) + "," + cell(row.host) + "," +
-               cell(row.build) + "\n";
+        out += nameOf(sweep, row) + "," + text(row.wall) + "," + text(row.cpu) + "," + record::csvCell(row.host) + "," +
+               record::csvCell(row.build) + "\n";
     return out;
 }
 
@@ -183,8 +175,8 @@ std::string failedCsv(const SweepDefinition& sweep, const RunTable& table) {
     std::string out = headOf(sweep) + ",status,message,command\n";
     for (const Row& row : table.rows)
         if (row.status != "done")
-            out += nameOf(sweep, row) + "," + row.status + "," + cell(row.message) + "," +
-                   cell(commandOf(sweep, row.set, row.seed)) + "\n";
+            out += nameOf(sweep, row) + "," + row.status + "," + record::csvCell(row.message) + "," +
+                   record::csvCell(commandOf(sweep, row.set, row.seed)) + "\n";
     return out;
 }
 

@@ -51,7 +51,4 @@ struct RunTable {
 /// The command that repeats one run of the sweep alone.
 [[nodiscard]] std::string commandOf(const SweepDefinition& sweep, std::size_t set, std::int64_t seed);
 
-/// A cell of a CSV file: quoted where necessary.
-[[nodiscard]] std::string cell(const std::string& text);
-
 } // namespace supercircle::sweep

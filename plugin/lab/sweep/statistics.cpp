@@ -1,5 +1,6 @@
 #include "plugin/lab/sweep/statistics.h"
 
+#include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/text.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Of sorted values, at least one.
+/// Of sorted values, at least one. Published statistics have the mean of the two middle ones, not upperMedian().
 double medianOf(const std::vector<double>& sorted) {
     const std::size_t n = sorted.size();
     return n % 2 == 1 ? sorted[n / 2] : 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]);
@@ -113,9 +114,9 @@ std::vector<double> valuesOf(const RunTable& table, std::size_t set, std::size_t
 std::string statisticsCsv(const SweepDefinition& sweep, const RunTable& table) {
     std::string out;
     for (const ParameterValue& s : sweep.fixed)
-        out += cell(s.first) + ",";
+        out += record::csvCell(s.first) + ",";
     for (const std::string& name : sweep.names)
-        out += cell(name) + ",";
+        out += record::csvCell(name) + ",";
     out += "quantity,n,mean,median,mad,sigma_mad,std,standard_error,ci95_low,ci95_high,skewness,excess_kurtosis,"
            "normality_p\n";
     for (std::size_t set = 0; set < sweep.sets.size(); ++set) {
@@ -128,7 +129,7 @@ std::string statisticsCsv(const SweepDefinition& sweep, const RunTable& table) {
             const Statistics s = statisticsOf(valuesOf(table, set, c));
             if (s.n == 0)
                 continue;
-            out += head + cell(table.columns[c]) + "," + std::to_string(s.n);
+            out += head + record::csvCell(table.columns[c]) + "," + std::to_string(s.n);
             for (const double v : {s.mean, s.median, s.mad, s.madSigma, s.deviation, s.standardError, s.low, s.high,
                                    s.skewness, s.kurtosis, s.normality}) {
                 out += ',';

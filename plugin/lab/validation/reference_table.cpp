@@ -2,29 +2,13 @@
 
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/text.h"
+#include "supercircle/support/cells.h"
 
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
 namespace supercircle::validation {
-
-namespace {
-
-std::vector<std::string> cells(const std::string& line) {
-    std::vector<std::string> out(1);
-    int depth = 0;
-    for (const char c : line) {
-        depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-        if (c == ',' && depth == 0)
-            out.emplace_back();
-        else if (c != '\r')
-            out.back() += c;
-    }
-    return out;
-}
-
-} // namespace
 
 ReferenceTable::ReferenceTable(const std::string& directory, const std::string& name) : file_(directory + "/" + name) {
     const auto text = record::readText(file_);
@@ -37,7 +21,7 @@ ReferenceTable::ReferenceTable(const std::string& directory, const std::string& 
         ++number;
         if (line.empty() || line[0] == '#')
             continue;
-        const std::vector<std::string> row = cells(line);
+        const std::vector<std::string> row = cellsOutsideParentheses(line);
         if (header.empty()) {
             header = row;
             continue;

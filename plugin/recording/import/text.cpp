@@ -189,17 +189,12 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::vector<std::string> cellsOf(std::string_view line, char separator) {
-    std::vector<std::string> cells;
     if (separator == ' ') {
-        for (std::size_t i = 0; i < line.size();) {
-            const std::size_t from = line.find_first_not_of(" \t", i);
-            if (from == std::string_view::npos)
-                break;
-            i = std::min(line.find_first_of(" \t", from), line.size());
-            cells.emplace_back(line.substr(from, i - from));
-        }
-        return cells;
+        std::vector<std::string_view> words;
+        splitCells(line, separator, words);
+        return {words.begin(), words.end()};
     }
+    std::vector<std::string> cells;
     std::string cell;
     bool quoted = false;
     const auto finish = [&] {

@@ -28,7 +28,8 @@ std::vector<std::string_view> linesOf(std::string_view text);
 std::string_view trimmed(std::string_view text);
 
 /// Cells of a line. ' ' separates at runs of blanks; other separators at each occurrence outside double quotes. Blanks
-/// around cells and quotes are taken off; doubled quotes inside quotes are one.
+/// around cells and quotes are taken off; doubled quotes inside quotes are one. Exports break the rules that
+/// record::parseCsv() insists on, so this reader refuses nothing.
 std::vector<std::string> cellsOf(std::string_view line, char separator);
 
 /// Cells of a line without quotes, as views of it; ' ' separates at runs of blanks.

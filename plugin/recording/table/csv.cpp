@@ -168,16 +168,17 @@ private:
     Series series;
 };
 
-std::string quotedIfNeeded(const std::string& name) {
-    if (name.find_first_of(",\"\n\r# ") == std::string::npos && !name.empty())
-        return name;
-    std::string text = "\"";
-    for (const char c : name)
-        text += c == '"' ? std::string("\"\"") : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
-    return text + "\"";
-}
-
 } // namespace
+
+std::string csvCell(const std::string& text) {
+    const bool plain = text.find_first_of(",\"\n\r") == std::string::npos && trimmed(text) == text && text[0] != '#';
+    if (plain)
+        return text;
+    std::string cell = "\"";
+    for (const char c : text)
+        cell += c == '"' ? std::string("\"\"") : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
+    return cell + "\"";
+}
 
 Result<Series> parseCsv(std::string_view text, const std::string& source, const CsvOptions& options) {
     return Parser(text, source, options).run();
@@ -209,7 +210,7 @@ Result<std::string> csvText(const Series& series) {
                                                 std::to_string(series.rows()));
         if (i > 0)
             out += ',';
-        out += quotedIfNeeded(series.names[i]);
+        out += csvCell(series.names[i]);
     }
     out += '\n';
     out.reserve(series.rows() * series.names.size() * 16);

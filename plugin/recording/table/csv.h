@@ -30,6 +30,10 @@ struct CsvOptions {
 /// values that are numbers but make no sense.
 [[nodiscard]] std::size_t lineOfRow(std::string_view text, std::size_t row);
 
+/// `text` as one cell, in quotes where parseCsv() would read another text without them. Ends of lines become blanks: a
+/// cell does not run over lines.
+[[nodiscard]] std::string csvCell(const std::string& text);
+
 /// CSV text of a series: header, then one row per sample, shortest round-trip numbers, '\n' line ends. An error if the
 /// columns have different lengths or there are not as many names as columns.
 [[nodiscard]] Result<std::string> csvText(const Series& series);

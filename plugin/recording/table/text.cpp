@@ -84,6 +84,16 @@ void appendJsonString(std::string& out, std::string_view text) {
     out += '"';
 }
 
+std::vector<std::string> splitAt(std::string_view text, char separator) {
+    std::vector<std::string> parts(1);
+    for (const char c : text)
+        if (c == separator)
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    return parts;
+}
+
 bool parseNumber(std::string_view text, double& value) {
     if (!text.empty() && text.front() == '+') {
         text.remove_prefix(1);

@@ -18,6 +18,9 @@ void appendJsonNumber(std::string& out, double value);
 /// `text` in double quotes with JSON's escapes. Bytes that are not UTF-8 become U+FFFD.
 void appendJsonString(std::string& out, std::string_view text);
 
+/// The parts of `text` between separators, as they are; one more than there are separators.
+[[nodiscard]] std::vector<std::string> splitAt(std::string_view text, char separator);
+
 /// Number from text: whole, locale-free; false if `text` is not exactly one number. "nan", "inf" and a leading '+' are
 /// understood.
 [[nodiscard]] bool parseNumber(std::string_view text, double& value);

@@ -1,6 +1,8 @@
 #pragma once
 // Reads the solved reference curves of tests/data/reference (CSV: '#' comments, a header line, numbers).
 
+#include "supercircle/support/cells.h"
+
 #include <fstream>
 #include <map>
 #include <stdexcept>
@@ -11,20 +13,6 @@ namespace supercircle::rod::reference {
 
 using Row = std::map<std::string, double>;
 
-/// Splits at the commas outside parentheses (header names explain codes inside them).
-inline std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> cells(1);
-    int depth = 0;
-    for (const char c : line) {
-        depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-        if (c == ',' && depth == 0)
-            cells.emplace_back();
-        else if (c != '\r')
-            cells.back() += c;
-    }
-    return cells;
-}
-
 inline std::vector<Row> read(const std::string& name) {
     std::ifstream in(std::string(SC_TEST_DATA) + "/reference/" + name);
     if (!in)
@@ -34,7 +22,7 @@ inline std::vector<Row> read(const std::string& name) {
     for (std::string line; std::getline(in, line);) {
         if (line.empty() || line[0] == '#')
             continue;
-        const std::vector<std::string> values = split(line);
+        const std::vector<std::string> values = cellsOutsideParentheses(line);
         if (header.empty()) {
             header = values;
             continue;

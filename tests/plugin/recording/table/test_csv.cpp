@@ -46,6 +46,22 @@ TEST_CASE("what spreadsheets do to CSV is understood") {
     CHECK(std::isnan(tabs->columns[1][0]));
 }
 
+TEST_CASE("a cell is quoted where it would read back as another text") {
+    CHECK(csvCell("a b#c") == "a b#c");
+    CHECK(csvCell("a,b") == "\"a,b\"");
+    CHECK(csvCell("say \"a\"") == "\"say \"\"a\"\"\"");
+    CHECK(csvCell("a\nb") == "\"a b\"");
+    CHECK(csvCell(" a") == "\" a\"");
+    CHECK(csvCell("# a") == "\"# a\"");
+    CHECK(csvCell("").empty());
+    const std::vector<std::string> names = {"force, N", "# a", " b ", "c \"d\"", "e f"};
+    const auto text = csvText({names, std::vector<std::vector<double>>(5, {1.0})});
+    REQUIRE(text);
+    const auto back = parseCsv(text.value, "x");
+    REQUIRE(back);
+    CHECK(back.value.names == names);
+}
+
 TEST_CASE("errors name file, line and column") {
     CHECK(messageOf("") == "run.csv:1:1: no header line: expected the column names");
     CHECK(messageOf("a,b\n1,2\n3,x\n") == "run.csv:3:3: 'x' in column 'b' is not a number");

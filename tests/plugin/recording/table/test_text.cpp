@@ -51,6 +51,13 @@ TEST_CASE("JSON strings escape what must be and replace what is not UTF-8") {
     CHECK(text == "\"a\\\"\\\\\\n\\u0001\xC3\xBC\\ufffd\\ufffd\"");
 }
 
+TEST_CASE("a text is split at every separator") {
+    using Parts = std::vector<std::string>;
+    CHECK(splitAt("a,b c,", ',') == Parts{"a", "b c", ""});
+    CHECK(splitAt("a", ',') == Parts{"a"});
+    CHECK(splitAt("", ',') == Parts{""});
+}
+
 TEST_CASE("only whole numbers are numbers") {
     double value = 0.0;
     for (const char* bad : {"", " 1", "1 ", "1,5", "0x10", "1e", "--1", "+-1", "1.5m"})

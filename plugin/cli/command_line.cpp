@@ -144,11 +144,15 @@ int runPlainProgram(int argc, char** argv, const std::string& name, const std::s
     });
 }
 
-void addParameters(CLI::App& app, std::vector<std::string>& parameters, const char* help) {
-    app.add_option("--param", parameters, help)
-        ->type_name("NAME=VALUE")
+CLI::Option* addRepeatable(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                           const std::string& help) {
+    return app.add_option(name, values, help)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void addParameters(CLI::App& app, std::vector<std::string>& parameters, const char* help) {
+    addRepeatable(app, "--param", parameters, help)->type_name("NAME=VALUE");
 }
 
 void addFormerName(CLI::App& app, const std::string& old, const std::string& now, std::vector<std::string>& values) {

@@ -34,7 +34,11 @@ int runProgram(int argc, char** argv, const std::string& name, const std::string
 int runPlainProgram(int argc, char** argv, const std::string& name, const std::string& about,
                     const std::function<std::function<int()>(CLI::App& app)>& describe);
 
-/// --param NAME=VALUE, one value each: an option that takes several would consume the scene that follows it.
+/// An option that may be given several times, with one value each: one that takes several values would consume the
+/// scene that follows it.
+CLI::Option* addRepeatable(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                           const std::string& help);
+/// --param NAME=VALUE, repeatable.
 void addParameters(CLI::App& app, std::vector<std::string>& parameters,
                    const char* help = "NAME=VALUE: set a parameter of the scene (repeatable)");
 extern const char* const kExperimentParameterHelp;

@@ -52,4 +52,9 @@ bool printed() {
     return false;
 }
 
+int complain(int code, const std::string& message) {
+    std::fprintf(stderr, "%s\n", message.c_str());
+    return code;
+}
+
 } // namespace supercircle::cli

@@ -27,4 +27,7 @@ private:
 /// Flushes stdout; false (after a message) if printing failed, as on a full disk.
 [[nodiscard]] bool printed();
 
+/// Prints a message to stderr. @return `code`, the program's exit code
+int complain(int code, const std::string& message);
+
 } // namespace supercircle::cli

@@ -27,11 +27,6 @@ using calibration::Snap;
 using calibration::Trial;
 using Json = nlohmann::ordered_json;
 
-int complain(int code, const std::string& message) {
-    std::fprintf(stderr, "%s\n", message.c_str());
-    return code;
-}
-
 /// Adds a list of opening angles such as "0.75,0.8", all with one outcome; false if it is no such list.
 bool addTrials(const std::string& text, Snap outcome, std::vector<Trial>& trials) {
     for (std::size_t from = 0; from < text.size();) {

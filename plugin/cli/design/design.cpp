@@ -33,11 +33,6 @@ using pages::SweepFigure;
 using sweep::DesignPoint;
 using sweep::ResponseSurface;
 
-int complain(int code, const std::string& message) {
-    std::fprintf(stderr, "%s\n", message.c_str());
-    return code;
-}
-
 /// A target value and the pairs that give it.
 struct DesignTarget {
     std::string quantity;

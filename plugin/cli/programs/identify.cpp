@@ -38,13 +38,10 @@ std::string ablatedPart(std::string name) {
 }
 
 void addEffects(CLI::App& subcommand, std::vector<std::string>& effects) {
-    subcommand
-        .add_option(
-            "--effect", effects,
-            "KEY:NAME=VALUE: extra physics, `supercircle effects` lists it (repeatable); KEY:shell=NAME for one shell")
-        ->type_name("KEY:NAME=VALUE")
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    addRepeatable(
+        subcommand, "--effect", effects,
+        "KEY:NAME=VALUE: extra physics, `supercircle effects` lists it (repeatable); KEY:shell=NAME for one shell")
+        ->type_name("KEY:NAME=VALUE");
 }
 
 Subcommand describeImport(CLI::App& app) {
@@ -154,10 +151,8 @@ Subcommand describeSensitivity(CLI::App& app) {
         "sensitivity", "derivatives of a recorded experiment's readings with respect to its parameters");
     subcommand->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
     addParameters(*subcommand, a.parameters, kExperimentParameterHelp);
-    subcommand->add_option("--column", a.columns, "NAME: vary only this parameter (repeatable; default: all)")
-        ->type_name("NAME")
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    addRepeatable(*subcommand, "--column", a.columns, "NAME: vary only this parameter (repeatable; default: all)")
+        ->type_name("NAME");
     subcommand->add_flag("--effects", a.effects, "vary the amplitudes of all effects too (supercircle effects)");
     subcommand
         ->add_option("--out", a.out,
@@ -235,11 +230,9 @@ Subcommand describeDiagnose(CLI::App& app) {
         ->check(wholeFromZero)
         ->type_name("N")
         ->capture_default_str();
-    subcommand->add_option("--without", a.without, "EFFECT[,EFFECT]: remove these from the catalogue (repeatable)")
+    addRepeatable(*subcommand, "--without", a.without, "EFFECT[,EFFECT]: remove these from the catalogue (repeatable)")
         ->delimiter(',')
-        ->type_name("EFFECT")
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        ->type_name("EFFECT");
     subcommand->add_flag(
         "--skip-next-experiment", a.skipNextExperiment,
         "do not choose a next experiment (it takes a hundred simulations or more); a later command without this\n"
@@ -253,15 +246,12 @@ Subcommand describeDiagnose(CLI::App& app) {
             },
             "old name of --skip-next-experiment")
         ->group("");
-    subcommand
-        ->add_option("--ablate", a.ablate,
-                     "PART of the method to switch off: whitening, cross_validation, screening, open_set")
+    addRepeatable(*subcommand, "--ablate", a.ablate,
+                  "PART of the method to switch off: whitening, cross_validation, screening, open_set")
         ->check(CLI::IsMember({"whitening", "cross_validation", "screening", "open_set"}).description(""))
         ->transform(ablatedPart)
         ->type_name("PART")
-        ->allow_extra_args(false)
-        ->group("Advanced (docs/results/diagnosis.md)")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        ->group("Advanced (docs/results/diagnosis.md)");
     subcommand->add_flag("--quiet", a.quiet, "print nothing but errors");
     subcommand->footer("Simulations are cached in DIR, so an interrupted diagnosis continues. Exit codes: 0 done; 2\n"
                        "bad input; 3 a run could not go on; 4 output could not be written; 130 interrupted.");

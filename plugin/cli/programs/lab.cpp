@@ -28,12 +28,9 @@ Subcommand describeSweep(CLI::App& app) {
         ->check(CLI::IsMember({"local", "slurm"}).description(""))
         ->type_name("local|slurm")
         ->capture_default_str();
-    subcommand
-        ->add_option("--slurm-option", a.slurmOptions,
-                     "option for sbatch, such as --slurm-option=--time=60 (repeatable)")
-        ->type_name("OPTION")
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    addRepeatable(*subcommand, "--slurm-option", a.slurmOptions,
+                  "option for sbatch, such as --slurm-option=--time=60 (repeatable)")
+        ->type_name("OPTION");
     subcommand->add_option("--merge", a.merge, "folders of shards, merged in DIR; nothing is simulated")
         ->type_name("DIR ...");
     subcommand->add_flag("--quiet", a.quiet, "print nothing but errors and failed runs");
@@ -68,12 +65,9 @@ Subcommand describeDesign(CLI::App& app) {
     CLI::App* subcommand = app.add_subcommand("design", "pairs of parameters that give a target value, from a sweep");
     subcommand->add_option("sweep", a.file, "sweep file (JSON)")->required()->type_name("SWEEP.json");
     subcommand->add_option("--results", a.results, "folder of the sweep's results")->required()->type_name("DIR");
-    subcommand
-        ->add_option("--target", a.targets,
-                     "NAME=VALUE: a quantity of the summary, such as delta_max_over_R=4 (repeatable, at least one)")
-        ->type_name("NAME=VALUE")
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    addRepeatable(*subcommand, "--target", a.targets,
+                  "NAME=VALUE: a quantity of the summary, such as delta_max_over_R=4 (repeatable, at least one)")
+        ->type_name("NAME=VALUE");
     addFormerName(*subcommand, "--want", "--target", a.targets);
     subcommand->add_option("--shells", a.shells, "size of the stack whose spread is computed (default: the sweep's)")
         ->check(positive)

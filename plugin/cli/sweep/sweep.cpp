@@ -33,10 +33,6 @@ using sweep::StoredRun;
 using sweep::SweepDefinition;
 using sweep::Task;
 
-int complain(int code, const std::string& message) {
-    std::fprintf(stderr, "%s\n", message.c_str());
-    return code;
-}
 int badInput(const std::string& message) {
     return complain(kBadInput, message);
 }

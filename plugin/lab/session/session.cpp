@@ -14,6 +14,16 @@ namespace {
 
 using rod::Vec2;
 
+/// Ids of the bodies that own the outlines, ascending: the order of the recorded bodies.
+std::vector<step::BodyId> bodiesOf(const std::vector<step::BodyOutline>& outlines) {
+    std::vector<step::BodyId> ids;
+    for (const step::BodyOutline& o : outlines)
+        ids.push_back(o.body);
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    return ids;
+}
+
 /// m; the absolute settings are for shells of this radius and scale with it: vibration periods grow with the size.
 constexpr double kPaperRadius = 0.0192;
 /// R, crosshead travel within which an abrupt snap is over and a smooth one is not.
@@ -179,11 +189,7 @@ std::string Session::populate() {
 void Session::describeOutlines() {
     std::vector<step::BodyOutline> all;
     host_->everything(all);
-    std::vector<step::BodyId> ids;
-    for (const step::BodyOutline& o : all)
-        ids.push_back(o.body);
-    std::sort(ids.begin(), ids.end());
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    const std::vector<step::BodyId> ids = bodiesOf(all);
     for (const step::BodyOutline& o : all) {
         record::OutlineInfo info;
         using Kind = contact::OutlineKind;
@@ -342,11 +348,7 @@ void Session::keepFrame(bool always) {
     }
     std::vector<step::BodyOutline> all;
     host_->everything(all);
-    std::vector<step::BodyId> ids;
-    for (const step::BodyOutline& o : all)
-        ids.push_back(o.body);
-    std::sort(ids.begin(), ids.end());
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    const std::vector<step::BodyId> ids = bodiesOf(all);
     for (const step::BodyId id : ids) {
         step::BodyState s;
         host_->state(id, s);

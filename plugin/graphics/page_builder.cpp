@@ -7,10 +7,6 @@ namespace supercircle::graphics {
 // Generated from page.css, tables.css and page_template.html (plugin/cmake/EmbedText.cmake).
 extern const std::string_view kPageCss, kTablesCss, kPageTemplateHtml;
 
-std::string_view pageStyle() {
-    return kPageCss;
-}
-
 std::string fillTemplate(std::string_view text,
                          std::initializer_list<std::pair<std::string_view, std::string_view>> values) {
     std::string out;

@@ -9,9 +9,6 @@
 
 namespace supercircle::graphics {
 
-/// CSS of every page (page.css).
-[[nodiscard]] std::string_view pageStyle();
-
 /// `text` with every {{name}} replaced by its value; values are not searched again. A name without a value stays.
 [[nodiscard]] std::string fillTemplate(std::string_view text,
                                        std::initializer_list<std::pair<std::string_view, std::string_view>> values);

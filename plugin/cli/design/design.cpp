@@ -168,27 +168,22 @@ std::string tableOf(const Design& d, const DesignTarget& w) {
 }
 
 std::string pageOf(const Design& d, const std::vector<SweepFigure>& charts) {
-    std::string html =
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Design</title><style>" +
-        std::string(graphics::pageStyle()) +
-        "table{border-collapse:collapse;font-size:14px}td,th{padding:3px 14px 3px 0;text-align:left;"
-        "vertical-align:top}small{color:var(--muted)}</style></head><body><main><header><h1>Design</h1>"
-        "<p>From " +
-        std::to_string(d.table.rows.size()) + " runs of " + graphics::escaped(d.sweep.name) +
+    graphics::PageBuilder page("Design");
+    page.plainTables().introduction(
+        "<p>From " + std::to_string(d.table.rows.size()) + " runs of " + graphics::escaped(d.sweep.name) +
         ". Scatter of single stacks of " + shortNumber(d.shells) + " shells" +
         (d.shells == d.measuredAt ? "" : ", from that of stacks of " + shortNumber(d.measuredAt) + " scaled by 1/√N") +
-        ".</p></header>";
+        ".</p>");
     for (std::size_t i = 0; i < charts.size(); ++i) {
         graphics::SvgCanvas canvas(charts[i].width, charts[i].height, charts[i].name, charts[i].title);
         charts[i].draw(canvas);
-        html += "<div class=\"grid\"><section><h2>" + graphics::escaped(charts[i].title) +
-                "</h2><div class=\"scroll\">" + canvas.finish() + "</div><p>" + graphics::escaped(charts[i].caption) +
-                "</p>" +
-                (d.targets[i].points.empty() ? "<p>No pair of the sweep's range gives this value.</p>"
-                                             : tableOf(d, d.targets[i])) +
-                "</section></div>";
+        page.section(charts[i].title,
+                     "<div class=\"scroll\">" + canvas.finish() + "</div><p>" + graphics::escaped(charts[i].caption) +
+                         "</p>" +
+                         (d.targets[i].points.empty() ? "<p>No pair of the sweep's range gives this value.</p>"
+                                                      : tableOf(d, d.targets[i])));
     }
-    return html + "</main></body></html>\n";
+    return page.html();
 }
 
 int write(const DesignArguments& a, const Design& d) {

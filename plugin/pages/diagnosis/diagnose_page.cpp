@@ -21,10 +21,6 @@ using record::rounded;
 using diagnosis::Diagnosis;
 using graphics::escaped;
 
-std::string section(const std::string& title, const std::string& body) {
-    return body.empty() ? "" : "<div class=\"grid\"><section><h2>" + title + "</h2>" + body + "</section></div>";
-}
-
 std::string scroll(const std::string& figure) {
     return figure.empty() ? "" : "<div class=\"scroll wide\">" + figure + "</div>";
 }
@@ -199,32 +195,28 @@ std::string nextText(const Diagnosis& d) {
 } // namespace
 
 std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
-    std::string html =
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Diagnosis</title><style>" +
-        std::string(graphics::pageStyle()) +
-        "table{border-collapse:collapse;font-size:14px}td,th{padding:3px 14px 3px 0;text-align:left;"
-        "vertical-align:top}</style></head><body><main><header><h1>" +
-        diagnosis::verdictTitle(d.verdict) + "</h1><p>" + escaped(d.statement) + "</p><p>" + escaped(e.description) +
-        "</p></header>";
-    html += section("Probability of each explanation", scroll(probabilityFigure(d)) + effectTable(d));
+    graphics::PageBuilder page(diagnosis::verdictTitle(d.verdict));
+    page.title("Diagnosis").plainTables();
+    page.introduction("<p>" + escaped(d.statement) + "</p><p>" + escaped(e.description) + "</p>");
+    page.section("Probability of each explanation", scroll(probabilityFigure(d)) + effectTable(d));
     const bool looked = d.noise.total() > 0.0; // without a noise estimate nothing is simulated
-    html += section("Errors", looked ? errorTable(d) : "");
+    page.section("Errors", looked ? errorTable(d) : "");
     for (std::size_t r = 0; r < d.runs.size(); ++r)
-        html += section(escaped(d.runs[r].name), scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
-    html += section("Misfit of the simulation without extra physics", looked ? windowTable(d.misfit, d.driven()) : "");
+        page.section(d.runs[r].name, scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
+    page.section("Misfit of the simulation without extra physics", looked ? windowTable(d.misfit, d.driven()) : "");
     if (d.improved)
-        html += section("Misfit with " + improvedBy(d), windowTable(d.residualAfterBest, d.driven()));
-    html += section("Position on the specimen", scroll(specimenFigure(d, e)));
-    html += section("Laws learned from the runs", learnedText(d));
-    html += section("Screening of the catalogue", looked ? scroll(screenFigure(d)) : "");
-    html += section("Similarity of the effects in these runs (cosines; 1: equal)", scroll(similarityFigure(d)));
-    html += section("Stated and fitted parameters", looked ? nominalTable(d) : "");
-    html += section("Next experiment", nextText(d));
-    html += section("About this page", "<p>" + std::to_string(d.forwardRuns) + " simulated runs, seed " +
-                                           std::to_string(d.seed) +
-                                           ". Method: docs/theory/diagnosis.md. All numbers: "
-                                           "diagnosis.json.</p>");
-    return html + "</main></body></html>\n";
+        page.section("Misfit with " + improvedBy(d), windowTable(d.residualAfterBest, d.driven()));
+    page.section("Position on the specimen", scroll(specimenFigure(d, e)));
+    page.section("Laws learned from the runs", learnedText(d));
+    page.section("Screening of the catalogue", looked ? scroll(screenFigure(d)) : "");
+    page.section("Similarity of the effects in these runs (cosines; 1: equal)", scroll(similarityFigure(d)));
+    page.section("Stated and fitted parameters", looked ? nominalTable(d) : "");
+    page.section("Next experiment", nextText(d));
+    page.section("About this page", "<p>" + std::to_string(d.forwardRuns) + " simulated runs, seed " +
+                                        std::to_string(d.seed) +
+                                        ". Method: docs/theory/diagnosis.md. All numbers: "
+                                        "diagnosis.json.</p>");
+    return page.html();
 }
 
 } // namespace supercircle::cli

@@ -180,12 +180,8 @@ std::string parameterTable(const Replay& replay) {
 Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
     using Files = std::vector<record::NamedText>;
     Files files;
-    const std::string title = graphics::escaped(replay.experiment.file);
-    std::string html = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Replay of " + title +
-                       "</title><style>" + std::string(graphics::pageStyle()) +
-                       "table{border-collapse:collapse;font-size:14px}td,th{padding:2px 14px 2px 0;text-align:left}"
-                       "</style></head><body><main><header><h1>Replay of " +
-                       title + "</h1><p>" + graphics::escaped(replay.experiment.description) + "</p></header>";
+    graphics::PageBuilder page("Replay of " + replay.experiment.file);
+    page.plainTables().introduction("<p>" + graphics::escaped(replay.experiment.description) + "</p>");
     for (std::size_t k = 0; k < replay.runs.size(); ++k) {
         const ReplayedRun& run = replay.runs[k];
         if (run.comparison.residual.empty())
@@ -199,15 +195,14 @@ Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
         graphics::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1),
                                 "recorded and simulated force of " + run.name);
         drawRun(svg, replay.experiment, replay.experiment.runs[k], run);
-        html += "<div class=\"grid\"><section><h2>" + graphics::escaped(run.name) + "</h2>" +
-                (run.simulated.failure.empty() ? "" : "<p>" + graphics::escaped(run.simulated.failure) + "</p>") +
-                "<div class=\"scroll wide\">" + svg.finish() + "</div>" +
-                figures(run, experiment::channel(replay.experiment)) + "</section></div>";
+        page.section(run.name,
+                     (run.simulated.failure.empty() ? "" : "<p>" + graphics::escaped(run.simulated.failure) + "</p>") +
+                         "<div class=\"scroll wide\">" + svg.finish() + "</div>" +
+                         figures(run, experiment::channel(replay.experiment)));
     }
-    html += "<div class=\"grid\"><section><h2>Parameters</h2>" + parameterTable(replay) + "<p>" +
-            std::to_string(replay.resolution.elements) +
-            " elements a specimen</p></section></div></main></body></html>\n";
-    files.emplace_back("replay.html", std::move(html));
+    page.section("Parameters", parameterTable(replay) + "<p>" + std::to_string(replay.resolution.elements) +
+                                   " elements a specimen</p>");
+    files.emplace_back("replay.html", page.html());
     return files;
 }
 

@@ -202,23 +202,19 @@ Result<Files> sensitivityPages(const SensitivityStudy& study) {
     const Sensitivities& s = study.result;
     Files files;
     std::string error;
-    const std::string title = graphics::escaped(study.experiment.file);
-    std::string html = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Sensitivities of " +
-                       title + "</title><style>" + std::string(graphics::pageStyle()) +
-                       "table{border-collapse:collapse;font-size:14px}td,th{padding:2px 14px 2px 0;text-align:left}"
-                       "</style></head><body><main><header><h1>Sensitivities of " +
-                       title + "</h1><p>" + graphics::escaped(study.experiment.description) + "</p></header>";
+    graphics::PageBuilder page("Sensitivities of " + study.experiment.file);
+    page.plainTables().introduction("<p>" + graphics::escaped(study.experiment.description) + "</p>");
     for (std::size_t r = 0; r < s.runs.size() && error.empty(); ++r) {
         const RunSensitivity& run = s.runs[r];
         if (run.base.readings.time.empty())
             continue;
         const std::string name = study.runName(r);
-        html += "<div class=\"grid\"><section><h2>" + graphics::escaped(name) + "</h2>" +
-                picture(
-                    name + "_sensitivity", kWidth, kHeight, "effect of each parameter on the force of " + name,
-                    [&](Canvas& canvas) { drawRun(canvas, s, run); }, files, error) +
-                table(s, run) + "<h3>Landmarks, and their change for each parameter by its scale</h3>" +
-                "<div class=\"scroll wide\">" + landmarkRows(s, run) + "</div></section></div>";
+        page.section(name,
+                     picture(
+                         name + "_sensitivity", kWidth, kHeight, "effect of each parameter on the force of " + name,
+                         [&](Canvas& canvas) { drawRun(canvas, s, run); }, files, error) +
+                         table(s, run) + "<h3>Landmarks, and their change for each parameter by its scale</h3>" +
+                         "<div class=\"scroll wide\">" + landmarkRows(s, run) + "</div>");
     }
     std::vector<Eigen::Index> shown;
     const Eigen::MatrixXd cosines = sensitivity::similarity(s);
@@ -226,16 +222,17 @@ Result<Files> sensitivityPages(const SensitivityStudy& study) {
         if (cosines(c, c) > 0.0)
             shown.push_back(c);
     const double side = 46.0 * static_cast<double>(shown.size());
-    html += "<div class=\"grid\"><section><h2>Similarity</h2><p>Cosine between the effects of two parameters on the "
-            "force: 1 or -1 means that one can compensate the other.</p>" +
-            picture(
-                "similarity", 210.0 + side, 170.0 + side, "similarity of parameters",
-                [&](Canvas& canvas) { drawSimilarity(canvas, s, cosines, shown); }, files, error) +
-            "<p>" + std::to_string(s.simulations) + " simulations with " + std::to_string(study.resolution.elements) +
-            " elements a specimen.</p></section></div></main></body></html>\n";
+    page.section("Similarity",
+                 "<p>Cosine between the effects of two parameters on the "
+                 "force: 1 or -1 means that one can compensate the other.</p>" +
+                     picture(
+                         "similarity", 210.0 + side, 170.0 + side, "similarity of parameters",
+                         [&](Canvas& canvas) { drawSimilarity(canvas, s, cosines, shown); }, files, error) +
+                     "<p>" + std::to_string(s.simulations) + " simulations with " +
+                     std::to_string(study.resolution.elements) + " elements a specimen.</p>");
     if (!error.empty())
         return Result<Files>::failure(error);
-    files.emplace_back("sensitivity.html", std::move(html));
+    files.emplace_back("sensitivity.html", page.html());
     return files;
 }
 

@@ -1,6 +1,7 @@
 #include "bridge/box2d/body_registry.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -17,9 +18,15 @@ BodyRegistry::Traits BodyRegistry::traitsOf(const b2Body& body) {
 }
 
 bool BodyRegistry::sameTraits(const Traits& before, const b2Body& body) {
-    const Traits now = traitsOf(body);
+    Traits now = traitsOf(body);
+    if (!std::isfinite(before.mass + before.inertia) || !std::isfinite(now.mass + now.inertia)) {
+        now.mass = before.mass; // NaN equals nothing, and tells nothing about who the body is
+        now.inertia = before.inertia;
+    }
     if (before.fixtures == now.fixtures)
-        return before == now;
+        return before.userData == now.userData && before.type == now.type &&
+               (!std::isfinite(before.mass + before.inertia) ||
+                (before.mass == now.mass && before.inertia == now.inertia));
     if (before.userData != now.userData || before.type != now.type)
         return false;
     // If fixtures were added to the same body, the old head is still in the list.

@@ -98,6 +98,8 @@ struct Box2dPort::Impl {
     double lastDt = 0.0; ///< of the host's last step if known, s; else 0
     std::uint64_t errorCount = 0;
     std::string lastError;
+    bool restitutionNoted = false;
+    std::string note;                        ///< for takeNote()
     OutlineQuery outlineQuery;               ///< storage of query()
     ConstraintWorkspace constraintWorkspace; ///< storage of constraints() and impulses()
 
@@ -166,6 +168,40 @@ struct Box2dPort::Impl {
         }
     }
 
+    /// All solid pieces of enabled bodies; within `box` if there is one.
+    void listAll(const b2AABB* box, std::vector<Hit>& hits) const {
+        for (b2Body* b = world->GetBodyList(); b != nullptr; b = b->GetNext()) {
+            for (const b2Fixture* f = b->GetFixtureList(); f != nullptr && b->IsEnabled(); f = f->GetNext()) {
+                for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child) {
+                    b2AABB own;
+                    f->GetShape()->ComputeAABB(&own, b->GetTransform(), child);
+                    if (box == nullptr || b2TestOverlap(own, *box))
+                        hits.push_back({b, f, child});
+                }
+            }
+        }
+    }
+
+    /// Box2D's tree loses pieces below a box that is not finite.
+    [[nodiscard]] bool treeIsSound() const {
+        for (const b2Body* b = world->GetBodyList(); b != nullptr; b = b->GetNext())
+            if (!b->GetPosition().IsValid() || !std::isfinite(b->GetAngle()))
+                return false;
+        return true;
+    }
+
+    void noteRestitution(const std::vector<Hit>& hits) {
+        if (restitutionNoted)
+            return;
+        for (const Hit& h : hits)
+            if (h.fixture->GetRestitution() > 0.0F) {
+                restitutionNoted = true;
+                note = "restitution of fixtures is ignored by shells: how high a shell bounces follows from its own "
+                       "elasticity (docs/how-to/rigid_bodies_and_limits.md)";
+                return;
+            }
+    }
+
     /// Appends the hits in the order (body id, key).
     void append(const std::vector<Hit>& hits, std::vector<BodyOutline>& out) const {
         const std::size_t first = out.size();
@@ -174,6 +210,7 @@ struct Box2dPort::Impl {
             o.local = outlineOf(*h.fixture, h.child, scale, key(h));
             o.body = registry.id(h.body);
             o.friction = static_cast<double>(h.fixture->GetFriction());
+            o.fixture = fixtureNumber(*h.fixture);
             out.push_back(std::move(o));
         }
         std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
@@ -219,19 +256,18 @@ void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
     outlineQuery.hits.clear();
     outlineQuery.broadPhase = &impl_->world->GetContactManager().m_broadPhase;
     outlineQuery.box = {toHost(box.lower, impl_->scale), toHost(box.upper, impl_->scale)};
-    outlineQuery.broadPhase->Query(&outlineQuery, outlineQuery.box);
+    if (impl_->treeIsSound())
+        outlineQuery.broadPhase->Query(&outlineQuery, outlineQuery.box);
+    else
+        impl_->listAll(&outlineQuery.box, outlineQuery.hits);
+    impl_->noteRestitution(outlineQuery.hits);
     impl_->append(outlineQuery.hits, out);
 }
 
 void Box2dPort::everything(std::vector<BodyOutline>& out) const {
     impl_->sync(true);
     std::vector<Hit> hits;
-    for (b2Body* b = impl_->world->GetBodyList(); b != nullptr; b = b->GetNext()) {
-        for (const b2Fixture* f = b->GetFixtureList(); f != nullptr && b->IsEnabled(); f = f->GetNext()) {
-            for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child)
-                hits.push_back({b, f, child});
-        }
-    }
+    impl_->listAll(nullptr, hits);
     impl_->append(hits, out);
 }
 
@@ -378,6 +414,43 @@ std::string Box2dPort::build(const step::RigidWorldDefinition& definition) {
     return {};
 }
 
+std::string Box2dPort::shiftOrigin(const Vec2& by) {
+    if (impl_->world->IsLocked())
+        return "the origin cannot be shifted inside the world's own step";
+    if (!fits(by, impl_->scale))
+        return "the new origin is not finite or too far away";
+    impl_->sync(true);
+    std::vector<BodyId> exact; // those whose motion is known in double precision
+    for (const auto& [id, d] : impl_->driven)
+        if (const b2Body* b = impl_->registry.body(id); b != nullptr && b->GetWorldCenter() == d.hostCentre)
+            exact.push_back(id);
+    impl_->world->ShiftOrigin(toHost(by, impl_->scale));
+    for (const BodyId id : exact) {
+        impl_->driven[id].centre -= by;
+        impl_->driven[id].hostCentre = impl_->registry.body(id)->GetWorldCenter();
+    }
+    return {};
+}
+
+std::string Box2dPort::takeNote() const {
+    return std::exchange(impl_->note, {});
+}
+
+std::uint32_t Box2dPort::fixtureNumber(const b2Fixture& fixture) {
+    std::uint32_t older = 0; // the list starts with the newest
+    for (const b2Fixture* f = fixture.GetNext(); f != nullptr; f = f->GetNext())
+        ++older;
+    return older;
+}
+
+b2Fixture* Box2dPort::fixtureOf(BodyId body, std::uint32_t fixture) const {
+    b2Body* b = bodyOf(body);
+    for (b2Fixture* f = b != nullptr ? b->GetFixtureList() : nullptr; f != nullptr; f = f->GetNext())
+        if (fixtureNumber(*f) == fixture)
+            return f;
+    return nullptr;
+}
+
 BodyId Box2dPort::idOf(const b2Body& body) const {
     impl_->sync(false);
     return impl_->registry.id(&body);
@@ -447,6 +520,15 @@ void Attachment::set_name(const b2Body& body, const std::string& name) const {
 }
 std::uint64_t Attachment::body_id(const b2Body& body) const {
     return port_->idOf(body);
+}
+b2Body* Attachment::body(std::uint64_t id) const {
+    return port_->bodyOf(id);
+}
+b2Fixture* Attachment::fixture(std::uint64_t body, std::uint32_t number) const {
+    return port_->fixtureOf(body, number);
+}
+std::uint32_t Attachment::fixture_number(const b2Fixture& fixture) const {
+    return Box2dPort::fixtureNumber(fixture);
 }
 void Attachment::notify_destroyed(const b2Body& body) const {
     port_->notifyDestroyed(body);

@@ -57,6 +57,10 @@ public:
     /// Creates the bodies and joints in the world (scale of this port, not of the definition), names them for find(),
     /// and sets the world's gravity.
     std::string build(const step::RigidWorldDefinition& definition) override;
+    /// b2World::ShiftOrigin; not inside the world's callbacks.
+    std::string shiftOrigin(const step::Vec2& by) override;
+    /// Restitution of a fixture near shells, once a world.
+    [[nodiscard]] std::string takeNote() const override;
 
     /// All outlines of all enabled bodies, sorted by (body, key).
     void everything(std::vector<step::BodyOutline>& out) const;
@@ -64,6 +68,10 @@ public:
     [[nodiscard]] step::BodyId idOf(const b2Body& body) const;
     /// The body, or null if it has been destroyed. Valid until the user destroys it.
     [[nodiscard]] b2Body* bodyOf(step::BodyId body) const;
+    /// The fixture of a body by its number from the oldest (step::BodyOutline::fixture), or null.
+    [[nodiscard]] b2Fixture* fixtureOf(step::BodyId body, std::uint32_t fixture) const;
+    /// Its number.
+    [[nodiscard]] static std::uint32_t fixtureNumber(const b2Fixture& fixture);
     /// Names a body of this world for find(); a later body of the same name replaces the earlier one.
     void setName(const b2Body& body, const std::string& name);
     /// Call this before destroying a body: its id ends here, whatever is created at its address.

@@ -47,6 +47,8 @@ public:
     }
     [[nodiscard]] BodyId find(const std::string& name) const override { return port_.find(name); }
     std::string build(const RigidWorldDefinition& d) override { return port_.build(d); }
+    std::string shiftOrigin(const Vec2& by) override { return port_.shiftOrigin(by); }
+    [[nodiscard]] std::string takeNote() const override { return port_.takeNote(); }
     void everything(std::vector<BodyOutline>& out) const override { port_.everything(out); }
 
     void step(double dt) override {

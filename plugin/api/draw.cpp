@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace supercircle {
 
@@ -112,11 +113,21 @@ Colour strain_colour(double strain, double full) {
 }
 
 Status Shells::draw(DebugDraw& canvas, const DrawOptions& options) const {
-    if (!(options.tolerance > 0.0) || !(options.full_strain > 0.0) || !std::isfinite(options.metres_per_newton))
-        return Status::failure("tolerance and full_strain must be positive, metres_per_newton finite");
+    if (impl_->gone)
+        return refused(kMovedFrom);
+    if (!(options.tolerance > 0.0) || !(options.full_strain > 0.0) || !std::isfinite(options.metres_per_newton) ||
+        std::isnan(options.alpha))
+        return refused("tolerance and full_strain must be positive, metres_per_newton finite, alpha a number");
     return Impl::withoutExceptions([&] { // the canvas is the user's and may throw
         std::vector<Point> points;
-        for (const step::Rod& rod : impl_->world.rods) {
+        std::optional<step::Rod> between;
+        for (const step::Rod& last : impl_->world.rods) {
+            if (options.alpha < 1.0) {
+                between = last;
+                between->q = impl_->between(last, options.alpha);
+                between->kin.evaluate(last.model, between->q);
+            }
+            const step::Rod& rod = between ? *between : last;
             if (options.outlines)
                 drawOutline(rod, options, rod.quarantined ? options.quarantined : options.outline, points, canvas);
             if (options.centre_lines)

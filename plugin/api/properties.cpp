@@ -54,6 +54,7 @@ Status Shells::teleport(ShellHandle shell, Point position, double angle) {
         if (isConstrained(impl_->world, impl_->rod(i)))
             return refused("the shell has a hold or a joint: destroy it first");
         step::moveRod(impl_->world, static_cast<std::size_t>(i), vec(position), angle);
+        impl_->forgetStart(impl_->rod(i).key);
         impl_->recorder.record(Call::Teleport, shell, position, angle);
         return done();
     });
@@ -190,6 +191,48 @@ Status Shells::set_friction_material(BodyId body, FrictionMaterial material) {
             list.insert(it, {body, material});
         step::wakeAll(impl_->world);
         impl_->recorder.record(Call::SetBodyFrictionMaterial, body, material);
+        return done();
+    });
+}
+
+Status Shells::set_surface_speed(BodyId body, double speed, std::uint32_t fixture) {
+    return impl_->change([&] {
+        step::BodyState state;
+        if (body == 0 || !impl_->port || !impl_->port->state(body, state))
+            return refused("the host has no such body");
+        if (!limits::velocity({speed, 0.0}, 0.0))
+            return refused("the surface speed must be finite");
+        auto& list = impl_->world.surfaceSpeeds;
+        const auto it = std::lower_bound(list.begin(), list.end(), body, [&](const step::SurfaceSpeed& s, BodyId want) {
+            return s.body != want ? s.body < want : s.fixture < fixture;
+        });
+        const bool known = it != list.end() && it->body == body && it->fixture == fixture;
+        if (known && speed == 0.0 && fixture == all_fixtures)
+            list.erase(it);
+        else if (known)
+            it->speed = speed;
+        else
+            list.insert(it, {body, fixture, speed});
+        step::wakeAll(impl_->world);
+        impl_->recorder.record(Call::SetSurfaceSpeed, body, speed, fixture);
+        return done();
+    });
+}
+
+Status Shells::set_pair_filter(std::function<bool(const PairQuery&)> filter) {
+    return impl_->change([&] {
+        step::PairFilter& ask = impl_->stepper.pairFilter;
+        ask = nullptr;
+        if (filter) // asked shell by shell: the handle is looked up once for each
+            ask = [m = impl_.get(), filter = std::move(filter), shell = ShellHandle{},
+                   key = std::uint32_t{0}](const step::Rod& rod, const step::BodyOutline& piece) mutable {
+                if (rod.key != key || m->slots.size() <= shell.index ||
+                    m->slots[shell.index].generation != shell.generation || m->worldId != shell.world) {
+                    key = rod.key;
+                    shell = m->handleOf(key);
+                }
+                return filter({shell, piece.body, piece.fixture});
+            };
         return done();
     });
 }

@@ -192,6 +192,8 @@ Status Shells::set_user_data(ShellHandle shell, std::uint64_t data) {
 }
 
 Result<RayHit> Shells::ray_cast(Point from, Point to, QueryMask mask) const {
+    if (impl_->gone)
+        return Result<RayHit>::failure(kMovedFrom);
     if (const Status checked = checkRay(from, to); !checked)
         return Result<RayHit>::failure(checked.error());
     const Vec2 a = vec(from), b = vec(to);
@@ -213,6 +215,8 @@ Result<RayHit> Shells::ray_cast(Point from, Point to, QueryMask mask) const {
 
 Result<std::vector<RayHit>> Shells::ray_cast_all(Point from, Point to, QueryMask mask) const {
     using Hits = std::vector<RayHit>;
+    if (impl_->gone)
+        return Result<Hits>::failure(kMovedFrom);
     if (const Status checked = checkRay(from, to); !checked)
         return Result<Hits>::failure(checked.error());
     const Vec2 a = vec(from), b = vec(to);
@@ -235,6 +239,8 @@ Result<std::vector<ShellHandle>> Shells::overlap_point(Point position, QueryMask
 
 Result<std::vector<ShellHandle>> Shells::overlap_box(const Box& box, QueryMask mask) const {
     using Handles = std::vector<ShellHandle>;
+    if (impl_->gone)
+        return Result<Handles>::failure(kMovedFrom);
     if (!usable(box.lower) || !usable(box.upper) || box.lower.x > box.upper.x || box.lower.y > box.upper.y)
         return Result<Handles>::failure(
             "the box must be finite, with its lower corner below and left of its upper one");
@@ -245,6 +251,8 @@ Result<std::vector<ShellHandle>> Shells::overlap_box(const Box& box, QueryMask m
 
 Result<std::vector<ShellHandle>> Shells::overlap_circle(Point centre, double radius, QueryMask mask) const {
     using Handles = std::vector<ShellHandle>;
+    if (impl_->gone)
+        return Result<Handles>::failure(kMovedFrom);
     if (!usable(centre) || !(radius >= 0.0) || !(radius < kFarthest))
         return Result<Handles>::failure("centre and radius must be finite, the radius not negative");
     const Vec2 p = vec(centre), lower = p - Vec2::Constant(radius), upper = p + Vec2::Constant(radius);

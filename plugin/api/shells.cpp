@@ -1,14 +1,17 @@
 #include "plugin/api/include/supercircle/shells.hpp"
 
 #include "plugin/api/from_definition.h"
+#include "plugin/api/limits.h"
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/support/invariants.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace supercircle {
 
@@ -57,14 +60,28 @@ ShellHandle Shells::Impl::assignSlot(std::uint32_t key, std::string name, std::u
     return {i, slots[i].generation, worldId};
 }
 
-Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_unique<Impl>()) {
+std::shared_ptr<Shells::Impl> Shells::Impl::movedFrom() {
+    // Never destroyed, because static objects may be used until the very end; not owned, so that moving cannot fail.
+    static Impl* const nothing = [] {
+        auto* made = new Impl;
+        made->gone = true;
+        return made;
+    }();
+    return {std::shared_ptr<Impl>(), nothing};
+}
+
+Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_shared<Impl>()) {
+    (void)Impl::movedFrom(); // made where an allocation may fail
     impl_->port = std::move(port);
     if (impl_->port)
         impl_->world.gravity = impl_->port->gravity();
 }
 Shells::~Shells() = default;
-Shells::Shells(Shells&&) noexcept = default;
-Shells& Shells::operator=(Shells&&) noexcept = default;
+Shells::Shells(Shells&& other) noexcept : impl_(std::exchange(other.impl_, Impl::movedFrom())) {}
+Shells& Shells::operator=(Shells&& other) noexcept {
+    impl_ = std::exchange(other.impl_, Impl::movedFrom());
+    return *this;
+}
 
 Result<ShellHandle> Shells::create(const ShellDef& definition) {
     return impl_->change([&] {
@@ -78,6 +95,7 @@ Result<ShellHandle> Shells::create(const ShellDef& definition) {
         added.group = definition.group;
         added.material = definition.friction_material;
         added.width = definition.width;
+        step::setEffectSettings(w, w.rods.size() - 1, impl_->effectsOfNew);
         const ShellHandle made = impl_->assignSlot(added.key, definition.name, definition.user_data);
         impl_->recorder.record(Call::Create, definition, made);
         return Result<ShellHandle>(made);
@@ -134,13 +152,21 @@ Point Shells::crosshead_force() const {
 
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
-    Impl& m = *impl_; // the observer may move this object
-    if (m.stepping) {
-        report.failure = kWorldLocked;
+    const std::shared_ptr<Impl> kept = impl_; // the observer may move this object
+    Impl& m = *kept;
+    if (m.gone || m.stepping) {
+        report.failure = m.gone ? kMovedFrom : kWorldLocked;
+        return report;
+    }
+    if (dt == 0.0) {
+        m.advanced = 0.0;
+        m.detector.events = {};
+        m.recorder.record(Call::PreStep, dt);
+        m.recorder.record(Call::FrameEnd, std::uint64_t{0}, false);
         return report;
     }
     if (!(dt >= kShortest) || !std::isfinite(dt)) {
-        report.failure = "pre_step: the frame must be a positive number of seconds, 1e-12 at least";
+        report.failure = "pre_step: the frame must be 0 (a pause) or a positive number of seconds, 1e-12 at least";
         m.advanced = 0.0;
         return report;
     }
@@ -161,6 +187,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
     const Status ended = Impl::withoutExceptions([&] {
         const Lock lock(m.stepping);
+        m.recordStart();
         m.detector.begin(m.world);
         const auto observe = [&](const step::World& world) {
             ++inner;
@@ -176,6 +203,9 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
             m.stepper.advance(m.world, dt, m.port.get(), std::cref(observe));
         report.stopped = out.stopped;
         report.budget_exhausted = out.budgetExhausted;
+        report.refused = out.refused;
+        if (m.port)
+            report.note = m.port->takeNote();
         report.failure = out.failure.empty() ? thrown : out.failure;
         m.detector.end(m.world, handleOf);
         return done();
@@ -207,18 +237,100 @@ Status Shells::post_step() {
     });
 }
 
+namespace {
+
+ShellPose poseOf(const rod::RodModel& model, const rod::Kinematics& kin, const Eigen::VectorXd& q) {
+    ShellPose p;
+    p.start = point(kin.node(0));
+    p.angle = kin.arcs().front().angle;
+    for (const rod::Arc& a : kin.arcs())
+        p.curvature.push_back(a.curvature);
+    p.bending_energy = rod::bendingEnergy(model, q);
+    return p;
+}
+
+} // namespace
+
 Result<ShellPose> Shells::pose(ShellHandle shell) const {
     const int i = impl_->find(shell);
     if (i < 0)
         return Result<ShellPose>::failure(kNoSuchShell);
-    const step::Rod& rod = impl_->world.rods[static_cast<std::size_t>(i)];
-    ShellPose p;
-    p.start = {rod.kin.node(0).x(), rod.kin.node(0).y()};
-    p.angle = rod.kin.arcs().front().angle;
-    for (const rod::Arc& a : rod.kin.arcs())
-        p.curvature.push_back(a.curvature);
-    p.bending_energy = rod::bendingEnergy(rod.model, rod.q);
-    return p;
+    const step::Rod& rod = impl_->rod(i);
+    return poseOf(rod.model, rod.kin, rod.q);
+}
+
+Result<ShellPose> Shells::pose(ShellHandle shell, double alpha) const {
+    const int i = impl_->find(shell);
+    if (i < 0)
+        return Result<ShellPose>::failure(kNoSuchShell);
+    if (std::isnan(alpha))
+        return Result<ShellPose>::failure("alpha must be a number: 0 is the start of the last frame, 1 its end");
+    const step::Rod& rod = impl_->rod(i);
+    const Eigen::VectorXd q = impl_->between(rod, alpha);
+    rod::Kinematics kin;
+    kin.evaluate(rod.model, q);
+    return poseOf(rod.model, kin, q);
+}
+
+void Shells::Impl::recordStart() {
+    startPoses.resize(world.rods.size());
+    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+        startPoses[i].key = world.rods[i].key;
+        startPoses[i].q = world.rods[i].q;
+    }
+}
+
+void Shells::Impl::forgetStart(std::uint32_t key) {
+    std::erase_if(startPoses, [key](const StartPose& p) { return p.key == key; });
+}
+
+/// Coordinates are interpolated, not points: lengths stay.
+Eigen::VectorXd Shells::Impl::between(const step::Rod& rod, double alpha) const {
+    const auto at =
+        std::find_if(startPoses.begin(), startPoses.end(), [&](const StartPose& p) { return p.key == rod.key; });
+    if (at == startPoses.end() || at->q.size() != rod.q.size() || alpha >= 1.0)
+        return rod.q;
+    const double share = std::max(alpha, 0.0);
+    return (1.0 - share) * at->q + share * rod.q;
+}
+
+Status Shells::shift_origin(Point new_origin) {
+    return impl_->change([&] {
+        if (!limits::position(new_origin))
+            return refused("the new origin must be finite and within 1e12 m");
+        Impl& m = *impl_;
+        const step::Vec2 by = vec(new_origin);
+        struct Seen {
+            bool state = false, last = false; ///< the body was where the world or its coupling have it
+        };
+        std::vector<Seen> seen(m.world.bodies.size());
+        step::BodyState now;
+        for (std::size_t i = 0; i < seen.size(); ++i)
+            if (const step::Body& b = m.world.bodies[i]; m.port && m.port->state(b.id, now))
+                seen[i] = {now.centre == b.state.centre, now.centre == b.hostCoupling.seen.centre};
+        if (m.port)
+            if (std::string why = m.port->shiftOrigin(by); !why.empty())
+                return refused(std::move(why));
+        step::shiftOrigin(m.world, by);
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            step::Body& b = m.world.bodies[i];
+            if (!m.port || !m.port->state(b.id, now))
+                continue;
+            if (seen[i].state) // the host rounds: nobody has moved the body
+                b.state.centre = now.centre;
+            if (seen[i].last)
+                b.hostCoupling.seen.centre = now.centre;
+        }
+        for (ContactPairState& t : m.detector.state.pairs) {
+            t.last.point.x -= new_origin.x;
+            t.last.point.y -= new_origin.y;
+        }
+        for (Impl::StartPose& p : m.startPoses)
+            if (const int i = step::rodIndex(m.world, p.key); i >= 0)
+                p.q.segment<2>(m.rod(i).model.dofX()) -= by;
+        m.recorder.record(Call::ShiftOrigin, new_origin);
+        return done();
+    });
 }
 
 EnergyBalance Shells::energy_balance() const {

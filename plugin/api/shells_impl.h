@@ -12,6 +12,8 @@
 
 namespace supercircle {
 
+inline const char* const kMovedFrom = "these Shells were moved from: use the object they were moved to";
+
 /// What a handle refers to.
 struct Slot {
     std::uint32_t generation = 0; ///< of the shell in this slot, or of the last one
@@ -31,6 +33,23 @@ struct Shells::Impl {
     bool stepping = false;                 ///< during pre_step: nothing may be changed
     EventDetector detector;
     CallRecorder recorder;
+    std::vector<effects::Setting> effectsOfNew; ///< what shells created later get
+    /// Coordinates of a rod at the start of the last frame, for drawing.
+    struct StartPose {
+        std::uint32_t key = 0;
+        Eigen::VectorXd q;
+    };
+    std::vector<StartPose> startPoses;
+    bool gone = false; ///< stands in for the contents that were moved away
+
+    /// What every object that was moved from refers to: no shells, and nothing can be changed.
+    static std::shared_ptr<Impl> movedFrom();
+    /// Coordinates of a rod between the start and the end of the last frame.
+    [[nodiscard]] Eigen::VectorXd between(const step::Rod& rod, double alpha) const;
+    void recordStart();
+    void forgetStart(std::uint32_t key);
+    template <class Change>
+    Status changeEffects(const EffectTarget& target, Change changeList);
 
     /// A number no other Shells of this process has or had.
     static std::uint32_t nextWorldId();
@@ -72,6 +91,8 @@ struct Shells::Impl {
     template <class Call>
     auto change(Call call) -> decltype(call()) {
         using R = decltype(call());
+        if (gone)
+            return R::failure(kMovedFrom);
         if (stepping)
             return R::failure(kWorldLocked);
         return withoutExceptions(call);

@@ -60,7 +60,7 @@ Result<std::size_t> unwrap(const FileKind& kind, const std::vector<std::uint8_t>
 
 namespace {
 
-constexpr archive::FileKind kStateKind{"SCSTATE ", 6};
+constexpr archive::FileKind kStateKind{"SCSTATE ", 7};
 constexpr archive::FileKind kLogKind{"SCCALLS ", 1};
 
 /// Checks the consistency of a state whose fields could all be read.
@@ -119,7 +119,7 @@ Result<archive::State> parse(const std::vector<std::uint8_t>& file) {
         return Parsed::failure(start.error());
     Loader in(file.data() + *start, file.size() - *start);
     archive::State state;
-    archive::ioState(in, state.slots, state.advanced, state.world, state.settings, state.detector);
+    archive::ioState(in, state.slots, state.advanced, state.world, state.settings, state.detector, state.effectsOfNew);
     if (in.fault().empty() && in.left() != 0)
         in.fail("it continues after its end");
     if (in.fault().empty())
@@ -144,7 +144,9 @@ Result<Snapshot> Snapshot::from_bytes(std::vector<std::uint8_t> bytes) {
 Snapshot Shells::save() const {
     Saver out;
     const Impl& m = *impl_;
-    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.detector.state);
+    if (m.gone)
+        return {};
+    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.detector.state, m.effectsOfNew);
     Snapshot s;
     s.bytes_ = archive::wrap(kStateKind, out.bytes);
     s.origin_ = m.worldId;
@@ -154,7 +156,7 @@ Snapshot Shells::save() const {
 std::uint64_t Shells::hash() const {
     Hasher out;
     const Impl& m = *impl_;
-    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.detector.state);
+    archive::ioState(out, m.slots, m.advanced, m.world, m.stepper.settings(), m.detector.state, m.effectsOfNew);
     return out.hash;
 }
 
@@ -190,6 +192,8 @@ Status Shells::restore(const Snapshot& snapshot) {
         m.detector.state = std::move(state.detector);
         SC_ASSERT(m.world.range.empty() || m.world.range.size() == m.world.rods.size(), "one range a rod");
         m.detector.events = {};
+        m.effectsOfNew = std::move(state.effectsOfNew);
+        m.startPoses.clear();
         m.recorder.record(Call::Restore, snapshot.bytes_, m.worldId);
         return done();
     });
@@ -232,7 +236,8 @@ Status Shells::start_log(std::uint64_t seed) {
 }
 
 void Shells::stop_log() {
-    impl_->recorder.stop();
+    if (!impl_->gone)
+        impl_->recorder.stop();
 }
 
 CallLog Shells::log() const {

@@ -113,6 +113,14 @@ void io(Ar& ar, Is<effects::Site> auto& s) {
     demand(ar, within(weakened, 0.0, 1.0 + 1e-9) && within(slid, 0.0, kFinite) && within(speed, -kFinite, kFinite));
 }
 
+template <class Ar>
+void io(Ar& ar, Is<effects::Setting> auto& s) {
+    auto& [key, shell, values] = s;
+    ar(key, shell, values);
+    demand(ar, key < effects::Key::Count &&
+                   values.size() == effects::catalog()[static_cast<std::size_t>(key)].parameters.size());
+}
+
 /// `made`: the newly created effect of the rod; saved lists must be as long as its lists.
 template <class Ar, class List>
 void ioState(Ar& ar, List& list, const std::remove_const_t<List>& made) {
@@ -126,7 +134,7 @@ void ioState(Ar& ar, List& list, const std::remove_const_t<List>& made) {
 
 template <class Ar>
 void ioEffects(Ar& ar, const rod::RodModel& rod, Is<effects::RodEffects> auto& fx) {
-    auto& [material, drag, surface, attraction, energies] = fx;
+    auto& [material, drag, surface, attraction, energies, settings] = fx;
     auto& [laws, upTo, age, plastic, hardened, overstress] = material;
     auto& [dragModel, dragPlace, dragWeight, stretch] = drag;
     auto& [contact, spacing, sites] = surface;
@@ -140,6 +148,7 @@ void ioEffects(Ar& ar, const rod::RodModel& rod, Is<effects::RodEffects> auto& f
     }
     const effects::RodEffects made = Ar::kLoads ? fx : effects::RodEffects{};
     ar(age, energies);
+    ar.unhashed(settings); // the models say what they do
     ioState(ar, plastic, made.material.plastic);
     ioState(ar, hardened, made.material.hardened);
     ioState(ar, overstress, made.material.overstress);

@@ -154,6 +154,36 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<step::SurfaceSpeed> auto& s) {
+    auto& [body, fixture, speed] = s;
+    ar(body, fixture, speed);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::VetoedPair> auto& v) {
+    auto& [rod, body, outline] = v;
+    ar(rod, body, outline);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<EffectValue> auto& v) {
+    auto& [name, number, choice] = v;
+    ar(name, number, choice);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<EffectDef> auto& d) {
+    auto& [key, parameters] = d;
+    ar(key, parameters);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<EffectTarget> auto& t) {
+    auto& [shell, all] = t;
+    ar(shell, all);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
            mouseJoints, width, material, group, island, stillTime, stillReference, effects] = r;
@@ -250,8 +280,9 @@ void io(Ar& ar, Is<contact::Outline> auto& o) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::BodyOutline> auto& o) {
-    auto& [local, body, friction] = o;
+    auto& [local, body, friction, fixture] = o;
     ar(local, body, friction);
+    ar.unhashed(fixture); // follows from the piece
 }
 
 template <class Ar>
@@ -311,17 +342,28 @@ void io(Ar& ar, Is<step::Settings> auto& s) {
     }
 }
 
+/// A list that most states do not use: empty, it does not count in the hash.
+template <class Ar>
+void ioIfAny(Ar& ar, auto& list) {
+    if (list.empty())
+        ar.unhashed(list);
+    else
+        ar(list);
+}
+
 template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
     auto& [time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
            crossheadBodies, energyBalance, counters, candidates, range, dt, dtNext, nextKey, links, nextPart,
-           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone] = w;
+           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes] = w;
     ar(time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
        crossheadBodies, energyBalance);
     ar.unhashed(counters);
     ar.unhashed(nextPart); // handles only
     ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland,
        effectsGone);
+    ioIfAny(ar, surfaceSpeeds);
+    ioIfAny(ar, vetoes);
 }
 
 // ---- class Shells ----
@@ -378,12 +420,14 @@ struct State {
     step::World world;
     step::Settings settings;
     EventDetectorState detector;
+    std::vector<effects::Setting> effectsOfNew;
 };
 /// The same where it lives.
 template <class Ar>
-void ioState(Ar& ar, auto& slots, auto& advanced, auto& world, auto& settings, auto& detector) {
+void ioState(Ar& ar, auto& slots, auto& advanced, auto& world, auto& settings, auto& detector, auto& effectsOfNew) {
     ar.unhashed(slots, advanced);
     ar(world, settings, detector);
+    ioIfAny(ar, effectsOfNew);
 }
 
 } // namespace supercircle::archive

@@ -49,6 +49,11 @@ enum class Call : std::uint8_t {
     Sleep = 37,
     Wake = 38,
     SetFrameBudget = 39,
+    SetEffect = 40,
+    ReplaceEffects = 41,
+    RemoveEffect = 42,
+    SetSurfaceSpeed = 43,
+    ShiftOrigin = 44,
     Count
 };
 

@@ -56,6 +56,8 @@ private:
         } else if constexpr (std::is_same_v<T, JointDef>) {
             translate(x.shell);
             translate(x.other);
+        } else if constexpr (std::is_same_v<T, EffectTarget>) {
+            translate(x.shell);
         }
     }
 
@@ -192,6 +194,19 @@ private:
                                                        [&](auto h, auto m) { return s.set_friction_material(h, m); });
         case Call::SetBodyFrictionMaterial:
             return with<BodyId, FrictionMaterial>(r, [&](auto b, auto m) { return s.set_friction_material(b, m); });
+        case Call::SetEffect:
+            return with<EffectTarget, std::string, std::vector<EffectValue>>(
+                r, [&](auto t, const auto& key, const auto& values) { return s.set_effects(t, key, values); });
+        case Call::ReplaceEffects:
+            return with<EffectTarget, std::vector<EffectDef>>(
+                r, [&](auto t, const auto& list) { return s.replace_effects(t, list); });
+        case Call::RemoveEffect:
+            return with<EffectTarget, std::string>(r, [&](auto t, const auto& key) { return s.remove_effect(t, key); });
+        case Call::SetSurfaceSpeed:
+            return with<BodyId, double, std::uint32_t>(
+                r, [&](auto b, auto speed, auto fixture) { return s.set_surface_speed(b, speed, fixture); });
+        case Call::ShiftOrigin:
+            return with<Point>(r, [&](auto p) { return s.shift_origin(p); });
         case Call::Sleep:
             return with<ShellHandle>(r, [&](auto h) { return s.sleep(h); });
         case Call::Wake:

@@ -57,10 +57,15 @@ struct Setting {
     Key key = Key::Count;
     std::string shell = "all"; ///< name of a shell
     Values values;
+    bool operator==(const Setting&) const = default;
 };
 
 /// The effect switched off.
 Setting off(const Effect& effect);
+/// Switches an effect on whose switches are off: each takes its typical value as far as the values go together.
+void setTypical(Setting& setting);
+/// Why there is no effect called `label`, with the nearest known one.
+std::string unknownEffect(std::string_view label);
 /// Sets a parameter from text: a number or one of its choices; parameter "shell" takes the name of a shell. Returns an
 /// empty string, or what is wrong and the nearest known name.
 [[nodiscard]] std::string set(Setting& setting, std::string_view parameter, std::string_view value);
@@ -76,6 +81,11 @@ bool isOff(const Setting& setting);
 
 /// The model of the shell called `shell`: its own settings and those of all shells.
 Model modelFor(const std::vector<Setting>& settings, std::string_view shell);
+/// Whether the effect acts on shells and their contacts, inside the step. Gravity is the host's; apparatus, sensor and
+/// rigid bodies belong to whoever drives and measures.
+bool actsOnShells(const Effect& effect);
+/// The settings of the shell called `shell` that act on it, given to "all": modelFor(...) of them is its model.
+std::vector<Setting> settingsFor(const std::vector<Setting>& settings, std::string_view shell);
 /// Names of the shells in the settings, for checks.
 std::vector<std::string> shellsNamed(const std::vector<Setting>& settings);
 

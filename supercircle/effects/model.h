@@ -63,6 +63,7 @@ struct Profile {
     double width = 1.0;     ///< m
     double stiffness = 0.0; ///< B is multiplied by 1 + stiffness * shape, 1
     double curvature = 0.0; ///< natural curvature is increased by curvature * shape, 1/m
+    bool operator==(const Profile&) const = default;
 };
 
 /// Elastic moment over curvature change, per bending modulus.
@@ -72,12 +73,14 @@ struct ElasticModel {
     double knee = std::numeric_limits<double>::infinity(); ///< u_c; for a learned law the end of its range, 1/m
     double exponent = 3.0;                                 ///< n of Ramberg-Osgood, 1
     SplineCoefficients learned{};                          ///< tangent modulus / B - 1 against |u| / u_c, 1
+    bool operator==(const ElasticModel&) const = default;
 };
 
 /// A Maxwell element beside the bending spring.
 struct MaxwellBranch {
     double stiffness = 0.0; ///< fraction of B, 1
     double time = 1.0;      ///< relaxation time, s
+    bool operator==(const MaxwellBranch&) const = default;
 };
 
 /// Moment-curvature law of a rod that differs from B (kappa - kappa0).
@@ -94,6 +97,7 @@ struct MaterialModel {
     bool softeningByDecades = false;                        ///< logarithmic in time
 
     [[nodiscard]] bool on() const;
+    bool operator==(const MaterialModel&) const = default;
 };
 
 /// Dry friction of every point of the rod against walls in front and behind.
@@ -102,6 +106,7 @@ struct DragModel {
     double presliding = 3e-6; ///< m, elastic motion before it slides
 
     [[nodiscard]] bool on() const { return force > 0.0; }
+    bool operator==(const DragModel&) const = default;
 };
 
 /// How the friction coefficient of a contact depends on its state, as factors of the declared one.
@@ -120,6 +125,7 @@ struct FrictionModel {
     SplineCoefficients rateCurve{}, wearCurve{}; ///< of learned laws, 1
 
     [[nodiscard]] bool on() const { return staticRatio != 1.0 || rateStrength != 0.0 || wearChange != 0.0; }
+    bool operator==(const FrictionModel&) const = default;
     [[nodiscard]] bool compliant() const { return staticRatio != 1.0 && presliding > 0.0; }
 };
 
@@ -133,6 +139,7 @@ struct AdhesionModel {
     SplineCoefficients learned{}; ///< attraction / force against gap / range, 1
 
     [[nodiscard]] bool on() const { return force > 0.0; }
+    bool operator==(const AdhesionModel&) const = default;
 };
 
 /// Compliance of every contact.
@@ -141,6 +148,7 @@ struct ContactComplianceModel {
     double tangential = 0.0; ///< m/N
 
     [[nodiscard]] bool on() const { return normal > 0.0 || tangential > 0.0; }
+    bool operator==(const ContactComplianceModel&) const = default;
 };
 
 struct ContactModel {
@@ -149,6 +157,7 @@ struct ContactModel {
     ContactComplianceModel compliance;
 
     [[nodiscard]] bool on() const { return friction.on() || adhesion.on() || compliance.on(); }
+    bool operator==(const ContactModel&) const = default;
     /// True if contacts have springs of their own.
     [[nodiscard]] bool compliant() const { return compliance.on() || friction.compliant(); }
 };

@@ -68,6 +68,28 @@ Setting off(const Effect& effect) {
     return s;
 }
 
+void setTypical(Setting& setting) {
+    const Effect& effect = effectOf(setting);
+    for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+        const Parameter& p = effect.parameters[i];
+        if (!p.isSwitch)
+            continue;
+        setting.values[i] = p.typical;
+        if (effect.check != nullptr && !effect.check(setting.values).empty())
+            setting.values[i] = p.off; // belongs to another law
+    }
+}
+
+std::string unknownEffect(std::string_view label) {
+    std::vector<std::string> names;
+    std::string all;
+    for (const Effect& e : catalog()) {
+        names.push_back(e.name);
+        all += (all.empty() ? "" : ", ") + e.name;
+    }
+    return "there is no effect \"" + std::string(label) + "\"; expected one of " + all + hint(nearest(label, names));
+}
+
 std::string set(Setting& setting, std::string_view parameter, double value) {
     const Effect& effect = effectOf(setting);
     std::size_t i = 0;
@@ -117,15 +139,8 @@ std::string add(std::vector<Setting>& settings, std::string_view textOf) {
     const std::size_t colon = textOf.find(':'), equals = textOf.find('=');
     const std::string_view label = textOf.substr(0, colon);
     const Effect* effect = find(label);
-    if (effect == nullptr) {
-        std::vector<std::string> names;
-        std::string all;
-        for (const Effect& e : catalog()) {
-            names.push_back(e.name);
-            all += (all.empty() ? "" : ", ") + e.name;
-        }
-        return "there is no effect \"" + std::string(label) + "\"; expected one of " + all + didYouMean(label, names);
-    }
+    if (effect == nullptr)
+        return unknownEffect(label);
     if (colon == std::string_view::npos || equals == std::string_view::npos || equals < colon)
         return "\"" + std::string(textOf) + "\" is not of the form KEY:NAME=VALUE";
     auto it = std::find_if(settings.begin(), settings.end(), [&](const Setting& s) { return s.key == effect->key; });
@@ -155,6 +170,21 @@ Model modelFor(const std::vector<Setting>& settings, std::string_view shell) {
         if (!isOff(s) && (s.shell == "all" || s.shell == shell))
             effectOf(s).apply(s.values, model);
     return model;
+}
+
+bool actsOnShells(const Effect& effect) {
+    return effect.slot != Slot::Apparatus && effect.slot != Slot::Sensor && effect.key != Key::Gravity &&
+           effect.key != Key::BearingFriction && effect.key != Key::AirDrag;
+}
+
+std::vector<Setting> settingsFor(const std::vector<Setting>& settings, std::string_view shell) {
+    std::vector<Setting> out;
+    for (const Setting& s : settings)
+        if (!isOff(s) && actsOnShells(effectOf(s)) && (s.shell == "all" || s.shell == shell)) {
+            out.push_back(s);
+            out.back().shell = "all";
+        }
+    return out;
 }
 
 std::vector<std::string> shellsNamed(const std::vector<Setting>& settings) {

@@ -4,6 +4,7 @@
 
 #include "supercircle/step/port.h"
 
+#include <compare>
 #include <cstdint>
 
 namespace supercircle::step {
@@ -100,6 +101,21 @@ struct PairFriction {
 struct BodyMaterial {
     BodyId body = 0;
     std::uint32_t material = 0;
+};
+
+/// A belt: the surface of a body, or of one of its fixtures, moves along itself.
+struct SurfaceSpeed {
+    BodyId body = 0;
+    std::uint32_t fixture = kAllFixtures;
+    double speed = 0.0; ///< m/s, along (n.y, -n.x) for the outward normal n
+};
+
+/// A rod and an outline that must not collide.
+struct VetoedPair {
+    std::uint32_t rod = 0; ///< key
+    BodyId body = 0;
+    std::uint32_t outline = 0; ///< contact::Outline::key of the piece
+    auto operator<=>(const VetoedPair&) const = default;
 };
 
 } // namespace supercircle::step

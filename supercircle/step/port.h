@@ -30,11 +30,15 @@ struct BodyState {
     bool moving = false; ///< kinematic or dynamic
 };
 
+/// Stands for every fixture of a body.
+inline constexpr std::uint32_t kAllFixtures = 0xffffffffU;
+
 /// One solid piece of a host body, in the body's own frame (origin at its centre of mass, unrotated).
 struct BodyOutline {
     contact::Outline local; ///< `body`, `motion` unused here; `key` is stable for this body, fixture and child
     BodyId body = 0;
-    double friction = 0.0; ///< of the fixture, 1; mixed with the shell's by sqrt(mu_a mu_b) unless a pair is set
+    double friction = 0.0;     ///< of the fixture, 1; mixed with the shell's by sqrt(mu_a mu_b) unless a pair is set
+    std::uint32_t fixture = 0; ///< which of the body's fixtures, 0 for the oldest
     bool operator==(const BodyOutline&) const = default;
 };
 
@@ -72,6 +76,10 @@ public:
     /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why
     /// nothing was made.
     [[nodiscard]] virtual std::string build(const RigidWorldDefinition&) { return "this host cannot be given bodies"; }
+    /// Moves the origin of the host's coordinates to `by` (m, in the old frame). Empty, or why it did not.
+    [[nodiscard]] virtual std::string shiftOrigin(const Vec2& /*by*/) { return "this host cannot shift its origin"; }
+    /// A message for the user about what shells do not take from the host; each is given once. Empty: none.
+    [[nodiscard]] virtual std::string takeNote() const { return {}; }
     /// The body called `name` in the host, 0 if there is none.
     [[nodiscard]] virtual BodyId find(const std::string& name) const = 0;
 };

@@ -3,6 +3,7 @@
 #include "supercircle/step/stepper.h"
 
 #include "supercircle/step/applied_forces.h"
+#include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/fingerprint.h"
 #include "supercircle/step/stages/frame_budget.h"
@@ -141,6 +142,8 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
     }
     TrialStep& trial = work_->trial;
     beginFrame(world, frame, port, work_->reading, times_);
+    out.refused = work_->reading.why;
+    updateVetoes(world, frame, pairFilter);
     trial.h = settings_.length > 0.0 ? settings_.length : world.rods.empty() ? 1e-3 : thinnest(world);
     trial.useThreads(settings_.threads, loop);
     if (world.dtNext <= 0.0)

@@ -42,6 +42,7 @@ struct FrameResult {
     bool stopped = false;         ///< the observer asked to stop
     bool budgetExhausted = false; ///< Settings::frameWork was used up
     std::string failure;          ///< empty unless the simulation cannot go on
+    std::string refused;          ///< what of the host was left out because of numbers that are not finite
 };
 
 /// Wall time per stage, s.
@@ -51,6 +52,9 @@ struct StageTimes : std::array<double, static_cast<std::size_t>(Stage::Count)> {
 
 /// Called with every contact problem after it was solved.
 using SolveObserver = std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>;
+
+/// Whether a rod and a piece of a host body may collide in the coming frame; both are not filtered out otherwise.
+using PairFilter = std::function<bool(const Rod&, const BodyOutline&)>;
 
 class Stepper {
 public:
@@ -83,6 +87,8 @@ public:
     [[nodiscard]] double lastDt() const;
     /// For dumps and benchmarks; empty: nobody listens.
     SolveObserver onSolve;
+    /// Asked at the start of a frame for each pair that may meet in it; empty: all may collide.
+    PairFilter pairFilter;
     /// Runs the turns of a step on the host's own threads instead of Settings::threads of ours; empty: none.
     parallel::For loop;
 

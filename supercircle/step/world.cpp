@@ -62,6 +62,14 @@ double gravityPotential(const World& world, const Rod& rod) {
     return -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss));
 }
 
+/// By its effects, J.
+double storedIn(const Rod& rod) {
+    double sum = 0.0;
+    for (const effects::EffectEnergy& e : rod.effects.energies)
+        sum += e.stored;
+    return sum;
+}
+
 void book(World& world, const Rod& rod, double sign) {
     // A rod that somebody spoilt takes what it owns out of the world, but must not take the energy balance along.
     const auto number = [](double energy) { return std::isfinite(energy) ? energy : 0.0; };
@@ -72,9 +80,7 @@ void book(World& world, const Rod& rod, double sign) {
     world.energyBalance.bending += sign * bending;
     world.energyBalance.gravity += sign * gravity;
     world.energyBalance.added += sign * (kinetic + bending + gravity);
-    double held = 0.0;
-    for (const effects::EffectEnergy& b : rod.effects.energies)
-        held += b.stored;
+    const double held = storedIn(rod);
     if (held != 0.0) {
         world.energyBalance.effects += sign * held;
         world.energyBalance.added += sign * held;
@@ -125,12 +131,25 @@ void refreshEffects(Rod& rod) {
 void setEffects(World& world, std::size_t index, const effects::Model& model) {
     wake(world, index);
     Rod& rod = world.rods[index];
-    book(world, rod, -1.0);
+    const double before = storedIn(rod);
     for (std::size_t k = 0; k < effects::kKeys; ++k)
         world.effectsGone[k].dissipated += rod.effects.energies[k].dissipated;
-    rod.effects = effects::makeRodEffects(rod.model, model);
+    if (model.contact.adhesion != rod.effects.adhesion.model)
+        world.range.clear(); // candidates reach as far as surfaces attract
+    rod.effects = effects::replaceRodEffects(rod.model, model, rod.effects);
     refreshEffects(rod);
-    book(world, rod, 1.0);
+    // Only the difference: what does not change must not change the last digit of a sum.
+    if (const double change = storedIn(rod) - before; change != 0.0) {
+        world.energyBalance.effects += change;
+        world.energyBalance.added += change;
+    }
+}
+
+void setEffectSettings(World& world, std::size_t index, std::vector<effects::Setting> settings) {
+    if (settings == world.rods[index].effects.settings)
+        return;
+    setEffects(world, index, effects::modelFor(settings, "all"));
+    world.rods[index].effects.settings = std::move(settings);
 }
 
 void restEffects(World& world) {

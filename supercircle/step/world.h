@@ -211,7 +211,9 @@ struct World {
     std::vector<BodyMaterial> bodyMaterials;      ///< sorted by body
     std::vector<ContactImpulse> sleepingImpulses; ///< of sleeping islands, sorted by id
     std::uint32_t nextIsland = 1;
-    effects::EffectEnergies effectsGone{}; ///< dissipated on rods that are gone; stored in compliant contacts
+    effects::EffectEnergies effectsGone{};   ///< dissipated on rods that are gone; stored in compliant contacts
+    std::vector<SurfaceSpeed> surfaceSpeeds; ///< sorted by body and fixture
+    std::vector<VetoedPair> vetoes;          ///< pairs that must not collide in this frame, sorted
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
     [[nodiscard]] Vec2 crossheadForce() const;
@@ -235,11 +237,16 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle);
 /// Changes the motion of a rod at once by an impulse (N s) and an angular impulse (N m s) at arc length `s`; the change
 /// of its energy is booked as work.
 void applyImpulse(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse);
-/// Gives a rod the material and load effects of `model` (those of before go); what they store at its configuration is
-/// booked as added.
+/// Gives a rod the effects of `model` instead of those of before. Slots whose model changes start at rest; what they
+/// store at its configuration is booked as added.
 void setEffects(World& world, std::size_t index, const effects::Model& model);
+/// The same from settings that act on shells, which the rod remembers. Settings it has already change nothing.
+void setEffectSettings(World& world, std::size_t index, std::vector<effects::Setting> settings);
 /// A long rest: viscous stresses gone, ages zero, surfaces healed.
 void restEffects(World& world);
+/// Everything the shells know about places is told from the new origin `by` (m, in the old frame) on; velocities and
+/// shapes stay. The change of gravity's potential is booked as added.
+void shiftOrigin(World& world, const Vec2& by);
 /// Energy of the effects by cause, J.
 [[nodiscard]] effects::EffectEnergies effectEnergies(const World& world);
 /// Index of the rod with this key, -1 if there is none.

@@ -89,6 +89,11 @@ public:
                 return id;
         return 0;
     }
+    std::string shiftOrigin(const Vec2& by) override {
+        for (auto& [id, b] : bodies)
+            b.state.centre -= by;
+        return {};
+    }
     void step(double dt) override {
         for (auto& [id, b] : bodies) {
             if (b.state.mass > 0.0)

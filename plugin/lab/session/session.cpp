@@ -128,8 +128,7 @@ void Session::setStepLimits(double speed, double branch) {
 }
 
 void Session::addEffects(std::size_t rod, const std::string& shell) {
-    if (!scene_.effects.empty())
-        step::setEffects(shells_.world(), rod, effects::modelFor(scene_.effects, shell.empty() ? "all" : shell));
+    step::setEffectSettings(shells_.world(), rod, effects::settingsFor(scene_.effects, shell));
 }
 
 std::string Session::populate() {

@@ -2,6 +2,7 @@
 
 #include "plugin/scene/loader/sections.h"
 
+#include <algorithm>
 #include <filesystem>
 
 namespace supercircle::scene {
@@ -18,6 +19,21 @@ void checkSchema(Context& context, ObjectReader& top) {
     if (name != schemaName)
         context.error(*node, "/schema", "this is \"" + name + "\", not a scene of this version",
                       std::string("\"") + schemaName + "\"");
+}
+
+/// Shells bounce by their own elasticity: the same key of fixtures is a property of bodies among themselves.
+void noteRestitution(Context& context, ObjectReader& top, const Scene& scene) {
+    const auto bounces = [](const step::BodyDefinition& b) {
+        return std::any_of(b.fixtures.begin(), b.fixtures.end(), [](const step::FixtureDefinition& f) {
+            return f.restitution > 0.0 && !f.sensor && f.filterMaskBits != 0;
+        });
+    };
+    const bool shells = !scene.shells.empty() || scene.drop;
+    const Node* bodies = top.find("body");
+    if (shells && bodies != nullptr && std::any_of(scene.rigid.bodies.begin(), scene.rigid.bodies.end(), bounces))
+        context.note(*bodies, "/body",
+                     "shells ignore \"restitution\" of fixtures; it acts between bodies only "
+                     "(docs/how-to/rigid_bodies_and_limits.md)");
 }
 
 void readTop(Context& context, const std::vector<Override>& overrides, Scene& scene) {
@@ -41,6 +57,7 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     readReport(context, top, scene.report);
     readGame(context, top, scene, scene.game);
     scene.duration = top.number("duration", scene.duration, notNegative);
+    noteRestitution(context, top, scene);
     top.finish();
     if (!scene.protocol && !scene.game && scene.duration == 0.0)
         context.note(context.document.root, "", "neither \"protocol\" nor \"duration\": no time is simulated");

@@ -69,15 +69,8 @@ struct ScenePlayer::Impl {
     void nextSegment();
     double limit(double dt);
     bool reached();
-    void addEffects(std::size_t rod, const std::string& name);
     std::string phase() const;
 };
-
-/// Effects of the material, of loads and of contact; those of apparatus and sensor are left out.
-void ScenePlayer::Impl::addEffects(std::size_t rod, const std::string& name) {
-    if (!scene.effects.empty())
-        step::setEffects(shells->world(), rod, effects::modelFor(scene.effects, name.empty() ? "all" : name));
-}
 
 /// Creates bodies, shells and holds and attaches the crosshead. The caller destroys the shells after a failure.
 Status ScenePlayer::Impl::populate() {
@@ -90,7 +83,7 @@ Status ScenePlayer::Impl::populate() {
         if (!shell)
             return Status::failure("shell \"" + d.name + "\": " + shell.error());
         made.push_back(*shell);
-        addEffects(shells->world().rods.size() - 1, d.name);
+        step::setEffectSettings(shells->world(), shells->size() - 1, effects::settingsFor(scene.effects, d.name));
         named.emplace_back(d.name, *shell);
     }
     for (const HoldDef& h : scene.holds) {
@@ -136,7 +129,7 @@ void ScenePlayer::Impl::dropNextBatch() {
     if (const Status placed = player::dropBatch(*shells, d, count, random, made); !placed)
         failure = placed.error();
     for (std::size_t i = before; i < shells->world().rods.size(); ++i)
-        addEffects(i, {});
+        step::setEffectSettings(shells->world(), i, effects::settingsFor(scene.effects, {}));
     dropped += count;
     since = shells->time();
 }
@@ -261,6 +254,8 @@ void ScenePlayer::Impl::skipFinished(double dt) {
 
 FrameReport ScenePlayer::pre_step(double dt) {
     Impl& s = *impl_;
+    if (dt == 0.0)
+        return s.shells->pre_step(0.0); // a pause
     FrameReport report;
     try {
         s.skipFinished(dt);

@@ -47,6 +47,20 @@ std::uint32_t materialOf(const World& world, BodyId id) {
     return it != world.bodyMaterials.end() && it->body == id ? it->material : 0;
 }
 
+/// Of the belt that a piece is, 0 for most. The whole body's speed is behind those of its fixtures.
+double surfaceSpeedOf(const World& world, const BodyOutline& piece) {
+    const auto before = [](const SurfaceSpeed& s, const SurfaceSpeed& want) {
+        return s.body != want.body ? s.body < want.body : s.fixture < want.fixture;
+    };
+    for (const std::uint32_t fixture : {piece.fixture, kAllFixtures}) {
+        const auto it = std::lower_bound(world.surfaceSpeeds.begin(), world.surfaceSpeeds.end(),
+                                         SurfaceSpeed{piece.body, fixture, 0.0}, before);
+        if (it != world.surfaceSpeeds.end() && it->body == piece.body && it->fixture == fixture)
+            return it->speed;
+    }
+    return 0.0;
+}
+
 /// What a pair's own friction says, else the geometric mean.
 double frictionOf(const World& world, std::uint32_t a, double muA, std::uint32_t b, double muB) {
     if (a != 0 && b != 0) {
@@ -101,6 +115,8 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         const Vec2 given = out.b < 0 ? surfaceVelocity(motion, k.armB)
                                      : surfaceVelocity({body.hostCoupling.drift, body.hostCoupling.driftSpin}, k.armB);
         k.surface = Vec2(n.dot(given), t.dot(given));
+        if (!world.surfaceSpeeds.empty())
+            k.surface.y() -= surfaceSpeedOf(world, piece);
         out.w -= k.surface;
     }
     if (out.b < 0)

@@ -1,5 +1,7 @@
 #include "supercircle/step/contacts/link_rows.h"
 
+#include "supercircle/step/contacts/pair_vetoes.h"
+
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/support/invariants.h"
@@ -437,6 +439,9 @@ void collectExcluded(const World& world, ContactStage& stage) {
 }
 
 bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB, int outline) {
+    if (rodB < 0 &&
+        vetoed(world, world.rods[static_cast<std::size_t>(rodA)], world.outlines[static_cast<std::size_t>(outline)]))
+        return true;
     if (stage.excluded.empty())
         return false;
     const std::uint32_t a = world.rods[static_cast<std::size_t>(rodA)].key;

@@ -3,12 +3,19 @@
 #include "supercircle/step/coupling/host_coupling.h"
 #include "supercircle/support/invariants.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace supercircle::step {
 
 void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& work) {
     if (!(advanced > 0.0))
         return;
     port.impulses(advanced, world.constraints);
+    // A body that the host has lost to bad numbers must not spoil its neighbours.
+    std::erase_if(world.constraints.contacts,
+                  [](const HostContact& c) { return !std::isfinite(c.hostNormal) || !std::isfinite(c.hostTangent); });
+    std::erase_if(world.constraints.rows, [](const HostRow& r) { return !std::isfinite(r.host); });
     unsolvedByHost(world, port, advanced, work);
     const std::vector<BodyMotion>& unsolved = work.unsolved;
     SC_ASSERT(unsolved.size() == world.bodies.size(), "one motion a body");
@@ -16,7 +23,8 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
         Body& b = world.bodies[i];
         HostCoupling& h = b.hostCoupling;
         BodyState now;
-        h.known = b.dynamic && port.state(b.id, now);
+        h.known = b.dynamic && port.state(b.id, now) && now.centre.allFinite() && now.velocity.allFinite() &&
+                  std::isfinite(now.angle) && std::isfinite(now.spin);
         if (!h.known)
             continue;
         const Vec2 change = now.velocity - h.handed - unsolved[i].velocity;

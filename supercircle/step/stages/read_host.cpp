@@ -5,7 +5,9 @@
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <string>
 
 namespace supercircle::step {
 
@@ -44,29 +46,62 @@ void carryOver(const Body& old, double frame, Body& b) {
     }
 }
 
+bool finite(const BodyState& s) {
+    return s.centre.allFinite() && s.velocity.allFinite() && std::isfinite(s.angle) && std::isfinite(s.spin) &&
+           std::isfinite(s.mass) && std::isfinite(s.inertia) && std::isfinite(s.gravityScale) &&
+           std::isfinite(s.linearDamping) && std::isfinite(s.angularDamping);
+}
+
+void refuse(HostReading& reading, const std::string& what) {
+    reading.why += (reading.why.empty() ? "" : "; ") + what;
+}
+
+/// Leaves a body out of this frame. One that a joint needs stays where it was last, as an anchor.
+bool anchored(const World& world, BodyId id, Body& b) {
+    const int index = bodyIndex(world, id);
+    const bool joined = std::any_of(world.links.begin(), world.links.end(),
+                                    [id](const Link& l) { return l.end == LinkEnd::Body && l.body == id; });
+    if (index < 0 || !joined)
+        return false;
+    const BodyState& last = world.bodies[static_cast<std::size_t>(index)].state;
+    b.state = BodyState{};
+    b.state.centre = last.centre;
+    b.state.angle = last.angle;
+    return finite(b.state);
+}
+
 void unique(std::vector<BodyId>& ids) {
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-/// The bodies `ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about them.
-void readBodies(const World& world, const Port& port, const std::vector<BodyId>& ids, double frame,
-                std::vector<Body>& bodies) {
+/// The bodies `reading.ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about
+/// them. Those with numbers that are not finite are refused.
+void readBodies(const World& world, const Port& port, double frame, HostReading& reading) {
+    std::vector<Body>& bodies = reading.bodies;
     bodies.clear();
-    for (const BodyId id : ids) {
+    for (const BodyId id : reading.ids) {
         Body b;
         b.id = id;
         if (!port.state(id, b.state))
             continue;
         b.driven =
             std::find(world.crossheadBodies.begin(), world.crossheadBodies.end(), id) != world.crossheadBodies.end();
+        const bool refused = !b.driven && !finite(b.state);
+        if (refused) {
+            reading.refused.push_back(id);
+            refuse(reading, "body " + std::to_string(id) +
+                                ": its position, velocity or mass is not finite; shells ignore it in this frame");
+            if (!anchored(world, id, b))
+                continue;
+        }
         b.dynamic = b.state.mass > 0.0 && b.state.enabled && !b.driven;
         if (const int index = bodyIndex(world, id); index >= 0) {
             const Body& old = world.bodies[static_cast<std::size_t>(index)];
             if (b.driven && old.driven)
                 b.state = old.state;
             b.force = old.force;
-            if (b.dynamic && old.hostCoupling.known)
+            if (b.dynamic && !refused && old.hostCoupling.known)
                 carryOver(old, frame, b);
         }
         SC_ASSERT(!b.dynamic || b.state.mass > 0.0, "a dynamic body has a mass");
@@ -74,6 +109,19 @@ void readBodies(const World& world, const Port& port, const std::vector<BodyId>&
     }
     SC_ASSERT(invariants::strictlyRising(bodies, [](const Body& b) { return b.id; }),
               "bodies are unique, sorted by id");
+}
+
+bool isIn(const std::vector<BodyId>& sorted, BodyId id) {
+    return std::binary_search(sorted.begin(), sorted.end(), id);
+}
+
+/// Constraints of the host on bodies that are refused.
+void leaveOut(const std::vector<BodyId>& refused, HostConstraints& constraints) {
+    if (refused.empty())
+        return;
+    const auto concerns = [&](const auto& c) { return isIn(refused, c.a) || isIn(refused, c.b); };
+    std::erase_if(constraints.contacts, concerns);
+    std::erase_if(constraints.rows, concerns);
 }
 
 bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
@@ -86,7 +134,13 @@ bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
 } // namespace
 
 void readHost(World& world, const Port& port, double frame, HostReading& reading) {
-    const Vec2 g = port.gravity();
+    reading.why.clear();
+    reading.refused.clear();
+    Vec2 g = port.gravity();
+    if (!g.allFinite()) {
+        refuse(reading, "gravity is not finite; shells keep that of the last frame");
+        g = world.gravity;
+    }
     if (g != world.gravity) { // the potential of the shells is measured anew; that is no work of anybody
         double change = 0.0;
         for (const Rod& r : world.rods)
@@ -116,9 +170,11 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
     for (const HostRow& r : world.constraints.rows)
         ids.insert(ids.end(), {r.a, r.b});
     unique(ids);
-    readBodies(world, port, ids, frame, bodies);
+    readBodies(world, port, frame, reading);
+    leaveOut(reading.refused, world.constraints);
     std::erase_if(outlines, [&](const BodyOutline& o) {
-        return std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
+        return isIn(reading.refused, o.body) ||
+               std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
     wakeByHost(world, bodies, outlines, frame);
     if (outlines != world.outlines || !samePoses(bodies, world.bodies))

@@ -11,6 +11,8 @@ struct HostReading {
     std::vector<BodyOutline> outlines;
     std::vector<BodyId> ids;
     std::vector<Body> bodies;
+    std::vector<BodyId> refused; ///< bodies with numbers that are not finite
+    std::string why;             ///< what was left out, for the user; empty: nothing
 };
 
 struct Stepper::Work {

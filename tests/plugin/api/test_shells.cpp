@@ -167,7 +167,7 @@ TEST_CASE("bad frames fail and change nothing", "[plugin]") {
     auto host = groundHost();
     Shells shells(host);
     const ShellHandle a = *shells.create(above(0.0, 0.1));
-    for (const double dt : {0.0, -0.1, 5e-324, 1e-15, kNan, kInf}) {
+    for (const double dt : {-0.1, 5e-324, 1e-15, kNan, kInf}) {
         const FrameReport r = shells.pre_step(dt);
         CHECK_FALSE(r.failure.empty());
         CHECK(r.advanced == 0.0);

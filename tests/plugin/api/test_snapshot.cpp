@@ -219,7 +219,7 @@ TEST_CASE("failed calls and queries keep the hash, successful calls change it", 
     CHECK_FALSE(shells.set_event_settings(badEvents));
     CHECK_FALSE(shells.set_name(stale, "x"));
     CHECK_FALSE(shells.set_crosshead_velocity({kNan, 0.0}));
-    for (const double dt : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()})
+    for (const double dt : {-1.0, kNan, std::numeric_limits<double>::infinity()})
         CHECK_FALSE(shells.pre_step(dt).failure.empty());
     CHECK_FALSE(shells.restore(Snapshot{}));
     CHECK_FALSE(shells.replay(CallLog{}));

@@ -10,6 +10,7 @@
 #include <string>
 
 class b2Body;
+class b2Fixture;
 class b2World;
 
 namespace supercircle::step {
@@ -35,6 +36,14 @@ public:
     void set_name(const b2Body& body, const std::string& name) const;
     /// The id of this body for Shells::create_joint and Shells::set_friction_material; 0 if it is not of this world.
     [[nodiscard]] std::uint64_t body_id(const b2Body& body) const;
+    /// The body with this id, as events and queries name it; null if it does not exist any more. Valid until the user
+    /// destroys the body.
+    [[nodiscard]] b2Body* body(std::uint64_t id) const;
+    /// The fixture of a body by its number, 0 for the oldest; null if there is none.
+    [[nodiscard]] b2Fixture* fixture(std::uint64_t body, std::uint32_t number) const;
+    /// The number of a fixture on its body, for Shells::set_surface_speed and in PairQuery. Destroying an older fixture
+    /// changes it.
+    [[nodiscard]] std::uint32_t fixture_number(const b2Fixture& fixture) const;
     /// Call this before destroying a body. Only needed if another body, equal in type, user data, mass and fixtures,
     /// may be created at its address before the next frame.
     void notify_destroyed(const b2Body& body) const;

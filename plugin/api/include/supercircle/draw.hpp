@@ -43,6 +43,7 @@ struct DrawOptions {
     Colour contact{0.9F, 0.2F, 0.2F};     ///< of contacts and forces
     Colour hold{0.1F, 0.6F, 0.2F};        ///< of holds
     Colour quarantined{1.0F, 0.0F, 1.0F}; ///< of quarantined shells
+    double alpha = 1.0; ///< shells between the start (0) and the end (1) of the last frame, as Shells::pose
 };
 
 /// Colour of a strain: blue at 0, green at half of `full`, red from `full` on.

@@ -36,6 +36,16 @@ using ForceHandle = ConstraintHandle<struct ForceTag>;           ///< a force th
 /// Names a body of the host: Shells::body finds it by name, the bridge by the host's own object. 0: none.
 using BodyId = std::uint64_t;
 
+/// Stands for every fixture of a body.
+inline constexpr std::uint32_t all_fixtures = 0xffffffffU;
+
+/// A shell and a fixture of a host body that may meet (Shells::set_pair_filter).
+struct PairQuery {
+    ShellHandle shell;
+    BodyId body = 0;
+    std::uint32_t fixture = 0; ///< its number on the body, 0 for the oldest; bridge::Attachment::fixture finds it
+};
+
 /// What a hold, joint or mouse joint does to its (first) shell, mean over the last inner step.
 struct Reaction {
     Point force{};       ///< N

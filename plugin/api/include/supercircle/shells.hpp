@@ -6,13 +6,14 @@
 //     shells.pre_step(dt);  world.Step(dt, 8, 3);  shells.post_step();      // you keep calling world.Step
 //
 // SI units. Bad input gives a failed Result and changes nothing; std::bad_alloc is the only exception. Any number of
-// Shells may exist, each used by one thread at a time.
+// Shells may exist, each used by one thread at a time. Shells that were moved from have no shells and fail every call.
 // During pre_step (in its observer, or in a host that is queried) shells may be read, but calls that change them fail
 // with kWorldLocked. Between pre_step and post_step everything is allowed, also in callbacks of the host's own step.
 
 #include "definitions.hpp"
 #include "deprecated.hpp"
 #include "draw.hpp"
+#include "effects.hpp"
 #include "events.hpp"
 #include "handle.hpp"
 #include "mechanics.hpp"
@@ -51,6 +52,10 @@ struct FrameReport {
     };
     bool stopped = false; ///< the observer asked to stop, or threw (then `failure` has its message)
     std::string failure;  ///< empty unless the shells could not go on
+    /// Bodies and gravity of the host that this frame left out, because their numbers are not finite; empty: none.
+    std::string refused;
+    /// What shells do not take from the host, such as restitution; each message comes once for a host world.
+    std::string note;
     std::uint64_t steps = 0;
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance
 };
@@ -156,6 +161,38 @@ public:
     [[nodiscard]] bool valid(MouseJointHandle handle) const;
     [[nodiscard]] bool valid(ForceHandle handle) const;
 
+    // ---- Effects: effects.hpp, docs/reference/effects.md. ----
+
+    /// Switches an effect of material, load or contact on, or gives it other values. Without a switch among the
+    /// parameters, as in an empty list, its switches have their default values, otherwise those not given are neutral.
+    /// An effect whose switches are all neutral is removed. Slots whose effects change start at rest (no plastic
+    /// curvature, no relaxed stress, no wear); the others keep their state. Fails on an unknown key or parameter,
+    /// naming the nearest one, and on a value out of range.
+    Status set_effects(EffectTarget target, const std::string& key, const std::vector<EffectValue>& parameters = {});
+    /// Replaces all effects by a list, as "effects" of a scene; an empty one removes them.
+    Status replace_effects(EffectTarget target, const std::vector<EffectDef>& definitions);
+    /// Removes an effect. Without it the shell moves as one that never had it, from its present shape and velocity.
+    Status remove_effect(EffectTarget target, const std::string& key);
+    /// The effects of a shell with all their values, in the order in which they were given.
+    [[nodiscard]] Result<std::vector<EffectDef>> effects(ShellHandle shell) const;
+
+    // ---- Host bodies as shells see them. ----
+
+    /// A conveyor: the surface of a body, or of one of its fixtures, moves along itself with a speed (m/s) that
+    /// friction passes on to shells. The sign is that of b2Contact::SetTangentSpeed with the body as fixture A: a
+    /// positive speed carries what lies on top to the right. 0 ends it. b2Contact::SetTangentSpeed itself acts on
+    /// Box2D's contacts only. Fails if the host does not know the body.
+    Status set_surface_speed(BodyId body, double speed, std::uint32_t fixture = all_fixtures);
+    /// A veto on contacts of a shell with a host body, beside the collision filters; empty: none. At the start of each
+    /// pre_step the filter is asked about each pair that may meet in the frame, any number of times and in any order.
+    /// False keeps the two apart in that frame. It may read the shells but not change them, and equal states must give
+    /// equal answers. It is neither saved nor recorded.
+    Status set_pair_filter(std::function<bool(const PairQuery&)> filter);
+    /// Moves the origin of the coordinates to a point (m, in the old ones), of the shells and of the host world
+    /// (b2World::ShiftOrigin) in one call. Motion goes on within rounding. Events and snapshots taken before keep the
+    /// old coordinates. Fails inside the host's step, and with a host that cannot.
+    Status shift_origin(Point new_origin);
+
     /// Moves the middle of the shell to a position (m) with its tangent at an angle (rad). Shape and velocity, in the
     /// shell's frame, stay. Overlap with others is not checked. Fails while the shell has holds or joints. A
     /// quarantined shell (FrameEvents::quarantined) returns to the motion, at rest in its last accepted shape.
@@ -198,13 +235,17 @@ public:
 
     /// Advances the shells by dt (s), in as many inner steps as they need, and passes impulses to the host. Call it
     /// before the host's own step. `observer` is called after each inner step; returning true ends the frame there.
-    /// Then step the host by FrameReport::advanced. Fails and changes nothing if dt is not positive or is thousands of
-    /// steps long, and inside an observer.
+    /// Then step the host by FrameReport::advanced. dt = 0 is a pause: nothing changes, and there are no events. Fails
+    /// and changes nothing if dt is negative or thousands of steps long, and inside an observer.
     FrameReport pre_step(double dt, const std::function<bool()>& observer = {});
     /// Call it after the host's own step. Fails if the host does; the next pre_step then ignores that step.
     Status post_step();
 
     [[nodiscard]] Result<ShellPose> pose(ShellHandle shell) const;
+    /// For games with fixed steps: the pose between the start (alpha = 0) and the end (1) of the last frame; alpha is
+    /// clamped. A shell that was created, restored or teleported since is shown where it is. DrawOptions::alpha draws
+    /// it.
+    [[nodiscard]] Result<ShellPose> pose(ShellHandle shell, double alpha) const;
     [[nodiscard]] EnergyBalance energy_balance() const;
     [[nodiscard]] double time() const; ///< s
 
@@ -280,7 +321,7 @@ public:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    std::shared_ptr<Impl> impl_; ///< never null and never shared, but by objects that were moved from
 };
 
 } // namespace supercircle

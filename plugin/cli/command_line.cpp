@@ -1,5 +1,6 @@
 #include "plugin/cli/command_line.h"
 
+#include "plugin/cli/sibling.h"
 #include "plugin/cli/subcommands.h"
 #include "supercircle/support/names.h"
 
@@ -45,31 +46,10 @@ void unknownSubcommand(const CLI::App& app, const std::string& word) {
                  didYouMean(word, names).c_str());
 }
 
-/// Replaces this process by the program beside it; returns only after a message.
-int startSibling(const Sibling& sibling, int argc, char** argv) {
-    namespace fs = std::filesystem;
-    std::error_code error;
-    const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-    const fs::path program = folder / sibling.program;
-    if (!fs::exists(program, error)) {
-        const fs::path build = folder.parent_path();
-        std::string remedy = "install the whole package";
-        if (fs::exists(build / "CMakeCache.txt", error))
-            remedy = "build it with: cmake --build " + build.string() + " --target " + sibling.program;
-        std::fprintf(stderr, "supercircle %s: the program %s is missing; %s\n", sibling.subcommand.c_str(),
-                     sibling.program.c_str(), remedy.c_str());
-        return kBadInput;
-    }
-    std::vector<std::string> words{program.string()};
-    for (int i = sibling.passName ? 1 : 2; i < argc; ++i)
-        words.emplace_back(argv[i]);
-    std::vector<char*> arguments;
-    for (std::string& word : words)
-        arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    execv(program.c_str(), arguments.data());
-    std::fprintf(stderr, "%s cannot be started: %s\n", program.c_str(), std::strerror(errno));
-    return kBadInput;
+/// Starts the sibling with the arguments of this program.
+int start(const Sibling& sibling, int argc, char** argv) {
+    return startSibling(sibling.subcommand, sibling.program,
+                        std::vector<std::string>(argv + (sibling.passName ? 1 : 2), argv + argc));
 }
 
 /// Calls `work`; an exception becomes a message and an exit code.
@@ -111,7 +91,7 @@ int runProgram(int argc, char** argv, const std::string& name, const std::string
         if (argc > 1)
             for (const Sibling& s : siblings)
                 if (s.subcommand == argv[1])
-                    return startSibling(s, argc, argv);
+                    return start(s, argc, argv);
         CLI::App app{about, name};
         app.set_version_flag("--version", SC_VERSION);
         app.require_subcommand(1);
@@ -126,7 +106,7 @@ int runProgram(int argc, char** argv, const std::string& name, const std::string
                 return s.run();
         for (const Sibling& s : siblings) // options of this program stand before it
             if (app.got_subcommand(s.subcommand))
-                return startSibling(s, argc, argv);
+                return start(s, argc, argv);
         return static_cast<int>(kBadInput);
     });
 }
@@ -153,6 +133,18 @@ CLI::Option* addRepeatable(CLI::App& app, const std::string& name, std::vector<s
 
 void addParameters(CLI::App& app, std::vector<std::string>& parameters, const char* help) {
     addRepeatable(app, "--param", parameters, help)->type_name("NAME=VALUE");
+}
+
+Subcommand describeCheckOf(CLI::App& app, int (*check)(const std::string&, const std::vector<std::string>&)) {
+    struct Arguments {
+        std::string file;
+        std::vector<std::string> parameters;
+    };
+    auto a = std::make_shared<Arguments>(); // the options write into it
+    CLI::App* subcommand = app.add_subcommand("check", "validate a file without running it")->group("");
+    subcommand->add_option("file", a->file)->required()->type_name("FILE.json");
+    addParameters(*subcommand, a->parameters);
+    return {subcommand, [a, check] { return check(a->file, a->parameters); }};
 }
 
 void addFormerName(CLI::App& app, const std::string& old, const std::string& now, std::vector<std::string>& values) {

@@ -1,13 +1,11 @@
 #include "plugin/cli/input.h"
 
 #include "bridge/box2d/lab_world.h"
-#include "plugin/recording/experiment/load.h"
 #include "plugin/scene/loader/document.h"
 
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 namespace supercircle::cli {
 
@@ -100,55 +98,6 @@ std::string schemaOf(const std::string& file) {
     const auto document = scene::parseDocument(*text, file, ignored);
     const scene::Node* schema = document ? document->root.find("schema") : nullptr;
     return schema != nullptr ? schema->text : "";
-}
-
-std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet) {
-    std::vector<scene::Problem> problems;
-    auto loaded = experiment::load(file, problems);
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error || !quiet)
-            std::fprintf(stderr, "%s\n", p.toString().c_str());
-    return loaded ? std::optional(*std::move(loaded)) : std::nullopt;
-}
-
-std::optional<sweep::SweepDefinition> loadSweep(const std::string& file) {
-    std::vector<scene::Problem> problems;
-    auto loaded = sweep::load(file, problems);
-    for (const scene::Problem& p : problems)
-        std::fprintf(stderr, "%s\n", p.toString().c_str());
-    return loaded;
-}
-
-Result<scene::Scene> loadWithParameters(const std::string& text, const std::string& file,
-                                        const std::vector<sweep::ParameterValue>& values,
-                                        std::vector<scene::Problem>& problems) {
-    std::vector<scene::Override> overrides;
-    for (const auto& [name, value] : values)
-        overrides.push_back({name, value});
-    return scene::loadText(text, file, overrides, problems);
-}
-
-bool canStart(const std::string& sceneText, const std::string& sceneFile,
-              const std::vector<sweep::ParameterValue>& values) {
-    std::vector<scene::Problem> problems;
-    const auto scene = loadWithParameters(sceneText, sceneFile, values, problems);
-    for (const scene::Problem& p : problems)
-        if (p.severity == scene::Problem::Severity::Error)
-            std::fprintf(stderr, "%s\n", p.toString().c_str());
-    std::string why;
-    if (scene && bridge::makeWorld(scene->rigid, why))
-        return true;
-    if (scene)
-        std::fprintf(stderr, "%s: %s\n", sceneFile.c_str(), why.c_str());
-    std::fprintf(stderr, "%s: cannot start with the parameters %s\n", sceneFile.c_str(), sweep::keyOf(values).c_str());
-    return false;
-}
-
-std::string resultsFolder(const std::string& file, const std::string& out, const std::string& suffix) {
-    if (!out.empty())
-        return out;
-    const std::string name = std::filesystem::absolute(file).parent_path().filename().string();
-    return "out/" + (name.empty() ? "experiment" : name) + "_" + suffix;
 }
 
 } // namespace supercircle::cli

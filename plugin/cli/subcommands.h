@@ -126,8 +126,12 @@ struct ViewArguments {
 
 /// Simulates a scene and writes the results. Returns the exit code, as all subcommands do.
 int run(const RunArguments& arguments);
-/// Says whether a scene can be started, without running it.
+/// Says whether a scene can be started, without running it. A sweep or an experiment goes to the program that reads it.
 int check(const std::string& file, const std::vector<std::string>& parameters);
+/// Says whether all runs of a sweep can be started, and lists its sets of parameters.
+int checkSweep(const std::string& file, const std::vector<std::string>& parameters);
+/// Says whether an experiment is valid, and lists its parameters.
+int checkExperiment(const std::string& file, const std::vector<std::string>& parameters);
 /// Lists the catalogue of effects, or describes the one called `key`.
 int effects(const std::string& key);
 /// Simulates a recorded experiment and writes what differs.

@@ -28,6 +28,14 @@ if(SUPERCIRCLE_PRECOMPILE)
     <cstdio> <functional> <limits> <map> <memory> <optional> <string> <string_view> <utility> <vector>)
 endif()
 
+# sc_precompile(TARGET): the target reuses the precompiled headers, which are compiled for position-independent code.
+function(sc_precompile target)
+  if(SUPERCIRCLE_PRECOMPILE)
+    target_compile_options(${target} PRIVATE -fPIC)
+    target_precompile_headers(${target} REUSE_FROM sc_precompiled)
+  endif()
+endfunction()
+
 # sc_module(NAME FOLDER [PLAIN] [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER. LINKS are visible to
 # whoever links it, PRIVATE libraries are not. PLAIN: without the precompiled headers.
 function(sc_module name folder)

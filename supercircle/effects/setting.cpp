@@ -87,7 +87,7 @@ std::string unknownEffect(std::string_view label) {
         names.push_back(e.name);
         all += (all.empty() ? "" : ", ") + e.name;
     }
-    return "there is no effect \"" + std::string(label) + "\"; expected one of " + all + hint(nearest(label, names));
+    return "there is no effect \"" + std::string(label) + "\"; expected one of " + all + didYouMean(label, names);
 }
 
 std::string set(Setting& setting, std::string_view parameter, double value) {

@@ -3,6 +3,7 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
+#include "plugin/cli/replay/experiment_input.h"
 #include "plugin/cli/subcommands.h"
 
 #include "bridge/box2d/lab_world.h"

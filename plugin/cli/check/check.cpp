@@ -1,12 +1,9 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
+#include "plugin/cli/sibling.h"
 #include "plugin/cli/subcommands.h"
 
-#include "plugin/identification/replay/parameters.h"
 #include "plugin/lab/session/run_scene.h"
-#include "plugin/lab/sweep/definition.h"
-#include "plugin/recording/experiment/load.h"
-#include "plugin/scene/loader/document.h"
 
 #include <cmath>
 #include <cstdio>
@@ -28,69 +25,17 @@ std::string range(const scene::Parameter& p) {
     return text;
 }
 
-int checkSweep(const std::string& file, const std::vector<std::string>& parameters) {
-    if (!parameters.empty()) {
-        std::fprintf(stderr,
-                     "--param: a sweep sets its parameters in the file, with \"grid\", \"cases\" and \"fixed\"\n");
-        return kBadInput;
-    }
-    std::vector<scene::Problem> problems;
-    const auto loaded = sweep::load(file, problems);
-    const auto text = loaded ? scene::readFile(loaded->scene, problems) : Result<std::string>::failure("no sweep");
-    for (const scene::Problem& p : problems)
-        std::fprintf(stderr, "%s\n", p.toString().c_str());
-    if (!text)
-        return kBadInput;
-    for (std::size_t set = 0; set < loaded->sets.size(); ++set)
-        if (!canStart(*text, loaded->scene, loaded->parameterValues(set)))
-            return kBadInput;
-    std::printf("%s: valid sweep of %s (%zu sets of parameters, %zu seeds, %zu runs)\n", file.c_str(),
-                loaded->scene.c_str(), loaded->sets.size(), loaded->seeds.size(),
-                loaded->sets.size() * loaded->seeds.size());
-    for (std::size_t set = 0; set < loaded->sets.size() && set < 100; ++set)
-        std::printf("  %s\n", sweep::keyOf(loaded->parameterValues(set)).c_str());
-    if (loaded->sets.size() > 100)
-        std::printf("  and %zu more\n", loaded->sets.size() - 100);
-    return printed() ? kDone : kCannotWrite;
-}
-
-int checkExperiment(const std::string& file, const std::vector<std::string>& parameters) {
-    std::vector<scene::Problem> problems;
-    const auto loaded = experiment::load(file, problems);
-    for (const scene::Problem& p : problems)
-        std::fprintf(stderr, "%s\n", p.toString().c_str());
-    if (!loaded)
-        return kBadInput;
-    replay::Parameters values = replay::nominal(*loaded);
-    std::vector<scene::Override> overrides;
-    if (!readOverrides(parameters, overrides))
-        return kBadInput;
-    for (const scene::Override& o : overrides)
-        if (const std::string why = replay::set(values, *loaded, o.name, o.value); !why.empty()) {
-            std::fprintf(stderr, "--param %s=%.10g: %s\n", o.name.c_str(), o.value, why.c_str());
-            return kBadInput;
-        }
-    std::printf("%s: valid experiment (%s, %zu specimens, %zu runs, %zu markers)\n", file.c_str(),
-                experiment::name(loaded->protocol), loaded->specimens.size(), loaded->runs.size(),
-                loaded->markers.size());
-    for (const experiment::Run& run : loaded->runs)
-        std::printf("  %-16s %zu samples, %g s%s\n", run.file.c_str(), run.readings.time.size(),
-                    run.driveTime.back() - run.driveTime.front(), run.markers.time.empty() ? "" : ", with markers");
-    for (const replay::ParameterInfo& p : replay::parameterList(*loaded))
-        std::printf("  %-20s %-12.6g +- %-10.3g %-6s %s\n", p.name.c_str(),
-                    replay::get(values, *loaded, p.name).value_or(0.0), p.stated.halfWidth, p.unit.c_str(),
-                    p.about.c_str());
-    return printed() ? kDone : kCannotWrite;
-}
-
 } // namespace
 
 int check(const std::string& file, const std::vector<std::string>& parameters) {
     const std::string schema = schemaOf(file);
+    std::vector<std::string> words{"check", file};
+    for (const std::string& p : parameters)
+        words.insert(words.end(), {"--param", p});
     if (schema.rfind("rod-recordings/", 0) == 0)
-        return checkExperiment(file, parameters);
+        return startSibling("check", "supercircle-identify", words);
     if (schema.rfind("supercircle-sweep/", 0) == 0)
-        return checkSweep(file, parameters);
+        return startSibling("check", "supercircle-lab", words);
     const auto input = loadScene(file, parameters);
     if (!input)
         return kBadInput;

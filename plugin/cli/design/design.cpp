@@ -4,6 +4,7 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/subcommands.h"
+#include "plugin/cli/sweep/sweep_input.h"
 #include "plugin/pages/sweep/design_chart.h"
 #include "plugin/pages/sweep/sweep_figures.h"
 #include "plugin/pages/sweep/sweep_layout.h"

@@ -1,7 +1,7 @@
 #include "plugin/cli/diagnose/diagnose_ensembles.h"
-#include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
+#include "plugin/cli/replay/experiment_input.h"
 #include "plugin/cli/subcommands.h"
 #include "plugin/pages/diagnosis/diagnose_figures.h"
 #include "plugin/pages/diagnosis/diagnose_page.h"

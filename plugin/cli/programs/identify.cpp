@@ -265,8 +265,9 @@ Subcommand describeDiagnose(CLI::App& app) {
 int main(int argc, char** argv) {
     using namespace supercircle::cli;
     const auto describe = [](CLI::App& app) {
-        return std::vector<Subcommand>{describeImport(app), describeReplay(app), describeSensitivity(app),
-                                       describeCalibrate(app), describeDiagnose(app)};
+        return std::vector<Subcommand>{describeImport(app),      describeReplay(app),
+                                       describeSensitivity(app), describeCalibrate(app),
+                                       describeDiagnose(app),    describeCheckOf(app, checkExperiment)};
     };
     return runProgram(argc, argv, "supercircle", "Supercircle: recordings of real specimens", describe);
 }

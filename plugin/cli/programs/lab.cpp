@@ -86,7 +86,8 @@ Subcommand describeDesign(CLI::App& app) {
 int main(int argc, char** argv) {
     using namespace supercircle::cli;
     const auto describe = [](CLI::App& app) {
-        return std::vector<Subcommand>{describeSweep(app), describeValidate(app), describeDesign(app)};
+        return std::vector<Subcommand>{describeSweep(app), describeValidate(app), describeDesign(app),
+                                       describeCheckOf(app, checkSweep)};
     };
     return runProgram(argc, argv, "supercircle", "Supercircle: the laboratory", describe);
 }

@@ -1,6 +1,7 @@
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
+#include "plugin/cli/replay/experiment_input.h"
 #include "plugin/cli/subcommands.h"
 #include "plugin/pages/replay/replay_page.h"
 

@@ -1,7 +1,7 @@
-#include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/subcommands.h"
+#include "plugin/cli/sweep/sweep_input.h"
 #include "plugin/cli/sweep/sweep_run.h"
 #include "plugin/cli/sweep/sweep_work.h"
 #include "plugin/pages/sweep/sweep_page.h"

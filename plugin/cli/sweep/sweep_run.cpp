@@ -1,8 +1,8 @@
 #include "plugin/cli/sweep/sweep_run.h"
 
 #include "bridge/box2d/lab_world.h"
-#include "plugin/cli/input.h"
 #include "plugin/cli/subcommands.h"
+#include "plugin/cli/sweep/sweep_input.h"
 #include "plugin/lab/session/run_scene.h"
 #include "plugin/lab/sweep/run_record.h"
 #include "plugin/lab/sweep/workers.h"

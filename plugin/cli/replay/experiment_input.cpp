@@ -1,0 +1,26 @@
+#include "plugin/cli/replay/experiment_input.h"
+
+#include "plugin/recording/experiment/load.h"
+
+#include <cstdio>
+#include <filesystem>
+
+namespace supercircle::cli {
+
+std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet) {
+    std::vector<scene::Problem> problems;
+    auto loaded = experiment::load(file, problems);
+    for (const scene::Problem& p : problems)
+        if (p.severity == scene::Problem::Severity::Error || !quiet)
+            std::fprintf(stderr, "%s\n", p.toString().c_str());
+    return loaded ? std::optional(*std::move(loaded)) : std::nullopt;
+}
+
+std::string resultsFolder(const std::string& file, const std::string& out, const std::string& suffix) {
+    if (!out.empty())
+        return out;
+    const std::string name = std::filesystem::absolute(file).parent_path().filename().string();
+    return "out/" + (name.empty() ? "experiment" : name) + "_" + suffix;
+}
+
+} // namespace supercircle::cli

@@ -1,0 +1,17 @@
+#pragma once
+// Reading an experiment for a subcommand; problems go to stderr.
+
+#include "plugin/recording/experiment/experiment.h"
+
+#include <optional>
+#include <string>
+
+namespace supercircle::cli {
+
+/// Loads an experiment; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
+[[nodiscard]] std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet);
+
+/// Folder for an experiment's results: `out`, or if that is empty out/<name of the experiment's folder>_<suffix>.
+std::string resultsFolder(const std::string& file, const std::string& out, const std::string& suffix);
+
+} // namespace supercircle::cli

@@ -110,11 +110,11 @@ b2Body* addBody(b2World& world, const BodyDefinition& d, double scale) {
 
 /// Sets the common fields of all joints and creates the joint.
 template <class Def>
-void create(b2World& world, Def& def, const JointDefinition& j, b2Body* a, b2Body* b) {
+b2Joint* create(b2World& world, Def& def, const JointDefinition& j, b2Body* a, b2Body* b) {
     def.bodyA = a;
     def.bodyB = b;
     def.collideConnected = j.collideConnected;
-    world.CreateJoint(&def);
+    return world.CreateJoint(&def);
 }
 
 template <class Def>
@@ -123,7 +123,7 @@ void anchors(Def& def, const JointDefinition& j, double scale) {
     def.localAnchorB = toHost(j.anchorB, scale);
 }
 
-void addRevolute(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
+b2Joint* addRevolute(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
     b2RevoluteJointDef def;
     anchors(def, j, scale);
     def.referenceAngle = toFloat(j.refAngle);
@@ -133,10 +133,10 @@ void addRevolute(b2World& world, const JointDefinition& j, double scale, b2Body*
     def.enableMotor = j.enableMotor;
     def.motorSpeed = toFloat(j.motorSpeed);
     def.maxMotorTorque = toFloat(j.maxMotorForce * scale * scale);
-    create(world, def, j, a, b);
+    return create(world, def, j, a, b);
 }
 
-void addPrismatic(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
+b2Joint* addPrismatic(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
     b2PrismaticJointDef def;
     anchors(def, j, scale);
     def.localAxisA = toHost(j.localAxisA.normalized(), 1.0);
@@ -147,10 +147,10 @@ void addPrismatic(b2World& world, const JointDefinition& j, double scale, b2Body
     def.enableMotor = j.enableMotor;
     def.motorSpeed = toFloat(j.motorSpeed * scale);
     def.maxMotorForce = toFloat(j.maxMotorForce * scale);
-    create(world, def, j, a, b);
+    return create(world, def, j, a, b);
 }
 
-void addDistance(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
+b2Joint* addDistance(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
     b2DistanceJointDef def;
     anchors(def, j, scale);
     def.length = toFloat(j.length * scale);
@@ -160,10 +160,10 @@ void addDistance(b2World& world, const JointDefinition& j, double scale, b2Body*
     def.maxLength = rigid ? def.length : j.enableLimit ? toFloat(j.upperLimit * scale) : b2_maxFloat;
     if (j.frequency > 0.0)
         b2LinearStiffness(def.stiffness, def.damping, toFloat(j.frequency), toFloat(j.dampingRatio), a, b);
-    create(world, def, j, a, b);
+    return create(world, def, j, a, b);
 }
 
-void addWheel(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
+b2Joint* addWheel(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
     b2WheelJointDef def;
     anchors(def, j, scale);
     def.localAxisA = toHost(j.localAxisA.normalized(), 1.0);
@@ -175,10 +175,45 @@ void addWheel(b2World& world, const JointDefinition& j, double scale, b2Body* a,
     def.maxMotorTorque = toFloat(j.maxMotorForce * scale * scale);
     if (j.frequency > 0.0)
         b2LinearStiffness(def.stiffness, def.damping, toFloat(j.frequency), toFloat(j.dampingRatio), a, b);
-    create(world, def, j, a, b);
+    return create(world, def, j, a, b);
 }
 
-void addJoint(b2World& world, const JointDefinition& j, double scale, const std::vector<b2Body*>& bodies) {
+b2Joint* addMouse(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
+    b2MouseJointDef def;
+    def.target = toHost(j.anchorB, scale); // the joint takes hold of this point ...
+    def.maxForce = toFloat(j.maxMotorForce * scale);
+    b2LinearStiffness(def.stiffness, def.damping, toFloat(j.frequency), toFloat(j.dampingRatio), a, b);
+    b2Joint* joint = create(world, def, j, a, b);
+    static_cast<b2MouseJoint*>(joint)->SetTarget(toHost(j.target, scale)); // ... and pulls it there
+    return joint;
+}
+
+b2Joint* addPulley(b2World& world, const JointDefinition& j, double scale, b2Body* a, b2Body* b) {
+    b2PulleyJointDef def;
+    anchors(def, j, scale);
+    def.groundAnchorA = toHost(j.groundAnchorA, scale);
+    def.groundAnchorB = toHost(j.groundAnchorB, scale);
+    def.lengthA = toFloat(j.lengthA * scale);
+    def.lengthB = toFloat(j.lengthB * scale);
+    def.ratio = toFloat(j.ratio);
+    return create(world, def, j, a, b);
+}
+
+/// The joints of a gear exist already.
+b2Joint* addGear(b2World& world, const JointDefinition& j, double scale, const RigidWorldDefinition& definition,
+                 const std::vector<b2Joint*>& joints) {
+    b2GearJointDef def;
+    const auto one = static_cast<std::size_t>(j.joint1), two = static_cast<std::size_t>(j.joint2);
+    def.joint1 = joints[one];
+    def.joint2 = joints[two];
+    // Box2D's ratio multiplies the second coordinate: a length in host units if that joint slides.
+    const double unit1 = definition.joints[one].kind == JointKind::Prismatic ? scale : 1.0;
+    const double unit2 = definition.joints[two].kind == JointKind::Prismatic ? scale : 1.0;
+    def.ratio = toFloat(j.ratio * unit1 / unit2);
+    return create(world, def, j, def.joint1->GetBodyB(), def.joint2->GetBodyB());
+}
+
+b2Joint* addJoint(b2World& world, const JointDefinition& j, double scale, const std::vector<b2Body*>& bodies) {
     b2Body* a = bodies[static_cast<std::size_t>(j.bodyA)];
     b2Body* b = bodies[static_cast<std::size_t>(j.bodyB)];
     switch (j.kind) {
@@ -211,9 +246,17 @@ void addJoint(b2World& world, const JointDefinition& j, double scale, const std:
         def.angularOffset = toFloat(j.refAngle);
         def.maxForce = toFloat(j.maxMotorForce * scale);
         def.maxTorque = toFloat(j.maxTorque * scale * scale);
+        def.correctionFactor = toFloat(j.correctionFactor);
         return create(world, def, j, a, b);
     }
+    case JointKind::Mouse:
+        return addMouse(world, j, scale, a, b);
+    case JointKind::Pulley:
+        return addPulley(world, j, scale, a, b);
+    case JointKind::Gear: // needs the other joints: buildBodies
+        break;
     }
+    return nullptr;
 }
 
 } // namespace
@@ -222,8 +265,12 @@ std::vector<b2Body*> buildBodies(const RigidWorldDefinition& definition, b2World
     std::vector<b2Body*> bodies;
     for (const BodyDefinition& d : definition.bodies)
         bodies.push_back(addBody(world, d, definition.lengthScale));
+    std::vector<b2Joint*> joints;
     for (const JointDefinition& j : definition.joints)
-        addJoint(world, j, definition.lengthScale, bodies);
+        joints.push_back(addJoint(world, j, definition.lengthScale, bodies));
+    for (const JointDefinition& j : definition.joints)
+        if (j.kind == JointKind::Gear)
+            addGear(world, j, definition.lengthScale, definition, joints);
     return bodies;
 }
 

@@ -207,10 +207,22 @@ std::string checkJoint(const JointDefinition& j, std::size_t bodies, double scal
         return "both ends are on body " + std::to_string(j.bodyA);
     if (!bounded(j.anchorA, kMaxLength / scale) || !bounded(j.anchorB, kMaxLength / scale))
         return "an anchor is not finite or farther out than " + number(kMaxLength / scale) + " m";
-    const std::initializer_list<std::pair<const char*, double>> plain = {
-        {"refAngle", j.refAngle},     {"lowerLimit", j.lowerLimit},       {"upperLimit", j.upperLimit},
-        {"motorSpeed", j.motorSpeed}, {"maxMotorForce", j.maxMotorForce}, {"maxTorque", j.maxTorque},
-        {"frequency", j.frequency},   {"dampingRatio", j.dampingRatio},   {"length", j.length}};
+    for (const Vec2& point : {j.groundAnchorA, j.groundAnchorB, j.target})
+        if (!bounded(point, kMaxLength / scale))
+            return "groundAnchorA, groundAnchorB or target is not finite or farther out than " +
+                   number(kMaxLength / scale) + " m";
+    const std::initializer_list<std::pair<const char*, double>> plain = {{"refAngle", j.refAngle},
+                                                                         {"lowerLimit", j.lowerLimit},
+                                                                         {"upperLimit", j.upperLimit},
+                                                                         {"motorSpeed", j.motorSpeed},
+                                                                         {"maxMotorForce", j.maxMotorForce},
+                                                                         {"maxTorque", j.maxTorque},
+                                                                         {"frequency", j.frequency},
+                                                                         {"dampingRatio", j.dampingRatio},
+                                                                         {"length", j.length},
+                                                                         {"lengthA", j.lengthA},
+                                                                         {"lengthB", j.lengthB},
+                                                                         {"ratio", j.ratio}};
     for (const auto& [name, value] : plain) {
         if (!bounded(value, 1e12))
             return std::string(name) + " is not finite or too large";
@@ -224,6 +236,28 @@ std::string checkJoint(const JointDefinition& j, std::size_t bodies, double scal
         return "localAxisA must be a direction";
     if (j.kind == JointKind::Distance && (j.length < 0.0 || (j.enableLimit && j.lowerLimit < 0.0)))
         return "lengths must not be negative";
+    if (!(j.correctionFactor >= 0.0 && j.correctionFactor <= 1.0))
+        return "correctionFactor must lie between 0 and 1";
+    if (j.kind == JointKind::Pulley && !(j.ratio > 0.0 && j.lengthA >= 0.0 && j.lengthB >= 0.0))
+        return "the ratio of a pulley must be above 0, its lengths not negative";
+    if (j.kind == JointKind::Mouse && !(j.frequency > 0.0))
+        return "a mouse joint needs a frequency above 0";
+    return {};
+}
+
+/// Box2D asserts that a gear joins two revolute or prismatic joints with different dynamic bodies B.
+std::string checkGear(const JointDefinition& j, const RigidWorldDefinition& d) {
+    std::int32_t driven = -1;
+    for (const std::int32_t index : {j.joint1, j.joint2}) {
+        if (index < 0 || static_cast<std::size_t>(index) >= d.joints.size())
+            return "joint index " + std::to_string(index) + " is out of range";
+        const JointDefinition& part = d.joints[static_cast<std::size_t>(index)];
+        if (part.kind != JointKind::Revolute && part.kind != JointKind::Prismatic)
+            return "a gear joins revolute and prismatic joints only";
+        if (d.bodies[static_cast<std::size_t>(part.bodyB)].type != step::BodyType::Dynamic || part.bodyB == driven)
+            return "the bodies B of a gear's joints must be two dynamic bodies";
+        driven = part.bodyB;
+    }
     return {};
 }
 
@@ -245,6 +279,11 @@ std::string checkDefinition(const RigidWorldDefinition& d) {
     }
     for (std::size_t i = 0; i < d.joints.size(); ++i) {
         const std::string why = checkJoint(d.joints[i], d.bodies.size(), d.lengthScale);
+        if (!why.empty())
+            return called("joint", i, d.joints[i].name) + why;
+    }
+    for (std::size_t i = 0; i < d.joints.size(); ++i) {
+        const std::string why = d.joints[i].kind == JointKind::Gear ? checkGear(d.joints[i], d) : std::string();
         if (!why.empty())
             return called("joint", i, d.joints[i].name) + why;
     }

@@ -59,15 +59,26 @@ struct BodyDefinition {
     std::optional<MassData> massData; ///< empty: from the fixtures
 };
 
-enum class JointKind : std::uint8_t { Revolute, Prismatic, Distance, Weld, Wheel, Friction, Motor };
+enum class JointKind : std::uint8_t {
+    Revolute,
+    Prismatic,
+    Distance,
+    Weld,
+    Wheel,
+    Friction,
+    Motor,
+    Pulley,
+    Gear,
+    Mouse
+};
 
 struct JointDefinition {
     std::string name;
     JointKind kind = JointKind::Revolute;
     std::int32_t bodyA = -1; ///< index into the bodies
     std::int32_t bodyB = -1;
-    Vec2 anchorA = Vec2::Zero(); ///< m, frame of A
-    Vec2 anchorB = Vec2::Zero(); ///< m, frame of B
+    Vec2 anchorA = Vec2::Zero(); ///< m, frame of A; motor: where B's origin shall be
+    Vec2 anchorB = Vec2::Zero(); ///< m, frame of B; mouse: in the world
     Vec2 localAxisA = Vec2::UnitX();
     double refAngle = 0.0; ///< rad
     double length = 0.0;   ///< m, distance joint
@@ -76,11 +87,20 @@ struct JointDefinition {
     double lowerLimit = 0.0; ///< rad or m
     double upperLimit = 0.0;
     bool enableMotor = false;
-    double motorSpeed = 0.0;    ///< rad/s or m/s
-    double maxMotorForce = 0.0; ///< N (prismatic, friction, motor) or N m (revolute, wheel)
-    double maxTorque = 0.0;     ///< N m (friction, motor)
-    double frequency = 0.0;     ///< Hz, soft joints
-    double dampingRatio = 0.0;  ///< 1
+    double motorSpeed = 0.0;           ///< rad/s or m/s
+    double maxMotorForce = 0.0;        ///< N (prismatic, friction, motor, mouse) or N m (revolute, wheel)
+    double maxTorque = 0.0;            ///< N m (friction, motor)
+    double frequency = 0.0;            ///< Hz, soft joints
+    double dampingRatio = 0.0;         ///< 1
+    double correctionFactor = 0.3;     ///< 1, motor
+    Vec2 groundAnchorA = Vec2::Zero(); ///< m, pulley, in the world
+    Vec2 groundAnchorB = Vec2::Zero(); ///< m
+    double lengthA = 0.0;              ///< m, pulley: lengthA + ratio * lengthB stays
+    double lengthB = 0.0;              ///< m
+    double ratio = 1.0;                ///< 1, pulley and gear
+    std::int32_t joint1 = -1;          ///< gear: indices into the joints, revolute or prismatic
+    std::int32_t joint2 = -1;
+    Vec2 target = Vec2::Zero(); ///< m, mouse, in the world
 };
 
 struct RigidWorldDefinition {

@@ -11,9 +11,22 @@ namespace {
 
 constexpr const char* schemaName = "supercircle-scene/1";
 
+/// A rigid world without "schema" is an export of R.U.B.E. or b2dJson, which leave out what is zero.
+void recogniseExport(Context& context, ObjectReader& top) {
+    const Node* world = top.find("body") != nullptr ? top.find("body") : top.find("joint");
+    context.rubeExport = world != nullptr && top.find("schema") == nullptr;
+    const auto keys = {"shell", "hold", "drop", "protocol", "game", "parameters", "constants", "lengthScale"};
+    if (context.rubeExport &&
+        std::any_of(keys.begin(), keys.end(), [&](const char* key) { return top.find(key) != nullptr; }))
+        context.note(*world, top.pointerTo(world->key),
+                     "no \"schema\": absent keys of bodies and \"gravity\" are zeros, as R.U.B.E. exports mean them; "
+                     "a scene has \"schema\": \"" +
+                         std::string(schemaName) + "\"");
+}
+
 void checkSchema(Context& context, ObjectReader& top) {
     const Node* node = top.find("schema");
-    if (node == nullptr) // plain R.U.B.E. exports have none
+    if (node == nullptr)
         return;
     const std::string name = top.string("schema", schemaName);
     if (name != schemaName)
@@ -40,7 +53,13 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     ObjectReader top(context, context.document.root, "");
     if (!top.valid())
         return;
+    if (const Node* project = top.find("metaworld")) {
+        context.keyError(*project, "/metaworld", "this is a R.U.B.E. project",
+                         "a scene: open the project in R.U.B.E., export it as JSON and load that file");
+        return;
+    }
     checkSchema(context, top);
+    recogniseExport(context, top);
     const Node* parameters = top.find("parameters");
     context.scope.declare(context, parameters, top.find("constants"), overrides);
     scene.name = top.string("name", std::filesystem::path(scene.file).stem().string());

@@ -13,8 +13,6 @@ using rod::Vec2;
 using step::BodyDefinition;
 using step::BodyType;
 using step::FixtureDefinition;
-using step::JointDefinition;
-using step::JointKind;
 using step::ShapeKind;
 
 // Box2D 2.4 merges polygon vertices closer than half its slop and refuses chains with edges shorter than the slop. Both
@@ -214,6 +212,8 @@ void readShape(Context& context, ObjectReader& reader, FixtureDefinition& f, dou
 FixtureDefinition readFixture(Context& context, const ArrayItem& place, double scale) {
     ObjectReader reader(context, *place.node, place.pointer, true);
     FixtureDefinition f;
+    if (context.rubeExport)
+        f.density = f.friction = 0.0;
     f.name = reader.string("name", "");
     f.density = reader.number("density", f.density, notNegative);
     f.friction = reader.number("friction", f.friction, notNegative);
@@ -223,7 +223,7 @@ FixtureDefinition readFixture(Context& context, const ArrayItem& place, double s
     f.filterMaskBits = static_cast<std::uint16_t>(reader.integer("filter-maskBits", 65535, 0, 65535));
     f.filterGroupIndex = static_cast<std::int16_t>(reader.integer("filter-groupIndex", 0, -32768, 32767));
     readShape(context, reader, f, scale);
-    reader.ignore({"customProperties"});
+    reader.ignore({"customProperties", "path"});
     reader.finish();
     return f;
 }
@@ -241,6 +241,7 @@ void readMassData(ObjectReader& reader, BodyDefinition& body) {
 BodyDefinition readBody(Context& context, const ArrayItem& place, double scale) {
     ObjectReader reader(context, *place.node, place.pointer, true);
     BodyDefinition b;
+    b.awake = !context.rubeExport;
     b.name = reader.string("name", "");
     b.type = static_cast<BodyType>(reader.integer("type", 0, 0, 2));
     b.position = reader.vector("position", b.position);
@@ -260,77 +261,27 @@ BodyDefinition readBody(Context& context, const ArrayItem& place, double scale) 
     readMassData(reader, b);
     for (const ArrayItem& fixture : reader.array("fixture"))
         b.fixtures.push_back(readFixture(context, fixture, scale));
-    reader.ignore({"customProperties"});
+    reader.ignore({"customProperties", "path"});
     reader.finish();
     return b;
-}
-
-void readJointMotor(ObjectReader& reader, JointDefinition& j) {
-    j.enableLimit = reader.boolean("enableLimit", false);
-    j.lowerLimit = reader.number("lowerLimit", 0.0);
-    j.upperLimit = reader.number("upperLimit", 0.0);
-    j.enableMotor = reader.boolean("enableMotor", false);
-    j.motorSpeed = reader.number("motorSpeed", 0.0);
-    const bool turns = j.kind == JointKind::Revolute || j.kind == JointKind::Wheel;
-    reader.ignore({"maxMotorTorque", "maxMotorForce", "maxForce"});
-    if (j.kind == JointKind::Friction || j.kind == JointKind::Motor) {
-        j.maxMotorForce = reader.number("maxForce", 0.0, notNegative);
-        j.maxTorque = reader.number("maxTorque", 0.0, notNegative);
-    } else {
-        j.maxMotorForce = reader.number(turns ? "maxMotorTorque" : "maxMotorForce", 0.0, notNegative);
-    }
-}
-
-JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t bodies) {
-    static const std::vector<std::string> kinds = {"revolute", "prismatic", "distance", "weld",
-                                                   "wheel",    "friction",  "motor"};
-    ObjectReader reader(context, *place.node, place.pointer, true);
-    JointDefinition j;
-    j.name = reader.string("name", "");
-    reader.require("type", "a kind of joint");
-    j.kind = static_cast<JointKind>(reader.choice("type", kinds, 0));
-    const std::size_t before = context.errors();
-    const auto last = static_cast<std::int64_t>(bodies) - 1;
-    for (const char* key : {"bodyA", "bodyB"}) {
-        reader.require(key, "the index of a body");
-        const auto index = static_cast<std::int32_t>(reader.integer(key, 0, 0, std::max<std::int64_t>(last, 0)));
-        (key[4] == 'A' ? j.bodyA : j.bodyB) = index;
-    }
-    if (reader.valid() && context.errors() == before && (bodies < 2 || j.bodyA == j.bodyB))
-        context.error(*place.node, place.pointer, "the joint does not join two bodies", "two different body indices");
-    j.anchorA = reader.vector("anchorA", j.anchorA);
-    j.anchorB = reader.vector("anchorB", j.anchorB);
-    j.localAxisA = reader.vector("localAxisA", reader.vector("localAxis1", j.localAxisA));
-    if (j.localAxisA.norm() > 0.0)
-        j.localAxisA.normalize();
-    else
-        context.error(*place.node, place.pointer, "the axis has no direction", "a vector other than 0");
-    j.refAngle = reader.number("refAngle", 0.0);
-    j.length = reader.number("length", (j.kind == JointKind::Distance) ? 1.0 : 0.0, notNegative);
-    j.collideConnected = reader.boolean("collideConnected", false);
-    readJointMotor(reader, j);
-    j.frequency = reader.number("frequency", reader.number("springFrequency", 0.0, notNegative), notNegative);
-    j.dampingRatio = reader.number("dampingRatio", reader.number("springDampingRatio", 0.0, notNegative), notNegative);
-    reader.ignore({"jointSpeed", "correctionFactor", "customProperties", "maxTorque"});
-    reader.finish();
-    if (j.enableLimit && j.lowerLimit > j.upperLimit)
-        context.error(*place.node, place.pointer, "the joint's limits are empty", "lowerLimit <= upperLimit");
-    return j;
 }
 
 } // namespace
 
 void readRigid(Context& context, ObjectReader& top, step::RigidWorldDefinition& out) {
+    if (context.rubeExport)
+        out.gravity.setZero();
     if (const Node* gravity = top.find("gravity"))
         out.gravity = readVector(context, *gravity, "/gravity", true).value_or(out.gravity);
-    const auto bodies = top.array("body");
-    for (const ArrayItem& place : bodies)
+    for (const ArrayItem& place : top.array("body"))
         out.bodies.push_back(readBody(context, place, out.lengthScale));
-    for (const ArrayItem& place : top.array("joint"))
-        out.joints.push_back(readJoint(context, place, bodies.size()));
-    for (const char* key :
-         {"velocityIterations", "positionIterations", "stepsPerSecond", "allowSleep", "autoClearForces", "warmStarting",
-          "continuousPhysics", "subStepping", "image", "customProperties", "collisionbitplanes"})
+    if (!top.boolean("allowSleep", true))
+        for (BodyDefinition& body : out.bodies)
+            body.allowSleep = false;
+    readJoints(context, top, out);
+    top.ignore({"image", "customProperties", "collisionbitplanes"});
+    for (const char* key : {"velocityIterations", "positionIterations", "stepsPerSecond", "autoClearForces",
+                            "warmStarting", "continuousPhysics", "subStepping"})
         if (const Node* node = top.find(key))
             context.note(*node, top.pointerTo(key), std::string("\"") + key + "\" of R.U.B.E. has no effect here");
 }

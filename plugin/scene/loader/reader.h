@@ -31,6 +31,7 @@ struct Context {
     /// Errors so far. Notes do not count.
     [[nodiscard]] std::size_t errors() const { return errorCount; }
 
+    bool rubeExport = false; ///< absent keys of the rigid world are the zeros of b2dJson
     std::size_t errorCount = 0;
     std::vector<std::string> renamedNoted{}; ///< old names that have their note
 };

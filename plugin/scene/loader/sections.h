@@ -8,6 +8,8 @@ namespace supercircle::scene {
 
 /// The R.U.B.E. / b2dJson part of the top level: gravity, body[], joint[]. Keys of R.U.B.E. without effect get a note.
 void readRigid(Context& context, ObjectReader& top, step::RigidWorldDefinition& out);
+/// joint[]; the bodies must have been read.
+void readJoints(Context& context, ObjectReader& top, step::RigidWorldDefinition& out);
 
 /// One shell; `isTemplate` is true for the shell of a drop, which has no position.
 ShellDef readShell(Context& context, const Node& node, const std::string& pointer, bool isTemplate);

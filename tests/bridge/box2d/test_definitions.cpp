@@ -150,4 +150,72 @@ TEST_CASE("joints of every kind are created and work", "[bridge]") {
     wheel.dampingRatio = 0.7;
     const double omega = 2.0 * M_PI * 5.0;
     CHECK(fall(*build(worldOf(wheel))).centre.y() == Approx(-9.81 / (omega * omega)).epsilon(0.01));
+    // A rope of R.U.B.E.: a distance joint with a largest length only.
+    JointDefinition rope;
+    rope.kind = JointKind::Distance;
+    rope.enableLimit = true;
+    rope.upperLimit = 0.15;
+    CHECK(fall(*build(worldOf(rope))).centre.norm() == Approx(0.15).epsilon(1e-2));
+    JointDefinition mouse;
+    mouse.kind = JointKind::Mouse;
+    mouse.anchorB = Vec2(0.1, 0.0);
+    mouse.target = Vec2(0.15, 0.05);
+    mouse.maxMotorForce = 1000.0;
+    mouse.frequency = 5.0;
+    mouse.dampingRatio = 0.7;
+    CHECK((fall(*build(worldOf(mouse))).centre - Vec2(0.15, 0.05 - 9.81 / (omega * omega))).norm() < 1e-3);
+}
+
+TEST_CASE("pulleys and gears of a definition hold their sum in metres", "[bridge]") {
+    RigidWorldDefinition d;
+    d.lengthScale = 52.1;
+    d.bodies = {body(BodyType::Static, box(0.01, 0.01), "ground"), body(BodyType::Dynamic, box(0.01, 0.01), "wheel"),
+                body(BodyType::Dynamic, box(0.02, 0.01), "rack")};
+    d.bodies[1].position = Vec2(-0.2, 0.0);
+    d.bodies[2].position = Vec2(0.2, 0.0);
+    JointDefinition pulley;
+    pulley.kind = JointKind::Pulley;
+    pulley.bodyA = 1;
+    pulley.bodyB = 2;
+    pulley.groundAnchorA = Vec2(-0.2, 0.2);
+    pulley.groundAnchorB = Vec2(0.2, 0.2);
+    pulley.lengthA = pulley.lengthB = 0.2;
+    pulley.ratio = 1.0;
+    RigidWorldDefinition hanging = d;
+    hanging.joints = {pulley};
+    auto world = build(hanging);
+    BodyState wheel, rack;
+    for (int i = 0; i < 200; ++i)
+        world->step(1e-3);
+    REQUIRE(world->state(2, wheel));
+    REQUIRE(world->state(3, rack));
+    CHECK(wheel.centre.y() != Approx(0.0).margin(1e-3)); // it moves
+    CHECK(wheel.centre.y() + rack.centre.y() == Approx(0.0).margin(2e-3));
+
+    // The rack falls and turns the wheel: angle + ratio * way stays.
+    JointDefinition axle, rail, gear;
+    axle.kind = JointKind::Revolute;
+    axle.bodyA = 0;
+    axle.bodyB = 1;
+    axle.anchorA = Vec2(-0.2, 0.0);
+    rail.kind = JointKind::Prismatic;
+    rail.bodyA = 0;
+    rail.bodyB = 2;
+    rail.anchorA = Vec2(0.2, 0.0);
+    rail.localAxisA = Vec2(0.0, 1.0);
+    gear.kind = JointKind::Gear;
+    gear.bodyA = 1;
+    gear.bodyB = 2;
+    gear.joint1 = 1;
+    gear.joint2 = 2;
+    gear.ratio = 5.0; // rad/m
+    RigidWorldDefinition geared = d;
+    geared.joints = {gear, axle, rail};
+    world = build(geared);
+    for (int i = 0; i < 200; ++i)
+        world->step(1e-3);
+    REQUIRE(world->state(2, wheel));
+    REQUIRE(world->state(3, rack));
+    CHECK(rack.centre.y() < -0.01);
+    CHECK(wheel.angle == Approx(-5.0 * rack.centre.y()).epsilon(1e-2));
 }

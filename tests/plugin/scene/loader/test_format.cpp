@@ -12,8 +12,8 @@ TEST_CASE("a R.U.B.E. export loads unchanged") {
     const auto scene = load(std::string(SC_SOURCE_DIR) + "/tests/plugin/scene/loader/rube_sample.json", {}, problems);
     INFO(say(problems));
     REQUIRE(scene);
-    // Eleven keys without effect, and no duration.
-    CHECK(problems.size() == 12);
+    // Seven keys without effect, and no duration.
+    CHECK(problems.size() == 8);
     CHECK(scene->name == "rube_sample");
     const auto& world = scene->rigid;
     CHECK(world.gravity == rod::Vec2(0, -10));

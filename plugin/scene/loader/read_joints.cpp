@@ -1,0 +1,162 @@
+// Joints between rigid bodies under the names of R.U.B.E. and b2dJson.
+
+#include "plugin/scene/loader/sections.h"
+
+#include <algorithm>
+
+namespace supercircle::scene {
+
+namespace {
+
+using rod::Vec2;
+using step::JointDefinition;
+using step::JointKind;
+using step::RigidWorldDefinition;
+
+/// The words of "type". A rope is a distance joint of Box2D 2.4 with a largest length only.
+const std::vector<std::string> kinds = {"revolute", "prismatic", "distance", "weld",  "wheel", "friction",
+                                        "motor",    "pulley",    "gear",     "mouse", "rope"};
+
+void readMotor(ObjectReader& reader, JointDefinition& j) {
+    j.enableLimit = reader.boolean("enableLimit", false);
+    j.lowerLimit = reader.number("lowerLimit", 0.0);
+    j.upperLimit = reader.number("upperLimit", 0.0);
+    j.enableMotor = reader.boolean("enableMotor", false);
+    j.motorSpeed = reader.number("motorSpeed", 0.0);
+    const bool turns = j.kind == JointKind::Revolute || j.kind == JointKind::Wheel;
+    reader.ignore({"maxMotorTorque", "maxMotorForce", "maxForce"});
+    if (j.kind == JointKind::Friction || j.kind == JointKind::Motor || j.kind == JointKind::Mouse) {
+        j.maxMotorForce = reader.number("maxForce", 0.0, notNegative);
+        j.maxTorque = reader.number("maxTorque", 0.0, notNegative);
+    } else {
+        j.maxMotorForce = reader.number(turns ? "maxMotorTorque" : "maxMotorForce", 0.0, notNegative);
+    }
+}
+
+void readBodies(Context& context, ObjectReader& reader, std::size_t bodies, JointDefinition& j) {
+    const std::size_t before = context.errors();
+    const auto last = static_cast<std::int64_t>(bodies) - 1;
+    for (const char* key : {"bodyA", "bodyB"}) {
+        reader.require(key, "the index of a body");
+        const auto index = static_cast<std::int32_t>(reader.integer(key, 0, 0, std::max<std::int64_t>(last, 0)));
+        (key[4] == 'A' ? j.bodyA : j.bodyB) = index;
+    }
+    if (reader.valid() && context.errors() == before && (bodies < 2 || j.bodyA == j.bodyB))
+        context.error(reader.node(), reader.pointer(), "the joint does not join two bodies",
+                      "two different body indices");
+}
+
+void readPlace(Context& context, ObjectReader& reader, JointDefinition& j) {
+    j.anchorA = reader.vector("anchorA", j.anchorA);
+    j.anchorB = reader.vector("anchorB", j.anchorB);
+    if (j.kind == JointKind::Motor) // the name since R.U.B.E. 1.7; exports before have the offset in "anchorA"
+        j.anchorA = reader.vector("linearOffset", j.anchorA);
+    j.localAxisA = reader.vector("localAxisA", reader.vector("localAxis1", j.localAxisA));
+    if (j.localAxisA.norm() > 0.0)
+        j.localAxisA.normalize();
+    else
+        context.error(reader.node(), reader.pointer(), "the axis has no direction", "a vector other than 0");
+    j.refAngle = reader.number("refAngle", 0.0);
+    const bool unitLength = j.kind == JointKind::Distance && !context.rubeExport;
+    j.length = reader.number("length", unitLength ? 1.0 : 0.0, notNegative);
+}
+
+void readRope(ObjectReader& reader, JointDefinition& j) {
+    reader.require("maxLength", "a number > 0, m");
+    j.enableLimit = true;
+    j.lowerLimit = 0.0;
+    j.upperLimit = j.length = reader.number("maxLength", 1.0, positive);
+}
+
+void readPulley(Context& context, ObjectReader& reader, JointDefinition& j) {
+    j.groundAnchorA = reader.vector("groundAnchorA", Vec2::Zero());
+    j.groundAnchorB = reader.vector("groundAnchorB", Vec2::Zero());
+    j.lengthA = reader.number("lengthA", 0.0, notNegative);
+    j.lengthB = reader.number("lengthB", 0.0, notNegative);
+    j.ratio = reader.number("ratio", context.rubeExport ? 0.0 : 1.0);
+    if (!(j.ratio > 0.0))
+        context.error(reader.node(), reader.pointer(), "the pulley has no ratio", "\"ratio\" > 0");
+}
+
+void readMouse(Context& context, ObjectReader& reader, JointDefinition& j) {
+    j.target = reader.vector("target", Vec2::Zero());
+    if (!(j.frequency > 0.0))
+        context.error(reader.node(), reader.pointer(), "the mouse joint has no spring", "\"frequency\" > 0, Hz");
+}
+
+void readGear(Context& context, ObjectReader& reader, std::size_t joints, JointDefinition& j) {
+    const auto last = static_cast<std::int64_t>(joints) - 1;
+    for (const char* key : {"joint1", "joint2"}) {
+        reader.require(key, "the index of a revolute or prismatic joint");
+        (key[5] == '1' ? j.joint1 : j.joint2) = static_cast<std::int32_t>(reader.integer(key, 0, 0, last));
+    }
+    j.ratio = reader.number("ratio", context.rubeExport ? 0.0 : 1.0);
+}
+
+/// What Box2D asserts of the two joints of a gear.
+void checkGear(Context& context, const ArrayItem& place, const RigidWorldDefinition& world, const JointDefinition& j) {
+    const auto& one = world.joints[static_cast<std::size_t>(j.joint1)];
+    const auto& two = world.joints[static_cast<std::size_t>(j.joint2)];
+    for (const JointDefinition* part : {&one, &two}) {
+        if (part->kind != JointKind::Revolute && part->kind != JointKind::Prismatic) {
+            context.error(*place.node, place.pointer, "the gear joins joints of another type",
+                          "\"joint1\" and \"joint2\" of type \"revolute\" or \"prismatic\"");
+            return;
+        }
+        if (world.bodies[static_cast<std::size_t>(part->bodyB)].type != step::BodyType::Dynamic) {
+            context.error(*place.node, place.pointer, "the gear turns a body that is not dynamic",
+                          "a \"bodyB\" of type 2 in both joints");
+            return;
+        }
+    }
+    if (one.bodyB == two.bodyB)
+        context.error(*place.node, place.pointer, "the gear joins a body to itself",
+                      "two joints with different \"bodyB\"");
+}
+
+JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t bodies, std::size_t joints) {
+    ObjectReader reader(context, *place.node, place.pointer, true);
+    JointDefinition j;
+    j.name = reader.string("name", "");
+    reader.require("type", "a kind of joint");
+    const std::string& kind = kinds[reader.choice("type", kinds, 0)];
+    const bool rope = kind == "rope";
+    const auto index = std::find(kinds.begin(), kinds.end(), rope ? "distance" : kind) - kinds.begin();
+    j.kind = static_cast<JointKind>(index);
+    readBodies(context, reader, bodies, j);
+    readPlace(context, reader, j);
+    j.collideConnected = reader.boolean("collideConnected", false);
+    readMotor(reader, j);
+    j.frequency = reader.number("frequency", reader.number("springFrequency", 0.0, notNegative), notNegative);
+    j.dampingRatio = reader.number("dampingRatio", reader.number("springDampingRatio", 0.0, notNegative), notNegative);
+    j.correctionFactor = reader.number("correctionFactor", j.correctionFactor, {0.0, 1.0});
+    if (rope)
+        readRope(reader, j);
+    else if (j.kind == JointKind::Pulley)
+        readPulley(context, reader, j);
+    else if (j.kind == JointKind::Gear)
+        readGear(context, reader, joints, j);
+    else if (j.kind == JointKind::Mouse)
+        readMouse(context, reader, j);
+    reader.ignore({"jointSpeed", "linearOffset", "customProperties", "maxTorque", "path"});
+    reader.finish();
+    if (j.enableLimit && j.lowerLimit > j.upperLimit)
+        context.error(*place.node, place.pointer, "the joint's limits are empty", "lowerLimit <= upperLimit");
+    return j;
+}
+
+} // namespace
+
+void readJoints(Context& context, ObjectReader& top, RigidWorldDefinition& out) {
+    const std::size_t before = context.errors();
+    const auto places = top.array("joint");
+    for (const ArrayItem& place : places)
+        out.joints.push_back(readJoint(context, place, out.bodies.size(), places.size()));
+    if (context.errors() != before)
+        return;
+    for (std::size_t i = 0; i < places.size(); ++i)
+        if (out.joints[i].kind == JointKind::Gear)
+            checkGear(context, places[i], out, out.joints[i]);
+}
+
+} // namespace supercircle::scene

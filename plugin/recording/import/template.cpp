@@ -2,6 +2,7 @@
 
 #include "plugin/recording/import/derive.h"
 #include "plugin/recording/import/free_run.h"
+#include "plugin/scene/loader/document.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
@@ -162,19 +163,12 @@ void merge(Json& into, const Json& from) {
 /// The file given by the user.
 Result<Json> readOwn(const std::string& file) {
     using Own = Result<Json>;
-    const auto text = record::readText(file);
-    if (!text)
-        return Own::failure(text.error());
-    try {
-        Json own = Json::parse(*text);
-        return own.is_object() ? Own(std::move(own)) : Own::failure(file + ":1:1: this is no JSON object");
-    } catch (const Json::parse_error& e) {
-        const std::size_t at = std::min(text->size(), e.byte > 0 ? e.byte - 1 : 0);
-        const std::string before = text->substr(0, at);
-        const std::size_t line = before.rfind('\n') == std::string::npos ? 0 : before.rfind('\n') + 1;
-        return Own::failure(file + ":" + std::to_string(std::count(before.begin(), before.end(), '\n') + 1) + ":" +
-                            std::to_string(at - line + 1) + ": this is no JSON");
-    }
+    std::vector<scene::Problem> problems;
+    const auto text = scene::readFile(file, problems);
+    if (!text || !scene::parseDocument(*text, file, problems))
+        return Own::failure(problems.front().toString());
+    Json own = Json::parse(*text);
+    return own.is_object() ? Own(std::move(own)) : Own::failure(file + ":1:1: this is no JSON object");
 }
 
 void addOwn(Json& json, const Json& own) {

@@ -1,5 +1,7 @@
 #include "plugin/recording/table/files.h"
 
+#include "supercircle/support/regular_file.h"
+
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +18,8 @@
 namespace supercircle::record {
 
 namespace {
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20; ///< of a file that is read into memory
 
 Status because(const std::string& what, int error) {
     return Status::failure(what + ": " + std::strerror(error));
@@ -114,6 +118,8 @@ Status writeAtomically(const std::string& directory, const std::vector<NamedText
 }
 
 Result<std::string> readText(const std::string& path) {
+    if (const std::string why = whyUnreadable(path, kMostBytes); !why.empty())
+        return Result<std::string>::failure("cannot read " + path + ": " + why);
     std::FILE* file = std::fopen(path.c_str(), "rb");
     if (file == nullptr)
         return Result<std::string>::failure(because("cannot read " + path, errno).error());

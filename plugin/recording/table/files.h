@@ -19,7 +19,7 @@ using NamedText = std::pair<std::string, std::string>;
 /// The error names what could not be written and why. Never throws.
 [[nodiscard]] Status writeAtomically(const std::string& directory, const std::vector<NamedText>& files) noexcept;
 
-/// Whole content of a file, or why it cannot be read.
+/// Whole content of a regular file of at most 512 MiB, or why it cannot be read.
 [[nodiscard]] Result<std::string> readText(const std::string& path);
 
 } // namespace supercircle::record

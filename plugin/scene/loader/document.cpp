@@ -4,10 +4,11 @@
 
 #include "plugin/scene/loader/document.h"
 
+#include "supercircle/support/regular_file.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <unordered_set>
 
@@ -86,7 +87,7 @@ public:
     bool key(string_t& value) override {
         key_ = value;
         keyOffset_ = scanner_.next();
-        if (!keys_.back().insert(value).second)
+        if (!keys_.back().insert(value).second && ++duplicates_ <= maxErrors)
             problems_.push_back(document_.problemAt(keyOffset_, pointer() + "/" + pointerToken(value),
                                                     "duplicate key \"" + value + "\"", "every key once in an object"));
         return true;
@@ -189,6 +190,7 @@ private:
     std::vector<std::unordered_set<std::string>> keys_;
     std::string key_;
     std::size_t keyOffset_ = 0;
+    std::size_t duplicates_ = 0;
 };
 
 } // namespace
@@ -289,12 +291,8 @@ Result<std::string> readFile(const std::string& path, std::vector<Problem>& prob
         problems.push_back(p);
         return Result<std::string>::failure(p.toString());
     };
-    std::error_code code;
-    const auto status = std::filesystem::status(path, code);
-    if (!std::filesystem::exists(status))
-        return fail("there is no such file");
-    if (std::filesystem::is_directory(status))
-        return fail("this is a directory, not a file");
+    if (const std::string why = whyUnreadable(path, maxFileSize); !why.empty())
+        return fail(why);
     errno = 0;
     std::ifstream in(path, std::ios::binary);
     if (!in)

@@ -48,12 +48,15 @@ struct Document {
 inline constexpr int maxDepth = 100;
 /// Largest file accepted, bytes.
 inline constexpr std::size_t maxFileSize = std::size_t{64} << 20;
+/// Most errors of a file that are reported one by one; of the others the number.
+inline constexpr std::size_t maxErrors = 20;
 
-/// Parses strict JSON (RFC 8259: no comments, no trailing commas). Of syntax errors the first is reported; duplicate
-/// keys are all reported. Fails if there was any error.
+/// Parses strict JSON (RFC 8259: no comments, no trailing commas). Of syntax errors the first is reported, of duplicate
+/// keys the first `maxErrors`. Fails if there was any error.
 Result<Document> parseDocument(std::string text, const std::string& file, std::vector<Problem>& problems);
 
-/// Reads a whole file. Fails, with one problem, if it is missing, not a regular file, unreadable or too large.
+/// Reads a whole file. Fails, with one problem, if it is missing, no regular file (a device, a pipe), unreadable or
+/// larger than `maxFileSize`.
 Result<std::string> readFile(const std::string& path, std::vector<Problem>& problems);
 
 } // namespace supercircle::scene

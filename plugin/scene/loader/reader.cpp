@@ -66,22 +66,36 @@ std::optional<double> readReference(Context& context, const Node& node, const st
                             : context.scope.evaluate(context, text.text, text, where);
 }
 
+/// Reports the error, or counts it: the place of each takes time proportional to the length of its line.
+void report(Context& context, std::size_t offset, const std::string& pointer, const std::string& what,
+            const std::string& expected, const std::string& nearest) {
+    const bool full = context.full();
+    ++context.errorCount;
+    if (!full) {
+        Problem p = context.document.problemAt(offset, pointer, what, expected);
+        p.nearest = nearest;
+        context.problems.push_back(std::move(p));
+        return;
+    }
+    const std::size_t more = context.errorCount - maxErrors;
+    if (more == 1) {
+        context.countAt = context.problems.size();
+        context.problems.emplace_back().file = context.document.file;
+    }
+    context.problems[context.countAt].what =
+        "and " + std::to_string(more) + (more == 1 ? " more error" : " more errors");
+}
+
 } // namespace
 
 void Context::error(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected,
                     const std::string& nearest) {
-    Problem p = document.problemAt(at.offset, pointer, what, expected);
-    p.nearest = nearest;
-    problems.push_back(std::move(p));
-    ++errorCount;
+    report(*this, at.offset, pointer, what, expected, nearest);
 }
 
 void Context::keyError(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected,
                        const std::string& nearest) {
-    Problem p = document.problemAt(at.keyOffset, pointer, what, expected);
-    p.nearest = nearest;
-    problems.push_back(std::move(p));
-    ++errorCount;
+    report(*this, at.keyOffset, pointer, what, expected, nearest);
 }
 
 void Context::note(const Node& at, const std::string& pointer, const std::string& what) {
@@ -303,6 +317,10 @@ void ObjectReader::finish() {
         if (std::find(known_.begin(), known_.end(), child.key) != known_.end() ||
             std::find(oldNames_.begin(), oldNames_.end(), child.key) != oldNames_.end())
             continue;
+        if (context_.full()) {
+            context_.keyError(child, {}, {});
+            continue;
+        }
         std::string all;
         if (known_.size() <= 12)
             for (const std::string& key : known_)

@@ -30,9 +30,12 @@ struct Context {
     void noteRenamed(const Node& at, const std::string& pointer, const std::string& old, const std::string& successor);
     /// Errors so far. Notes do not count.
     [[nodiscard]] std::size_t errors() const { return errorCount; }
+    /// Further errors are counted, not reported.
+    [[nodiscard]] bool full() const { return errorCount >= maxErrors; }
 
     bool rubeExport = false; ///< absent keys of the rigid world are the zeros of b2dJson
     std::size_t errorCount = 0;
+    std::size_t countAt = 0;                 ///< index of the problem that counts the unreported ones
     std::vector<std::string> renamedNoted{}; ///< old names that have their note
 };
 

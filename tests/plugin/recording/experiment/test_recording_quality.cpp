@@ -183,7 +183,7 @@ TEST_CASE("ten million rows are read", "[experiment][health][slow]") {
 TEST_CASE("a missing file is named", "[experiment][health]") {
     const Folder folder;
     const auto l = experiment::load(folder.write("experiment.json", description()));
-    CHECK_THAT(l.error(), Contains("run_1.csv") && Contains("No such file"));
+    CHECK_THAT(l.error(), Contains("run_1.csv") && Contains("there is no such file"));
 }
 
 TEST_CASE("markers in metres are recognised", "[experiment][health]") {

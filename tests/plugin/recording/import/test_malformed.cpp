@@ -18,7 +18,7 @@ TEST_CASE("empty and near empty files", "[importing]") {
     CHECK_THAT(errorOf("Dear colleague,\nthe machine is broken.\n"), Contains("there is no table of numbers"));
     CHECK_THAT(errorOf("PK\x03\x04 and so on"), Contains("x.csv: this is a spreadsheet or an archive"));
     CHECK_THAT(importing::readExports({"/not/there.csv"}, {}).error(),
-               Contains("/not/there.csv") && Contains("No such file"));
+               Contains("/not/there.csv") && Contains("there is no such file"));
     CHECK_THAT(importing::readExports({"/"}, {}).error(), Contains("cannot read /"));
 }
 

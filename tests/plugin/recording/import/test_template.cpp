@@ -114,14 +114,23 @@ TEST_CASE("a bad specimen file is refused with its position", "[importing]") {
     const Folder folder;
     CHECK_THAT(refusal({"two_shels", {}}),
                Contains("there is no protocol \"two_shels\"") && Contains("did you mean \"two_shells\"?"));
-    CHECK_THAT(refusal({{}, folder.path + "/none.json"}), Contains("No such file"));
+    CHECK_THAT(refusal({{}, folder.path + "/none.json"}), Contains("there is no such file"));
     CHECK_THAT(refusal({{}, folder.write("a.json", "{\n  \"arc_length_m\": 0,1\n}")}),
-               Contains("a.json:2:21: this is no JSON"));
+               Contains("a.json:2:21: ") && Contains("unexpected number"));
     CHECK_THAT(refusal({{}, folder.write("a.json", "[1, 2]")}), Contains("a.json:1:1: this is no JSON object"));
     CHECK_THAT(refusal({"two_shells", folder.write("a.json", R"({"protocol": "arch_between_plates"})")}),
                Contains("/protocol: this is \"arch_between_plates\", but --protocol says \"two_shells\""));
     CHECK_THAT(refusal({"two_shells", folder.write("a.json", R"({"specimens": [1, 2]})")}),
                Contains("this is no part of an experiment"));
+}
+
+TEST_CASE("numbers beyond double and deep nesting in a specimen file are refused with their place", "[importing]") {
+    const Folder folder;
+    CHECK_THAT(refusal({{}, folder.write("a.json", "[1e400]")}), Contains("a.json:1:2: ") && Contains("overflow"));
+    CHECK_THAT(refusal({{}, folder.write("a.json", "{\"arc_length_m\": -1e999}")}), Contains("a.json:1:18: "));
+    const std::string deep = "{\"a\": " + std::string(100000, '[') + std::string(100000, ']') + "}";
+    CHECK_THAT(refusal({{}, folder.write("a.json", deep)}), Contains("nested too deeply"));
+    CHECK_THAT(refusal({{}, "/dev/zero"}), Contains("this is a device"));
 }
 
 TEST_CASE("values for another number of runs are not used", "[importing]") {

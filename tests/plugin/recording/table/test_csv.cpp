@@ -71,7 +71,8 @@ TEST_CASE("errors name file, line and column") {
     CHECK(messageOf("a,,b\n") == "run.csv:1:3: column without a name");
     CHECK(messageOf("a\n\"1\n") == "run.csv:2:1: quote is not closed");
     CHECK(messageOf("a,b\n", {',', {"force_N"}, {}}) == "run.csv:1:1: no column 'force_N'; there are 'a', 'b'");
-    CHECK_THAT(readCsv("/nowhere/x.csv").error(), Catch::Contains("/nowhere/x.csv") && Catch::Contains("No such file"));
+    CHECK_THAT(readCsv("/nowhere/x.csv").error(),
+               Catch::Contains("/nowhere/x.csv") && Catch::Contains("there is no such file"));
 }
 
 TEST_CASE("a series with columns of different lengths is refused") {

@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 using namespace scenetest;
 
 namespace {
@@ -146,6 +149,47 @@ TEST_CASE("every problem of a file is reported, not only the first") {
                                 " \"report\": {\"kind\": \"stak\"}, \"numerics\": {\"dt_max\": 0}}");
     INFO(say(errors));
     CHECK(errors.size() == 7);
+}
+
+TEST_CASE("of many errors the first twenty are reported and the others counted, in linear time") {
+    std::string many = "{\"schema\": \"supercircle-scene/1\"";
+    for (int i = 0; i < 200000; ++i)
+        many += ",\"k" + std::to_string(i) + "\":1";
+    auto errors = refused(many + "}");
+    REQUIRE(errors.size() == 21);
+    CHECK(errors[19].pointer == "/k19");
+    CHECK(errors[20].toString() == "text.json: and 199980 more errors");
+    std::string twice = "{\"a\": 1";
+    for (int i = 0; i < 200000; ++i)
+        twice += ",\"a\":1";
+    CHECK(refused(twice + "}").size() == 20);
+    std::string shells;
+    for (int i = 0; i < 21; ++i)
+        shells += i == 0 ? "{\"mu\": -1}" : ", {\"mu\": -1}";
+    errors = refused("{\"shell\": [" + shells + "]}");
+    REQUIRE(errors.size() == 21);
+    CHECK(errors[20].what == "and 1 more error");
+}
+
+TEST_CASE("devices, pipes and files without end are refused unopened") {
+    const auto why = [](const std::string& path) {
+        std::vector<Problem> problems;
+        CHECK_FALSE(load(path, {}, problems));
+        REQUIRE(problems.size() == 1);
+        return problems[0].what;
+    };
+    CHECK(contains(why("/dev/zero"), "this is a device"));
+    CHECK(contains(why("/dev/null"), "this is a device"));
+    const std::string folder = std::filesystem::temp_directory_path().string();
+    const std::string pipe = folder + "/supercircle_pipe_" + std::to_string(::getpid());
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    CHECK(contains(why(pipe), "this is a pipe")); // opening it would wait for a writer
+    std::filesystem::remove(pipe);
+    const std::string sparse = folder + "/supercircle_sparse_" + std::to_string(::getpid());
+    std::ofstream(sparse).close();
+    std::filesystem::resize_file(sparse, std::uintmax_t{1} << 33);
+    CHECK(contains(why(sparse), "larger than 64 MiB"));
+    std::filesystem::remove(sparse);
 }
 
 TEST_CASE("impossible shells are refused") {

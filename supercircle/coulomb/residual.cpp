@@ -31,6 +31,7 @@ Residual ResidualSum::result() const {
     result.scale = scale;
     result.penetrationSpeed = penetration_;
     result.impulseError = std::sqrt(impulse_);
+    result.speedError = std::sqrt(speed_);
     return result;
 }
 
@@ -85,7 +86,8 @@ std::vector<Eigen::VectorXd> bodyVelocities(const Problem& problem, const Eigen:
 Residual evaluateResidual(const Problem& problem, const Eigen::VectorXd& r) {
     SC_ASSERT(r.size() == 2 * static_cast<Eigen::Index>(problem.contacts.size()), "two impulses a contact");
     if (!r.allFinite())
-        return {std::numeric_limits<double>::infinity(), 0.0, std::numeric_limits<double>::infinity(), 0.0};
+        return {std::numeric_limits<double>::infinity(), 0.0, std::numeric_limits<double>::infinity(),
+                std::numeric_limits<double>::infinity(), 0.0};
     const auto factor = factors(problem);
     const auto v = velocities(problem, factor, r);
     const auto count = static_cast<Eigen::Index>(problem.contacts.size());

@@ -14,6 +14,7 @@ struct Residual {
     double contactResidual = 0.0;  ///< solver-neutral relative residual, 1 (definition in residual.cpp)
     double penetrationSpeed = 0.0; ///< max(-u_n, 0), of a bilateral contact |u_n| (and |u_t| if locked), m/s
     double impulseError = 0.0;     ///< largest natural-map error |F_c|, N s
+    double speedError = 0.0;       ///< largest d_c |F_c|, m/s
     double scale = 0.0;            ///< denominator of the squared contact residual, J
 };
 
@@ -49,6 +50,7 @@ private:
     double held_ = 0.0;
     double penetration_ = 0.0;
     double impulse_ = 0.0;
+    double speed_ = 0.0;
 };
 
 inline void ResidualSum::add(double un, double ut, double qn, double qt, double rn, double rt, double mu, double d) {
@@ -58,6 +60,7 @@ inline void ResidualSum::add(double un, double ut, double qn, double qt, double 
     const double square = (rn - pn) * (rn - pn) + (rt - pt) * (rt - pt);
     error_ += d * square;
     impulse_ = std::max(impulse_, square);
+    speed_ = std::max(speed_, d * d * square);
     penetration_ = std::max(penetration_, -un);
     held_ += d * (rn * rn + rt * rt);
     if (qn < 0.0)
@@ -71,6 +74,7 @@ inline void ResidualSum::addBilateral(double un, double ut, double qn, double qt
     const double square = n * n + t * t;
     error_ += d * square;
     impulse_ = std::max(impulse_, square);
+    speed_ = std::max(speed_, d * d * square);
     penetration_ = std::max({penetration_, std::abs(un), locked ? std::abs(ut) : 0.0});
     held_ += d * (rn * rn + rt * rt);
     closing_ += (qn * qn + (locked ? qt * qt : 0.0)) / d;

@@ -24,7 +24,7 @@ struct SolverOptions {
     Method method = Method::Strategy;
     double tolerance = 1e-8;             ///< target of the contact residual, 1
     double absoluteImpulse = 1e-13;      ///< N s; if the natural-map error is below this at every contact, the problem
-                                         ///< counts as solved, whatever its contact residual
+                                         ///< counts as solved with a residual up to 1e-3, or of bodies at rest
     int maxGaussSeidelIterations = 1000; ///< limit of one Gauss-Seidel run
     int initialGaussSeidelIterations = 40; ///< before the path, if the warm start did not suffice
     int maxPivots = 600; ///< limit of one path, scaled up above 250 unknowns; all paths together: 5 times

@@ -11,9 +11,15 @@ namespace supercircle::coulomb {
 /// Target of all methods of one solve.
 struct SolveTarget {
     double contactResidual = 1e-8; ///< to be reached, 1
-    double impulse = 1e-13;        ///< N s; also solved if every natural-map error is below
+    double impulse = 1e-13;        ///< N s; also solved if every natural-map error is below, see reached()
+    /// A small impulse error excuses a larger residual, but not for very thin or light bodies, whose impulses are all
+    /// small: r = 0 would pass as the solution.
+    static constexpr double kExcused = 1e-3;      ///< of the contact residual, 1
+    static constexpr double kSpeedAtRest = 1e-11; ///< m/s, round-off of the velocities
     bool reached(const Residual& residual) const {
-        return residual.contactResidual <= contactResidual || residual.impulseError <= impulse;
+        return residual.contactResidual <= contactResidual ||
+               (residual.impulseError <= impulse &&
+                (residual.contactResidual <= kExcused || residual.speedError <= kSpeedAtRest));
     }
 };
 

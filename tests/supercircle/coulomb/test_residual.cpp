@@ -1,6 +1,7 @@
 // The residual evaluation: its projection, its definition on a problem solved by hand, and its special cases.
 
 #include "supercircle/coulomb/residual.h"
+#include "supercircle/coulomb/solver.h"
 #include "tests/supercircle/coulomb/generator.h"
 
 #include <catch2/catch.hpp>
@@ -60,6 +61,28 @@ TEST_CASE("no contact closes") {
     CHECK(evaluateResidual(problem, Eigen::Vector2d::Zero()).contactResidual == 0.0);
     CHECK(evaluateResidual(problem, Eigen::Vector2d(1.0, 0.0)).contactResidual > 0.1); // finite, and not small
     CHECK(std::isfinite(evaluateResidual(problem, Eigen::Vector2d(1.0, 0.0)).contactResidual));
+}
+
+TEST_CASE("a residual of some percent is never converged, however light the body") {
+    for (const double m : {1e-3, 1e-9, 1e-12, 1e-15, 1e-20}) {
+        Problem problem = particle(m, 3.0, -1.0, 0.5);
+        Solver solver;
+        Eigen::VectorXd r;
+        std::vector<Eigen::VectorXd> v;
+        for (const double share : {0.0, 0.9, 0.97}) { // of the solution, as a warm start
+            problem.r0 = share * m * Eigen::Vector2d(1.0, -0.5);
+            SolverOptions options;
+            options.method = Method::None;
+            const SolveReport start = solver.solve(problem, options, r, v);
+            INFO(m << " kg, share " << share << ", residual " << start.contactResidual);
+            CHECK(start.contactResidual > 5e-3);
+            CHECK_FALSE(start.converged);
+            options.method = Method::Strategy;
+            const SolveReport solved = solver.solve(problem, options, r, v);
+            CHECK(solved.converged);
+            CHECK(solved.contactResidual <= 1e-3);
+        }
+    }
 }
 
 TEST_CASE("numbers that are not finite never pass") {

@@ -77,6 +77,8 @@ Result<RodFromDefinition> fromDefinition(const ShellDef& d) {
     for (const auto* list : {&r.naturalCurvature, &curvature})
         if (const Status turned = limits::turns(model, *list); !turned)
             return Made::failure(turned.error());
+    if (const Status fine = limits::coarse(model); !fine)
+        return Made::failure(fine.error());
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {

@@ -78,6 +78,37 @@ void checkEnds(Context& context, const ObjectReader& reader, const ShellDef& d) 
                   "at least the thickness apart: a smaller phi_bar or thickness");
 }
 
+/// Refuses what Shells::create refuses: one or two elements that turn by more than 240 degrees.
+void checkTurn(Context& context, ObjectReader& reader, const ShellDef& d) {
+    if (d.elements > 2)
+        return;
+    double turn = 0.0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(d.elements); ++i)
+        turn += lengthOf(d) / static_cast<double>(d.elements) *
+                std::abs(d.natural_curvature.empty() ? 1.0 / d.radius : d.natural_curvature[i]);
+    if (turn <= 4.0 * M_PI / 3.0)
+        return;
+    const Node* elements = reader.find("elements");
+    context.error(elements != nullptr ? *elements : reader.node(), reader.pointerTo("elements"),
+                  "one or two elements cannot bend a shell that turns by " +
+                      std::to_string(std::lround(turn * 180.0 / M_PI)) + " degrees",
+                  "at least 3 elements");
+}
+
+/// A touching shell moves by about its thickness in a step.
+void noteThin(Context& context, ObjectReader& reader, const ShellDef& d) {
+    constexpr double usual = 1e-3; // of the radius: below it, the thickness alone sets the number of steps
+    const double ratio = d.thickness / (std::isinf(d.radius) ? lengthOf(d) / (2.0 * M_PI) : std::abs(d.radius));
+    if (ratio >= 0.5 * usual)
+        return;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "a thickness of 1/%.0f of the radius takes about %.0f times the steps of a shell of 1/1000",
+                  1.0 / ratio, usual / ratio);
+    const Node* thickness = reader.find("thickness");
+    context.note(thickness != nullptr ? *thickness : reader.node(), reader.pointerTo("thickness"), text);
+}
+
 void readMaterial(ObjectReader& reader, ShellDef& d) {
     d.thickness = reader.number("thickness", d.thickness, positive);
     d.width = reader.number("width", d.width, positive);
@@ -125,8 +156,11 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
         context.error(node, pointer, "the shell is thicker than its diameter", "thickness < 2 radius");
     else if (d.thickness >= lengthOf(d))
         context.error(node, pointer, "the shell is thicker than it is long", "thickness < length");
-    else
+    else {
+        checkTurn(context, reader, d);
         checkEnds(context, reader, d);
+        noteThin(context, reader, d);
+    }
     return d;
 }
 

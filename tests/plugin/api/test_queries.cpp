@@ -23,6 +23,7 @@ ShellDef crooked(std::mt19937& random, int elements) {
     d.length = 0.2;
     d.thickness = 0.004;
     d.elements = elements;
+    d.radius = kInf; // the natural shape has no part in queries
     for (int i = 0; i < elements; ++i)
         d.curvature.push_back(40.0 * unit(random));
     d.position = {0.05 * unit(random), 0.05 * unit(random)};

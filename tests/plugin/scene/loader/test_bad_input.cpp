@@ -213,6 +213,8 @@ TEST_CASE("impossible shells are refused") {
         {"\"elements\": -3", "/shell/0/elements"},
         {"\"elements\": 1000000000", "/shell/0/elements"},
         {"\"elements\": 1e300", "/shell/0/elements"},
+        {"\"elements\": 1", "/shell/0/elements"}, // of 270 degrees
+        {"\"elements\": 2", "/shell/0/elements"},
         {"\"phi_bar\": 0", "/shell/0/phi_bar"},
         {"\"phi_bar\": 1.2", "/shell/0/phi_bar"},
         {"\"phi_bar\": 0.9999", "/shell/0"}, // ends overlap
@@ -242,6 +244,18 @@ TEST_CASE("impossible shells are refused") {
     }
     CHECK(only("{\"shell\": [{\"radius\": \"infinit\", \"length\": 1}]}").nearest == "infinite");
     CHECK(contains(only("{\"shell\": [{\"radius\": \"infinite\"}]}").what, "without \"length\""));
+}
+
+TEST_CASE("a very thin shell loads with a note of what it costs") {
+    std::vector<Problem> problems;
+    REQUIRE(loadText(shellWith("\"thickness\": 2e-6"), "text.json", {}, problems));
+    REQUIRE(problems.size() == 1);
+    CHECK(problems[0].pointer == "/shell/0/thickness");
+    CHECK(problems[0].what ==
+          "a thickness of 1/10000 of the radius takes about 10 times the steps of a shell of 1/1000");
+    problems.clear();
+    REQUIRE(loadText(shellWith("\"thickness\": 2e-5"), "text.json", {}, problems));
+    CHECK(problems.empty());
 }
 
 TEST_CASE("names must be known and unique") {

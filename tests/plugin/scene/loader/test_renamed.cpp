@@ -15,7 +15,9 @@ struct OldKey {
 };
 
 /// A protocol of one body with these members.
-#define PROTOCOL(members) R"({"body": [{"name": "p", "type": 1}], "protocol": {"body": "p", )" members "}, \"schema\": \"supercircle-scene/1\"}"
+#define PROTOCOL(members)                                                                                              \
+    R"({"body": [{"name": "p", "type": 1}], "protocol": {"body": "p", )" members                                       \
+    "}, \"schema\": \"supercircle-scene/1\"}"
 #define DROP(members) R"({"drop": {"shell": {}, "x_min": 0, "x_max": 1, )" members R"(}, "duration": 1})"
 #define HOLD(members) R"({"shell": [{"name": "a"}], "duration": 1, "hold": [{"shell": "a", )" members "}]}"
 

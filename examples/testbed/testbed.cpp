@@ -234,13 +234,19 @@ void Testbed::draw(frame::Canvas& canvas, double width, double height) {
                      "(all): camera; Esc: quit");
 }
 
+bool interrupted(const Arguments& a) {
+    return a.interrupt != nullptr && *a.interrupt;
+}
+
 int headless(Testbed& testbed, const Arguments& a, frame::Script& script) {
     Input input;
-    for (int i = 0; i < std::max(a.frames, 1) && !testbed.quit() && testbed.scene().failure().empty(); ++i) {
+    bool last = false;
+    for (int i = 0; !last && !testbed.quit() && testbed.scene().failure().empty(); ++i) {
+        last = i + 1 >= a.frames || interrupted(a);
         script.play(static_cast<std::uint64_t>(i), input);
         graphics::CairoCanvas canvas(a.width, a.height, 1.0);
-        testbed.turn(input, testbed.camera().pixel(input.mouse()), 0.0, canvas, i + 1 >= a.frames, a.width, a.height);
-        if (i + 1 < a.frames || a.png.empty())
+        testbed.turn(input, testbed.camera().pixel(input.mouse()), 0.0, canvas, last, a.width, a.height);
+        if (!last || a.png.empty())
             continue;
         if (const std::string why = frame::writePng(a.png, canvas); !why.empty()) {
             std::fprintf(stderr, "%s\n", why.c_str());
@@ -253,7 +259,7 @@ int headless(Testbed& testbed, const Arguments& a, frame::Script& script) {
                 world.shells().size(), static_cast<unsigned long long>(world.shells().hash()));
     if (!testbed.scene().failure().empty())
         std::fprintf(stderr, "%s\n", testbed.scene().failure().c_str());
-    return testbed.scene().failure().empty() ? 0 : 3;
+    return !testbed.scene().failure().empty() ? 3 : interrupted(a) ? 130 : 0;
 }
 
 int windowed(Testbed& testbed, const Arguments& a, frame::Script& script) {
@@ -264,7 +270,7 @@ int windowed(Testbed& testbed, const Arguments& a, frame::Script& script) {
         return 2;
     }
     Input input;
-    for (std::uint64_t i = 0; !testbed.quit(); ++i) {
+    for (std::uint64_t i = 0; !testbed.quit() && !interrupted(a); ++i) {
         if (!window.poll(input, [&](graphics::Point p) { return testbed.camera().world(p); }))
             break;
         if (!a.script.empty())
@@ -279,7 +285,8 @@ int windowed(Testbed& testbed, const Arguments& a, frame::Script& script) {
     }
     std::printf("%s: %.4f s%s\n", testbed.scene().world().scene().name.c_str(), testbed.scene().world().shells().time(),
                 testbed.paused() ? ", paused" : "");
-    return 0;
+    testbed.stopRecording();
+    return interrupted(a) ? 130 : 0;
 }
 
 } // namespace

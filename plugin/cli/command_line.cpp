@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -122,6 +123,13 @@ int runPlainProgram(int argc, char** argv, const std::string& name, const std::s
         const int code = parse(app, argc, argv);
         return code >= 0 ? code : run();
     });
+}
+
+void endOnSignal() {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+        std::signal(signal, [](int) { std::_Exit(kInterrupted); });
+    if (interrupted) // it came before
+        std::_Exit(kInterrupted);
 }
 
 CLI::Option* addRepeatable(CLI::App& app, const std::string& name, std::vector<std::string>& values,

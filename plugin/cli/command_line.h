@@ -34,6 +34,9 @@ int runProgram(int argc, char** argv, const std::string& name, const std::string
 int runPlainProgram(int argc, char** argv, const std::string& name, const std::string& about,
                     const std::function<std::function<int()>(CLI::App& app)>& describe);
 
+/// From now on Ctrl-C and SIGTERM end the program at once with code 130, for work that does not poll `interrupted`.
+void endOnSignal();
+
 /// An option that may be given several times, with one value each: one that takes several values would consume the
 /// scene that follows it.
 CLI::Option* addRepeatable(CLI::App& app, const std::string& name, std::vector<std::string>& values,

@@ -4,12 +4,15 @@
 
 #include "examples/testbed/layers.h"
 #include "examples/testbed/panel.h"
+#include "examples/testbed/testbed.h"
 #include "examples/testbed/testbed_scene.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <imgui.h>
 
@@ -141,3 +144,18 @@ TEST_CASE("the motion is recorded as a table", "[testbed]") {
 }
 
 #endif
+
+TEST_CASE("an interrupted view ends after its step, with its picture", "[testbed]") {
+    const std::string png = (std::filesystem::temp_directory_path() / "supercircle_interrupted.png").string();
+    std::filesystem::remove(png);
+    const std::atomic<bool> interrupt{true};
+    Arguments a;
+    a.scene = std::string(SC_SOURCE_DIR) + "/scenes/two_shells.json";
+    a.headless = true;
+    a.frames = 1000000;
+    a.png = png;
+    a.interrupt = &interrupt;
+    CHECK(view(a) == 130);
+    CHECK(std::filesystem::file_size(png) > 1000);
+    std::filesystem::remove(png);
+}

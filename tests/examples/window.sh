@@ -61,6 +61,20 @@ leave() {
     program=
 }
 
+# interrupt SIGNAL: one signal, and it must end by itself with exit code 130.
+interrupt() {
+    kill "-$1" "$program"
+    for _ in $(seq 100); do
+        kill -0 "$program" 2>/dev/null || break
+        sleep 0.1
+    done
+    kill -0 "$program" 2>/dev/null && fail "one SIG$1 does not end the program"
+    wait "$program"
+    local code=$?
+    [ "$code" = 130 ] || fail "after SIG$1 the program ended with exit code $code"
+    program=
+}
+
 # The testbed: a click on "Pause" holds the scene, so that its clock stands still; its last line says so.
 start Supercircle "$supercircle" view "$scenes/two_shells.json"
 xdotool mousemove 55 72 sleep 0.3 mousedown 1 sleep 0.3 mouseup 1
@@ -78,4 +92,13 @@ sleep 0.5
 xdotool mouseup 1
 leave
 grep -q "dragged [1-9]" "$work/said.txt" || fail "the mouse dragged nothing"
+# One signal ends either, and the result is printed.
+for signal in INT TERM; do
+    start Supercircle "$supercircle" view "$scenes/two_shells.json"
+    interrupt $signal
+    grep -q "^two_shells: " "$work/said.txt" || fail "view ended by SIG$signal does not print its time"
+    start Clip "$clip" 1
+    interrupt $signal
+    grep -q "^clip 1: playing" "$work/said.txt" || fail "a game ended by SIG$signal does not print its result"
+done
 echo "windows open, react to clicks and drags, and close"

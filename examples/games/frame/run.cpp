@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
 
@@ -18,6 +20,14 @@ struct Arguments {
     bool headless = false, help = false, cost = false;
     int frames = 36000, width = 1280, height = 720;
 };
+
+constexpr int kInterrupted = 130;
+std::atomic<bool> interrupted{false};
+
+void onInterrupt(int signal) {
+    interrupted = true;
+    std::signal(signal, SIG_DFL); // a second one ends the program at once
+}
 
 const char* text(GameResult v) {
     return v == GameResult::Won ? "won" : v == GameResult::Lost ? "lost" : "playing";
@@ -39,7 +49,7 @@ int parse(int argc, char** argv, const Program& program, Arguments& a) {
     app.add_flag("--keys", a.help, "show the card of keys from the start");
     app.add_flag("--cost", a.cost, "print processor time per step");
     app.footer("Exit codes: 0 done (as expected); 1 ended otherwise; 2 bad input; 3 the simulation could not go on;\n"
-               "4 the picture could not be written.");
+               "4 the picture could not be written; 130 interrupted.");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -52,7 +62,7 @@ int playHeadless(Session& session, Script& script, const Arguments& a, const Pro
     Input input;
     int frames = 0;
     const auto over = [&] { return session.game().result() != GameResult::Playing || !session.failure().empty(); };
-    for (; frames < a.frames && !over() && !session.quit(); ++frames) {
+    for (; frames < a.frames && !over() && !session.quit() && !interrupted; ++frames) {
         script.play(static_cast<std::uint64_t>(frames), input);
         session.step(input);
     }
@@ -85,6 +95,8 @@ int playHeadless(Session& session, Script& script, const Arguments& a, const Pro
         std::fprintf(stderr, "%s\n", session.failure().c_str());
         return 3;
     }
+    if (interrupted)
+        return kInterrupted;
     return a.expect.empty() || a.expect == text(game.result()) ? 0 : 1;
 }
 
@@ -97,7 +109,7 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
     Input input;
     std::uint64_t scripted = 0;
     double last = window.seconds();
-    while (!session.quit()) {
+    while (!session.quit() && !interrupted) {
         if (!window.poll(input, [&](graphics::Point p) { return session.camera().world(p); }))
             break;
         const Pointer& pointer = window.pointer();
@@ -118,7 +130,7 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
     }
     std::printf("%s %zu: %s, %d points, dragged %d times\n", program.name.c_str(), session.level() + 1,
                 text(session.game().result()), session.game().score(), session.world().dragCount());
-    return session.failure().empty() ? 0 : 3;
+    return !session.failure().empty() ? 3 : interrupted ? kInterrupted : 0;
 }
 
 } // namespace
@@ -134,6 +146,8 @@ std::string writePng(const std::string& path, graphics::CairoCanvas& canvas) {
 }
 
 int run(int argc, char** argv, const Program& program) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+        std::signal(signal, onInterrupt);
     Arguments a;
     if (const int code = parse(argc, argv, program, a); code >= 0)
         return code;

@@ -110,7 +110,10 @@ Subcommand describeImport(CLI::App& app) {
         ->type_name("positive|negative");
     subcommand->add_flag("--quiet", a.quiet, "print nothing but errors");
     subcommand->footer("Exit codes: 0 done; 2 bad input; 4 output could not be written.");
-    return {subcommand, [arguments] { return cli::import(*arguments); }};
+    return {subcommand, [arguments] {
+                endOnSignal();
+                return cli::import(*arguments);
+            }};
 }
 
 Subcommand describeReplay(CLI::App& app) {

@@ -76,7 +76,10 @@ Subcommand describeDesign(CLI::App& app) {
         ->type_name("DIR");
     subcommand->add_flag("--quiet", a.quiet, "print nothing but errors");
     subcommand->footer("Exit codes: 0 done; 2 bad input, or no pair gives the target; 4 output could not be written.");
-    return {subcommand, [arguments] { return cli::design(*arguments); }};
+    return {subcommand, [arguments] {
+                endOnSignal();
+                return cli::design(*arguments);
+            }};
 }
 
 } // namespace

@@ -47,14 +47,20 @@ Subcommand describeCheck(CLI::App& app) {
         ->required()
         ->type_name("FILE.json");
     addParameters(*subcommand, a->parameters);
-    return {subcommand, [a] { return check(a->file, a->parameters); }};
+    return {subcommand, [a] {
+                endOnSignal();
+                return check(a->file, a->parameters);
+            }};
 }
 
 Subcommand describeEffects(CLI::App& app) {
     auto key = std::make_shared<std::string>();
     CLI::App* subcommand = app.add_subcommand("effects", "list the effects that a scene or a replay may switch on");
     subcommand->add_option("key", *key, "only this one, in full")->type_name("KEY");
-    return {subcommand, [key] { return effects(*key); }};
+    return {subcommand, [key] {
+                endOnSignal();
+                return effects(*key);
+            }};
 }
 
 const std::vector<Sibling> kSiblings = {

@@ -27,6 +27,7 @@ int view(const ViewArguments& a) {
     t.script = a.script;
     t.show = a.show;
     t.record = a.record;
+    t.interrupt = &interrupted;
     return testbed::view(t);
 #else
     std::fprintf(stderr, "%s: this build has no testbed (examples were left out, or libimgui-dev is missing)\n",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 
 namespace supercircle::lab {
@@ -178,10 +179,13 @@ std::string Session::populate() {
                (crossings.front().rodB >= 0 ? shellName(crossings.front().rodB) : std::string("a rigid body")) +
                " at the start; move it away";
     for (const contact::Candidate& c : near)
-        if (c.gap < -0.01 * curves[static_cast<std::size_t>(c.a.rod)].halfThickness)
+        if (c.gap < -0.01 * curves[static_cast<std::size_t>(c.a.rod)].halfThickness) {
+            char overlap[32];
+            std::snprintf(overlap, sizeof overlap, "%.4g mm", -1e3 * c.gap);
             return shellName(c.a.rod) + " overlaps " +
-                   (c.b.rod >= 0 ? shellName(c.b.rod) : std::string("a rigid body")) + " by " +
-                   std::to_string(-c.gap * 1e6) + " um at the start; start from a touching or free state";
+                   (c.b.rod >= 0 ? shellName(c.b.rod) : std::string("a rigid body")) + " by " + overlap +
+                   " at the start; start from a touching or free state";
+        }
     return {};
 }
 

@@ -35,10 +35,13 @@ void readMotor(ObjectReader& reader, JointDefinition& j) {
 
 void readBodies(Context& context, ObjectReader& reader, std::size_t bodies, JointDefinition& j) {
     const std::size_t before = context.errors();
-    const auto last = static_cast<std::int64_t>(bodies) - 1;
     for (const char* key : {"bodyA", "bodyB"}) {
         reader.require(key, "the index of a body");
-        const auto index = static_cast<std::int32_t>(reader.integer(key, 0, 0, std::max<std::int64_t>(last, 0)));
+        const auto index = static_cast<std::int32_t>(reader.integer(key, 0, 0, 1000000));
+        if (const Node* node = reader.find(key); node != nullptr && static_cast<std::size_t>(index) >= bodies)
+            context.error(*node, reader.pointerTo(key), "there is no body " + std::to_string(index),
+                          "an index into \"body\", which counts from 0 and has " + std::to_string(bodies) +
+                              (bodies == 1 ? " item" : " items"));
         (key[4] == 'A' ? j.bodyA : j.bodyB) = index;
     }
     if (reader.valid() && context.errors() == before && (bodies < 2 || j.bodyA == j.bodyB))

@@ -153,7 +153,8 @@ void checkCrosshead(Context& context, ObjectReader& reader, const Scene& scene, 
                           "a body of type 1");
     }
     if (count == 0)
-        context.error(*body, reader.pointerTo("body"), "there is no body named \"" + protocol.body + "\"", {},
+        context.error(*body, reader.pointerTo("body"), "there is no body named \"" + protocol.body + "\"",
+                      "the name of a body of type 1, or no \"body\": then the holds move",
                       nearestName(protocol.body, names));
     else if (count > 1)
         context.error(*body, reader.pointerTo("body"),

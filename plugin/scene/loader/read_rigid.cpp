@@ -243,7 +243,10 @@ BodyDefinition readBody(Context& context, const ArrayItem& place, double scale) 
     BodyDefinition b;
     b.awake = !context.rubeExport;
     b.name = reader.string("name", "");
-    b.type = static_cast<BodyType>(reader.integer("type", 0, 0, 2));
+    if (const Node* type = reader.find("type"); type != nullptr && type->kind == Node::Kind::String)
+        context.error(*type, reader.pointerTo("type"), "this is a text", "0 (static), 1 (kinematic) or 2 (dynamic)");
+    else
+        b.type = static_cast<BodyType>(reader.integer("type", 0, 0, 2));
     b.position = reader.vector("position", b.position);
     if (const Node* position = reader.find("position"))
         checkReach(context, *position, reader.pointerTo("position"), b.position.norm(), scale);

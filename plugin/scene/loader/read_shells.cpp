@@ -117,10 +117,13 @@ void readMaterial(ObjectReader& reader, ShellDef& d) {
     d.mu = reader.number("mu", d.mu, notNegative);
 }
 
-void readPose(ObjectReader& reader, ShellDef& d) {
+void readPose(Context& context, ObjectReader& reader, ShellDef& d) {
     const Eigen::Vector2d position = reader.vector("position", {d.position.x, d.position.y});
     d.position = {position.x(), position.y()};
     d.angle = reader.number("angle", d.angle);
+    if (const Node* angle = reader.find("angle"); angle != nullptr && std::abs(d.angle) > 4.0 * M_PI)
+        context.note(*angle, reader.pointerTo("angle"),
+                     "angles are in rad: this one makes more than two turns; {\"expr\": \"pi\"} is half a turn");
     const Eigen::Vector2d velocity = reader.vector("velocity", {d.velocity.x, d.velocity.y});
     d.velocity = {velocity.x(), velocity.y()};
     d.spin = reader.number("spin", d.spin);
@@ -133,7 +136,7 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
     const std::size_t before = context.errors();
     ShellDef d;
     if (!isTemplate)
-        readPose(reader, d);
+        readPose(context, reader, d);
     d.length = reader.number("length", d.length, positive);
     d.closed = reader.boolean("closed", d.closed);
     d.phi_bar = reader.number("phi_bar", d.closed ? 1.0 : d.phi_bar, {0.0, 1.0, true});

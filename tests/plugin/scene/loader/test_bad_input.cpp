@@ -246,6 +246,20 @@ TEST_CASE("impossible shells are refused") {
     CHECK(contains(only("{\"shell\": [{\"radius\": \"infinite\"}]}").what, "without \"length\""));
 }
 
+TEST_CASE("messages say the remedy: bodies by index, types by word, angles in degrees") {
+    const Problem joint =
+        only("{\"body\": [{}], \"joint\": [{\"type\": \"weld\", \"bodyA\": 0, \"bodyB\": 1}], \"duration\": 1}");
+    CHECK(joint.pointer == "/joint/0/bodyB");
+    CHECK(joint.what == "there is no body 1");
+    CHECK(contains(joint.expected, "counts from 0 and has 1 item"));
+    CHECK(contains(only("{\"body\": [{\"type\": \"static\"}]}").expected, "0 (static)"));
+    CHECK_FALSE(refused("{\"joint\": [{\"type\": \"weld\"}]}").empty());
+    std::vector<Problem> problems;
+    REQUIRE(loadText(shellWith("\"angle\": 180"), "text.json", {}, problems));
+    REQUIRE(problems.size() == 1);
+    CHECK(contains(problems[0].what, "angles are in rad"));
+}
+
 TEST_CASE("a very thin shell loads with a note of what it costs") {
     std::vector<Problem> problems;
     REQUIRE(loadText(shellWith("\"thickness\": 2e-6"), "text.json", {}, problems));

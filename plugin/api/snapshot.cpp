@@ -86,6 +86,9 @@ Status checkConsistency(const archive::State& s) {
                                                                                    : 2;
         if (o.local.kind > contact::OutlineKind::Polygon || o.local.points.size() < points)
             return refused("an outline is malformed");
+        const std::vector<contact::VertexSeam>& seams = o.local.seams.vertices;
+        if (!seams.empty() && seams.size() != o.local.points.size())
+            return refused("the seams of an outline do not fit its points");
     }
     for (const contact::Candidate& c : w.candidates) {
         const auto outside = [&](const contact::RodPoint& p) {

@@ -271,11 +271,30 @@ void io(Ar& ar, Is<step::Body> auto& b) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<contact::VertexSeam> auto& v) {
+    auto& [role, c1, c2] = v;
+    ar(role, c1, c2);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::HiddenSpan> auto& s) {
+    auto& [face, from, to] = s;
+    ar(face, from, to);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::OutlineSeams> auto& s) {
+    auto& [vertices, hidden] = s;
+    ar(vertices, hidden);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<contact::Outline> auto& o) {
     auto& [kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category,
-           mask, group] = o;
+           mask, group, seams] = o;
     ar(kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category, mask,
        group);
+    ar.unhashed(seams); // found anew in every frame
 }
 
 template <class Ar>

@@ -3,6 +3,7 @@
 // steps.
 
 #include "supercircle/contact/outline_points.h"
+#include "supercircle/contact/outline_seams.h"
 #include "supercircle/rod/arc.h"
 
 #include <cstdint>
@@ -53,6 +54,7 @@ struct Outline {
     std::uint32_t category = 1;
     std::uint32_t mask = 0xffffffffu;
     std::int32_t group = 0;
+    OutlineSeams seams; ///< with the outlines it touches
     bool operator==(const Outline&) const = default;
 };
 

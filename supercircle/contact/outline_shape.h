@@ -39,6 +39,7 @@ struct OutlineShape {
     bool convexEnd = false;
     Face before; ///< the neighbouring edges where joined
     Face after;
+    OutlineSeams seams;
 };
 
 /// Throws std::invalid_argument with the outline's key when it is malformed.

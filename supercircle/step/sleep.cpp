@@ -2,6 +2,7 @@
 
 #include "supercircle/contact/feature_id.h"
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/stages/join_outlines.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -278,7 +279,7 @@ void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector
         const bool fresh = !gone && (i == old.size() || before(outlines[j], old[i]));
         const Body* was = i < old.size() && !fresh ? find(world.bodies, old[i].body) : nullptr;
         const Body* is = !gone ? find(bodies, outlines[j].body) : nullptr;
-        const bool still = was && is && samePose(*was, *is) && !moves(*is) && old[i] == outlines[j];
+        const bool still = was && is && samePose(*was, *is) && !moves(*is) && sameButSeams(old[i], outlines[j]);
         if (!still) {
             if (was)
                 wakeIn(reachOf(old[i], *was, frame));

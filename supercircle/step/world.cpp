@@ -331,6 +331,11 @@ void place(const BodyOutline& piece, const Vec2& centre, double angle, contact::
         put(p);
     put(out.neighbourStart);
     put(out.neighbourEnd);
+    const auto turn = [&](Vec2& d) { d = Vec2(c * d.x() - s * d.y(), s * d.x() + c * d.y()); };
+    for (contact::VertexSeam& v : out.seams.vertices) {
+        turn(v.c1);
+        turn(v.c2);
+    }
 }
 
 } // namespace supercircle::step

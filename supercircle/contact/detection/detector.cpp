@@ -116,6 +116,12 @@ double displacement(const OutlineState& state, const Outline& now) {
     return std::sqrt(moved);
 }
 
+/// True if the lists of checks, which number the corners, fit both shapes.
+bool sameCorners(const OutlineShape& a, const OutlineShape& b) {
+    return std::equal(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
+                      [](const Corner& x, const Corner& y) { return x.index == y.index; });
+}
+
 /// Enlargement of a box beyond the present need, for a few more steps like this one, m.
 double enlargementFor(double motion, double size) {
     return 3.0 * motion + size;
@@ -298,7 +304,7 @@ void Detector::Impl::updateOutlines(const std::vector<Outline>& given) {
         const OutlineShape& old = state.reference;
         const bool same = state.valid && state.key == now.key && state.filter == filter && old.kind == now.kind &&
                           old.radius == now.radius && state.points.size() == now.points.size() &&
-                          old.corners.size() == state.shape.corners.size();
+                          sameCorners(old, state.shape);
         state.rebuilt =
             !same || state.enlargement > 3.0 * wanted || !(displacement(state, now) + now.motion <= state.enlargement);
         state.valid = true;

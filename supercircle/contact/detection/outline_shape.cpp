@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kCornerTurn = 1e-6; ///< sine of the angle from which a joint counts as a corner
 constexpr double kConeSlack = 0.1;   ///< sine of the angle by which a corner's cone is widened for rods
+constexpr double kJointSlack = 1e-9; ///< relative, by which neighbours at a seam overlap rather than leave a hole
 
 [[noreturn]] void fail(const Outline& outline, const std::string& what) {
     throw std::invalid_argument("contact detection: outline with key " + std::to_string(outline.key) + ": " + what);
@@ -52,6 +53,37 @@ Face makeFace(const Outline& outline, const Vec2& p, const Vec2& q, double side)
     return face;
 }
 
+/// Adds a corner with its own normal cone, or what the union leaves of it.
+void addCorner(const Outline& outline, const Corner& alone, OutlineShape& shape) {
+    if (outline.seams.vertices.empty()) {
+        shape.corners.push_back(alone);
+        return;
+    }
+    const VertexSeam& seam = outline.seams.vertices[static_cast<std::size_t>(alone.index)];
+    if (seam.role == VertexRole::Alone)
+        shape.corners.push_back(alone);
+    else if (seam.role == VertexRole::Cone)
+        shape.corners.push_back({alone.p, seam.c1, seam.c2, alone.index, outline.kind != OutlineKind::Segment});
+}
+
+/// False where another outline answers for the vertex in direction w.
+bool vertexAnswers(const OutlineShape& shape, std::size_t vertex, const Vec2& w) {
+    if (shape.seams.vertices.empty())
+        return true;
+    const VertexSeam& seam = shape.seams.vertices[vertex];
+    if (seam.role != VertexRole::Cone)
+        return seam.role == VertexRole::Alone;
+    const double slack = -kJointSlack * w.norm();
+    return w.dot(seam.c1) >= slack && w.dot(seam.c2) >= slack;
+}
+
+/// True at a place of a face that lies inside another outline; x in m from its start.
+bool hiddenAt(const OutlineShape& shape, std::size_t face, double x) {
+    return std::any_of(shape.seams.hidden.begin(), shape.seams.hidden.end(), [&](const HiddenSpan& span) {
+        return span.face == static_cast<std::int32_t>(face) && x >= span.from && x <= span.to;
+    });
+}
+
 void prepareOneSided(const Outline& outline, OutlineShape& shape) {
     const Vec2& p = outline.points[0];
     const Vec2& q = outline.points[1];
@@ -63,15 +95,15 @@ void prepareOneSided(const Outline& outline, OutlineShape& shape) {
         shape.before = makeFace(outline, outline.neighbourStart, p, 1.0);
         shape.convexStart = rod::cross(shape.before.along, face.along) < -kCornerTurn;
         if (shape.convexStart)
-            shape.corners.push_back({p, -face.along, shape.before.along, 0, true});
+            addCorner(outline, {p, -face.along, shape.before.along, 0, true}, shape);
     } else {
-        shape.corners.push_back({p, -face.along, face.normal, 0, false});
+        addCorner(outline, {p, -face.along, face.normal, 0, false}, shape);
     }
     if (shape.joinedEnd) {
         shape.after = makeFace(outline, q, outline.neighbourEnd, 1.0);
         shape.convexEnd = rod::cross(face.along, shape.after.along) < -kCornerTurn;
     } else {
-        shape.corners.push_back({q, face.along, face.normal, 1, false});
+        addCorner(outline, {q, face.along, face.normal, 1, false}, shape);
     }
 }
 
@@ -89,12 +121,16 @@ bool closestOnSegment(const OutlineShape& shape, const Vec2& p, const Vec2& inwa
     const Vec2 w = p - face.start;
     const double x = w.dot(face.along);
     const double y = w.dot(face.normal);
-    if (x < 0.0)
-        return round(face.start, p, -face.along, hit);
-    if (x > face.length)
-        return round(face.start + face.length * face.along, p, face.along, hit);
+    const double slack = shape.seams.vertices.empty() ? 0.0 : kJointSlack * face.length;
+    if (x < -slack)
+        return vertexAnswers(shape, 0, w) && round(face.start, p, -face.along, hit);
+    if (x > face.length + slack)
+        return vertexAnswers(shape, 1, w - face.length * face.along) &&
+               round(face.start + face.length * face.along, p, face.along, hit);
     const bool left = y != 0.0 ? y > 0.0 : inward.dot(face.normal) >= 0.0;
     hit.face = left ? 0 : 1;
+    if (hiddenAt(shape, left ? 0 : 1, x))
+        return false;
     hit.normal = left ? face.normal : Vec2(-face.normal);
     hit.distance = std::abs(y);
     hit.point = p - y * face.normal;
@@ -123,20 +159,25 @@ bool closestOnOneSided(const OutlineShape& shape, const Vec2& p, double depth, O
     const Vec2 w = p - face.start;
     const double x = w.dot(face.along);
     const double y = w.dot(face.normal);
-    if (x >= 0.0 && x <= face.length) {
+    const double slack = shape.seams.vertices.empty() ? 0.0 : kJointSlack * face.length;
+    const double before = shape.joinedStart ? 0.0 : slack, beyond = shape.joinedEnd ? 0.0 : slack;
+    if (x >= -before && x <= face.length + beyond) {
+        if (hiddenAt(shape, 0, x))
+            return false;
         if (y < -depth || (y < 0.0 && neighbourIsNearer(shape, p, y)))
             return false;
         hit = {p - y * face.normal, face.normal, y, 0};
         return true;
     }
     if (x > face.length)
-        return !shape.joinedEnd && y >= 0.0 && round(face.start + face.length * face.along, p, face.normal, hit);
+        return !shape.joinedEnd && y >= 0.0 && vertexAnswers(shape, 1, w - face.length * face.along) &&
+               round(face.start + face.length * face.along, p, face.normal, hit);
     if (!shape.joinedStart)
-        return y >= 0.0 && round(face.start, p, face.normal, hit);
+        return y >= 0.0 && vertexAnswers(shape, 0, w) && round(face.start, p, face.normal, hit);
     if (w.dot(shape.before.along) < 0.0)
         return false; // the edge before counts
     if (shape.convexStart)
-        return round(face.start, p, face.normal, hit);
+        return vertexAnswers(shape, 0, w) && round(face.start, p, face.normal, hit);
     // The wedge behind a concave corner belongs to neither face.
     if (y >= 0.0 || w.norm() > depth)
         return false;
@@ -180,6 +221,53 @@ bool closestOnPolygon(const OutlineShape& shape, const Vec2& p, OutlineHit& hit)
     return nearest < 1e300;
 }
 
+/// Of a point inside: the least deep place of its boundary that belongs to the union.
+bool deepestInJoined(const OutlineShape& shape, const Vec2& p, OutlineHit& hit) {
+    double highest = -1e300;
+    for (std::size_t i = 0; i < shape.faces.size(); ++i) {
+        const Face& face = shape.faces[i];
+        const Vec2 w = p - face.start;
+        const double y = w.dot(face.normal);
+        if (y <= highest || hiddenAt(shape, i, std::min(std::max(w.dot(face.along), 0.0), face.length)))
+            continue;
+        highest = y;
+        hit = {p - y * face.normal, face.normal, y, static_cast<std::int32_t>(i)};
+    }
+    return highest > -1e300;
+}
+
+/// A polygon that touches others: the closest point if it belongs to the union, else another outline has a closer one.
+bool closestOnJoinedPolygon(const OutlineShape& shape, const Vec2& p, OutlineHit& hit) {
+    double nearest = 1e300;
+    std::size_t vertex = shape.faces.size(), nearestFace = vertex;
+    bool inside = true;
+    for (std::size_t i = 0; i < shape.faces.size(); ++i) {
+        const Face& face = shape.faces[i];
+        const Vec2 w = p - face.start;
+        const double x = w.dot(face.along), y = w.dot(face.normal), slack = kJointSlack * face.length;
+        inside = inside && y <= 0.0;
+        if (x >= -slack && x <= face.length + slack) {
+            if (y > 0.0 && y < nearest) {
+                nearest = y;
+                nearestFace = i;
+            }
+        } else if (x < 0.0 && w.norm() < nearest) { // every corner is the start of one face
+            nearest = w.norm();
+            vertex = i;
+            nearestFace = shape.faces.size();
+        }
+    }
+    if (inside)
+        return deepestInJoined(shape, p, hit);
+    if (nearestFace < shape.faces.size()) {
+        const Face& face = shape.faces[nearestFace];
+        hit = {p - nearest * face.normal, face.normal, nearest, static_cast<std::int32_t>(nearestFace)};
+        return !hiddenAt(shape, nearestFace, (p - face.start).dot(face.along));
+    }
+    return vertex < shape.faces.size() && vertexAnswers(shape, vertex, p - shape.faces[vertex].start) &&
+           round(shape.faces[vertex].start, p, shape.faces[vertex].normal, hit);
+}
+
 } // namespace
 
 void prepare(const Outline& outline, OutlineShape& shape) {
@@ -190,13 +278,14 @@ void prepare(const Outline& outline, OutlineShape& shape) {
     shape.corners.clear();
     shape.centre = points[0];
     shape.radius = outline.radius;
+    shape.seams = outline.seams;
     shape.joinedStart = shape.joinedEnd = shape.convexStart = shape.convexEnd = false;
     if (outline.kind == OutlineKind::Segment) {
         const Face face = makeFace(outline, points[0], points[1], 1.0);
         shape.faces.push_back(face);
         shape.faces.push_back(makeFace(outline, points[0], points[1], -1.0));
-        shape.corners.push_back({points[0], -face.along, -face.along, 0, false});
-        shape.corners.push_back({points[1], face.along, face.along, 1, false});
+        addCorner(outline, {points[0], -face.along, -face.along, 0, false}, shape);
+        addCorner(outline, {points[1], face.along, face.along, 1, false}, shape);
     } else if (outline.kind == OutlineKind::OneSided) {
         prepareOneSided(outline, shape);
     } else if (outline.kind == OutlineKind::Polygon) {
@@ -207,7 +296,8 @@ void prepare(const Outline& outline, OutlineShape& shape) {
             const Face& last = shape.faces[(i + n - 1) % n];
             if (rod::cross(last.along, shape.faces[i].along) < -kCornerTurn)
                 fail(outline, "a polygon must be convex and counter-clockwise");
-            shape.corners.push_back({points[i], -shape.faces[i].along, last.along, static_cast<std::int32_t>(i), true});
+            addCorner(outline, {points[i], -shape.faces[i].along, last.along, static_cast<std::int32_t>(i), true},
+                      shape);
         }
     }
     SC_ASSERT(shape.faces.empty() == (outline.kind == OutlineKind::Circle), "all outlines but discs have faces");
@@ -222,7 +312,7 @@ bool closestOn(const OutlineShape& shape, const Vec2& p, double depth, const Vec
     case OutlineKind::OneSided:
         return closestOnOneSided(shape, p, depth, hit);
     case OutlineKind::Polygon:
-        return closestOnPolygon(shape, p, hit);
+        return shape.seams.empty() ? closestOnPolygon(shape, p, hit) : closestOnJoinedPolygon(shape, p, hit);
     case OutlineKind::Circle:
         return round(shape.centre, p, inward, hit);
     }

@@ -153,9 +153,10 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
     std::vector<BodyOutline>& outlines = reading.outlines;
     std::vector<BodyId>& ids = reading.ids;
     std::vector<Body>& bodies = reading.bodies;
-    outlines.clear();
+    clearJoined(reading.joining, outlines);
+    const Box read = reach(world, frame);
     if (!world.rods.empty())
-        port.query(reach(world, frame), outlines);
+        port.query(read, outlines);
     ids.assign(world.crossheadBodies.begin(), world.crossheadBodies.end());
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
@@ -176,8 +177,10 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
         return isIn(reading.refused, o.body) ||
                std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
+    joinOutlines(world, port, read, bodies, frame, reading.joining, outlines);
     wakeByHost(world, bodies, outlines, frame);
-    if (outlines != world.outlines || !samePoses(bodies, world.bodies))
+    if (!std::equal(outlines.begin(), outlines.end(), world.outlines.begin(), world.outlines.end(), sameButSeams) ||
+        !samePoses(bodies, world.bodies))
         world.range.clear();             // candidates refer to outlines by index and to poses
     std::swap(world.outlines, outlines); // the storage of the last frame serves the next one
     std::swap(world.bodies, bodies);

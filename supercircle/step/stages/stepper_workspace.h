@@ -2,6 +2,7 @@
 // What a stepper keeps between frames beside its settings (private to step/): work spaces, no state.
 
 #include "supercircle/step/coupling/host_coupling.h"
+#include "supercircle/step/stages/join_outlines.h"
 #include "supercircle/step/stages/trial_step.h"
 
 namespace supercircle::step {
@@ -13,6 +14,7 @@ struct HostReading {
     std::vector<Body> bodies;
     std::vector<BodyId> refused; ///< bodies with numbers that are not finite
     std::string why;             ///< what was left out, for the user; empty: nothing
+    OutlineJoining joining;
 };
 
 struct Stepper::Work {

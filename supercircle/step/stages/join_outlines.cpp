@@ -76,14 +76,29 @@ const BodyState* stateOf(BodyId id, const std::vector<Body>& bodies) {
     return it != bodies.end() && it->id == id ? &it->state : nullptr;
 }
 
-/// Appends what touches the vertices of outlines that lie beyond the region that was read.
-void queryVertices(const Port& port, const Box& read, double tolerance, const contact::Outline& outline,
+/// Appends what touches the vertices of outlines that lie beyond the region that was read. More than that does no harm,
+/// and one query is cheaper than one for each vertex.
+void queryVertices(const Port& port, const Box& read, double tolerance, const std::vector<Vec2>& vertices,
                    std::vector<BodyOutline>& out) {
     const Vec2 reach = Vec2::Constant(tolerance);
+    Box hull{Vec2::Constant(std::numeric_limits<double>::infinity()), Vec2::Constant(0.0)};
+    hull.upper = -hull.lower;
+    bool any = false;
+    for (const Vec2& p : vertices) {
+        if (inside(p, read))
+            continue;
+        any = true;
+        hull.lower = hull.lower.cwiseMin(p - reach);
+        hull.upper = hull.upper.cwiseMax(p + reach);
+    }
+    if (any)
+        port.query(hull, out);
+}
+
+/// The vertices whose neighbours decide where they are.
+void listVertices(const contact::Outline& outline, std::vector<Vec2>& out) {
     if (outline.kind != contact::OutlineKind::Circle)
-        for (const Vec2& p : outline.points)
-            if (!inside(p, read))
-                port.query({p - reach, p + reach}, out);
+        out.insert(out.end(), outline.points.begin(), outline.points.end());
 }
 
 /// Sorts what was found and leaves out what is known.
@@ -98,15 +113,16 @@ void onlyNew(const std::vector<BodyOutline>& known, std::vector<BodyOutline>& fo
 /// Adds what outlines near shells touch beyond the region that was read, and what that touches: the far vertices of
 /// an outline decide how its faces lie under a shell. `raw` holds what the pieces are.
 void readBeyond(const Port& port, const Box& read, const std::vector<Body>& bodies, std::vector<BodyOutline>& found,
-                std::vector<BodyOutline>& raw, std::vector<contact::SeamPiece>& pieces,
-                std::vector<contact::Outline>& farther) {
+                std::vector<BodyOutline>& raw, std::vector<contact::SeamPiece>& pieces, std::vector<Vec2>& farther) {
     double tolerance = 0.0;
     for (const contact::SeamPiece& piece : pieces)
         tolerance = std::max(tolerance, contact::kSeamTolerance * piece.thickness);
     found.clear();
+    farther.clear();
     for (const contact::SeamPiece& piece : pieces)
         if (piece.thickness > 0.0)
-            queryVertices(port, read, tolerance, piece.outline, found);
+            listVertices(piece.outline, farther);
+    queryVertices(port, read, tolerance, farther, found);
     for (int hop = 0; !found.empty() && hop < 2; ++hop) {
         onlyNew(raw, found);
         farther.clear();
@@ -119,12 +135,11 @@ void readBeyond(const Port& port, const Box& read, const std::vector<Body>& bodi
             raw.insert(raw.begin() + at, o);
             contact::SeamPiece& piece = *pieces.insert(pieces.begin() + at, contact::SeamPiece{});
             placePiece(o, state != nullptr ? *state : own, piece);
-            farther.push_back(piece.outline);
+            listVertices(piece.outline, farther);
         }
         found.clear();
-        for (const contact::Outline& o : farther)
-            if (hop == 0)
-                queryVertices(port, read, tolerance, o, found);
+        if (hop == 0)
+            queryVertices(port, read, tolerance, farther, found);
     }
 }
 

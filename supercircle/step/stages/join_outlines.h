@@ -20,7 +20,7 @@ struct OutlineJoining {
     contact::SeamJoiner joiner;
     std::vector<BodyOutline> rawNext, found; ///< storage
     std::vector<contact::SeamPiece> next;
-    std::vector<contact::Outline> farther;
+    std::vector<Vec2> farther;
     std::vector<ShellReach> shells;
     std::vector<contact::OutlineSeams> spare;
 };

@@ -23,7 +23,7 @@ void shiftOrigin(World& world, const Vec2& by) {
             shift(place);
         for (Hold& h : r.holds)
             shiftTarget(h.target);
-        for (Grab& g : r.grabs)
+        for (MouseJoint& g : r.mouseJoints)
             shift(g.target);
         const double change = r.model.mass() * world.gravity.dot(by); // of -m g . x
         world.energyBalance.gravity += change;

@@ -48,7 +48,7 @@ struct SwitchResult {
 
 /// mu* of one opening angle by bisection, or an error message.
 [[nodiscard]] Result<CriticalFriction> criticalFriction(double phiBar, const Simulate& simulate,
-                                                const SwitchSettings& settings);
+                                                        const SwitchSettings& settings);
 
 /// The interval, or an error message: contradictory trials, or failed simulations.
 [[nodiscard]] Result<SwitchResult> frictionFromSwitch(const std::vector<Trial>& trials, const Simulate& simulate,

@@ -333,7 +333,7 @@ Result<Description> describe(const Imported& all, const TemplateOptions& options
         for (const std::string& p : known)
             list += (list.empty() ? "" : ", ") + p;
         return Answer::failure("there is no protocol \"" + options.protocol + "\"; expected one of " + list +
-                            didYouMean(options.protocol, known));
+                               didYouMean(options.protocol, known));
     }
     Json own = Json::object();
     if (!options.specimenFile.empty()) {

@@ -19,7 +19,7 @@ public:
     CutWorld(Quality quality, double friction, double unitsPerMetre = 1.0)
         : world(b2Vec2(0.0f, static_cast<float>(-9.81 * unitsPerMetre))), units(unitsPerMetre), shells(attached()),
           mu(friction) {
-        shells.set_quality(quality);
+        shells.set_quality(quality).or_fail();
     }
 
     b2Body* body(b2BodyType type = b2_staticBody) {

@@ -94,10 +94,11 @@ void table(const std::vector<Problem>& problems, Method method, double tolerance
     std::printf("%-13s tol %.0e reached %3d/%3zu  ms %7.2f /%7.2f /%7.2f  residual %.1e /%.1e  contacts %.0f active "
                 "%.0f iterations "
                 "%.0f pivots %.1f factorisations %.2f\n",
-                std::string(name(method)).c_str(), tolerance, reached, problems.size(), lowerQuantile(times, 0.5),
-                lowerQuantile(times, 0.95), lowerQuantile(times, 1.0), lowerQuantile(residuals, 0.5),
-                lowerQuantile(residuals, 1.0), candidates / n, activeContacts / n, iterations / n, pivots / n,
-                factorisations / n);
+                std::string(name(method)).c_str(), tolerance, reached, problems.size(),
+                supercircle::lowerQuantile(times, 0.5), supercircle::lowerQuantile(times, 0.95),
+                supercircle::lowerQuantile(times, 1.0), supercircle::lowerQuantile(residuals, 0.5),
+                supercircle::lowerQuantile(residuals, 1.0), candidates / n, activeContacts / n, iterations / n,
+                pivots / n, factorisations / n);
 }
 
 } // namespace

@@ -70,7 +70,8 @@ TEST_CASE("intervals cover the truth with a noisy objective", "[diagnosis]") {
         atAnEnd += std::min(is - low, high - is) < 0.1 * (high - low) ? 1 : 0;
         widths.push_back(high - low);
     }
-    INFO("covered " << covered << ", at an end " << atAnEnd << " of " << kTrials << ", width " << upperMedian(widths));
+    INFO("covered " << covered << ", at an end " << atAnEnd << " of " << kTrials << ", width "
+                    << supercircle::upperMedian(widths));
     CHECK(covered >= 47); // 54 expected at 90 %, less three sigma
     CHECK(atAnEnd <= 6);
 }

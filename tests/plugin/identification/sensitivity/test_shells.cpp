@@ -82,7 +82,7 @@ TEST_CASE("a parameter of one specimen and a shared one are distinguished", "[se
     const Eigen::VectorXd sum = j.col(1) + j.col(2);
     CHECK(rms(sum - j.col(0)) < 0.02 * rms(j.col(0))); // the chain rule, within noise
     std::string why;
-    sensitivity::replayModel(e, p, replay::Resolution::coarse(), {"bending_moduls"}, why);
+    (void)sensitivity::replayModel(e, p, replay::Resolution::coarse(), {"bending_moduls"}, why);
     CHECK_THAT(why, Contains("did you mean \"bending_modulus\"?"));
 }
 

@@ -71,5 +71,5 @@ TEST_CASE("results that give no surface are refused") {
 TEST_CASE("an unknown quantity that resembles none gets no empty suggestion") {
     SweepDefinition sweep;
     const RunTable table = tableOf(sweep);
-    CHECK(responseSurface(sweep, table, "work").error == "the runs have no quantity \"work\"");
+    CHECK(responseSurface(sweep, table, "work").error() == "the runs have no quantity \"work\"");
 }

@@ -57,9 +57,9 @@ TEST_CASE("a cell is quoted where it would read back as another text") {
     const std::vector<std::string> names = {"force, N", "# a", " b ", "c \"d\"", "e f"};
     const auto text = csvText({names, std::vector<std::vector<double>>(5, {1.0})});
     REQUIRE(text);
-    const auto back = parseCsv(text.value, "x");
+    const auto back = parseCsv(*text, "x");
     REQUIRE(back);
-    CHECK(back.value.names == names);
+    CHECK(back->names == names);
 }
 
 TEST_CASE("errors name file, line and column") {

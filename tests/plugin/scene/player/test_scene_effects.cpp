@@ -30,7 +30,7 @@ struct Played {
             REQUIRE(r.failure.empty());
             CHECK(player.pre_step(0.0).failure.empty()); // a pause ends no phase
             world.Step(static_cast<float>(r.advanced), 8, 3);
-            player.post_step();
+            player.post_step().or_fail();
         }
     }
 };

@@ -86,6 +86,36 @@ struct OutlineQuery {
     }
 };
 
+void appendSolids(b2Body& body, std::vector<Hit>& hits) {
+    for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext())
+        for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child)
+            hits.push_back({&body, f, child});
+}
+
+/// Whether a body meets the region within `ahead` s. Its way and turn are at most what Box2D lets a body do in
+/// one step; what its constraints and its user do to it within the step is not foreseen.
+bool meets(const b2Body& body, double ahead, const b2Vec2& gravity, const b2AABB& region) {
+    const float t = static_cast<float>(ahead);
+    const b2Vec2 fall = body.GetType() == b2_dynamicBody ? body.GetGravityScale() * gravity : b2Vec2_zero;
+    const bool moves = body.IsAwake();
+    b2Vec2 way = moves ? t * (body.GetLinearVelocity() + t * fall) : b2Vec2_zero;
+    if (const float length = way.Length(); length > b2_maxTranslation)
+        way *= b2_maxTranslation / length;
+    const float turn = moves ? std::min(std::abs(t * body.GetAngularVelocity()), b2_maxRotation) : 0.0f;
+    for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext())
+        for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child) {
+            b2AABB box;
+            f->GetShape()->ComputeAABB(&box, body.GetTransform(), child);
+            const b2Vec2 corner = b2Abs(box.GetCenter() - body.GetWorldCenter()) + box.GetExtents();
+            const float swing = turn * corner.Length();
+            box.lowerBound += b2Min(way, b2Vec2_zero) - b2Vec2(swing, swing);
+            box.upperBound += b2Max(way, b2Vec2_zero) + b2Vec2(swing, swing);
+            if (b2TestOverlap(box, region))
+                return true;
+        }
+    return false;
+}
+
 } // namespace
 
 struct Box2dPort::Impl {
@@ -190,6 +220,23 @@ struct Box2dPort::Impl {
         return true;
     }
 
+    /// Outlines in a box as they are now; null if there is no such box.
+    OutlineQuery* find(const Box& box) {
+        sync(true);
+        if (!fits(box.lower, scale) || !fits(box.upper, scale)) {
+            recordError("query: the box is not finite or too far away");
+            return nullptr;
+        }
+        outlineQuery.hits.clear();
+        outlineQuery.broadPhase = &world->GetContactManager().m_broadPhase;
+        outlineQuery.box = {toHost(box.lower, scale), toHost(box.upper, scale)};
+        if (treeIsSound())
+            outlineQuery.broadPhase->Query(&outlineQuery, outlineQuery.box);
+        else
+            listAll(&outlineQuery.box, outlineQuery.hits);
+        return &outlineQuery;
+    }
+
     void noteRestitution(const std::vector<Hit>& hits) {
         if (restitutionNoted)
             return;
@@ -247,21 +294,23 @@ double Box2dPort::unitsPerMetre() const {
 }
 
 void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
-    impl_->sync(true);
-    if (!fits(box.lower, impl_->scale) || !fits(box.upper, impl_->scale)) {
-        impl_->recordError("query: the box is not finite or too far away");
+    OutlineQuery* q = impl_->find(box);
+    if (q == nullptr)
         return;
-    }
-    OutlineQuery& outlineQuery = impl_->outlineQuery;
-    outlineQuery.hits.clear();
-    outlineQuery.broadPhase = &impl_->world->GetContactManager().m_broadPhase;
-    outlineQuery.box = {toHost(box.lower, impl_->scale), toHost(box.upper, impl_->scale)};
-    if (impl_->treeIsSound())
-        outlineQuery.broadPhase->Query(&outlineQuery, outlineQuery.box);
-    else
-        impl_->listAll(&outlineQuery.box, outlineQuery.hits);
-    impl_->noteRestitution(outlineQuery.hits);
-    impl_->append(outlineQuery.hits, out);
+    impl_->noteRestitution(q->hits);
+    impl_->append(q->hits, out);
+}
+
+void Box2dPort::queryAhead(const Box& box, double ahead, std::vector<BodyOutline>& out) const {
+    OutlineQuery* q = impl_->find(box);
+    if (q == nullptr)
+        return;
+    std::erase_if(q->hits, [](const Hit& h) { return h.body->GetType() != b2_staticBody; }); // they follow, whole
+    for (b2Body* b = impl_->world->GetBodyList(); b != nullptr; b = b->GetNext())
+        if (b->GetType() != b2_staticBody && b->IsEnabled() && meets(*b, ahead, impl_->world->GetGravity(), q->box))
+            appendSolids(*b, q->hits);
+    impl_->noteRestitution(q->hits);
+    impl_->append(q->hits, out);
 }
 
 void Box2dPort::everything(std::vector<BodyOutline>& out) const {

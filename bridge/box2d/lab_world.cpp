@@ -30,6 +30,9 @@ public:
     [[nodiscard]] Vec2 gravity() const override { return port_.gravity(); }
     [[nodiscard]] double unitsPerMetre() const override { return port_.unitsPerMetre(); }
     void query(const step::Box& box, std::vector<BodyOutline>& out) const override { port_.query(box, out); }
+    void queryAhead(const step::Box& box, double ahead, std::vector<BodyOutline>& out) const override {
+        port_.queryAhead(box, ahead, out);
+    }
     [[nodiscard]] bool state(BodyId body, BodyState& out) const override { return port_.state(body, out); }
     void constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const override {
         port_.constraints(seeds, dt, out);

@@ -188,6 +188,14 @@ void Box2d3Port::query(const Box& box, std::vector<BodyOutline>& out) const {
     impl_->append({toHost(box.lower, impl_->scale), toHost(box.upper, impl_->scale)}, out);
 }
 
+/// Box2D 3 lists no bodies, so the box is enlarged by the farthest way that a body can have; what lies in it is read.
+void Box2d3Port::queryAhead(const Box& box, double ahead, std::vector<BodyOutline>& out) const {
+    if (!impl_->isValid())
+        return;
+    const double way = ahead * static_cast<double>(b2World_GetMaximumLinearSpeed(impl_->world)) / impl_->scale;
+    query({box.lower - Vec2::Constant(way), box.upper + Vec2::Constant(way)}, out);
+}
+
 void Box2d3Port::everything(std::vector<BodyOutline>& out) const {
     constexpr auto kFar = static_cast<float>(kMaxHost);
     if (impl_->isValid())

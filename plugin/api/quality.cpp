@@ -11,6 +11,7 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
     s.autoSleep = before.autoSleep;
     s.sleepDrift = before.sleepDrift;
     s.sleepAfter = before.sleepAfter;
+    s.crossingCheck = true;
     if (quality == Quality::Laboratory)
         return s;
     s.dtMax = 1.0 / 30.0;
@@ -24,7 +25,6 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
     s.acceptUnconverged = true;
     s.cull = true;
     s.frameWork = 20000;
-    s.crossingCheck = true;
     return s;
 }
 

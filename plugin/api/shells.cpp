@@ -345,6 +345,7 @@ EnergyBalance Shells::energy_balance() const {
     e.impact = l.impact;
     e.numerical = l.numerical;
     e.position_correction = l.positionCorrection;
+    e.injected = l.injected.sum();
     e.effects = l.effects;
     e.to_bodies = l.toBodies;
     e.residual = l.residual();

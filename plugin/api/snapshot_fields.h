@@ -228,8 +228,9 @@ void io(Ar& ar, Is<step::BodyState> auto& b) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::HostAcceleration> auto& p) {
-    auto& [linear, angular, expectedLinear, expectedAngular] = p;
+    auto& [linear, angular, expectedLinear, expectedAngular, lastFrame, frame] = p;
     ar(linear, angular, expectedLinear, expectedAngular);
+    ar.unhashed(lastFrame, frame);
 }
 
 template <class Ar>
@@ -266,8 +267,9 @@ void io(Ar& ar, Is<step::HostConstraints> auto& c) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Body> auto& b) {
-    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, hostCoupling] = b;
+    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, thicknessNear, hostCoupling] = b;
     ar(id, state, driven, dynamic, impulse, angularImpulse, force, hostCoupling);
+    ar.unhashed(thicknessNear);
 }
 
 template <class Ar>
@@ -324,9 +326,11 @@ void io(Ar& ar, Is<contact::Candidate> auto& c) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::EnergyBalance> auto& l) {
-    auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, effects, toBodies] =
-        l;
+    auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, injected, effects,
+           toBodies] = l;
+    auto& [contact, link, hold, drift, rolling] = injected;
     ar(kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, effects, toBodies);
+    ar.unhashed(contact, link, hold, drift, rolling); // parts of positionCorrection
 }
 
 template <class Ar>

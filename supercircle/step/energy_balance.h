@@ -8,15 +8,28 @@
 // velocity, u and u_old the new and old material velocities, the discrete balance multiplied by v gives exactly
 //   dKE + 1/2 |u - u_old|^2 = -dE_b - 1/2 B sum l dkappa^2 - dE_g - (gravity curvature) + work + sum r . u_rel.
 // - friction: -r_t u_t, never negative;
-// - positionCorrection: -r_n u_n; negative where overlap is pushed out (energy injected), positive where a speculative
-// gap closes;
+// - positionCorrection: -r_n u_n; negative where overlap is pushed out, positive where a speculative gap closes;
+// - injected: the negative part of it, by cause. Its bound is in gap_closing.h;
 // - impact: the part of 1/2 |u - u_old|^2 that contact impulses caused, 1/2 r . (u_rel - u_rel,old), the loss of a
 //   perfectly plastic impact (restitution 0), kept within [0, that square];
 // - numerical: the rest of the square, plus the two second-order terms of implicit bending and gravity.
 // Impact is physics (Moreau's law), numerical dissipation and push-out are artefacts and must stay small beside
 // friction.
 
+#include <algorithm>
+
 namespace supercircle::step {
+
+/// Energy that closing gaps brought in, J, each >= 0 and growing. It is part of positionCorrection, which is net.
+struct InjectedEnergy {
+    double contact = 0.0; ///< overlaps pushed out
+    double link = 0.0;    ///< joints closed
+    double hold = 0.0;    ///< held points and ends of rings brought to their places
+    double drift = 0.0;   ///< copies of bodies brought to their originals
+    double rolling = 0.0; ///< contact forces whose points roll
+
+    [[nodiscard]] double sum() const { return contact + link + hold + drift + rolling; }
+};
 
 struct EnergyBalance {
     double kinetic = 0.0;   ///< now, J
@@ -27,10 +40,18 @@ struct EnergyBalance {
     double friction = 0.0;  ///< dissipated, J
     double impact = 0.0;    ///< dissipated in plastic impacts, J
     double numerical = 0.0; ///< dissipated by the time integration, J
-    double positionCorrection = 0.0; ///< lost (negative: injected) by moving along normals, J
+    double positionCorrection = 0.0; ///< lost by moving along normals less what closing gaps injected, J
+    InjectedEnergy injected;         ///< that part of it, by cause
     double effects = 0.0;            ///< dissipated or stored by effects, J
     double toBodies = 0.0;           ///< given to dynamic host bodies, J
 
+    /// Books what a body's way to its original did; it is nobody's work.
+    void addDrift(double energy) {
+        positionCorrection -= energy;
+        injected.drift += std::max(0.0, energy);
+    }
+    /// Lost by moving along normals, J.
+    [[nodiscard]] double lostToCorrection() const { return positionCorrection + injected.sum(); }
     [[nodiscard]] double stored() const { return kinetic + bending + gravity; }
     /// What does not close, J.
     [[nodiscard]] double residual() const {

@@ -116,7 +116,7 @@ double Stepper::lastDt() const {
 }
 
 void Stepper::readHost(World& world, const Port& port, double frame) const {
-    step::readHost(world, port, frame, work_->reading);
+    step::readHost(world, port, settings_, frame, work_->reading);
 }
 
 void Stepper::learnFromHost(World& world, Port& port, double advanced) const {
@@ -141,7 +141,7 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
         return out;
     }
     TrialStep& trial = work_->trial;
-    beginFrame(world, frame, port, work_->reading, times_);
+    beginFrame(world, settings_, frame, port, work_->reading, times_);
     out.refused = work_->reading.why;
     updateVetoes(world, frame, pairFilter);
     trial.h = settings_.length > 0.0 ? settings_.length : world.rods.empty() ? 1e-3 : thinnest(world);
@@ -163,6 +163,13 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
         budget.spend(world, trial.result.contactsSolved, trial.result.solves);
         adopt(world, trial.result);
         const Reason reason = rejection(cuts);
+        const double elapsed = world.time - start;
+        if (port && trial.result.judged && leavesRegions(world, trial, frame - elapsed, work_->reading) &&
+            readAgain(world, *port, settings_, frame, elapsed, work_->reading)) {
+            updateVetoes(world, frame, pairFilter);
+            countRejection(world, Reason::OutsideRegion);
+            continue;
+        }
         if (reason == Reason::SleeperPressed) {
             countRejection(world, reason);
             continue;

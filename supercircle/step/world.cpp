@@ -19,18 +19,29 @@ const char* name(Stage stage) {
 
 const char* name(Reason reason) {
     static const char* const names[] = {
-        "none",    "not_finite",         "solver_failed", "unconverged", "motion_too_large", "local_error",
-        "runaway", "candidates_too_few", "penetration",   "link_gap",    "crossing",         "sleeper_pressed",
-        "count"};
+        "none",        "not_finite",     "solver_failed",      "unconverged", "motion_too_large",
+        "local_error", "runaway",        "candidates_too_few", "penetration", "link_gap",
+        "crossing",    "outside_region", "sleeper_pressed",    "count"};
     return names[static_cast<int>(reason)];
 }
 
-void HostAcceleration::learn(const Vec2& newLinear, double newAngular) {
+void HostAcceleration::learn(const Vec2& newLinear, double newAngular, double newFrame) {
     const auto agreed = [](double a, double b) { return a * b <= 0.0 ? 0.0 : std::abs(a) < std::abs(b) ? a : b; };
     expectedLinear = {agreed(linear.x(), newLinear.x()), agreed(linear.y(), newLinear.y())};
     expectedAngular = agreed(angular, newAngular);
     linear = newLinear;
     angular = newAngular;
+    frame = std::min(lastFrame, newFrame);
+    lastFrame = newFrame;
+}
+
+HostAcceleration HostAcceleration::during(double coming) const {
+    HostAcceleration p = *this;
+    if (coming > 2.0 * frame && frame > 0.0) {
+        p.expectedLinear *= frame / coming;
+        p.expectedAngular *= frame / coming;
+    }
+    return p;
 }
 
 Vec2 World::crossheadForce() const {

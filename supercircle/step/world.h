@@ -60,7 +60,12 @@ struct HostAcceleration {
     double angular = 0.0;       ///< rad/s^2
     Vec2 expectedLinear = Vec2::Zero();
     double expectedAngular = 0.0;
-    void learn(const Vec2& newLinear, double newAngular);
+    double lastFrame = 0.0; ///< length of the last frame, s
+    double frame = 0.0;     ///< of the shorter of the last two
+    void learn(const Vec2& newLinear, double newAngular, double newFrame);
+    /// For a frame of `coming` s: what was seen in a far shorter one is a blow. It changes the velocity by no more than
+    /// it did then.
+    [[nodiscard]] HostAcceleration during(double coming) const;
 };
 
 /// What passes between a dynamic body's copy here and the host's original (the scheme is in host_coupling.h).
@@ -90,6 +95,7 @@ struct Body {
     Vec2 impulse = Vec2::Zero(); ///< of the shells, gathered in this frame, N s: for who measures, no step reads it
     double angularImpulse = 0.0; ///< the same about the centre of mass, N m s
     Vec2 force = Vec2::Zero();   ///< from the shells in the last step, N
+    double thicknessNear = 0.0;  ///< of the thinnest shell that may come near in this frame, m
     HostCoupling hostCoupling;
 };
 
@@ -135,11 +141,12 @@ enum class Reason : std::uint8_t {
     Unconverged,      ///< contact residual above tolerance
     MotionTooLarge,   ///< a touching rod moved too far for one step
     LocalError,       ///< error of the time scheme
-    Runaway,          ///< faster than sound in its own material, or curled up beyond all bounds
+    Runaway,          ///< an element curled up to more than a circle
     CandidatesTooFew, ///< rods moved beyond the candidates' reach again and again
     Penetration,      ///< a contact got deeper
     LinkGap,          ///< a joint opened
     Crossing,         ///< the crossing check found one
+    OutsideRegion,    ///< a rod left the region whose outlines were read
     SleeperPressed,   ///< somebody pressed on a sleeping island, which is woken
     Count
 };

@@ -288,8 +288,8 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
         message_ =
             std::string(shells_.world().counters.crossings > 0
                             ? "shells would cross even at the smallest step"
-                            : "a shell became faster than sound in its own material, or its numbers were not finite, "
-                              "and was taken out of the motion") +
+                            : "an element of a shell curled up to more than a circle, or its numbers were not finite, "
+                              "and the shell was taken out of the motion") +
             " (at t = " + std::to_string(shells_.time()) +
             " s); look for shells put into each other or driven too fast";
         return false;

@@ -54,10 +54,24 @@ double toleranceOf(const Shape& a, const Shape& b);
 /// True if the surfaces of two bodies move against each other at p by at most `tolerance` within the frame.
 bool atRest(const SeamPiece& a, const SeamPiece& b, const Vec2& p, double frame, double tolerance);
 
+/// Where a vertex that lies just above a face goes.
+struct Target {
+    std::uint32_t shape = 0;
+    std::size_t face = 0;
+    std::size_t vertex = 0;
+};
+
+/// Storage of weld(), per shape.
+struct Moves {
+    std::vector<Vec2> to;        ///< per vertex
+    std::vector<char> welded;    ///< per vertex: it has a partner
+    std::vector<Target> targets; ///< of the vertices above faces
+};
+
 /// Moves the vertices of all shapes onto each other where the surface continues. `near[i]`: those that shape i touches.
 /// Only shapes with `stale[i]` count.
 void weld(std::vector<Shape>& shapes, const std::vector<std::vector<std::uint32_t>>& near, double frame,
-          const std::vector<char>& stale);
+          const std::vector<char>& stale, std::vector<Moves>& storage);
 
 /// Normal cones of the vertices of shape i in the union.
 void findCones(const std::vector<Shape>& shapes, const std::vector<std::uint32_t>& near, std::size_t i, double frame,

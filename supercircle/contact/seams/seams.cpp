@@ -25,7 +25,8 @@ bool together(const seam::Shape& a, const seam::Shape& b) {
 }
 
 /// Pairs whose boxes meet, by a sweep along the axis of the larger spread.
-void findNeighbours(const std::vector<seam::Shape>& shapes, const std::vector<char>& sound, Neighbours& near) {
+void findNeighbours(const std::vector<seam::Shape>& shapes, const std::vector<char>& sound,
+                    std::vector<std::uint32_t>& order, Neighbours& near) {
     near.resize(shapes.size());
     for (std::vector<std::uint32_t>& list : near)
         list.clear();
@@ -35,10 +36,12 @@ void findNeighbours(const std::vector<seam::Shape>& shapes, const std::vector<ch
         high = high.cwiseMax(s.high);
     }
     const int axis = high.x() - low.x() >= high.y() - low.y() ? 0 : 1;
-    std::vector<std::uint32_t> order(shapes.size());
+    order.resize(shapes.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return shapes[a].low[axis] < shapes[b].low[axis]; });
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const double x = shapes[a].low[axis], y = shapes[b].low[axis];
+        return x != y ? x < y : a < b;
+    });
     for (std::size_t k = 0; k < order.size(); ++k) {
         const std::uint32_t a = order[k];
         for (std::size_t m = k + 1; m < order.size() && shapes[order[m]].low[axis] <= shapes[a].high[axis]; ++m) {
@@ -54,9 +57,15 @@ void findNeighbours(const std::vector<seam::Shape>& shapes, const std::vector<ch
         std::sort(list.begin(), list.end());
 }
 
-/// Marks what is within `hops` neighbours of what is marked.
-void spread(const Neighbours& near, int hops, std::vector<char>& marked) {
+/// Storage of spread().
+struct Front {
     std::vector<std::uint32_t> edge, next;
+};
+
+/// Marks what is within `hops` neighbours of what is marked.
+void spread(const Neighbours& near, int hops, Front& front, std::vector<char>& marked) {
+    auto& [edge, next] = front;
+    edge.clear();
     for (std::size_t i = 0; i < marked.size(); ++i)
         if (marked[i])
             edge.push_back(static_cast<std::uint32_t>(i));
@@ -73,8 +82,8 @@ void spread(const Neighbours& near, int hops, std::vector<char>& marked) {
 }
 
 /// Gives the neighbours of pieces near shells the thickness of those shells.
-void spreadThickness(const Neighbours& near, std::vector<seam::Shape>& shapes) {
-    std::vector<double> next(shapes.size());
+void spreadThickness(const Neighbours& near, std::vector<double>& next, std::vector<seam::Shape>& shapes) {
+    next.resize(shapes.size());
     for (int hop = 0; hop < kBeyond; ++hop) {
         for (std::size_t i = 0; i < shapes.size(); ++i) {
             next[i] = shapes[i].thickness;
@@ -100,6 +109,12 @@ struct SeamJoiner::Impl {
     std::vector<Joined> old;
     std::vector<seam::Shape> shapes;
     std::vector<char> sound;
+    // Storage: a world at rest, whose crates move by rounding, takes nothing from the heap.
+    std::vector<char> around;
+    std::vector<std::uint32_t> order;
+    std::vector<double> thickness;
+    std::vector<seam::Moves> moves;
+    Front front;
 
     bool matchKnown(const std::vector<SeamPiece>& pieces);
     void renew(const std::vector<SeamPiece>& pieces, double frame);
@@ -126,7 +141,7 @@ bool SeamJoiner::Impl::matchKnown(const std::vector<SeamPiece>& pieces) {
     }
     if (!any)
         return false;
-    spread(near, kHops, gone);
+    spread(near, kHops, front, gone);
     old.swap(results);
     results.resize(pieces.size());
     stale.assign(pieces.size(), 1);
@@ -146,12 +161,12 @@ void SeamJoiner::Impl::renew(const std::vector<SeamPiece>& pieces, double frame)
         thickest = std::max(thickest, piece.thickness);
     for (std::size_t i = 0; i < pieces.size(); ++i)
         sound[i] = seam::prepare(pieces[i], thickest, shapes[i]) ? 1 : 0;
-    findNeighbours(shapes, sound, near);
-    spreadThickness(near, shapes);
-    spread(near, kHops, stale);
-    std::vector<char> around = stale;
-    spread(near, kHops, around);
-    seam::weld(shapes, near, frame, around);
+    findNeighbours(shapes, sound, order, near);
+    spreadThickness(near, thickness, shapes);
+    spread(near, kHops, front, stale);
+    around = stale;
+    spread(near, kHops, front, around);
+    seam::weld(shapes, near, frame, around, moves);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         if (!stale[i])
             continue;

@@ -9,19 +9,6 @@ namespace supercircle::contact::seam {
 
 namespace {
 
-/// Where a vertex that lies just above a face goes.
-struct Target {
-    std::uint32_t shape = 0;
-    std::size_t face = 0;
-    std::size_t vertex = 0;
-};
-
-struct Moves {
-    std::vector<Vec2> to;        ///< per vertex
-    std::vector<char> welded;    ///< per vertex: it has a partner
-    std::vector<Target> targets; ///< of the vertices above faces
-};
-
 /// Free ends of chains keep their place, because the next edge knows it. So do vertices of faces so short that their
 /// direction would be lost.
 bool movable(const Shape& shape, std::size_t vertex, double tolerance) {
@@ -135,12 +122,13 @@ void move(Shape& shape, const std::vector<Vec2>& to) {
 } // namespace
 
 void weld(std::vector<Shape>& shapes, const std::vector<std::vector<std::uint32_t>>& near, double frame,
-          const std::vector<char>& stale) {
-    std::vector<Moves> moves(shapes.size());
+          const std::vector<char>& stale, std::vector<Moves>& moves) {
+    moves.resize(shapes.size());
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         Moves& m = moves[i];
         m.to.assign(shapes[i].points.begin(), shapes[i].points.end());
         m.welded.assign(m.to.size(), 0);
+        m.targets.clear();
         if (!stale[i] || shapes[i].faces() == 0)
             continue;
         for (std::size_t k = 0; k < m.to.size(); ++k)

@@ -40,7 +40,8 @@ struct LinkRow : ContactWork {
     LinkRowKind kind = LinkRowKind::Point;
     Vec2 normal = Vec2::UnitX();                 ///< towards which a positive impulse pushes rod A
     double lever = 0.0;                          ///< m, makes an angle a length
-    Vec2 bias = Vec2::Zero();                    ///< gap / dt, m/s
+    Vec2 bias = Vec2::Zero();                    ///< of the gap: what it adds to the relative velocity, m/s
+    Vec2 closing = Vec2::Zero();                 ///< relative velocity at which the gap found at the start closes, m/s
     int bodyProblem = -1;                        ///< block of the other end's body in the problem
     Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that block, the sign of the body included
 };

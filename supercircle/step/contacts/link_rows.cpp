@@ -82,6 +82,15 @@ double lever(const World& world, const Ends& e) {
     return world.rods[static_cast<std::size_t>(e.rodA)].model.longestElement();
 }
 
+/// How fast a link closes what it finds open.
+GapClosing closingOf(const std::vector<RodWork>& rods, const Ends& e) {
+    const GapClosing& a = rods[static_cast<std::size_t>(e.rodA)].closing;
+    if (e.rodB < 0)
+        return a;
+    const GapClosing& b = rods[static_cast<std::size_t>(e.rodB)].closing;
+    return b.speed < a.speed ? b : a;
+}
+
 /// Gap of a row (both components for a locked point).
 Vec2 gapOf(const LinkRow& row, const Link& l, const Places& p, double length) {
     switch (row.kind) {
@@ -93,6 +102,13 @@ Vec2 gapOf(const LinkRow& row, const Link& l, const Places& p, double length) {
         return {length - (p.a - p.b).norm(), 0.0};
     }
     return Vec2::Zero();
+}
+
+/// Part of a row's gap that a step leaves open. A tether that is slack has nothing to close.
+Vec2 leftOpen(const LinkRow& row, const Vec2& gap, const GapClosing& closing, double dt) {
+    if (row.kind == LinkRowKind::Pull)
+        return {std::min(0.0, closing.left(gap.x(), dt)), 0.0};
+    return closing.left(gap, dt);
 }
 
 /// Full rows of one rod for a point `offset` from its centre line, or of its angle.
@@ -199,12 +215,14 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
     if (e.body >= 0)
         row.armB = turned(l.local, middle.angleB);
     row.surface = givenVelocity(world, rods, stage, l, row, e, dt);
+    const Vec2 gap = gapOf(row, l, placesOf(world, rods, stage.motion, l, e, When::Start, dt), l.length);
+    const Vec2 left = leftOpen(row, gap, closingOf(rods, e), dt);
+    row.closing = (left - gap) / dt;
     if (again) {
         const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
-        row.bias = gapOf(row, l, end, lengthAfter(l, dt)) / dt - lastVelocity(world, rods, stage, row, e);
+        row.bias = (gapOf(row, l, end, lengthAfter(l, dt)) - left) / dt - lastVelocity(world, rods, stage, row, e);
     } else {
-        const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
-        row.bias = gapOf(row, l, start, l.length) / dt;
+        row.bias = (gap - left) / dt;
     }
 }
 
@@ -323,6 +341,18 @@ double errorOf(const World& world, const Link& l, const Ends& e, const Places& p
     return l.kind == LinkKind::Pin ? apart : std::max(apart, lever(world, e) * std::abs(p.angleA - p.angleB - l.angle));
 }
 
+/// Error of a link at the end of the step beyond what the step leaves open of the gap it found, m.
+double errorAtEnd(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
+                  const Ends& e, double dt) {
+    const double error =
+        errorOf(world, l, e, placesOf(world, rods, stage.motion, l, e, When::End, dt), lengthAfter(l, dt));
+    const GapClosing closing = closingOf(rods, e);
+    if (error == 0.0)
+        return 0.0;
+    const double before = errorOf(world, l, e, placesOf(world, rods, stage.motion, l, e, When::Start, dt), l.length);
+    return std::max(0.0, error - closing.left(before, dt));
+}
+
 } // namespace
 
 double linkError(const World& world, const std::vector<RodWork>& rods, double dt, double tolerance,
@@ -333,10 +363,9 @@ double linkError(const World& world, const std::vector<RodWork>& rods, double dt
         const Ends& e = stage.linkEnds[i];
         if (!e.counts)
             continue;
-        const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
         const double size = l.kind == LinkKind::Tether ? l.length : lever(world, e);
         const double allowed = std::min(tolerance, 1e-7 * size);
-        worst = std::max(worst, errorOf(world, l, e, end, lengthAfter(l, dt)) / allowed);
+        worst = std::max(worst, errorAtEnd(world, rods, stage, l, e, dt) / allowed);
     }
     for (std::size_t i = 0; i < stage.linkCount; ++i) { // a tether that pulls though it is slack by now
         const LinkRow& row = stage.linkRows[i];
@@ -412,8 +441,12 @@ void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& s
                 body.hostCoupling.hostTurnImpulse += turn;
             }
         }
-        world.energyBalance.work += r.dot(row.surface);
+        if (row.bodyProblem >= 0)
+            world.energyBalance.addDrift(r.dot(row.surface));
+        else
+            world.energyBalance.work += r.dot(row.surface);
         world.energyBalance.positionCorrection -= r.dot(u);
+        world.energyBalance.injected.link += std::max(0.0, r.dot(row.closing));
     }
 }
 

@@ -22,9 +22,9 @@ double farthestPoint(const World& world, const Body& b) {
 }
 
 /// Depth of overlap with the shells per outline, m.
-void depths(const std::vector<contact::RodCurve>& curves, const std::vector<contact::Outline>& outlines, double margin,
+void depths(const std::vector<contact::RodCurve>& curves, const std::vector<contact::Outline>& outlines,
             HostCouplingWork& work, std::vector<double>& depth) {
-    work.detector.detect(curves, outlines, {margin}, work.near);
+    work.detector.detect(curves, outlines, {0.0}, work.near);
     depth.assign(outlines.size(), 0.0);
     for (const contact::Candidate& c : work.near)
         if (c.outline >= 0) {
@@ -35,7 +35,7 @@ void depths(const std::vector<contact::RodCurve>& curves, const std::vector<cont
 
 /// Bodies among the suspects (indices into World::bodies) whose original stands deeper in a shell than its copy, or
 /// beyond it: HostCouplingWork::intruding.
-void findIntruders(const World& world, double h, HostCouplingWork& work) {
+void findIntruders(const World& world, HostCouplingWork& work) {
     std::vector<contact::RodCurve>& curves = work.curves;
     curves.resize(world.rods.size());
     for (std::size_t i = 0; i < curves.size(); ++i)
@@ -63,8 +63,8 @@ void findIntruders(const World& world, double h, HostCouplingWork& work) {
     copies.resize(count);
     originals.resize(count);
     SC_ASSERT(owner.size() == count, "one owner an outline");
-    depths(curves, copies, kLeave * h, work, work.depthOfCopy);
-    depths(curves, originals, kLeave * h, work, work.depthOfOriginal);
+    depths(curves, copies, work, work.depthOfCopy);
+    depths(curves, originals, work, work.depthOfOriginal);
     work.crossings.clear();
     contact::findCrossingsSwept(curves, curves, copies, originals, work.crossings);
     work.intruding.clear();
@@ -72,6 +72,7 @@ void findIntruders(const World& world, double h, HostCouplingWork& work) {
         const bool crosses = std::any_of(work.crossings.begin(), work.crossings.end(), [&](const contact::Crossing& c) {
             return c.rodB < 0 && c.outline == static_cast<int>(k);
         });
+        const double h = world.bodies[static_cast<std::size_t>(owner[k])].thicknessNear;
         if (crosses || work.depthOfOriginal[k] > work.depthOfCopy[k] + kLeave * h)
             work.intruding.push_back(owner[k]);
     }
@@ -133,7 +134,6 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
 
 void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork& work) {
     SC_ASSERT(work.unsolved.size() == world.bodies.size(), "one motion a body");
-    const double h = thinnest(world);
     const std::vector<BodyMotion>& unsolved = work.unsolved;
     std::vector<int>& suspects = work.suspects;
     suspects.clear();
@@ -141,6 +141,7 @@ void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork&
         Body& b = world.bodies[i];
         if (!b.hostCoupling.known)
             continue;
+        const double h = b.thicknessNear;
         const Vec2 astray = advanced * unsolved[i].velocity;
         const double turned = advanced * unsolved[i].spin;
         if (astray.norm() + std::abs(turned) * farthestPoint(world, b) > 0.1 * kLeave * h) {
@@ -155,7 +156,7 @@ void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork&
     }
     if (suspects.empty())
         return;
-    findIntruders(world, h, work);
+    findIntruders(world, work);
     const std::vector<int>& intruding = work.intruding;
     for (const int i : suspects) {
         Body& b = world.bodies[static_cast<std::size_t>(i)];

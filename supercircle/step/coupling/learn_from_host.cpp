@@ -32,9 +32,9 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
         const BodyState& s = b.state;
         const Vec2 expected = h.hostImpulse / s.mass;
         const double expectedTurn = s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
-        h.all.learn((expected + change) / advanced, (expectedTurn + turn) / advanced);
+        h.all.learn((expected + change) / advanced, (expectedTurn + turn) / advanced, advanced);
         h.unexplained.learn(h.coupled ? Vec2(change / advanced + h.unexplained.expectedLinear) : Vec2(Vec2::Zero()),
-                            h.coupled ? turn / advanced + h.unexplained.expectedAngular : 0.0);
+                            h.coupled ? turn / advanced + h.unexplained.expectedAngular : 0.0, advanced);
         if (h.coupled) {
             b.state.velocity += change;
             b.state.spin += turn;

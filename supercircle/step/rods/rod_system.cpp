@@ -22,6 +22,7 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
         rows += h.clamped ? 3 : 2;
     w.C.resize(rows, rod.model.dofs());
     w.c.resize(rows);
+    w.held.closing.resize(rows);
     if (rows == 0)
         return;
     Eigen::Matrix<double, 2, Eigen::Dynamic>&pair = w.held.pair, &other = w.held.otherPair;
@@ -31,21 +32,25 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     turn.resize(rod.model.dofs());
     otherTurn.resize(rod.model.dofs());
     Eigen::Index row = 0;
-    const auto put = [&](const auto& line, double missing) {
+    const auto put = [&](const auto& line, double missing, double gap, double left) {
         SC_ASSERT_EXPENSIVE(row < w.C.rows(), "as many rows as were counted");
         w.C.row(row) = line;
-        w.c[row++] = missing / dt;
+        w.held.closing[row] = (left - gap) / dt;
+        w.c[row++] = (missing + left) / dt;
     };
+    const double lever = rod.model.longestElement(); // of angles
     for (const Hold& h : rod.holds) {
         const rod::MaterialPoint at = rod::locate(rod.model, h.s);
         w.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
-        const Pose goal = poseAfter(world, h, dt);
-        const Vec2 missing = goal.point - rod.kin.point(at);
-        put(pair.row(0), missing.x());
-        put(pair.row(1), missing.y());
+        const Pose goal = poseAfter(world, h, dt), now = poseAfter(world, h, 0.0);
+        const Vec2 place = rod.kin.point(at), gap = place - now.point, left = w.closing.left(gap, dt);
+        const Vec2 missing = goal.point - place;
+        put(pair.row(0), missing.x(), gap.x(), left.x());
+        put(pair.row(1), missing.y(), gap.y(), left.y());
         if (h.clamped) {
             w.kin.angleRow(rod.model, at, turn);
-            put(turn, goal.angle - rod.kin.angle(at));
+            const double angle = rod.kin.angle(at), off = angle - now.angle;
+            put(turn, goal.angle - angle, off, w.closing.left(lever * off, dt) / lever);
         }
     }
     if (closed) { // both ends are one material point
@@ -54,15 +59,15 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
         const rod::MaterialPoint last = rod::locate(rod.model, rod.model.elements() - 1, L);
         w.kin.pointRows(rod.model, last, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
         w.kin.pointRows(rod.model, first, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), other);
-        const Vec2 missing = rod.kin.point(first) - rod.kin.point(last);
-        put(pair.row(0) - other.row(0), missing.x());
-        put(pair.row(1) - other.row(1), missing.y());
+        const Vec2 missing = rod.kin.point(first) - rod.kin.point(last), left = w.closing.left(Vec2(-missing), dt);
+        put(pair.row(0) - other.row(0), missing.x(), -missing.x(), left.x());
+        put(pair.row(1) - other.row(1), missing.y(), -missing.y(), left.y());
         w.kin.angleRow(rod.model, last, turn);
         w.kin.angleRow(rod.model, first, otherTurn);
         const double total = rod.kin.angle(last) - rod.kin.angle(first);
         const double target =
             2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
-        put(turn - otherTurn, target - total);
+        put(turn - otherTurn, target - total, total - target, w.closing.left(lever * (total - target), dt) / lever);
     }
     SC_ASSERT(row == rows, "as many rows as were counted");
 }
@@ -265,6 +270,7 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         const Eigen::VectorXd& impulse = holdImpulses(held.rhs, held);
         held.rate.noalias() = w.C * w.v;
         energies.holdWork = impulse.dot(held.rate);
+        energies.holdInjected = std::max(0.0, impulse.dot(held.closing));
         Eigen::Index row = 0;
         for (Hold& h : rod.holds) {
             h.reaction = Vec2(impulse[row], impulse[row + 1]) / dt;

@@ -23,12 +23,13 @@ void advanceRod(const Rod& rod, double dt, RodWork& w);
 /// Energy the step moved, per rod (see energy_balance.h).
 struct RodEnergies {
     double kineticChange = 0.0, bendingChange = 0.0, gravityChange = 0.0;
-    double kineticLoss = 0.0; ///< 1/2 |u_new - u_old|^2
-    double secondOrder = 0.0; ///< of implicit bending and of gravity
-    double holdWork = 0.0;    ///< work of holds
-    double loadWork = 0.0;    ///< work of forces and mouse joints
-    double effects = 0.0;     ///< taken by effects
-    double rollingWork = 0.0; ///< of contact forces while their points roll and turn (contact_stiffness.h)
+    double kineticLoss = 0.0;  ///< 1/2 |u_new - u_old|^2
+    double secondOrder = 0.0;  ///< of implicit bending and of gravity
+    double holdWork = 0.0;     ///< work of holds
+    double holdInjected = 0.0; ///< part of it that closing gaps of holds and of the ring brought in
+    double loadWork = 0.0;     ///< work of forces and mouse joints
+    double effects = 0.0;      ///< taken by effects
+    double rollingWork = 0.0;  ///< of contact forces while their points roll and turn (contact_stiffness.h)
 };
 /// Accepts the attempt: state, material velocities, hold reactions.
 RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w);

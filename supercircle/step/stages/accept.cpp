@@ -67,7 +67,7 @@ void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stag
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
                 world.energyBalance.toBodies += r.dot(ub);
-                world.energyBalance.work += r.dot(k.surface); // of the drift
+                world.energyBalance.addDrift(r.dot(k.surface));
                 const double turn = rod::cross(k.armB, force * dt);
                 body.impulse -= force * dt;
                 body.angularImpulse -= turn;
@@ -86,6 +86,7 @@ void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stag
         }
         world.energyBalance.friction -= r.y() * u.y();
         world.energyBalance.positionCorrection -= r.x() * u.x();
+        world.energyBalance.injected.contact += std::max(0.0, r.x() * u.x());
     }
 }
 
@@ -212,6 +213,8 @@ void accept(World& world, TrialStep& t) {
         l.numerical += b.kineticLoss - impact + b.secondOrder;
         l.work += b.holdWork + b.loadWork;
         l.positionCorrection -= b.rollingWork;
+        l.injected.hold += b.holdInjected;
+        l.injected.rolling += std::max(0.0, b.rollingWork);
         l.effects += b.effects;
     }
     acceptHostConstraints(world, stage, dt);

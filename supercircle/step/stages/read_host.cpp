@@ -13,34 +13,58 @@ namespace supercircle::step {
 
 namespace {
 
-Box reach(const World& world, double frame) {
+/// The box in which a rod's outlines are read: its nodes, and what it may move until the end of the frame at twice its
+/// speed and twice its fall.
+Box regionOf(const World& world, const Rod& r, const rod::Kinematics& kin, double speed, double frame) {
     Box box;
     box.lower.setConstant(std::numeric_limits<double>::infinity());
     box.upper.setConstant(-std::numeric_limits<double>::infinity());
-    for (const Rod& r : world.rods) {
-        const double pad = 2.0 * frame * (r.speed + frame * world.gravity.norm()) + r.model.longestElement();
-        for (int i = 0; i <= r.model.elements(); ++i) {
-            box.lower = box.lower.cwiseMin(r.kin.node(i) - Vec2::Constant(pad));
-            box.upper = box.upper.cwiseMax(r.kin.node(i) + Vec2::Constant(pad));
-        }
+    const double pad = 2.0 * frame * (speed + frame * world.gravity.norm()) + r.model.longestElement();
+    for (int i = 0; i <= r.model.elements(); ++i) {
+        box.lower = box.lower.cwiseMin(kin.node(i) - Vec2::Constant(pad));
+        box.upper = box.upper.cwiseMax(kin.node(i) + Vec2::Constant(pad));
     }
     return box;
 }
 
-/// What the copy `old` of the last frame still knows about a body whose original is now in the state `b.state`.
-void carryOver(const Body& old, double frame, Body& b) {
+Box hull(const std::vector<Box>& boxes) {
+    Box all;
+    all.lower.setConstant(std::numeric_limits<double>::infinity());
+    all.upper.setConstant(-std::numeric_limits<double>::infinity());
+    for (const Box& b : boxes) {
+        all.lower = all.lower.cwiseMin(b.lower);
+        all.upper = all.upper.cwiseMax(b.upper);
+    }
+    return all;
+}
+
+/// Whether the rod at `kin` may meet an outline that was not read: arcs lie within half a length of their nodes.
+bool outside(const Rod& r, const rod::Kinematics& kin, const Box& region) {
+    const double bulge = 0.5 * r.model.longestElement();
+    for (int i = 0; i <= r.model.elements(); ++i) {
+        const Vec2 p = kin.node(i);
+        if (((p.array() - bulge) < region.lower.array()).any() || ((p.array() + bulge) > region.upper.array()).any())
+            return true;
+    }
+    return false;
+}
+
+/// What the copy `old` of the last frame still knows about a dynamic body whose original is now in the state `b.state`.
+void carryOver(const Body& old, double frame, const GapClosing& closing, double reach, Body& b) {
     const BodyState &now = b.state, &seen = old.hostCoupling.seen;
     HostCoupling& h = b.hostCoupling;
-    h.unexplained = old.hostCoupling.unexplained;
-    h.all = old.hostCoupling.all;
+    h.unexplained = old.hostCoupling.unexplained.during(frame);
+    h.all = old.hostCoupling.all.during(frame);
     const bool moved = now.centre != seen.centre || now.angle != seen.angle; // by its user
     if (now.velocity == seen.velocity && now.spin == seen.spin) {
         b.state.velocity = old.state.velocity;
         b.state.spin = old.state.spin;
     }
     if (!moved) {
-        h.drift = (now.centre - old.state.centre) / frame;
-        h.driftSpin = (now.angle - old.state.angle) / frame;
+        const Vec2 way = now.centre - old.state.centre;
+        const double turn = now.angle - old.state.angle;
+        h.drift = (way - closing.left(way, frame)) / frame;
+        h.driftSpin = (turn - closing.left(reach * turn, frame) / std::max(reach, 1e-300)) / frame;
         b.state.centre = old.state.centre;
         b.state.angle = old.state.angle;
     }
@@ -70,14 +94,57 @@ bool anchored(const World& world, BodyId id, Body& b) {
     return finite(b.state);
 }
 
+/// A body without mass that its user put somewhere else, no farther than its size, without giving it a velocity for
+/// that: it goes there in the coming frame, and pushes what is in its way. A longer way is a jump. Ways of a fiftieth
+/// of a thickness are the host's rounding.
+void followPlacement(const Body& old, double frame, double thickness, double reach, Body& b) {
+    const Vec2 way = b.state.centre - old.state.centre;
+    const double turn = b.state.angle - old.state.angle;
+    const double far = way.norm() + std::abs(turn) * reach;
+    if (far <= 0.02 * thickness || far > 2.0 * reach)
+        return;
+    b.state.centre = old.state.centre;
+    b.state.angle = old.state.angle;
+    b.state.velocity += way / frame;
+    b.state.spin += turn / frame;
+}
+
+/// Thickness of the thinnest shell that may come near a body in the coming frame, m; of all shells if none can.
+double thicknessNear(const World& world, const Settings& settings, const std::vector<Box>& regions, const Body& b,
+                     double reach, double frame) {
+    if (settings.length > 0.0)
+        return settings.length;
+    const double way = reach + frame * b.state.velocity.norm();
+    double thinnest = std::numeric_limits<double>::infinity();
+    const auto take = [&](const Rod& r) { thinnest = std::min(thinnest, r.model.definition().thickness); };
+    for (std::size_t i = 0; i < world.rods.size(); ++i)
+        if (((b.state.centre.array() + way) >= regions[i].lower.array()).all() &&
+            ((b.state.centre.array() - way) <= regions[i].upper.array()).all())
+            take(world.rods[i]);
+    for (const Link& l : world.links)
+        if (l.end == LinkEnd::Body && l.body == b.id)
+            if (const int rod = rodIndex(world, l.rodA); rod >= 0)
+                take(world.rods[static_cast<std::size_t>(rod)]);
+    return std::isfinite(thinnest) ? thinnest : step::thinnest(world);
+}
+
 void unique(std::vector<BodyId>& ids) {
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
+double farthestPoint(const std::vector<BodyOutline>& outlines, BodyId body) {
+    double reach = 0.0;
+    for (const BodyOutline& o : outlines)
+        if (o.body == body)
+            for (const Vec2& p : o.local.points)
+                reach = std::max(reach, p.norm() + o.local.radius);
+    return reach;
+}
+
 /// The bodies `reading.ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about
 /// them. Those with numbers that are not finite are refused.
-void readBodies(const World& world, const Port& port, double frame, HostReading& reading) {
+void readBodies(const World& world, const Port& port, const Settings& settings, double frame, HostReading& reading) {
     std::vector<Body>& bodies = reading.bodies;
     bodies.clear();
     for (const BodyId id : reading.ids) {
@@ -96,13 +163,17 @@ void readBodies(const World& world, const Port& port, double frame, HostReading&
                 continue;
         }
         b.dynamic = b.state.mass > 0.0 && b.state.enabled && !b.driven;
+        const double reach = farthestPoint(reading.outlines, id);
+        b.thicknessNear = thicknessNear(world, settings, reading.regions, b, reach, frame);
         if (const int index = bodyIndex(world, id); index >= 0) {
             const Body& old = world.bodies[static_cast<std::size_t>(index)];
             if (b.driven && old.driven)
                 b.state = old.state;
+            else if (!b.driven && !b.dynamic && !old.driven && !old.dynamic)
+                followPlacement(old, frame, b.thicknessNear, reach, b);
             b.force = old.force;
             if (b.dynamic && !refused && old.hostCoupling.known)
-                carryOver(old, frame, b);
+                carryOver(old, frame, {settings.recovery * b.thicknessNear}, reach, b);
         }
         SC_ASSERT(!b.dynamic || b.state.mass > 0.0, "a dynamic body has a mass");
         bodies.push_back(b);
@@ -133,7 +204,7 @@ bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
 
 } // namespace
 
-void readHost(World& world, const Port& port, double frame, HostReading& reading) {
+void readHost(World& world, const Port& port, const Settings& settings, double frame, HostReading& reading) {
     reading.why.clear();
     reading.refused.clear();
     Vec2 g = port.gravity();
@@ -154,9 +225,12 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
     std::vector<BodyId>& ids = reading.ids;
     std::vector<Body>& bodies = reading.bodies;
     clearJoined(reading.joining, outlines);
-    const Box read = reach(world, frame);
+    reading.regions.clear();
+    for (const Rod& r : world.rods)
+        reading.regions.push_back(regionOf(world, r, r.kin, r.speed, frame));
+    const Box read = hull(reading.regions);
     if (!world.rods.empty())
-        port.query(read, outlines);
+        port.queryAhead(read, frame, outlines);
     ids.assign(world.crossheadBodies.begin(), world.crossheadBodies.end());
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
@@ -171,7 +245,7 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
     for (const HostRow& r : world.constraints.rows)
         ids.insert(ids.end(), {r.a, r.b});
     unique(ids);
-    readBodies(world, port, frame, reading);
+    readBodies(world, port, settings, frame, reading);
     leaveOut(reading.refused, world.constraints);
     std::erase_if(outlines, [&](const BodyOutline& o) {
         return isIn(reading.refused, o.body) ||
@@ -193,6 +267,57 @@ void readHost(World& world, const Port& port, double frame, HostReading& reading
     });
     for (const BodyOutline& o : world.outlines)
         SC_ASSERT(bodyIndex(world, o.body) >= 0, "an outline belongs to a body");
+}
+
+bool leavesRegions(const World& world, const TrialStep& t, double left, HostReading& reading) {
+    bool leaves = false;
+    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+        const Rod& r = world.rods[i];
+        const RodWork& w = t.rods[i];
+        if (w.frozen || !outside(r, w.kin1, reading.regions[i]))
+            continue;
+        const Box more = regionOf(world, r, w.kin1, w.moved / t.dt, left);
+        reading.regions[i].lower = reading.regions[i].lower.cwiseMin(more.lower);
+        reading.regions[i].upper = reading.regions[i].upper.cwiseMax(more.upper);
+        leaves = true;
+    }
+    return leaves;
+}
+
+bool readAgain(World& world, const Port& port, const Settings& settings, double frame, double elapsed,
+               HostReading& reading) {
+    const auto order = [](const BodyOutline& a, const BodyOutline& b) {
+        return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
+    };
+    reading.outlines.clear();
+    port.queryAhead(hull(reading.regions), frame, reading.outlines);
+    std::erase_if(reading.outlines, [&](const BodyOutline& o) {
+        return std::binary_search(world.outlines.begin(), world.outlines.end(), o, order);
+    });
+    if (reading.outlines.empty())
+        return false;
+    reading.ids.clear();
+    for (const BodyOutline& o : reading.outlines)
+        if (bodyIndex(world, o.body) < 0)
+            reading.ids.push_back(o.body);
+    unique(reading.ids);
+    readBodies(world, port, settings, frame, reading);
+    for (Body& b : reading.bodies) { // where they have come to by now
+        const Vec2 fall = b.dynamic ? Vec2(elapsed * b.state.gravityScale * world.gravity) : Vec2(Vec2::Zero());
+        b.hostCoupling.travel = elapsed * (b.state.velocity + 0.5 * fall);
+        b.hostCoupling.turn = elapsed * b.state.spin;
+        b.state.centre += b.hostCoupling.travel;
+        b.state.angle += b.hostCoupling.turn;
+        b.state.velocity += fall;
+        world.bodies.push_back(b);
+    }
+    std::sort(world.bodies.begin(), world.bodies.end(), [](const Body& a, const Body& b) { return a.id < b.id; });
+    for (BodyOutline& o : reading.outlines)
+        if (bodyIndex(world, o.body) >= 0)
+            world.outlines.push_back(std::move(o));
+    std::sort(world.outlines.begin(), world.outlines.end(), order);
+    world.range.clear(); // candidates refer to outlines by index
+    return true;
 }
 
 } // namespace supercircle::step

@@ -7,7 +7,8 @@
 namespace supercircle::step {
 
 /// Stages before the first step of a frame: Check, ReadHost, Drive.
-void beginFrame(World& world, double frame, Port* port, HostReading& reading, StageTimes& times);
+void beginFrame(World& world, const Settings& settings, double frame, Port* port, HostReading& reading,
+                StageTimes& times);
 /// Stages Detect to CheckCrossings of a step of t.dt seconds.
 void tryStep(const World& world, const Settings& settings, TrialStep& t, StageTimes& times,
              const SolveObserver& onSolve);
@@ -22,7 +23,14 @@ void checkNumbers(World& world);
 void quarantine(World& world, Rod& rod);
 
 /// ReadHost: gravity, bodies near the shells, their outlines and constraints.
-void readHost(World& world, const Port& port, double frame, HostReading& reading);
+void readHost(World& world, const Port& port, const Settings& settings, double frame, HostReading& reading);
+/// Whether a rod leaves at the end of the trial the region that was read; regions are then made larger for the `left` s
+/// of the frame.
+bool leavesRegions(const World& world, const TrialStep& t, double left, HostReading& reading);
+/// Reads the regions again within a frame of `frame` s, `elapsed` s of which are over. Bodies that come in move on as
+/// if the host had no constraints on them. False: nothing was there that is not known.
+bool readAgain(World& world, const Port& port, const Settings& settings, double frame, double elapsed,
+               HostReading& reading);
 
 /// Drive: velocities of the crosshead's bodies, paths of held points.
 void drive(World& world, double frame);

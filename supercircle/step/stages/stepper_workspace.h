@@ -15,6 +15,7 @@ struct HostReading {
     std::vector<BodyId> refused; ///< bodies with numbers that are not finite
     std::string why;             ///< what was left out, for the user; empty: nothing
     OutlineJoining joining;
+    std::vector<Box> regions; ///< per rod, of which the hull was read. No step is accepted that leaves it
 };
 
 struct Stepper::Work {

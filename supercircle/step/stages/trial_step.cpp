@@ -23,6 +23,9 @@ void TrialStep::begin(const World& world, const Settings& settings) {
     stage.overlap = 2.0 * settings.rejectPenetration * h;
     stage.closes = settings.fixedDt <= 0.0 ? settings.localError * h : std::numeric_limits<double>::infinity();
     stage.recovery = settings.recovery * h;
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        rods[i].closing.speed =
+            settings.recovery * (settings.length > 0.0 ? settings.length : world.rods[i].model.definition().thickness);
 }
 
 void TrialStep::useThreads(int count, const parallel::For& hostLoop) {

@@ -20,7 +20,7 @@ struct TrialResult {
     std::vector<contact::Candidate> candidates;          ///< at the start of the step, found with `range`
     std::vector<double> range;                ///< how far each rod may move before candidates must be found anew, m
     std::vector<std::size_t> sleepers;        ///< sleeping rods that somebody pressed on
-    std::vector<std::size_t> runaways;        ///< rods faster than sound in their own material
+    std::vector<std::size_t> runaways;        ///< rods with an element curled up to more than a circle
     std::vector<contact::Crossing> crossings; ///< found by the crossing check, if it is on
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // Work space of one step attempt (private to step/).
 
+#include "supercircle/step/contacts/gap_closing.h"
 #include "supercircle/step/world.h"
 
 #include <Eigen/Cholesky>
@@ -69,6 +70,7 @@ struct HoldWork {
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr; ///< of C^T
     Eigen::MatrixXd Ct, Q, turned, reduced;         ///< n x m, n x n, Q^T A Q: n x n, (n - k)^2
     Eigen::VectorXd permuted, rhs, impulse, rate, scratch;
+    Eigen::VectorXd closing; ///< per row: velocity at which the gap found at the start closes, m/s or rad/s
     Eigen::Matrix<double, 2, Eigen::Dynamic> pair, otherPair;
     Eigen::RowVectorXd turn, otherTurn;
 };
@@ -107,6 +109,7 @@ struct RodWork {
     double shift = 0.0;             ///< largest node distance between the linearisation point and the end, m
     double error = 0.0;             ///< local error of backward Euler, m
     double impactShare = 0.0;       ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
+    GapClosing closing;             ///< of its joints and holds
     int body = -1;                  ///< index into the contact problem, -1: no candidates
     bool touching = false;
     Eigen::VectorXd vFree;

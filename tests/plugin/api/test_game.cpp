@@ -274,9 +274,9 @@ TEST_CASE("a frame at rest allocates nothing", "[plugin][game]") {
         return;
     struct CountingHost : FakeHost {
         mutable std::uint64_t own = 0;
-        void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override {
+        void queryAhead(const step::Box& box, double ahead, std::vector<step::BodyOutline>& out) const override {
             const std::uint64_t before = test::allocations();
-            FakeHost::query(box, out);
+            FakeHost::queryAhead(box, ahead, out);
             own += test::allocations() - before;
         }
     };

@@ -217,9 +217,8 @@ TEST_CASE("progress stays on one line of a terminal, with the time left") {
 
 TEST_CASE("a simulation that cannot go on is exit 3, says what and when, and keeps the last valid state") {
     const Folder folder;
-    // Far faster than sound in the shell: the shell is quarantined, which ends an experiment.
-    const std::string file =
-        folder.write("fast.json", "{ \"shell\": [ { \"velocity\": { \"x\": 1e12, \"y\": 0 } } ], \"duration\": 0.1 }");
+    // Turns by thousands of circles in the smallest step: the shell is quarantined, which ends an experiment.
+    const std::string file = folder.write("fast.json", "{ \"shell\": [ { \"spin\": 1e12 } ], \"duration\": 0.1 }");
     const CommandResult ending = start({"run", file, "--out", folder / "out", "--quiet"});
     CHECK(ending.code == 3);
     CHECK_THAT(ending.err, Contains("could not go on") && Contains("at t =") && Contains(folder / "out"));

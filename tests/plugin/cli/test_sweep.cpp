@@ -142,9 +142,9 @@ TEST_CASE("a parameter that varies with the abscissa makes no lines of its own, 
 
 TEST_CASE("runs that fail are exit 3, listed with seed and command, and do not stop the others") {
     const Folder folder;
-    // Far faster than sound in the shell: the shell is quarantined, which ends the experiment.
+    // Turns by thousands of circles in the smallest step: the shell is quarantined, which ends the experiment.
     folder.write("fast.json", R"({ "parameters": { "v": { "value": 0 } }, "duration": 0.01,
-        "shell": [ { "velocity": { "x": { "param": "v" }, "y": 0 } } ] })");
+        "shell": [ { "spin": { "param": "v" } } ] })");
     const std::string file = folder.write(
         "sweep.json",
         R"({"schema": "supercircle-sweep/1", "scene": "fast.json", "grid": {"v": [0, 1e12, 0.5]}, "seeds": [4, 6]})");

@@ -75,6 +75,7 @@ struct EnergyBalance {
         double position_correction = 0.0; ///< added by correcting penetrations and gaps of joints
         [[deprecated("use position_correction")]] double push_out;
     };
+    double injected = 0.0;  ///< part of position_correction that closing gaps brought in; grows only
     double effects = 0.0;   ///< dissipated by effects
     double to_bodies = 0.0; ///< passed to dynamic bodies of the host
     double residual = 0.0;  ///< what the terms above leave unexplained; rounding

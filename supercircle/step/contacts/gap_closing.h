@@ -1,0 +1,31 @@
+#pragma once
+// How fast a gap that a step finds may be closed: the one answer for joints, holds, rings and drift (private
+// to step/).
+//
+// A gap over the step's size is a velocity without a bound: a length that is closed within 1 us is a blow, and the
+// motion it leaves is energy that nobody put in. A gap therefore closes at no more than `speed`, whatever the size of
+// the step, and what is left is kept for the next steps. Gaps of a step's own making are far smaller than that.
+
+#include "supercircle/rod/arc.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::step {
+
+struct GapClosing {
+    double speed = 0.0; ///< m/s
+
+    /// Part of a gap (m, of either sign) that stays after `dt` s; exactly 0 where the speed is enough for all of it.
+    [[nodiscard]] double left(double gap, double dt) const {
+        return std::copysign(std::max(0.0, std::abs(gap) - speed * dt), gap);
+    }
+    [[nodiscard]] rod::Vec2 left(const rod::Vec2& gap, double dt) const {
+        const double size = gap.norm(), closed = speed * dt;
+        return size > closed ? rod::Vec2((1.0 - closed / size) * gap) : rod::Vec2(rod::Vec2::Zero());
+    }
+    /// Velocity (m/s, sign of the gap) at which it closes.
+    [[nodiscard]] double velocity(double gap, double dt) const { return std::clamp(gap / dt, -speed, speed); }
+};
+
+} // namespace supercircle::step

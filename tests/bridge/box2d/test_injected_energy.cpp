@@ -1,0 +1,183 @@
+// Corrections of joints, holds, contacts and copies add no motion, and nothing fast passes unseen.
+
+#include "bridge/box2d/include/supercircle/box2d.hpp"
+#include "plugin/api/include/supercircle/shells.hpp"
+
+#include <algorithm>
+#include <box2d/box2d.h>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace supercircle;
+
+namespace {
+
+constexpr double kFrame = 1.0 / 60.0; ///< s
+
+struct Game {
+    explicit Game(Quality quality, float gravity = -9.81F, double scale = 1.0)
+        : L(static_cast<float>(scale)), world({0.0F, L * gravity}), port(bridge::attach(world, {scale})), shells(port) {
+        shells.set_quality(quality).or_fail();
+    }
+    b2Body* box(float x, float y, float halfX, float halfY, b2BodyType type, float density) {
+        b2BodyDef d;
+        d.type = type;
+        d.position.Set(L * x, L * y);
+        b2Body* b = world.CreateBody(&d);
+        b2PolygonShape s;
+        s.SetAsBox(L * halfX, L * halfY);
+        b2FixtureDef f;
+        f.shape = &s;
+        f.density = density / (L * L);
+        f.friction = 0.6F;
+        b->CreateFixture(&f);
+        return b;
+    }
+    FrameReport frame(double dt = kFrame) {
+        const FrameReport r = shells.pre_step(dt);
+        REQUIRE(r.failure.empty());
+        CHECK(shells.events().quarantined.empty());
+        world.Step(static_cast<float>(r.advanced), 8, 3);
+        shells.post_step().or_fail();
+        return r;
+    }
+
+    float L;
+    b2World world;
+    bridge::Attachment port;
+    Shells shells;
+};
+
+ShellHandle bumper(Game& g, Point at) {
+    ShellDef d = scaled_shell(0.35, 0.4, 0.5, 60.0);
+    d.elements = 10;
+    d.angle = M_PI / 2.0;
+    d.position = at;
+    return g.shells.create(d).value();
+}
+
+void join(Game& g, ShellHandle shell, JointKind kind, double fraction, const b2Body& body) {
+    JointDef d;
+    d.kind = kind;
+    d.shell = shell;
+    d.arc_fraction = fraction;
+    d.body = g.port.body_id(body);
+    REQUIRE(g.shells.create_joint(d));
+}
+
+} // namespace
+
+TEST_CASE("a crate with a welded shell lands and stays", "[box2d][injected]") {
+    // The body leaves the floor no faster than it came: corrections close at 20 thicknesses a second.
+    for (const Quality quality : {Quality::Game, Quality::Laboratory})
+        for (const double units : {1.0, 50.0})
+            for (const int tips : {1, 2}) {
+                Game g(quality, -9.81F, units);
+                g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
+                b2Body* crate = g.box(0.0F, 1.8F, 0.5F, 0.5F, b2_dynamicBody, 20.0F);
+                const ShellHandle shell = bumper(g, {0.87, 1.8});
+                for (int i = 0; i < tips; ++i)
+                    join(g, shell, JointKind::Weld, static_cast<double>(i), *crate);
+                double highest = 0.0;
+                bool landed = false;
+                for (int i = 0; i < 90; ++i) {
+                    g.frame();
+                    const double y = static_cast<double>(crate->GetPosition().y) / units;
+                    landed = landed || y < 0.53;
+                    if (landed)
+                        highest = std::max(highest, y - 0.5);
+                }
+                CHECK(landed);
+                CHECK(highest < 0.05); // 174 m before the bound; Box2D's own skin is 0.01 m
+            }
+}
+
+TEST_CASE("a short frame is no blow", "[box2d][injected]") {
+    for (const Quality quality : {Quality::Game, Quality::Laboratory})
+        for (const JointKind kind : {JointKind::Weld, JointKind::Pin})
+            for (const double dt : {1e-3, 1e-5, 1e-7}) {
+                Game g(quality);
+                g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
+                b2Body* crate = g.box(0.0F, 1.5F, 1.4F, 0.2F, b2_dynamicBody, 40.0F);
+                join(g, bumper(g, {1.77, 1.5}), kind, 0.0, *crate);
+                double fastest = 0.0;
+                for (int i = 0; i < 45; ++i) {
+                    g.frame(i == 30 ? dt : kFrame);
+                    fastest = std::max(fastest, static_cast<double>(crate->GetLinearVelocity().Length()));
+                }
+                CHECK(fastest < 1.25 * std::sqrt(2.0 * 9.81 * 1.3)); // of the fall, and a quarter for Box2D's own
+            }
+}
+
+TEST_CASE("no body passes a shell unseen, at any speed and phase", "[box2d][injected]") {
+    // A clamped dome without gravity; judged by the body's poses from frame to frame.
+    for (const Quality quality : {Quality::Game, Quality::Laboratory})
+        for (const double hz : {30.0, 60.0})
+            for (const double speed : {5.0, 20.0, 60.0, 110.0}) // Box2D stops at 2 m a step: 120 m/s at 60 Hz
+                for (int phase = 0; phase < 5; ++phase) {
+                    Game g(quality, 0.0F);
+                    ShellDef d = scaled_shell(1.0, 2.0, 0.5);
+                    d.position = {0.0, 1.0};
+                    d.angle = M_PI;
+                    const ShellHandle dome = g.shells.create(d).value();
+                    REQUIRE(g.shells.create_clamp(dome, 0.0));
+                    REQUIRE(g.shells.create_clamp(dome, 1.0));
+                    b2BodyDef def;
+                    def.type = b2_dynamicBody;
+                    def.bullet = true;
+                    const double way = std::min(speed / hz, 2.0);
+                    def.position.Set(0.0F, static_cast<float>(2.0 + phase / 5.0 * way));
+                    b2Body* ball = g.world.CreateBody(&def);
+                    b2CircleShape circle;
+                    circle.m_radius = 0.05F;
+                    ball->CreateFixture(&circle, 10.0F);
+                    ball->SetLinearVelocity({0.0F, static_cast<float>(-speed)});
+                    bool touched = false;
+                    for (double t = 0.0; t < 3.0 / std::min(speed, 2.0 * hz) + 0.1; t += 1.0 / hz) {
+                        g.frame(1.0 / hz);
+                        touched = touched || !g.shells.events().contact_begin.empty();
+                    }
+                    CHECK(touched);
+                }
+}
+
+TEST_CASE("a joint to a body that its user has moved closes without a blow", "[box2d][injected]") {
+    for (const Quality quality : {Quality::Game, Quality::Laboratory})
+        for (const double way : {0.001, 0.007, 0.05}) {
+            Game g(quality);
+            g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
+            b2Body* crate = g.box(0.0F, 0.5F, 0.5F, 0.5F, b2_dynamicBody, 20.0F);
+            join(g, bumper(g, {0.9, 0.5}), JointKind::Weld, 0.0, *crate);
+            for (int i = 0; i < 30; ++i)
+                g.frame();
+            crate->SetTransform(crate->GetPosition() + b2Vec2(static_cast<float>(-way), 0.0F), crate->GetAngle());
+            double fastest = 0.0;
+            for (int i = 0; i < 60; ++i) {
+                g.frame();
+                fastest = std::max(fastest, static_cast<double>(crate->GetLinearVelocity().Length()));
+            }
+            CHECK(fastest < 0.5); // m/s; 20 h/s are 0.5
+        }
+}
+
+TEST_CASE("a platform that is put forward every frame carries what stands on its way", "[box2d][injected]") {
+    for (const Quality quality : {Quality::Game, Quality::Laboratory}) {
+        Game g(quality);
+        g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
+        b2Body* pusher = g.box(-2.0F, 0.5F, 0.5F, 0.5F, b2_kinematicBody, 1.0F);
+        ShellDef d = scaled_shell(0.5, 1.0, 0.5);
+        d.mu = 0.1;
+        d.angle = M_PI;
+        d.position = {0.0, 0.52};
+        const ShellHandle dome = g.shells.create(d).value();
+        for (int i = 0; i < 180; ++i) { // 1 m/s by SetTransform, its velocity stays zero
+            pusher->SetTransform({-2.0F + static_cast<float>(i) / 60.0F, 0.5F}, 0.0F);
+            g.frame();
+        }
+        const auto state = g.shells.state(dome);
+        REQUIRE(state);
+        // It moved 3 m; its face is at 1.48 m, and the shell lies before it.
+        CHECK(state->box.lower.x > 1.48 - 0.01);
+        CHECK(state->box.lower.x < 1.48 + 0.6);
+    }
+}

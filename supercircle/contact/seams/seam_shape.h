@@ -73,9 +73,17 @@ struct Moves {
 void weld(std::vector<Shape>& shapes, const std::vector<std::vector<std::uint32_t>>& near, double frame,
           const std::vector<char>& stale, std::vector<Moves>& storage);
 
-/// Normal cones of the vertices of shape i in the union.
+/// Solid directions from `from` counter-clockwise to `to`; of a two-sided segment a single one.
+struct Sector {
+    Vec2 from = Vec2::UnitX(), to = Vec2::UnitX();
+    double start = 0.0; ///< rad, in [0, 2 pi)
+    double width = 0.0; ///< rad
+    bool own = false;
+};
+
+/// Normal cones of the vertices of shape i in the union; `sectors` is storage.
 void findCones(const std::vector<Shape>& shapes, const std::vector<std::uint32_t>& near, std::size_t i, double frame,
-               std::vector<VertexSeam>& out);
+               std::vector<Sector>& sectors, std::vector<VertexSeam>& out);
 
 /// Stretches of the faces of shape i inside others.
 void findHidden(const std::vector<Shape>& shapes, const std::vector<std::uint32_t>& near, std::size_t i, double frame,

@@ -114,6 +114,7 @@ struct SeamJoiner::Impl {
     std::vector<std::uint32_t> order;
     std::vector<double> thickness;
     std::vector<seam::Moves> moves;
+    std::vector<seam::Sector> sectors;
     Front front;
 
     bool matchKnown(const std::vector<SeamPiece>& pieces);
@@ -176,7 +177,7 @@ void SeamJoiner::Impl::renew(const std::vector<SeamPiece>& pieces, double frame)
         r.moved = !(r.points == pieces[i].outline.points);
         if (near[i].empty() || pieces[i].thickness <= 0.0)
             continue;
-        seam::findCones(shapes, near[i], i, frame, r.seams.vertices);
+        seam::findCones(shapes, near[i], i, frame, sectors, r.seams.vertices);
         seam::findHidden(shapes, near[i], i, frame, r.seams.hidden);
         if (std::all_of(r.seams.vertices.begin(), r.seams.vertices.end(),
                         [](const VertexSeam& v) { return v.role == VertexRole::Alone; }))

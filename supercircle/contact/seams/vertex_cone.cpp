@@ -13,14 +13,6 @@ namespace {
 constexpr double kCrack = 0.1;    ///< rad, free sector up to which a vertex counts as covered all round
 constexpr double kValley = 0.785; ///< rad, concave turn from which a vertex is left as it is
 
-/// Solid directions from `from` counter-clockwise to `to`; of a two-sided segment a single one.
-struct Sector {
-    Vec2 from = Vec2::UnitX(), to = Vec2::UnitX();
-    double start = 0.0; ///< rad, in [0, 2 pi)
-    double width = 0.0; ///< rad
-    bool own = false;
-};
-
 double angleFrom(const Vec2& a, const Vec2& b) {
     const double turn = std::atan2(rod::cross(a, b), a.dot(b));
     return turn < 0.0 ? turn + 2.0 * M_PI : turn;
@@ -180,10 +172,9 @@ double widestFree(std::vector<Sector>& sectors, std::size_t& after, std::size_t&
 } // namespace
 
 void findCones(const std::vector<Shape>& shapes, const std::vector<std::uint32_t>& near, std::size_t i, double frame,
-               std::vector<VertexSeam>& out) {
+               std::vector<Sector>& sectors, std::vector<VertexSeam>& out) {
     const Shape& shape = shapes[i];
     out.assign(shape.points.size(), {});
-    std::vector<Sector> sectors;
     for (std::size_t k = 0; k < shape.points.size(); ++k) {
         if (!shape.hasCorner(k))
             continue;

@@ -68,10 +68,10 @@ struct SnapEndEvent {
     double kinetic_peak = 0.0;    ///< largest kinetic energy of the shell during the snap, J
 };
 
-/// A shell is taken out of the motion. Its coordinates were not finite, or the smallest step would curl an element up to
-/// more than a circle, or make its centre line cross something. (Causes are shells created deep inside each other and
-/// bodies created inside a shell.) It stays in its last accepted place and neither moves nor collides. It can be queried
-/// and destroyed; teleport returns it to the motion.
+/// A shell is taken out of the motion. Its coordinates were not finite, or the smallest step would curl an element up
+/// to more than a circle, or make its centre line cross something. (Causes are shells created deep inside each other
+/// and bodies created inside a shell.) It stays in its last accepted place and neither moves nor collides. It can be
+/// queried and destroyed; teleport returns it to the motion.
 struct QuarantineEvent {
     double time = 0.0; ///< end of the frame in which it happened, s
     ShellHandle shell{};

@@ -8,6 +8,7 @@
 #include "bridge/box2d/body_registry.h"
 #include "bridge/box2d/build.h"
 #include "bridge/box2d/constraints.h"
+#include "bridge/box2d/outline_query.h"
 #include "bridge/box2d/outlines.h"
 #include "bridge/box2d/rigid_check.h"
 #include "bridge/box2d/units.h"
@@ -16,6 +17,7 @@
 #include <box2d/box2d.h>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -60,60 +62,6 @@ bool fits(const Vec2& v, double scale) {
 
 bool fitsFloat(double v) {
     return std::abs(v) < 1e30;
-}
-
-struct Hit {
-    b2Body* body = nullptr;
-    const b2Fixture* fixture = nullptr;
-    int32 child = 0;
-};
-
-struct OutlineQuery {
-    const b2BroadPhase* broadPhase = nullptr;
-    b2AABB box{};
-    std::vector<Hit> hits;
-
-    bool QueryCallback(int32 proxyId) {
-        auto* proxy = static_cast<b2FixtureProxy*>(broadPhase->GetUserData(proxyId));
-        if (!isSolid(*proxy->fixture))
-            return true;
-        b2AABB exact; // the tree's own boxes are fattened
-        b2Body* body = proxy->fixture->GetBody();
-        proxy->fixture->GetShape()->ComputeAABB(&exact, body->GetTransform(), proxy->childIndex);
-        if (b2TestOverlap(exact, box))
-            hits.push_back({body, proxy->fixture, proxy->childIndex});
-        return true;
-    }
-};
-
-void appendSolids(b2Body& body, std::vector<Hit>& hits) {
-    for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext())
-        for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child)
-            hits.push_back({&body, f, child});
-}
-
-/// Whether a body meets the region within `ahead` s. Its way and turn are at most what Box2D lets a body do in
-/// one step; what its constraints and its user do to it within the step is not foreseen.
-bool meets(const b2Body& body, double ahead, const b2Vec2& gravity, const b2AABB& region) {
-    const float t = static_cast<float>(ahead);
-    const b2Vec2 fall = body.GetType() == b2_dynamicBody ? body.GetGravityScale() * gravity : b2Vec2_zero;
-    const bool moves = body.IsAwake();
-    b2Vec2 way = moves ? t * (body.GetLinearVelocity() + t * fall) : b2Vec2_zero;
-    if (const float length = way.Length(); length > b2_maxTranslation)
-        way *= b2_maxTranslation / length;
-    const float turn = moves ? std::min(std::abs(t * body.GetAngularVelocity()), b2_maxRotation) : 0.0f;
-    for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext())
-        for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child) {
-            b2AABB box;
-            f->GetShape()->ComputeAABB(&box, body.GetTransform(), child);
-            const b2Vec2 corner = b2Abs(box.GetCenter() - body.GetWorldCenter()) + box.GetExtents();
-            const float swing = turn * corner.Length();
-            box.lowerBound += b2Min(way, b2Vec2_zero) - b2Vec2(swing, swing);
-            box.upperBound += b2Max(way, b2Vec2_zero) + b2Vec2(swing, swing);
-            if (b2TestOverlap(box, region))
-                return true;
-        }
-    return false;
 }
 
 } // namespace
@@ -198,50 +146,20 @@ struct Box2dPort::Impl {
         }
     }
 
-    /// All solid pieces of enabled bodies; within `box` if there is one.
-    void listAll(const b2AABB* box, std::vector<Hit>& hits) const {
-        for (b2Body* b = world->GetBodyList(); b != nullptr; b = b->GetNext()) {
-            for (const b2Fixture* f = b->GetFixtureList(); f != nullptr && b->IsEnabled(); f = f->GetNext()) {
-                for (int32 child = 0; isSolid(*f) && child < f->GetShape()->GetChildCount(); ++child) {
-                    b2AABB own;
-                    f->GetShape()->ComputeAABB(&own, b->GetTransform(), child);
-                    if (box == nullptr || b2TestOverlap(own, *box))
-                        hits.push_back({b, f, child});
-                }
-            }
-        }
-    }
-
-    /// Box2D's tree loses pieces below a box that is not finite.
-    [[nodiscard]] bool treeIsSound() const {
-        for (const b2Body* b = world->GetBodyList(); b != nullptr; b = b->GetNext())
-            if (!b->GetPosition().IsValid() || !std::isfinite(b->GetAngle()))
-                return false;
-        return true;
-    }
-
-    /// Outlines in a box as they are now; null if there is no such box.
-    OutlineQuery* find(const Box& box) {
+    /// The box in host units; null if there is no such box.
+    std::optional<b2AABB> hostBox(const Box& box) {
         sync(true);
-        if (!fits(box.lower, scale) || !fits(box.upper, scale)) {
-            recordError("query: the box is not finite or too far away");
-            return nullptr;
-        }
-        outlineQuery.hits.clear();
-        outlineQuery.broadPhase = &world->GetContactManager().m_broadPhase;
-        outlineQuery.box = {toHost(box.lower, scale), toHost(box.upper, scale)};
-        if (treeIsSound())
-            outlineQuery.broadPhase->Query(&outlineQuery, outlineQuery.box);
-        else
-            listAll(&outlineQuery.box, outlineQuery.hits);
-        return &outlineQuery;
+        if (fits(box.lower, scale) && fits(box.upper, scale))
+            return b2AABB{toHost(box.lower, scale), toHost(box.upper, scale)};
+        recordError("query: the box is not finite or too far away");
+        return std::nullopt;
     }
 
-    void noteRestitution(const std::vector<Hit>& hits) {
+    void noteRestitution(const std::vector<Piece>& pieces) {
         if (restitutionNoted)
             return;
-        for (const Hit& h : hits)
-            if (h.fixture->GetRestitution() > 0.0F) {
+        for (const Piece& p : pieces)
+            if (p.fixture->GetRestitution() > 0.0F) {
                 restitutionNoted = true;
                 note = "restitution of fixtures is ignored by shells: how high a shell bounces follows from its own "
                        "elasticity (docs/how-to/rigid_bodies_and_limits.md)";
@@ -249,29 +167,22 @@ struct Box2dPort::Impl {
             }
     }
 
-    /// Appends the hits in the order (body id, key).
-    void append(const std::vector<Hit>& hits, std::vector<BodyOutline>& out) const {
+    /// Appends the pieces in the order (body id, key).
+    void append(const std::vector<Piece>& pieces, std::vector<BodyOutline>& out) {
+        noteRestitution(pieces);
         const std::size_t first = out.size();
-        for (const Hit& h : hits) {
+        for (const Piece& p : pieces) {
             BodyOutline o;
-            o.local = outlineOf(*h.fixture, h.child, scale, key(h));
-            o.body = registry.id(h.body);
-            o.friction = static_cast<double>(h.fixture->GetFriction());
-            o.fixture = fixtureNumber(*h.fixture);
+            o.local = outlineOf(*p.fixture, p.child, scale, p.key());
+            o.body = registry.id(p.body);
+            o.friction = static_cast<double>(p.fixture->GetFriction());
+            o.fixture = fixtureNumber(*p.fixture);
             out.push_back(std::move(o));
         }
         std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                   [](const BodyOutline& a, const BodyOutline& b) {
                       return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
                   });
-    }
-
-    /// Counts children from the body's oldest fixture, so that fixtures added later change no key.
-    static std::uint32_t key(const Hit& h) {
-        std::uint32_t older = 0;
-        for (const b2Fixture* f = h.fixture->GetNext(); f != nullptr; f = f->GetNext()) // newest first
-            older += static_cast<std::uint32_t>(f->GetShape()->GetChildCount());
-        return older + static_cast<std::uint32_t>(h.child);
     }
 };
 
@@ -294,30 +205,18 @@ double Box2dPort::unitsPerMetre() const {
 }
 
 void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
-    OutlineQuery* q = impl_->find(box);
-    if (q == nullptr)
-        return;
-    impl_->noteRestitution(q->hits);
-    impl_->append(q->hits, out);
+    if (const auto host = impl_->hostBox(box))
+        impl_->append(impl_->outlineQuery.now(*impl_->world, *host), out);
 }
 
 void Box2dPort::queryAhead(const Box& box, double ahead, std::vector<BodyOutline>& out) const {
-    OutlineQuery* q = impl_->find(box);
-    if (q == nullptr)
-        return;
-    std::erase_if(q->hits, [](const Hit& h) { return h.body->GetType() != b2_staticBody; }); // they follow, whole
-    for (b2Body* b = impl_->world->GetBodyList(); b != nullptr; b = b->GetNext())
-        if (b->GetType() != b2_staticBody && b->IsEnabled() && meets(*b, ahead, impl_->world->GetGravity(), q->box))
-            appendSolids(*b, q->hits);
-    impl_->noteRestitution(q->hits);
-    impl_->append(q->hits, out);
+    if (const auto host = impl_->hostBox(box))
+        impl_->append(impl_->outlineQuery.ahead(*impl_->world, *host, ahead), out);
 }
 
 void Box2dPort::everything(std::vector<BodyOutline>& out) const {
     impl_->sync(true);
-    std::vector<Hit> hits;
-    impl_->listAll(nullptr, hits);
-    impl_->append(hits, out);
+    impl_->append(impl_->outlineQuery.all(*impl_->world), out);
 }
 
 bool Box2dPort::state(BodyId body, BodyState& out) const {

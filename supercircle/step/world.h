@@ -118,7 +118,7 @@ struct Settings {
     double margin = 0.2;             ///< h, speculative contact margin beyond the motion bound
     double relinearise = 0.001;      ///< h, gap error of a loaded contact that asks for another linearisation
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
-    double recovery = 20.0;          ///< h/s, at which shells that were put into each other are parted
+    double recovery = 20.0;          ///< h/s, at which gaps of joints close and shells put into each other part
     int maxIterations = 4;           ///< linearisations per step
     coulomb::SolverOptions contact;
     int threads = 1;

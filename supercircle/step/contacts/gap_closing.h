@@ -24,8 +24,6 @@ struct GapClosing {
         const double size = gap.norm(), closed = speed * dt;
         return size > closed ? rod::Vec2((1.0 - closed / size) * gap) : rod::Vec2(rod::Vec2::Zero());
     }
-    /// Velocity (m/s, sign of the gap) at which it closes.
-    [[nodiscard]] double velocity(double gap, double dt) const { return std::clamp(gap / dt, -speed, speed); }
 };
 
 } // namespace supercircle::step

@@ -12,15 +12,6 @@ namespace {
 
 constexpr double kLeave = 0.02; ///< h, difference of place that is left to the drift
 
-double farthestPoint(const World& world, const Body& b) {
-    double reach = 0.0;
-    for (const BodyOutline& o : world.outlines)
-        if (o.body == b.id)
-            for (const Vec2& p : o.local.points)
-                reach = std::max(reach, p.norm() + o.local.radius);
-    return reach;
-}
-
 /// Depth of overlap with the shells per outline, m.
 void depths(const std::vector<contact::RodCurve>& curves, const std::vector<contact::Outline>& outlines,
             HostCouplingWork& work, std::vector<double>& depth) {
@@ -85,6 +76,15 @@ bool solvedThroughout(const Body& b, double advanced) {
 
 } // namespace
 
+double farthestPoint(const std::vector<BodyOutline>& outlines, BodyId body) {
+    double reach = 0.0;
+    for (const BodyOutline& o : outlines)
+        if (o.body == body)
+            for (const Vec2& p : o.local.points)
+                reach = std::max(reach, p.norm() + o.local.radius);
+    return reach;
+}
+
 void unsolvedByHost(const World& world, const Port& port, double advanced, HostCouplingWork& work) {
     std::vector<BodyMotion>& out = work.unsolved;
     out.assign(world.bodies.size(), {});
@@ -144,13 +144,13 @@ void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork&
         const double h = b.thicknessNear;
         const Vec2 astray = advanced * unsolved[i].velocity;
         const double turned = advanced * unsolved[i].spin;
-        if (astray.norm() + std::abs(turned) * farthestPoint(world, b) > 0.1 * kLeave * h) {
+        if (astray.norm() + std::abs(turned) * farthestPoint(world.outlines, b.id) > 0.1 * kLeave * h) {
             port.place(b.id, b.hostCoupling.seen.centre - astray, b.hostCoupling.seen.angle - turned);
             (void)port.state(b.id, b.hostCoupling.seen); // it answered in this frame
         }
         const BodyState& seen = b.hostCoupling.seen;
-        const double off =
-            (seen.centre - b.state.centre).norm() + std::abs(seen.angle - b.state.angle) * farthestPoint(world, b);
+        const double off = (seen.centre - b.state.centre).norm() +
+                           std::abs(seen.angle - b.state.angle) * farthestPoint(world.outlines, b.id);
         if (off > kLeave * h)
             suspects.push_back(static_cast<int>(i));
     }

@@ -53,6 +53,9 @@ struct HostCouplingWork {
     std::vector<contact::Crossing> crossings;
 };
 
+/// Distance of a body's farthest point from its centre of mass, m.
+double farthestPoint(const std::vector<BodyOutline>& outlines, BodyId body);
+
 /// Part of each body's velocity after the host's step that is no more than the host's solver stopping early: the
 /// difference between its impulses and ours on the same constraints (m/s, rad/s): HostCouplingWork::unsolved.
 void unsolvedByHost(const World& world, const Port& port, double advanced, HostCouplingWork& work);

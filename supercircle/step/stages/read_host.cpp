@@ -133,15 +133,6 @@ void unique(std::vector<BodyId>& ids) {
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-double farthestPoint(const std::vector<BodyOutline>& outlines, BodyId body) {
-    double reach = 0.0;
-    for (const BodyOutline& o : outlines)
-        if (o.body == body)
-            for (const Vec2& p : o.local.points)
-                reach = std::max(reach, p.norm() + o.local.radius);
-    return reach;
-}
-
 /// The bodies `reading.ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about
 /// them. Those with numbers that are not finite are refused.
 void readBodies(const World& world, const Port& port, const Settings& settings, double frame, HostReading& reading) {

@@ -14,8 +14,7 @@ TEST_CASE("a gap closes at its speed at most, whatever the step", "[step]") {
             for (const double sign : {1.0, -1.0}) {
                 const double left = closing.left(sign * gap, dt);
                 CHECK(std::abs(sign * gap - left) <= 0.02 * dt + 1e-15 * gap); // rounding
-                CHECK(std::abs(closing.velocity(sign * gap, dt)) <= 0.02 * (1.0 + 1e-15));
-                CHECK(left * sign >= 0.0); // it never overshoots
+                CHECK(left * sign >= 0.0);                                     // it never overshoots
                 if (gap <= 0.02 * dt)
                     CHECK(left == 0.0); // all of it: a gap of the step's own making
                 const Vec2 direction(0.6, -0.8), rest = closing.left(Vec2(sign * gap * direction), dt);

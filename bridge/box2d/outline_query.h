@@ -1,0 +1,37 @@
+#pragma once
+// Which pieces of which bodies lie in a box, now or within the coming step.
+
+#include <box2d/box2d.h>
+#include <cstdint>
+#include <vector>
+
+namespace supercircle::bridge {
+
+/// Child `child` of a fixture that is solid to shells.
+struct Piece {
+    b2Body* body = nullptr;
+    const b2Fixture* fixture = nullptr;
+    int32 child = 0;
+
+    /// Counts children from the body's oldest fixture, so that fixtures added later change no key.
+    [[nodiscard]] std::uint32_t key() const;
+};
+
+/// Keeps its storage between queries. Only enabled bodies are found.
+class OutlineQuery {
+public:
+    /// Pieces that meet `box` (host units) now.
+    const std::vector<Piece>& now(b2World& world, const b2AABB& box);
+    /// The same, with all pieces of each body that may move and gets into the box within `ahead` s by its own velocity.
+    const std::vector<Piece>& ahead(b2World& world, const b2AABB& box, double ahead);
+    const std::vector<Piece>& all(b2World& world);
+
+    bool QueryCallback(int32 proxyId); // called by Box2D
+
+private:
+    const b2BroadPhase* broadPhase_ = nullptr;
+    b2AABB box_{};
+    std::vector<Piece> found_;
+};
+
+} // namespace supercircle::bridge

@@ -1,5 +1,7 @@
 #include "plugin/api/snapshot_fields.h"
 
+#include "supercircle/support/failure.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,11 +55,29 @@ void EventDetector::begin(const step::World& world) {
     events.snap_end.clear();
     events.quarantined.clear();
     pairImpulses_.clear();
+    std::erase_if(state.pairs, [&](const ContactPairState& t) { // shells that are gone
+        const bool gone = step::rodIndex(world, t.pair.a) < 0 || (t.pair.b != 0 && step::rodIndex(world, t.pair.b) < 0);
+        if (gone)
+            events.contact_end.push_back({world.time, t.last});
+        return gone;
+    });
+    matchSnaps(world);
     recordStart(world);
 }
 
+void EventDetector::keep() {
+    keptState_ = state;
+    keptEvents_ = events;
+}
+
+void EventDetector::forget() {
+    state = keptState_;
+    events = keptEvents_;
+    pairImpulses_.clear();
+}
+
 void EventDetector::recordStart(const step::World& world) {
-    velocities_.resize(world.rods.size());
+    velocities_.resize(std::max(velocities_.size(), world.rods.size())); // islands follow each other: keeps the storage
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         velocities_[i] = world.rods[i].v;
     bodies_.resize(world.bodies.size());
@@ -102,7 +122,7 @@ const contact::Candidate& EventDetector::atEnd(const step::World& world, const c
 
 double EventDetector::approachSpeed(const step::World& world, const contact::Candidate& c) const {
     const auto ia = static_cast<std::size_t>(c.a.rod);
-    if (velocities_.size() != world.rods.size())
+    if (velocities_.size() < world.rods.size())
         return 0.0;
     Vec2 u = velocityAt(world.rods[ia], c.a, c.pointA, velocities_[ia]);
     if (c.b.rod >= 0) {
@@ -181,7 +201,8 @@ void EventDetector::findSeparations(const step::World& world) {
     unloaded_.clear(); // sorted, as `pairs` is
     for (const ContactPairState& t : state.pairs)
         if (!std::binary_search(activeContacts_.begin(), activeContacts_.end(), ActiveContact{t.pair, 0, 0.0, 0.0},
-                                before))
+                                before) &&
+            step::rodIndex(world, t.pair.a) >= 0)
             unloaded_.push_back({t.pair, sleeps(t.pair.a) && (t.pair.b == 0 || sleeps(t.pair.b))});
     if (unloaded_.empty())
         return;
@@ -204,7 +225,8 @@ void EventDetector::findSeparations(const step::World& world) {
     });
 }
 
-void EventDetector::updateSnaps(const step::World& world, const HandleOf& handleOf) {
+/// One state a rod, in the order of the rods.
+void EventDetector::matchSnaps(const step::World& world) {
     std::vector<SnapState>& snaps = state.snaps;
     const bool known = std::equal(snaps.begin(), snaps.end(), world.rods.begin(), world.rods.end(),
                                   [](const SnapState& s, const step::Rod& r) { return s.key == r.key; });
@@ -219,8 +241,18 @@ void EventDetector::updateSnaps(const step::World& world, const HandleOf& handle
         }
         snaps = std::move(now);
     }
+    snapOf_.clear();
     for (std::size_t i = 0; i < snaps.size(); ++i)
-        sampleEnergy(snaps[i], world.rods[i], world.time, handleOf);
+        snapOf_.emplace_back(snaps[i].key, i);
+    std::sort(snapOf_.begin(), snapOf_.end());
+}
+
+void EventDetector::updateSnaps(const step::World& world, const HandleOf& handleOf) {
+    for (const step::Rod& r : world.rods) {
+        const auto it = std::lower_bound(snapOf_.begin(), snapOf_.end(), std::pair{r.key, std::size_t{0}});
+        SC_ASSERT(it != snapOf_.end() && it->first == r.key, "one state a rod");
+        sampleEnergy(state.snaps[it->second], r, world.time, handleOf);
+    }
 }
 
 void EventDetector::sampleEnergy(SnapState& s, const step::Rod& rod, double time, const HandleOf& handleOf) {

@@ -61,8 +61,12 @@ public:
 
     /// Before the frame's first step.
     void begin(const step::World& world);
-    /// After each accepted step, before the observer is called.
+    /// After each accepted step, before the observer is called. `world` may be an island, which the pairs and snaps of
+    /// other shells are left out of.
     void afterStep(const step::World& world, const step::Stepper& stepper, const HandleOf& handleOf);
+    /// Keeps all that was detected, until forget() goes back to it.
+    void keep();
+    void forget();
     /// After the frame's last step.
     void end(const step::World& world, const HandleOf& handleOf);
     /// Records the velocities at the start of the next step.
@@ -86,6 +90,7 @@ private:
     void findSeparations(const step::World& world);
     void addImpulse(const ContactPoint& at, const ContactPair& pair, double time, double normal, double tangent,
                     double dt);
+    void matchSnaps(const step::World& world);
     void updateSnaps(const step::World& world, const HandleOf& handleOf);
     void sampleEnergy(SnapState& s, const step::Rod& rod, double time, const HandleOf& handleOf);
     [[nodiscard]] const contact::Candidate& atEnd(const step::World& world, const contact::Candidate& c) const;
@@ -94,10 +99,13 @@ private:
     std::vector<ActiveContact> activeContacts_;               ///< of this step, sorted by pair
     std::vector<std::pair<std::uint64_t, std::size_t>> byId_; ///< candidates after the step, sorted
     std::vector<PairImpulse> pairImpulses_;
-    std::vector<Eigen::VectorXd> velocities_;            ///< of the rods before the step
-    std::vector<std::uint32_t> quarantinedNow_;          ///< keys
-    std::vector<step::BodyState> bodies_;                ///< before the step
-    std::vector<std::pair<ContactPair, bool>> unloaded_; ///< pairs without force; still within the gap?
+    std::vector<Eigen::VectorXd> velocities_;                   ///< of the rods before the step
+    std::vector<std::uint32_t> quarantinedNow_;                 ///< keys
+    std::vector<step::BodyState> bodies_;                       ///< before the step
+    std::vector<std::pair<ContactPair, bool>> unloaded_;        ///< pairs without force; still within the gap?
+    std::vector<std::pair<std::uint32_t, std::size_t>> snapOf_; ///< key of a rod, index of its SnapState, sorted
+    EventDetectorState keptState_;
+    FrameEvents keptEvents_;
 };
 
 } // namespace supercircle

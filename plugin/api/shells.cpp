@@ -150,6 +150,39 @@ Point Shells::crosshead_force() const {
     return {f.x(), f.y()};
 }
 
+namespace {
+
+/// Detects events in the steps of a frame, and calls the user's observer.
+class FrameWatch : public step::FrameObserver {
+public:
+    FrameWatch(EventDetector& detector, const step::Stepper& stepper, EventDetector::HandleOf handleOf,
+               std::function<bool()> observer)
+        : detector_(detector), stepper_(stepper), handleOf_(std::move(handleOf)), observer_(std::move(observer)) {}
+
+    /// An observer may ask about any shell.
+    [[nodiscard]] bool wantsWholeWorld() const override { return static_cast<bool>(observer_); }
+    void beginIslands() override { detector_.keep(); }
+    void beginAgain() override { detector_.forget(); }
+    void begin(const step::World& stepped) override { detector_.recordStart(stepped); }
+    bool afterStep(const step::World& stepped) override {
+        ++steps;
+        detector_.afterStep(stepped, stepper_, handleOf_);
+        const bool stop = observer_ && observer_();
+        detector_.recordStart(stepped);
+        return stop;
+    }
+
+    std::uint64_t steps = 0;
+
+private:
+    EventDetector& detector_;
+    const step::Stepper& stepper_;
+    EventDetector::HandleOf handleOf_;
+    std::function<bool()> observer_; ///< does not throw
+};
+
+} // namespace
+
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     FrameReport report;
     const std::shared_ptr<Impl> kept = impl_; // the observer may move this object
@@ -162,7 +195,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         m.advanced = 0.0;
         m.detector.events = {};
         m.recorder.record(Call::PreStep, dt);
-        m.recorder.record(Call::FrameEnd, std::uint64_t{0}, false);
+        m.recorder.record(Call::FrameEnd, std::uint64_t{0}, false, false);
         return report;
     }
     if (!(dt >= kShortest) || !std::isfinite(dt)) {
@@ -184,36 +217,35 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     const double start = m.world.time;
     std::uint64_t inner = 0; // steps
     std::string thrown;
-    const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
     const Status ended = Impl::withoutExceptions([&] {
         const Lock lock(m.stepping);
         m.recordStart();
         m.detector.begin(m.world);
-        const auto observe = [&](const step::World& world) {
-            ++inner;
-            m.detector.afterStep(world, m.stepper, handleOf);
-            // An observer that throws ends the frame regularly: the host still gets the impulses of this frame.
-            const auto stop = Impl::withoutExceptions([&] { return Result<bool>(observer && observer()); });
-            m.detector.recordStart(world);
+        // An observer that throws ends the frame regularly: the host still gets the impulses of this frame.
+        const auto guarded = [&] {
+            const auto stop = Impl::withoutExceptions([&] { return Result<bool>(observer()); });
             if (!stop)
                 thrown = stop.error();
             return !stop || *stop;
         };
-        const step::FrameResult out = // by reference: std::function would allocate for a copy
-            m.stepper.advance(m.world, dt, m.port.get(), std::cref(observe));
+        FrameWatch watch( // by reference: std::function would allocate for a copy
+            m.detector, m.stepper, [&m](std::uint32_t key) { return m.handleOf(key); },
+            observer ? std::function<bool()>(std::cref(guarded)) : nullptr);
+        const step::FrameResult out = m.stepper.advance(m.world, dt, m.port.get(), watch);
+        inner = watch.steps;
         report.stopped = out.stopped;
         report.budget_exhausted = out.budgetExhausted;
         report.refused = out.refused;
         if (m.port)
             report.note = m.port->takeNote();
         report.failure = out.failure.empty() ? thrown : out.failure;
-        m.detector.end(m.world, handleOf);
+        m.detector.end(m.world, [&m](std::uint32_t key) { return m.handleOf(key); });
         return done();
     });
     if (!ended)
         report.failure = ended.error();
     m.recorder.record(Call::PreStep, dt); // both here: a log taken by the observer has no unfinished frame
-    m.recorder.record(Call::FrameEnd, inner, report.stopped);
+    m.recorder.record(Call::FrameEnd, inner, report.stopped, static_cast<bool>(observer));
     report.advanced = m.world.time - start;
     m.advanced = report.advanced;
     SC_ASSERT(m.world.counters.steps >= before.steps && m.world.counters.unconverged >= before.unconverged,

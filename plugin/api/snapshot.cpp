@@ -60,8 +60,8 @@ Result<std::size_t> unwrap(const FileKind& kind, const std::vector<std::uint8_t>
 
 namespace {
 
-constexpr archive::FileKind kStateKind{"SCSTATE ", 7};
-constexpr archive::FileKind kLogKind{"SCCALLS ", 1};
+constexpr archive::FileKind kStateKind{"SCSTATE ", 8};
+constexpr archive::FileKind kLogKind{"SCCALLS ", 2};
 
 /// Checks the consistency of a state whose fields could all be read.
 Status checkConsistency(const archive::State& s) {

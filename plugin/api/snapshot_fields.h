@@ -186,9 +186,9 @@ void io(Ar& ar, Is<EffectTarget> auto& t) {
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
-           mouseJoints, width, material, group, island, stillTime, stillReference, effects] = r;
+           mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext] = r;
     ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, mouseJoints, width,
-       material, group, island, stillTime, stillReference);
+       material, group, island, stillTime, stillReference, dtNext);
     ioEffects(ar, model, effects);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();

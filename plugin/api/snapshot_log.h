@@ -17,7 +17,7 @@ enum class Call : std::uint8_t {
     AttachToCrosshead = 5,
     SetCrossheadVelocity = 6,
     PreStep = 7,
-    FrameEnd = 8, ///< follows PreStep: number of inner steps, stopped by the observer
+    FrameEnd = 8, ///< follows PreStep: number of inner steps, stopped by the observer, whether there was one
     PostStep = 9,
     SetName = 10,
     SetUserData = 11,

@@ -233,11 +233,13 @@ private:
     void frame(const std::vector<Record>& records, std::size_t first) {
         double dt = 0.0;
         std::uint64_t steps = 0, seen = 0;
-        bool stopped = false;
+        bool stopped = false, observed = false;
         if (first + 1 >= records.size() || records[first + 1].call != Call::FrameEnd)
             fault_ = "the frame has no end";
-        else if (read(records[first], dt) && read(records[first + 1], steps, stopped))
-            advanced_ = shells_.pre_step(dt, [&] { return ++seen == steps && stopped; }).advanced;
+        else if (read(records[first], dt) && read(records[first + 1], steps, stopped, observed))
+            advanced_ =
+                (observed ? shells_.pre_step(dt, [&] { return ++seen == steps && stopped; }) : shells_.pre_step(dt))
+                    .advanced;
     }
 
     void postStep() {

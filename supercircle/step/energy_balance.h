@@ -29,6 +29,14 @@ struct InjectedEnergy {
     double rolling = 0.0; ///< contact forces whose points roll
 
     [[nodiscard]] double sum() const { return contact + link + hold + drift + rolling; }
+    InjectedEnergy& operator+=(const InjectedEnergy& o) {
+        contact += o.contact;
+        link += o.link;
+        hold += o.hold;
+        drift += o.drift;
+        rolling += o.rolling;
+        return *this;
+    }
 };
 
 struct EnergyBalance {
@@ -49,6 +57,22 @@ struct EnergyBalance {
     void addDrift(double energy) {
         positionCorrection -= energy;
         injected.drift += std::max(0.0, energy);
+    }
+    /// Takes in the balance of a part of the world, or of a later time.
+    EnergyBalance& operator+=(const EnergyBalance& o) {
+        kinetic += o.kinetic;
+        bending += o.bending;
+        gravity += o.gravity;
+        added += o.added;
+        work += o.work;
+        friction += o.friction;
+        impact += o.impact;
+        numerical += o.numerical;
+        positionCorrection += o.positionCorrection;
+        injected += o.injected;
+        effects += o.effects;
+        toBodies += o.toBodies;
+        return *this;
     }
     /// Lost by moving along normals, J.
     [[nodiscard]] double lostToCorrection() const { return positionCorrection + injected.sum(); }

@@ -6,12 +6,13 @@
 
 namespace supercircle::step {
 
-void beginFrame(World& world, const Settings& s, double frame, Port* port, HostReading& reading, StageTimes& times) {
+void beginFrame(World& world, const Settings& s, double frame, Port* port, bool nearOnly, HostReading& reading,
+                StageTimes& times) {
     timed(times, Stage::Check, [&] { checkNumbers(world); }); // q, v are numbers
     if (port)
         timed(times, Stage::ReadHost,
-              [&] { readHost(world, *port, s, frame, reading); }); // bodies and outlines near by
-    timed(times, Stage::Drive, [&] { drive(world, frame); });      // velocities and paths that are given
+              [&] { readHost(world, *port, s, frame, nearOnly, reading); }); // bodies and outlines near by
+    timed(times, Stage::Drive, [&] { drive(world, frame); });                // velocities and paths that are given
 }
 
 /// Changes nothing of the world: what it finds is in `t`, and whether it may stand in t.result.reason.

@@ -4,6 +4,7 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
+#include "supercircle/step/islands/island.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/fingerprint.h"
 #include "supercircle/step/stages/frame_budget.h"
@@ -97,26 +98,46 @@ std::string whyNot(const TrialStep& t) {
     return t.result.crossings.empty() ? "" : "shells would cross even at the smallest step";
 }
 
+/// A function as an observer of whole worlds; an empty one watches nothing.
+class FunctionObserver : public FrameObserver {
+public:
+    explicit FunctionObserver(const std::function<bool(const World&)>& function) : function_(function) {}
+    [[nodiscard]] bool wantsWholeWorld() const override { return static_cast<bool>(function_); }
+    bool afterStep(const World& stepped) override { return function_ && function_(stepped); }
+
+private:
+    const std::function<bool(const World&)>& function_;
+};
+
+/// Islands cannot be told apart where the machine, one list of energies or a given step serves all shells.
+bool indivisible(const World& world, const Settings& settings) {
+    return settings.fixedDt > 0.0 || !world.crossheadBodies.empty() || !world.crossheadVelocity.isZero(0.0) ||
+           std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) {
+               return r.effects.surface.model.compliant() ||
+                      std::any_of(r.holds.begin(), r.holds.end(), [](const Hold& h) { return h.onCrosshead; });
+           });
+}
+
 } // namespace
 
 Stepper::Stepper(Settings settings) : settings_(settings), work_(std::make_unique<Work>()) {}
 Stepper::~Stepper() = default;
 
 const coulomb::Problem& Stepper::lastProblem() const {
-    return work_->trial.stage.problem;
+    return work_->last->stage.problem;
 }
 const std::vector<contact::Candidate>& Stepper::lastCandidates() const {
-    return work_->trial.stage.candidates;
+    return work_->last->stage.candidates;
 }
 const Eigen::VectorXd& Stepper::lastImpulses() const {
-    return work_->trial.stage.r;
+    return work_->last->stage.r;
 }
 double Stepper::lastDt() const {
     return work_->lastDt;
 }
 
 void Stepper::readHost(World& world, const Port& port, double frame) const {
-    step::readHost(world, port, settings_, frame, work_->reading);
+    step::readHost(world, port, settings_, frame, false, work_->reading);
 }
 
 void Stepper::learnFromHost(World& world, Port& port, double advanced) const {
@@ -125,33 +146,29 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) const {
 
 /// Why the trial must not become the next state; `cuts` in a row so far. An unconverged contact problem is tried at
 /// half the size twice before it is taken as it is and counted.
-Reason Stepper::rejection(int cuts) const {
-    const TrialStep& t = work_->trial;
+Reason Stepper::rejection(const TrialStep& t, int cuts) const {
     if (t.result.reason != Reason::None)
         return t.result.reason;
     const bool taken = t.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
     return taken ? Reason::None : Reason::Unconverged;
 }
 
-FrameResult Stepper::advance(World& world, double frame, Port* port,
-                             const std::function<bool(const World&)>& observer) {
+/// Steps a part through the frame.
+FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObserver& observer) {
     FrameResult out;
-    if (!(frame > 0.0) || !std::isfinite(frame)) {
-        out.failure = "the frame must be a positive number of seconds";
-        return out;
-    }
-    TrialStep& trial = work_->trial;
-    beginFrame(world, settings_, frame, port, work_->reading, times_);
-    out.refused = work_->reading.why;
-    updateVetoes(world, frame, pairFilter);
+    World& world = part.world;
+    TrialStep& trial = part.trial;
     trial.h = settings_.length > 0.0 ? settings_.length : world.rods.empty() ? 1e-3 : thinnest(world);
     trial.useThreads(settings_.threads, loop);
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;
+    work_->last = &trial;
+    observer.begin(world);
     const double start = world.time;
-    FrameBudget budget(settings_, world);
+    FrameBudget budget(settings_, world, part.spent);
     int cuts = 0;
-    for (std::int64_t left = kTicks; left > 0 && out.failure.empty() && !out.stopped && !out.budgetExhausted;) {
+    std::int64_t left = kTicks;
+    while (left > 0 && out.failure.empty() && !out.stopped && !out.budgetExhausted) {
         const std::int64_t ticks = ticksFor(wantedSize(world, settings_, frame, cuts), frame, left);
         trial.dt = frame * static_cast<double>(ticks) / kTicks;
         const Settings& settings = budget.settings();
@@ -162,13 +179,17 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
         (void)before;
         budget.spend(world, trial.result.contactsSolved, trial.result.solves);
         adopt(world, trial.result);
-        const Reason reason = rejection(cuts);
+        const Reason reason = rejection(trial, cuts);
         const double elapsed = world.time - start;
-        if (port && trial.result.judged && leavesRegions(world, trial, frame - elapsed, work_->reading) &&
-            readAgain(world, *port, settings_, frame, elapsed, work_->reading)) {
-            updateVetoes(world, frame, pairFilter);
-            countRejection(world, Reason::OutsideRegion);
-            continue;
+        if ((port || part.partition) && trial.result.judged &&
+            leavesRegions(world, trial, frame - elapsed, part.reading)) {
+            if (part.rodsMeetOthers())
+                break;
+            if (port && readAgain(world, *port, settings_, frame, elapsed, part.reading)) {
+                updateVetoes(world, frame, pairFilter);
+                countRejection(world, Reason::OutsideRegion);
+                continue;
+            }
         }
         if (reason == Reason::SleeperPressed) {
             countRejection(world, reason);
@@ -199,16 +220,57 @@ FrameResult Stepper::advance(World& world, double frame, Port* port,
         SC_ASSERT(!(world.dtNext <= 0.0), "the next step takes time");
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
-        out.stopped = observer && observer(world);
-        out.budgetExhausted = left > 0 && budget.usedUp();
+        if (part.bodiesMeetOthers(frame - (world.time - start)))
+            break;
+        out.stopped = observer.afterStep(world);
+        out.budgetExhausted = left > 0 && part.budgeted && budget.usedUp();
     }
-    out.advanced = world.time - start;
+    part.used = budget.used();
+    for (Rod& r : world.rods)
+        r.dtNext = world.dtNext;
+    out.advanced = frame * static_cast<double>(kTicks - left) / kTicks;
     SC_ASSERT(!(out.advanced < 0.0) && !(out.advanced > frame + 1e-9 * (frame + std::abs(start))),
               "a frame advances by its length at most");
+    return out;
+}
+
+/// All shells in one problem with steps of one size.
+FrameResult Stepper::advanceWhole(World& world, double frame, Port* port, FrameObserver& observer) {
+    const double start = world.time;
+    Part part{world, work_->trial, work_->reading};
+    FrameResult out = advancePart(part, frame, port, observer);
+    out.advanced = world.time - start;
+    endFrame(world, out.advanced, port, times_);
+    return out;
+}
+
+FrameResult Stepper::advance(World& world, double frame, Port* port,
+                             const std::function<bool(const World&)>& observer) {
+    FunctionObserver adapted(observer);
+    return advance(world, frame, port, adapted);
+}
+
+FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserver& observer) {
+    FrameResult out;
+    if (!(frame > 0.0) || !std::isfinite(frame)) {
+        out.failure = "the frame must be a positive number of seconds";
+        return out;
+    }
+    const bool whole = observer.wantsWholeWorld() || indivisible(world, settings_);
+    beginFrame(world, settings_, frame, port, !whole, work_->reading, times_);
+    const std::string refused = work_->reading.why;
+    updateVetoes(world, frame, pairFilter);
+    if (whole) {
+        out = advanceWhole(world, frame, port, observer);
+    } else {
+        makePartition(world, frame, {}, work_->partition);
+        out = work_->partition.isOne(world) ? advanceAlone(world, frame, port, observer)
+                                            : advanceIslands(world, frame, port, observer);
+    }
+    out.refused = refused;
     endOfFrame(world);
     if (settings_.autoSleep)
         sleepAtRest(world, settings_);
-    endFrame(world, out.advanced, port, times_);
     return out;
 }
 

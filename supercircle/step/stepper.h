@@ -50,11 +50,30 @@ struct StageTimes : std::array<double, static_cast<std::size_t>(Stage::Count)> {
     std::function<void(Stage)> onStage; ///< called when a stage begins, and with Stage::Count when it ends
 };
 
+struct TrialStep;
+
 /// Called with every contact problem after it was solved.
 using SolveObserver = std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>;
 
 /// Whether a rod and a piece of a host body may collide in the coming frame; both are not filtered out otherwise.
 using PairFilter = std::function<bool(const Rod&, const BodyOutline&)>;
+
+/// Follows a frame step by step. No call may throw.
+class FrameObserver {
+public:
+    virtual ~FrameObserver() = default;
+    /// Whether each call must show all shells at one time. Else islands step one after the other, each at its own pace.
+    [[nodiscard]] virtual bool wantsWholeWorld() const = 0;
+    /// Several islands follow: what is seen from here on may have to be forgotten.
+    virtual void beginIslands() {}
+    /// It is to be forgotten: the frame begins again.
+    virtual void beginAgain() {}
+    /// Before the first step of the world or of an island.
+    virtual void begin(const World& /*stepped*/) {}
+    /// After each accepted step. `stepped`: the world, or an island as a world of its own. True: stop here, where whole
+    /// worlds were asked for.
+    virtual bool afterStep(const World& stepped) = 0;
+};
 
 class Stepper {
 public:
@@ -65,9 +84,11 @@ public:
     Settings& settings() { return settings_; }
     [[nodiscard]] const Settings& settings() const { return settings_; }
 
-    /// Advances the world by `frame` seconds in as many steps as it takes. `observer` is called after each accepted
-    /// step; returning true stops there. `port` may be null (no host); it is pulled from before the first step and
-    /// pushed to after the last one.
+    /// Advances the world by `frame` seconds in as many steps as it takes. `port` may be null (no host); it is pulled
+    /// from before the first step and pushed to after the last one.
+    FrameResult advance(World& world, double frame, Port* port, FrameObserver& observer);
+    /// The same with a function that is called with the whole world after each accepted step; returning true stops
+    /// there. Without one, islands step by themselves.
     FrameResult advance(World& world, double frame, Port* port, const std::function<bool(const World&)>& observer);
 
     /// Reads gravity, bodies near the shells and their outlines, without a step.
@@ -80,7 +101,7 @@ public:
     /// Tells whoever measures which stage runs: at the start of every stage, and Stage::Count at its end. Must not
     /// throw.
     void watchStages(std::function<void(Stage)> watcher) { times_.onStage = std::move(watcher); }
-    /// The contact problem of the last solve, for dumps.
+    /// The contact problem of the last solve, for dumps and observers.
     [[nodiscard]] const coulomb::Problem& lastProblem() const;
     [[nodiscard]] const std::vector<contact::Candidate>& lastCandidates() const;
     [[nodiscard]] const Eigen::VectorXd& lastImpulses() const;
@@ -93,7 +114,12 @@ public:
     parallel::For loop;
 
 private:
-    [[nodiscard]] Reason rejection(int cuts) const;
+    struct Part;
+    [[nodiscard]] Reason rejection(const TrialStep& trial, int cuts) const;
+    FrameResult advancePart(Part& part, double frame, Port* port, FrameObserver& observer);
+    FrameResult advanceWhole(World& world, double frame, Port* port, FrameObserver& observer);
+    FrameResult advanceAlone(World& world, double frame, Port* port, FrameObserver& observer);
+    FrameResult advanceIslands(World& world, double frame, Port* port, FrameObserver& observer);
     Settings settings_;
     std::unique_ptr<Work> work_;
     StageTimes times_{};

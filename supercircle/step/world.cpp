@@ -25,6 +25,24 @@ const char* name(Reason reason) {
     return names[static_cast<int>(reason)];
 }
 
+Counters& Counters::operator+=(const Counters& o) {
+    steps += o.steps;
+    rejected += o.rejected;
+    for (std::size_t i = 0; i < rejectedFor.size(); ++i)
+        rejectedFor[i] += o.rejectedFor[i];
+    solves += o.solves;
+    gaussSeidelIterations += o.gaussSeidelIterations;
+    pivots += o.pivots;
+    unconverged += o.unconverged;
+    crossings += o.crossings;
+    quarantined += o.quarantined;
+    contactResidualMax = std::max(contactResidualMax, o.contactResidualMax);
+    contactsMax = std::max(contactsMax, o.contactsMax);
+    activeContactsMax = std::max(activeContactsMax, o.activeContactsMax);
+    penetrationMax = std::max(penetrationMax, o.penetrationMax);
+    return *this;
+}
+
 void HostAcceleration::learn(const Vec2& newLinear, double newAngular, double newFrame) {
     const auto agreed = [](double a, double b) { return a * b <= 0.0 ? 0.0 : std::abs(a) < std::abs(b) ? a : b; };
     expectedLinear = {agreed(linear.x(), newLinear.x()), agreed(linear.y(), newLinear.y())};

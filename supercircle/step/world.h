@@ -49,6 +49,7 @@ struct Rod {
     std::array<Vec2, 3> stillReference{Vec2::Zero(), Vec2::Zero(), Vec2::Zero()}; ///< first tip, middle, last tip, m
     [[nodiscard]] bool asleep() const { return island != 0; }
     effects::RodEffects effects{}; ///< extra physics of this rod
+    double dtNext = 0.0;           ///< size of the step that its island wants next, s; 0: not known
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
@@ -169,6 +170,8 @@ struct Counters {
     std::uint64_t contactsMax = 0;       ///< most candidates in one problem
     std::uint64_t activeContactsMax = 0; ///< most contacts that carried force at once
     double penetrationMax = 0.0;         ///< deepest overlap seen after an accepted step, m
+
+    Counters& operator+=(const Counters& other);
 };
 
 /// The thirteen stages of a step, in order (step.cpp).

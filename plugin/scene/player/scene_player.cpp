@@ -68,6 +68,7 @@ struct ScenePlayer::Impl {
     void jumpToSpecimen();
     void nextSegment();
     double limit(double dt);
+    [[nodiscard]] bool waitsForForce() const { return current == Phase::Approach || current == Phase::Protocol; }
     bool reached();
     std::string phase() const;
 };
@@ -266,9 +267,10 @@ FrameReport ScenePlayer::pre_step(double dt) {
         report.failure = s.failure;
         return report;
     }
-    const bool done = s.current == Impl::Phase::Done;
+    const double frame = s.current == Impl::Phase::Done ? dt : s.limit(dt);
     bool over = false;
-    report = s.shells->pre_step(done ? dt : s.limit(dt), [&] { return over = s.reached(); });
+    report = s.waitsForForce() ? s.shells->pre_step(frame, [&] { return over = s.reached(); })
+                               : s.shells->pre_step(frame); // nobody watches: islands step by themselves
     s.failure = report.failure;
     if (s.current == Impl::Phase::Protocol) {
         const scene::ProtocolSegment& m = s.scene.protocol->segments[s.segment];

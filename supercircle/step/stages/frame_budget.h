@@ -3,9 +3,9 @@
 //
 // Work is counted, not timed: a result must not depend on how busy the machine is. One linearisation costs one unit per
 // contact and four per rod that is awake, about 3 us each. Two things happen as it is used up:
-// - at a quarter of it (counting the two steps to come) the frame is in a rush: the controller allows four times the
-//   local error and four times the motion per step. Nothing else is relaxed: the contact law, the limit of penetration,
-//   the crossing check;
+// - at a quarter of it (counting the two steps to come) an island is in a rush, at half of it all islands that follow:
+//   the controller allows four times the local error and four times the motion per step. Nothing else is relaxed: the
+//   contact law, the limit of penetration, the crossing check;
 // - at all of it the frame ends early, after a whole accepted step (FrameResult::late). What is left of the frame is
 //   not simulated: slow motion instead of wrong motion.
 
@@ -15,20 +15,24 @@ namespace supercircle::step {
 
 class FrameBudget {
 public:
-    FrameBudget(const Settings& settings, const World& world)
-        : whole_(settings.frameWork), coming_(2 * unitsOf(world, world.candidates.size())), patient_(settings),
-          hasty_(settings) {
+    /// Of a world or an island; `spent`: by other islands of the frame.
+    FrameBudget(const Settings& settings, const World& world, std::uint64_t spent)
+        : whole_(settings.frameWork), spent_(spent), coming_(2 * unitsOf(world, world.impulses.size())),
+          patient_(settings), hasty_(settings) {
         hasty_.localError *= kHaste;
         hasty_.motionLimit *= kHaste;
     }
     /// The settings for the next attempt.
     [[nodiscard]] const Settings& settings() const {
-        return whole_ > 0 && used_ + coming_ > whole_ / 4 ? hasty_ : patient_;
+        const bool rush = used_ + coming_ > whole_ / 4 || spent_ + used_ + coming_ > whole_ / 2;
+        return whole_ > 0 && rush ? hasty_ : patient_;
     }
     void spend(const World& world, std::uint64_t contactsSolved, std::uint64_t solves) {
         used_ += contactsSolved + solves * unitsOf(world, 0);
     }
-    [[nodiscard]] bool usedUp() const { return whole_ > 0 && used_ >= whole_; }
+    [[nodiscard]] bool usedUp() const { return whole_ > 0 && spent_ + used_ >= whole_; }
+    /// By this world or island, units.
+    [[nodiscard]] std::uint64_t used() const { return used_; }
 
 private:
     static constexpr double kHaste = 4.0;
@@ -38,7 +42,7 @@ private:
             awake += r.frozen() ? 0 : 1;
         return 4 * awake + contacts;
     }
-    std::uint64_t whole_, used_ = 0, coming_;
+    std::uint64_t whole_, spent_, used_ = 0, coming_;
     Settings patient_, hasty_;
 };
 

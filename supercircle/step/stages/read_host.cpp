@@ -1,5 +1,6 @@
 // Stage ReadHost: gravity, bodies near the shells, their outlines and constraints, before the first step of a frame.
 
+#include "supercircle/step/islands/reach.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/stages.h"
 #include "supercircle/support/invariants.h"
@@ -13,28 +14,10 @@ namespace supercircle::step {
 
 namespace {
 
-/// The box in which a rod's outlines are read: its nodes, and what it may move until the end of the frame at twice its
-/// speed and twice its fall.
-Box regionOf(const World& world, const Rod& r, const rod::Kinematics& kin, double speed, double frame) {
-    Box box;
-    box.lower.setConstant(std::numeric_limits<double>::infinity());
-    box.upper.setConstant(-std::numeric_limits<double>::infinity());
-    const double pad = 2.0 * frame * (speed + frame * world.gravity.norm()) + r.model.longestElement();
-    for (int i = 0; i <= r.model.elements(); ++i) {
-        box.lower = box.lower.cwiseMin(kin.node(i) - Vec2::Constant(pad));
-        box.upper = box.upper.cwiseMax(kin.node(i) + Vec2::Constant(pad));
-    }
-    return box;
-}
-
 Box hull(const std::vector<Box>& boxes) {
-    Box all;
-    all.lower.setConstant(std::numeric_limits<double>::infinity());
-    all.upper.setConstant(-std::numeric_limits<double>::infinity());
-    for (const Box& b : boxes) {
-        all.lower = all.lower.cwiseMin(b.lower);
-        all.upper = all.upper.cwiseMax(b.upper);
-    }
+    Box all = emptyBox();
+    for (const Box& b : boxes)
+        widen(all, b);
     return all;
 }
 
@@ -186,6 +169,36 @@ void leaveOut(const std::vector<BodyId>& refused, HostConstraints& constraints) 
     std::erase_if(constraints.rows, concerns);
 }
 
+/// Whether a rod may meet a piece of a body in the frame.
+bool isNear(const World& world, const BodyOutline& piece, const BodyState& now, double frame,
+            const std::vector<Box>& regions) {
+    Box box = reachOf(world, now, piece, frame);
+    if (const int known = bodyIndex(world, piece.body); known >= 0) // its user may put it forward (followPlacement)
+        widen(box, reachOf(world, world.bodies[static_cast<std::size_t>(known)].state, piece, frame));
+    return std::any_of(regions.begin(), regions.end(), [&](const Box& r) { return meet(r, box); });
+}
+
+/// Leaves out of what was read the pieces that no rod may meet in the frame: what a rod sees must not depend on rods
+/// far away, between which there is more to read. Bodies that may move come whole.
+void keepNear(const World& world, const Port& port, double frame, const std::vector<Box>& regions,
+              std::vector<BodyOutline>& outlines) {
+    for (auto first = outlines.begin(); first != outlines.end();) {
+        auto last = first;
+        while (last != outlines.end() && last->body == first->body)
+            ++last;
+        BodyState now;
+        auto kept = last;
+        if (port.state(first->body, now) && finite(now)) {
+            const auto near = [&](const BodyOutline& o) { return isNear(world, o, now, frame, regions); };
+            if (!now.moving)
+                kept = std::remove_if(first, last, [&](const BodyOutline& o) { return !near(o); });
+            else if (std::none_of(first, last, near))
+                kept = first;
+        }
+        first = outlines.erase(kept, last);
+    }
+}
+
 bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const Body& x, const Body& y) {
                return x.id == y.id && x.state.centre == y.state.centre && x.state.angle == y.state.angle &&
@@ -195,7 +208,8 @@ bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
 
 } // namespace
 
-void readHost(World& world, const Port& port, const Settings& settings, double frame, HostReading& reading) {
+void readHost(World& world, const Port& port, const Settings& settings, double frame, bool nearOnly,
+              HostReading& reading) {
     reading.why.clear();
     reading.refused.clear();
     Vec2 g = port.gravity();
@@ -218,10 +232,18 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
     clearJoined(reading.joining, outlines);
     reading.regions.clear();
     for (const Rod& r : world.rods)
-        reading.regions.push_back(regionOf(world, r, r.kin, r.speed, frame));
+        reading.regions.push_back(reachOf(world, r, r.kin, r.speed, frame));
     const Box read = hull(reading.regions);
-    if (!world.rods.empty())
+    if (!world.rods.empty() && nearOnly) {
+        Box wide = read;
+        const Vec2 fall = Vec2::Constant(2.0 * frame * frame * world.gravity.norm()); // as reachOf
+        wide.lower -= fall;
+        wide.upper += fall;
+        port.queryAhead(wide, 2.0 * frame, outlines);
+        keepNear(world, port, frame, reading.regions, outlines);
+    } else if (!world.rods.empty()) {
         port.queryAhead(read, frame, outlines);
+    }
     ids.assign(world.crossheadBodies.begin(), world.crossheadBodies.end());
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
@@ -267,9 +289,7 @@ bool leavesRegions(const World& world, const TrialStep& t, double left, HostRead
         const RodWork& w = t.rods[i];
         if (w.frozen || !outside(r, w.kin1, reading.regions[i]))
             continue;
-        const Box more = regionOf(world, r, w.kin1, w.moved / t.dt, left);
-        reading.regions[i].lower = reading.regions[i].lower.cwiseMin(more.lower);
-        reading.regions[i].upper = reading.regions[i].upper.cwiseMax(more.upper);
+        widen(reading.regions[i], reachOf(world, r, w.kin1, w.moved / t.dt, left));
         leaves = true;
     }
     return leaves;

@@ -7,7 +7,7 @@
 namespace supercircle::step {
 
 /// Stages before the first step of a frame: Check, ReadHost, Drive.
-void beginFrame(World& world, const Settings& settings, double frame, Port* port, HostReading& reading,
+void beginFrame(World& world, const Settings& settings, double frame, Port* port, bool nearOnly, HostReading& reading,
                 StageTimes& times);
 /// Stages Detect to CheckCrossings of a step of t.dt seconds.
 void tryStep(const World& world, const Settings& settings, TrialStep& t, StageTimes& times,
@@ -22,8 +22,10 @@ void checkNumbers(World& world);
 /// Puts a rod back where it was last good, freezes it and takes it out of collision.
 void quarantine(World& world, Rod& rod);
 
-/// ReadHost: gravity, bodies near the shells, their outlines and constraints.
-void readHost(World& world, const Port& port, const Settings& settings, double frame, HostReading& reading);
+/// ReadHost: gravity, bodies near the shells, their outlines and constraints. `nearOnly`: of outlines only those that a
+/// shell may meet in the frame, as islands need it; else all between the shells.
+void readHost(World& world, const Port& port, const Settings& settings, double frame, bool nearOnly,
+              HostReading& reading);
 /// Whether a rod leaves at the end of the trial the region that was read; regions are then made larger for the `left` s
 /// of the frame.
 bool leavesRegions(const World& world, const TrialStep& t, double left, HostReading& reading);

@@ -2,27 +2,40 @@
 // What a stepper keeps between frames beside its settings (private to step/): work spaces, no state.
 
 #include "supercircle/step/coupling/host_coupling.h"
-#include "supercircle/step/stages/join_outlines.h"
-#include "supercircle/step/stages/trial_step.h"
+#include "supercircle/step/islands/island.h"
+
+#include <optional>
+#include <utility>
 
 namespace supercircle::step {
 
-/// What is read from the host, before it takes the place of what the world knew.
-struct HostReading {
-    std::vector<BodyOutline> outlines;
-    std::vector<BodyId> ids;
-    std::vector<Body> bodies;
-    std::vector<BodyId> refused; ///< bodies with numbers that are not finite
-    std::string why;             ///< what was left out, for the user; empty: nothing
-    OutlineJoining joining;
-    std::vector<Box> regions; ///< per rod, of which the hull was read. No step is accepted that leaves it
+/// What is stepped through a frame: the world, or an island of it as a world of its own.
+struct Stepper::Part {
+    World& world;
+    TrialStep& trial;
+    HostReading& reading;
+    const World* whole = nullptr;   ///< that the island was taken from
+    Partition* partition = nullptr; ///< of that world
+    const Island* island = nullptr;
+    std::uint64_t spent = 0;                      ///< of the frame's budget by other islands
+    std::uint64_t used = 0;                       ///< by this part
+    bool budgeted = true;                         ///< it ends early where the budget is used up
+    std::optional<std::pair<Node, Node>> meets{}; ///< nodes that must be joined, and the frame begun again
+
+    /// Whether rods of the island have left the reach it was made with and come into that of another one.
+    [[nodiscard]] bool rodsMeetOthers();
+    /// The same of its bodies; `left`: of the frame, s.
+    [[nodiscard]] bool bodiesMeetOthers(double left);
 };
 
 struct Stepper::Work {
     TrialStep trial;
+    const TrialStep* last = &trial; ///< whose step was tried last
     double lastDt = 0.0;
     HostReading reading;
     HostCouplingWork coupling;
+    Partition partition;
+    Islands islands;
 };
 
 } // namespace supercircle::step

@@ -67,7 +67,7 @@ TEST_CASE("a sleeping island does not move, is not solved, and wakes in equilibr
     const step::World before = level.shells->world();
     level.advance(60);
     const step::World& after = level.shells->world();
-    CHECK(after.counters.steps - before.counters.steps == 60); // one empty step a frame
+    CHECK(after.counters.steps == before.counters.steps);
     CHECK(after.counters.gaussSeidelIterations == before.counters.gaussSeidelIterations);
     for (std::size_t i = 0; i < 2; ++i)
         CHECK(after.rods[i].q == before.rods[i].q);

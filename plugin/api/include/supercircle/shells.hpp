@@ -56,7 +56,7 @@ struct FrameReport {
     std::string refused;
     /// What shells do not take from the host, such as restitution; each message comes once for a host world.
     std::string note;
-    std::uint64_t steps = 0;
+    std::uint64_t steps = 0;       ///< of all islands together; sleeping ones take none
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance
 };
 

@@ -174,10 +174,10 @@ std::string putToSleep(World& world, std::size_t rod) {
     return {};
 }
 
-void measureRest(World& world, const Settings& settings, double h, double dt) {
-    SC_ASSERT(dt > 0.0 && h > 0.0, "a step takes time, a shell is thick");
-    const double farthest = settings.sleepDrift * h;
+void measureRest(World& world, const Settings& settings, double dt) {
+    SC_ASSERT(dt > 0.0, "a step takes time");
     for (Rod& r : world.rods) {
+        const double farthest = settings.sleepDrift * lengthOf(r, settings.length);
         const std::array<Vec2, 3> now{r.kin.node(0), r.kin.middle(), r.kin.node(r.model.elements())};
         const bool stayed =
             r.stillTime > 0.0 && std::equal(now.begin(), now.end(), r.stillReference.begin(),

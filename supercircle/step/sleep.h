@@ -25,8 +25,8 @@ void wakeAll(World& world);
 /// Puts the island of a rod to sleep, whatever its speed (its motion is booked as removed). Empty, or why it cannot.
 [[nodiscard]] std::string putToSleep(World& world, std::size_t rod);
 
-/// Measures, after a step of `dt` seconds, how long rods have been still; `h`: thinnest shell, m.
-void measureRest(World& world, const Settings& settings, double h, double dt);
+/// Measures, after a step of `dt` seconds, how long rods have been still.
+void measureRest(World& world, const Settings& settings, double dt);
 
 /// Puts islands to sleep all of whose rods have been still for Settings::sleepAfter (what little they move is booked as
 /// numerical loss).

@@ -213,7 +213,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
         }
         acceptStep(world, trial, times_);
         if (settings_.autoSleep)
-            measureRest(world, settings_, trial.h, trial.dt);
+            measureRest(world, settings_, trial.dt);
         work_->lastDt = trial.dt;
         world.dtNext = nextSize(settings, trial, cuts > 0);
         cuts = 0;

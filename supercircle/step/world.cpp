@@ -207,6 +207,15 @@ int rodIndex(const World& world, std::uint32_t key) {
     return -1;
 }
 
+double lengthOf(const Rod& rod, double given) {
+    return given > 0.0 ? given : rod.model.definition().thickness;
+}
+
+double lengthOf(const World& world, double given, const contact::Candidate& c) {
+    const double a = lengthOf(world.rods[static_cast<std::size_t>(c.a.rod)], given);
+    return c.b.rod < 0 ? a : std::min(a, lengthOf(world.rods[static_cast<std::size_t>(c.b.rod)], given));
+}
+
 double thinnest(const World& world) {
     double h = std::numeric_limits<double>::infinity();
     for (const Rod& r : world.rods)

@@ -261,6 +261,10 @@ void shiftOrigin(World& world, const Vec2& by);
 [[nodiscard]] effects::EffectEnergies effectEnergies(const World& world);
 /// Index of the rod with this key, -1 if there is none.
 [[nodiscard]] int rodIndex(const World& world, std::uint32_t key);
+/// The length that limits motion, error and overlap of a rod, m: its thickness, or `given` (Settings::length) if > 0.
+[[nodiscard]] double lengthOf(const Rod& rod, double given);
+/// The same of a pair: that of its thinner rod.
+[[nodiscard]] double lengthOf(const World& world, double given, const contact::Candidate& c);
 /// Thickness of the thinnest rod, m; infinite without rods.
 [[nodiscard]] double thinnest(const World& world);
 /// Index of the body in World::bodies, -1 if it is not there.

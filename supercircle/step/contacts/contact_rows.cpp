@@ -125,8 +125,9 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     // an explosion. To close others at once is a motion that no shorter step makes smaller: beyond what the controller
     // takes for an error of one step, it would shorten the step until the motion is a blow (20 um in 1.3 us were 115
     // N). Surfaces that give overlap under load as they should, and their springs bound the force.
-    const double atOnce = gapAtStart < -stage.overlap ? 0.0 : stage.closes; // m
-    const double closing = gapAtStart / dt, fastest = -atOnce / dt - stage.recovery;
+    const double scale = lengthOf(world, stage.length, c) / stage.h;
+    const double atOnce = gapAtStart < -scale * stage.overlap ? 0.0 : scale * stage.closes; // m
+    const double closing = gapAtStart / dt, fastest = -atOnce / dt - scale * stage.recovery;
     out.w.x() += closing < fastest && complianceOf(world, c).x() <= 0.0 ? fastest : closing;
     out.id = c.id;
 }

@@ -68,9 +68,11 @@ struct ContactStage {
     std::vector<LinkRow> linkRows;         ///< storage; the first linkCount belong to this attempt
     std::size_t linkCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
-    double overlap = 0.0;                                          ///< deeper overlaps are not closed at once, m
-    double closes = 0.0;                                           ///< of others, so much is closed at once, m
-    double recovery = 0.0;                                         ///< the rest at this speed, m/s
+    double h = 0.0;           ///< thinnest shell, which the next three are given for, m
+    double length = 0.0;      ///< Settings::length
+    double overlap = 0.0;     ///< deeper overlaps are not closed at once, m
+    double closes = 0.0;      ///< of others, so much is closed at once, m
+    double recovery = 0.0;    ///< the rest at this speed, m/s
     coulomb::Problem problem; ///< contacts: of the candidates, then of linkRows, then of the host
     coulomb::Solver solver;
     coulomb::SolveReport report;

@@ -40,9 +40,10 @@ bool measure(const World& world, const Settings& settings, TrialStep& t) {
     SC_ASSERT(t.result.range.size() == t.rods.size(), "one range a rod");
     for (std::size_t i = 0; i < t.rods.size(); ++i) {
         const RodWork& w = t.rods[i];
-        t.error = std::max(t.error, w.error);
+        const double relative = t.relative(t.lengths[i]);
+        t.error = std::max(t.error, w.error * relative);
         if (w.touching)
-            t.moved = std::max(t.moved, w.moved);
+            t.moved = std::max(t.moved, w.moved * relative);
         if (!w.frozen && excessiveCurvature(world.rods[i].model, w.q1))
             t.result.runaways.push_back(i);
         if (w.shift > t.result.range[i] + 0.4 * settings.margin * t.h) {

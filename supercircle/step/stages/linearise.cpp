@@ -22,19 +22,20 @@ namespace supercircle::step {
 namespace {
 
 struct GapErrors {
-    double loaded = 0.0;  ///< largest |gap| of a loaded contact after the step, m
-    double deepest = 0.0; ///< deepest overlap after the step, m
+    double loaded = 0.0;  ///< largest |gap| of a loaded contact after the step, in lengths of its pair, times h, m
+    double deepest = 0.0; ///< deepest overlap after the step, likewise, m
 };
 
 /// Compliant contacts (contact_rows.h) are closed where their springs say.
-GapErrors gapErrors(const World& world, const ContactStage& stage, const std::vector<ContactImpulse>& loaded) {
+GapErrors gapErrors(const World& world, const TrialStep& t, const std::vector<ContactImpulse>& loaded) {
     GapErrors e;
-    for (const contact::Candidate& c : stage.after) {
+    for (const contact::Candidate& c : t.stage.after) {
+        const double relative = t.relative(lengthOf(world, t.stage.length, c));
         const ContactImpulse* force = findImpulse(loaded, c.id);
         const double give = force != nullptr ? complianceOf(world, c).x() * force->normal : 0.0;
-        e.deepest = std::max(e.deepest, -(c.gap + give));
+        e.deepest = std::max(e.deepest, -(c.gap + give) * relative);
         if (force != nullptr)
-            e.loaded = std::max(e.loaded, std::abs(c.gap + give));
+            e.loaded = std::max(e.loaded, std::abs(c.gap + give) * relative);
     }
     return e;
 }
@@ -82,7 +83,7 @@ void linearise(const World& world, const Settings& settings, TrialStep& t) {
             freezeRod(world.rods[i], t.rods[i]);
             return;
         }
-        const double farthest = near[i] ? 0.25 * t.h : std::numeric_limits<double>::infinity();
+        const double farthest = near[i] ? 0.25 * t.lengths[i] : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], t.dt, farthest, t.rods[i]);
     });
     predictMotion(world, stage);
@@ -98,7 +99,7 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
     SC_ASSERT(t.nextRange.size() == t.rods.size() && t.result.range.size() == t.rods.size(), "one range a rod");
     const bool adaptive = settings.fixedDt <= 0.0;
     gather(t.stage, t.dt, t.impulses);
-    const GapErrors e = gapErrors(world, t.stage, t.impulses);
+    const GapErrors e = gapErrors(world, t, t.impulses);
     const double reject = settings.rejectPenetration * t.h, tolerance = settings.relinearise * t.h;
     const bool deeper = e.deepest > reject && e.deepest > t.overlapAtStart + 0.1 * reject;
     const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > t.overlapAtStart);

@@ -3,6 +3,7 @@
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/stages/stages.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace supercircle::step {
@@ -19,13 +20,24 @@ void TrialStep::begin(const World& world, const Settings& settings) {
     SC_ASSERT(result.range.size() == world.rods.size(), "one range a rod");
     rods.resize(world.rods.size());
     impulses = world.impulses;
-    overlapAtStart = deepest(candidates(world));
+    lengths.clear();
+    for (const Rod& r : world.rods)
+        lengths.push_back(lengthOf(r, settings.length));
+    overlapAtStart = 0.0;
+    for (const contact::Candidate& c : candidates(world)) {
+        const double length = lengthOf(world, settings.length, c);
+        overlapAtStart = std::max(overlapAtStart, -c.gap * relative(length));
+        for (const std::int32_t rod : {c.a.rod, c.b.rod})
+            if (rod >= 0)
+                lengths[static_cast<std::size_t>(rod)] = std::min(lengths[static_cast<std::size_t>(rod)], length);
+    }
+    stage.h = h;
+    stage.length = settings.length;
     stage.overlap = 2.0 * settings.rejectPenetration * h;
     stage.closes = settings.fixedDt <= 0.0 ? settings.localError * h : std::numeric_limits<double>::infinity();
     stage.recovery = settings.recovery * h;
     for (std::size_t i = 0; i < rods.size(); ++i)
-        rods[i].closing.speed =
-            settings.recovery * (settings.length > 0.0 ? settings.length : world.rods[i].model.definition().thickness);
+        rods[i].closing.speed = settings.recovery * lengthOf(world.rods[i], settings.length);
 }
 
 void TrialStep::useThreads(int count, const parallel::For& hostLoop) {

@@ -26,8 +26,9 @@ struct TrialResult {
 
 /// Work space of trial steps; what it holds belongs to the last one.
 struct TrialStep {
-    double dt = 0.0; ///< s
-    double h = 1e-3; ///< thinnest shell, m
+    double dt = 0.0;             ///< s
+    double h = 1e-3;             ///< thinnest shell, m
+    std::vector<double> lengths; ///< per rod: that of its pairs (lengthOf), m
     TrialResult result;
     std::vector<RodWork> rods;
     ContactStage stage;
@@ -38,9 +39,9 @@ struct TrialStep {
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::RodCurve> curvesBefore;
     std::vector<contact::Outline> outlinesBefore;
-    double error = 0.0;           ///< largest local error, m
-    double moved = 0.0;           ///< farthest motion of a touching rod, m
-    double overlapAtStart = 0.0;  ///< deepest, m
+    double error = 0.0;           ///< largest local error, in lengths of its rod, times h, m
+    double moved = 0.0;           ///< farthest motion of a touching rod, likewise, m
+    double overlapAtStart = 0.0;  ///< deepest, in lengths of its pair, times h, m
     int linearisations = 0;       ///< so far in this trial
     int widenings = 0;            ///< of the candidates' range in this trial
     int threads = 1;              ///< of stage.loop; 0: it is the host's
@@ -56,6 +57,8 @@ struct TrialStep {
         SC_ASSERT(reached == before, "the stages of a step follow each other");
         reached = entered;
     }
+    /// `length` (m) of a rod or a pair as part of the thinnest shell's: limits are given for that.
+    [[nodiscard]] double relative(double length) const { return h / length; }
     /// Forgets the trial before.
     void begin(const World& world, const Settings& settings);
     /// Loops of all stages: the host's if there is one, else over `count` threads.

@@ -147,6 +147,27 @@ TEST_CASE("sleepers far from what moves take no steps, and wake when something c
     CHECK(s.world.counters.crossings == 0);
 }
 
+TEST_CASE("a thin ribbon beside thick shells does not set their steps", "[step][islands]") {
+    // Thick shells drop onto each other while a ribbon of a twentieth of their thickness lies within reach: their
+    // limits are their own. The bound is the price that a still neighbour may have.
+    const auto stepsOf = [](bool ribbon) {
+        Scene s;
+        rod::RodDefinition thick = paperShell(0.6, 9);
+        thick.thickness = 0.002;
+        put(s.world, thick, {0.0, 0.0384 + 0.0012}, M_PI, 0.4);
+        put(s.world, thick, {0.002, 0.07}, M_PI, 0.4);
+        if (ribbon) {
+            rod::RodDefinition thin = strip(0.05, 1.0, 5);
+            thin.thickness = 0.0001;
+            put(s.world, thin, {0.05, 0.00005}, 0.0, 0.4);
+        }
+        s.advance(60, 1.0 / 60.0);
+        CHECK(s.world.counters.crossings == 0);
+        return static_cast<double>(s.world.counters.steps);
+    };
+    CHECK(stepsOf(true) <= 1.3 * stepsOf(false));
+}
+
 TEST_CASE("an observer sees all shells at one time", "[step][islands]") {
     Scene s;
     addNear(s);

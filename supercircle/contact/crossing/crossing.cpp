@@ -3,7 +3,9 @@
 // of the motion is not enough: two parallel centre lines that pass through each other sideways intersect at one instant
 // only. Conservative advancement is used instead (decision 0122): at distance d, nothing can meet before the arcs have
 // moved by d relative to each other, so the next sample is taken there. A distance below a thousandth of the thickness
-// counts as a crossing.
+// counts as a crossing. The ends of interpolated arcs are known up to a slack that falls with the square of the step.
+// Where it exceeds the thickness nothing can be said, and where it is used up the samples lie a thousandth of the
+// thickness apart: such motions are not walked, or not to their end, and the step is cut.
 //
 // Limits of the check are listed in decision 0122: neighbouring elements, one-sided edges, filters, resting rods. The
 // motion of a pair of rods, or of rod and outline, is reported at most once.
@@ -245,14 +247,27 @@ Crossing crossingOf(const MovingArc& a, const MovingArc& b, double s, const Vec2
     return c;
 }
 
+/// Most samples of a pair. A pair in contact at a twentieth of the thickness of slack takes a few. Half of it cuts
+/// more steps of shells that whip against each other; twice as much lets such a step cost twice as much.
+constexpr int kMostSamples = 400;
+
 /// Follows the motion of a pair, both ends included. True if the centre lines intersect; `out` says where.
-bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, Crossing& out) {
+bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, CheckEffort& effort, Crossing& out) {
     const double path = (a.shift - b.shift).norm() + a.pathBound + b.pathBound;
     const double slack = a.endMismatch + b.endMismatch;
+    effort.pairs += 1.0;
     if (crossing_check::separation(a.before, b.before) > path + 2.0 * slack)
         return false;
+    const auto leaveOut = [&] {
+        effort.unjudged.push_back(crossingOf(a, b, 0.0, a.before.mid));
+        return false;
+    };
+    if (effort.bounded && slack > a.halfThickness + b.halfThickness)
+        return leaveOut();
     const double near = std::max(1e-3 * (a.halfThickness + b.halfThickness), 1e-9 * (a.before.half + b.before.half));
-    for (double lambda = 0.0;;) {
+    double lambda = 0.0;
+    for (int sample = 0; !effort.bounded || sample < kMostSamples; ++sample) {
+        effort.samples += 1.0;
         const CircularArc pa = lambda == 0.0 ? a.before : a.at(lambda);
         const CircularArc pb = lambda == 0.0 ? b.before : b.at(lambda);
         const double extra = lambda == 0.0 || lambda == 1.0 ? 0.0 : slack;
@@ -272,6 +287,7 @@ bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, Crossing& out
             return false;
         lambda = std::min(1.0, lambda + std::max(clear, near) / path);
     }
+    return leaveOut();
 }
 
 bool inside(const Vec2& p, const Outline& o) {
@@ -387,6 +403,7 @@ struct Workspace {
     std::vector<char> moves;
     parallel::Pool<Scratch> scratch;
     std::vector<std::vector<Crossing>> found;
+    std::vector<CheckEffort> efforts;
 };
 Workspace& workspace() { // call it outside of parallel loops: every thread has its own
     static thread_local Workspace storage;
@@ -425,18 +442,22 @@ void findCrossings(const std::vector<RodCurve>& curves, const std::vector<Outlin
 
 void findCrossingsSwept(const std::vector<RodCurve>& before, const std::vector<RodCurve>& after,
                         const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,
-                        std::vector<Crossing>& out, const parallel::For& loop) {
+                        std::vector<Crossing>& out, const parallel::For& loop, CheckEffort* effort) {
     out.clear();
+    CheckEffort own;
+    CheckEffort& all = effort != nullptr ? *effort : own;
     Workspace& k = workspace();
     k.motion.prepare(before, after, outlinesBefore, outlinesAfter, loop);
     k.sorted.prepare(k.motion);
     k.moves.clear();
     for (std::size_t o = 0; o < outlinesAfter.size(); ++o)
         k.moves.push_back(o >= outlinesBefore.size() || outlinesBefore[o].points != outlinesAfter[o].points ? 1 : 0);
-    const auto into = [](std::vector<Crossing>& found) {
-        return [&found](const MovingArc& a, const MovingArc& b) {
+    // Whether the work exceeds its limit does not depend on the threads: a part that exceeds it alone ends early, and
+    // the sum does then as well.
+    const auto into = [](std::vector<Crossing>& found, CheckEffort& mine) {
+        return [&found, &mine](const MovingArc& a, const MovingArc& b) {
             Crossing c;
-            if (intersectDuringMotion(a, b, c))
+            if (!mine.unfinished() && intersectDuringMotion(a, b, mine, c))
                 found.push_back(c);
         };
     };
@@ -444,14 +465,17 @@ void findCrossingsSwept(const std::vector<RodCurve>& before, const std::vector<R
     k.found.resize(std::max(k.found.size(), parallel::chunkCount(loop, rods, kGrain)));
     for (std::vector<Crossing>& found : k.found)
         found.clear();
+    k.efforts.assign(k.found.size(), {.maxWork = all.maxWork, .bounded = all.bounded});
     parallel::forChunks(loop, rods, kGrain, [&](std::size_t c, std::size_t begin, std::size_t end) {
         const parallel::Pool<Scratch>::Lease scratch(k.scratch);
-        PairSearch(k.motion, before, true, *scratch).rodPairs(k.sorted, begin, end, into(k.found[c]));
+        PairSearch(k.motion, before, true, *scratch).rodPairs(k.sorted, begin, end, into(k.found[c], k.efforts[c]));
     });
     for (const std::vector<Crossing>& found : k.found)
         out.insert(out.end(), found.begin(), found.end());
+    for (const CheckEffort& e : k.efforts)
+        all.add(e);
     const parallel::Pool<Scratch>::Lease scratch(k.scratch);
-    PairSearch(k.motion, before, true, *scratch).outlinePairs(outlinesBefore, k.moves, into(out));
+    PairSearch(k.motion, before, true, *scratch).outlinePairs(outlinesBefore, k.moves, into(out, all));
     findInside(after, k.motion, outlinesAfter, k.moves, true, out);
     findFullTurns(after, out);
     keepFirst(out, [](const Crossing&) { return true; });

@@ -384,3 +384,28 @@ TEST_CASE("the crossing check does not depend on the order of the rods", "[cross
     CHECK(forward.size() > 10);
     CHECK(forward.size() == backward.size());
 }
+
+TEST_CASE("ways that bend too much are left out, and judged after a cut", "[contact][crossing]") {
+    // A strip that rolls up beside another one in one step: the ends of its interpolated arcs are known to 3 mm only.
+    // Walked in steps of a thousandth of the thickness, such pairs cost tens of thousands of samples.
+    const std::size_t n = 4;
+    const RodCurve strip = uniform({0.0, 0.0}, 0.0, 0.1, 0.0, n);
+    const RodCurve rolled = uniform({0.0, 0.0}, 0.0, 0.1, 60.0, n);
+    const RodCurve other = uniform({0.0, 0.03}, 0.0, 0.1, 0.0, n);
+    const auto check = [&](double share) { // of the step
+        const RodCurve end = uniform({0.0, 0.0}, 0.0, 0.1, 60.0 * share, n);
+        CheckEffort effort{.bounded = true};
+        std::vector<Crossing> out;
+        findCrossingsSwept({strip, other}, {end, other}, {}, {}, out, {}, &effort);
+        CHECK(effort.samples <= 400.0 * effort.pairs);
+        return effort.unjudged.size();
+    };
+    CHECK(check(1.0) > 0);
+    CHECK(check(1.0 / 16.0) == 0);
+    CHECK_FALSE(sweptCrossings({strip, other}, {rolled, other}).empty()); // unbounded: it is walked to its end
+    // Work beyond the limit ends the check.
+    CheckEffort little{.maxWork = 1.0};
+    std::vector<Crossing> out;
+    findCrossingsSwept({strip, other}, {moved(strip, {0.0, 0.06}), other}, {}, {}, out, {}, &little);
+    CHECK(little.unfinished());
+}

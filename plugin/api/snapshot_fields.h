@@ -343,7 +343,9 @@ void io(Ar& ar, Is<step::Counters> auto& c) {
 
 template <class Ar>
 void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
-    auto& [method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots] = o;
+    auto& [method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots, giveUpEarly, maxWork] = o;
+    (void)giveUpEarly; // of one solve
+    (void)maxWork;
     ar(method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots);
 }
 

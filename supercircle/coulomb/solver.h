@@ -27,7 +27,25 @@ struct SolverOptions {
                                          ///< counts as solved with a residual up to 1e-3, or of bodies at rest
     int maxGaussSeidelIterations = 1000; ///< limit of one Gauss-Seidel run
     int initialGaussSeidelIterations = 40; ///< before the path, if the warm start did not suffice
-    int maxPivots = 600; ///< limit of one path, scaled up above 250 unknowns; all paths together: 5 times
+    int maxPivots = 600;      ///< limit of one path, scaled up above 250 unknowns; all paths together: 5 times
+    bool giveUpEarly = false; ///< end after 300 + 4 pivots an active contact, without the slow last resorts: for
+                              ///< callers that can ask for a smaller step instead
+    double maxWork = 0.0; ///< limit of SolveEffort::units(), 0: none. The iterations of a cold start run all the same
+};
+
+/// What a solve took, in counts that grow as its time does.
+struct SolveEffort {
+    double visits = 0.0;  ///< contacts looked at by iterations, evaluations and assembly
+    double pivots = 0.0;  ///< sum over pivots of contacts and closed unknowns
+    double factors = 0.0; ///< multiply-adds of factorisations
+
+    void add(const SolveEffort& other) {
+        visits += other.visits;
+        pivots += other.pivots;
+        factors += other.factors;
+    }
+    /// In visits of a contact by an iteration, about 35 ns each. Weights: work_count.h of step/.
+    [[nodiscard]] double units() const { return visits + 0.85 * pivots + 0.03 * factors; }
 };
 
 /// Result of one solve. Every field is set for every method.
@@ -40,6 +58,7 @@ struct SolveReport {
     int gaussSeidelIterations = 0;
     int pivots = 0;
     int factorisations = 0;
+    SolveEffort effort;
     int activeContacts = 0; ///< contacts with r_n > 0, and all bilateral ones
     std::string error; ///< why the problem is invalid (then r = 0, v = vFree, infinite residual); empty if it is valid
 };

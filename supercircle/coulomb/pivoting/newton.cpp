@@ -52,7 +52,7 @@ void Newton::chooseStatuses(const MassNormalisedProblem& problem, std::span<cons
 }
 
 int Newton::run(const MassNormalisedProblem& problem, std::span<const std::int32_t> island, double eps, int most,
-                double allowed, SolverState& x) {
+                double allowed, SolverState& x, SolveEffort& effort) {
     SC_ASSERT(x.r.size() == 2 * problem.contactCount(), "two impulses a contact");
     SC_ASSERT(eps > 0.0 && most >= 0 && !(allowed < 0.0), "the proximal problem is regular");
     status_.resize(island.size());
@@ -63,8 +63,10 @@ int Newton::run(const MassNormalisedProblem& problem, std::span<const std::int32
     for (; steps < most && !(error <= allowed);) {
         ++steps;
         chooseStatuses(problem, island, x, eps);
+        effort.visits += 4.0 * static_cast<double>(problem.contactCount());
         if (!system_.factor(problem, island, status_, eps))
             return steps;
+        effort.factors += system_.cost();
         system_.setRightHandSide(rhs_);
         if (!system_.solve(step_))
             return steps;

@@ -3,6 +3,7 @@
 // following.
 
 #include "supercircle/coulomb/pivoting/status_system.h"
+#include "supercircle/coulomb/solver.h"
 #include "supercircle/coulomb/strategy/solver_state.h"
 
 #include <span>
@@ -15,7 +16,7 @@ public:
     /// Improves x on the contacts of `island` until sum d |F|^2 <= allowed (J) or no step helps; at most `most` steps.
     /// Never increases the residual. Returns the number of factorisations.
     int run(const MassNormalisedProblem& problem, std::span<const std::int32_t> island, double eps, int most,
-            double allowed, SolverState& x);
+            double allowed, SolverState& x, SolveEffort& effort);
 
 private:
     double errorOf(const MassNormalisedProblem& problem, std::span<const std::int32_t> island,

@@ -274,7 +274,9 @@ void PathFollower::changeStatus(const MassNormalisedProblem& problem, const Brea
 
 bool PathFollower::refactor(const MassNormalisedProblem& problem, const PathSettings& settings, PathCounts& counts) {
     ++counts.factorisations;
-    if (!system_.factor(problem, contacts_, status_, settings.eps))
+    const bool regular = system_.factor(problem, contacts_, status_, settings.eps);
+    counts.effort.factors += system_.cost();
+    if (!regular)
         return false;
     if (tau_ != 0.0 && !refine(problem))
         return false;
@@ -319,9 +321,10 @@ PathFollower::Termination PathFollower::follow(const MassNormalisedProblem& prob
             return Termination::Solved;
         if (tau_ < kFarBack)
             return Termination::Diverged;
-        if (pivots >= most)
+        if (pivots >= most || counts.pivots >= settings.allPivots || counts.effort.units() >= settings.maxWork)
             return Termination::PivotLimit;
         ++counts.pivots;
+        counts.effort.pivots += static_cast<double>(contacts_.size() + system_.size());
         changeStatus(problem, last);
         if (system_.borders() > borders && !refactor(problem, settings, counts))
             return Termination::Singular;

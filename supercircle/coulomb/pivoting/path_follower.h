@@ -3,8 +3,10 @@
 // true right-hand side (path_follower.cpp).
 
 #include "supercircle/coulomb/pivoting/status_system.h"
+#include "supercircle/coulomb/solver.h"
 #include "supercircle/coulomb/strategy/solver_state.h"
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -14,6 +16,7 @@ namespace supercircle::coulomb {
 struct PathCounts {
     int pivots = 0;
     int factorisations = 0;
+    SolveEffort effort;
 };
 
 struct PathSettings {
@@ -21,7 +24,9 @@ struct PathSettings {
     double slack = 1.0;     ///< size of the non-degeneracy slacks relative to the error of the guess, 1
     std::uint32_t seed = 0; ///< selects other slacks
     int maxPivots = 600;
-    int maxOuter = 12; ///< proximal iterations
+    int maxOuter = 12;                                        ///< proximal iterations
+    int allPivots = std::numeric_limits<int>::max();          ///< limit of all iterations together
+    double maxWork = std::numeric_limits<double>::infinity(); ///< the same of the effort, units
 };
 
 class PathFollower {

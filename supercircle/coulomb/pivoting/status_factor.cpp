@@ -27,6 +27,7 @@ bool StatusSystem::factor(const MassNormalisedProblem& problem, std::span<const 
     rhs_.clear();
     active_.clear();
     count_ = 0;
+    cost_ = 0.0;
     for (std::size_t k = 0; k < local_.size(); ++k) {
         LocalContact& local = local_[k];
         SC_ASSERT(invariants::inRange(contacts[k], problem.contactCount()), "a contact of the problem");
@@ -52,7 +53,8 @@ bool StatusSystem::factor(const MassNormalisedProblem& problem, std::span<const 
     SC_ASSERT(static_cast<std::size_t>(count_) <= 2 * active_.size(), "two unknowns a closed contact at most");
     if (count_ == 0)
         return true;
-    if (EnvelopeLu::cost(first_) < kEnvelopeUpTo && factorEnvelope(problem))
+    cost_ = EnvelopeLu::cost(first_);
+    if (cost_ < kEnvelopeUpTo && factorEnvelope(problem))
         return true;
     return count_ > kDenseUpTo ? factorSparse(problem) : factorDense(problem);
 }

@@ -36,6 +36,8 @@ public:
 
     std::size_t size() const { return static_cast<std::size_t>(count_); }
     std::size_t borders() const { return borders_.size(); }
+    /// Multiply-adds of the last factorisation, as if it was one of an envelope.
+    double cost() const { return cost_; }
     ContactStatus status(std::size_t k) const { return local_[k].status; }
 
 private:
@@ -102,6 +104,7 @@ private:
     std::vector<std::array<std::int32_t, 3>> key_;
     std::vector<std::int32_t> first_, queue_;
     Eigen::Index count_ = 0;
+    double cost_ = 0.0;
     Factor factor_ = Factor::Envelope;
     EnvelopeLu envelope_;
     Eigen::MatrixXd base_;

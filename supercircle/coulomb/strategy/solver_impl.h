@@ -47,6 +47,8 @@ struct Solver::Impl {
     BestSolution best;
     SolveTarget target;
     int pivotsLeft = 0;
+    double maxWork = 0.0; ///< of the solve, units
+    bool giveUp = false;  ///< SolverOptions::giveUpEarly
 
     void run(const SolverOptions& options, SolveReport& report);
     [[nodiscard]] bool evaluateState(Method method, SolveReport& report);
@@ -56,15 +58,21 @@ struct Solver::Impl {
     std::size_t activeContacts() const;
     double allowedError() const;
     void setPivotBudget(const SolverOptions& options);
+    /// Counts iterations over all contacts; `iterations` is what they took.
+    void countIterations(int iterations, SolveReport& report) const;
+    [[nodiscard]] bool mayGoOn(const SolveReport& report) const {
+        return pivotsLeft > 0 && report.effort.units() < maxWork;
+    }
+    [[nodiscard]] double workLeft(const SolveReport& report) const { return maxWork - report.effort.units(); }
     bool runPaths(const PathSettings& settings, SolveReport& report);
     bool tryPath(const SolveAttempt& settings, std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     [[nodiscard]] bool tryContinuation(std::uint32_t seed, const SolverOptions& options, SolveReport& report);
     double contactError(std::int32_t c) const;
     double findErrors(std::span<const std::int32_t> island);
     void passSubdomains(std::span<const std::int32_t> island, double allowed, std::uint32_t seed, std::size_t size,
-                        PathCounts& counts);
+                        double work, PathCounts& counts);
     void collectColour(double share, std::size_t size);
-    void runSubdomain(WorkItem& item, std::uint32_t seed, double allowed);
+    void runSubdomain(WorkItem& item, std::uint32_t seed, double allowed, double most);
     bool isBusy(const MassNormalisedProblem::Contact& contact) const;
     void restoreIsland(std::span<const std::int32_t> island);
     [[nodiscard]] bool trySubdomains(std::uint32_t seed, const SolverOptions& options, SolveReport& report);

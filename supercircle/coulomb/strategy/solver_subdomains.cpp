@@ -84,14 +84,16 @@ void Solver::Impl::collectColour(double share, std::size_t size) {
 
 /// A path that fails would fail again from the same statuses, and one such subdomain prevents the solution of the whole
 /// island. Gauss-Seidel iterations in the subdomain lead to other statuses.
-void Solver::Impl::runSubdomain(WorkItem& item, std::uint32_t seed, double allowed) {
+void Solver::Impl::runSubdomain(WorkItem& item, std::uint32_t seed, double allowed, double most) {
     const Subdomain& subdomain = item.subdomain;
     const parallel::Pool<PathFollower>::Lease path(pathFollowers);
     for (const int count : kSubdomainIterations) {
         gaussSeidel.iterateSome(normalised, subdomain.contacts, count, x);
-        const PathFollower::Termination termination =
-            path->run(normalised, subdomain.contacts, subdomain.outside, {1e-6, 0.3, seed, kSubdomainPivots, 4},
-                      allowed, x, item.counts);
+        item.counts.effort.visits += static_cast<double>(count) * static_cast<double>(subdomain.contacts.size());
+        const PathFollower::Termination termination = path->run(
+            normalised, subdomain.contacts, subdomain.outside,
+            {.eps = 1e-6, .slack = 0.3, .seed = seed, .maxPivots = kSubdomainPivots, .maxOuter = 4, .maxWork = most},
+            allowed, x, item.counts);
         if (termination == PathFollower::Termination::Solved || termination == PathFollower::Termination::Stalled)
             return;
     }
@@ -100,7 +102,7 @@ void Solver::Impl::runSubdomain(WorkItem& item, std::uint32_t seed, double allow
 /// One path in the neighbourhood of every unsolved contact; cores do not overlap. Subdomains of one colour share no
 /// body and may run on several threads.
 void Solver::Impl::passSubdomains(std::span<const std::int32_t> island, double allowed, std::uint32_t seed,
-                                  std::size_t size, PathCounts& counts) {
+                                  std::size_t size, double work, PathCounts& counts) {
     const double error = findErrors(island);
     if (error <= allowed)
         return;
@@ -111,16 +113,18 @@ void Solver::Impl::passSubdomains(std::span<const std::int32_t> island, double a
     for (std::size_t k = 0; k < island.size(); ++k)
         if (contactErrors[k] > share)
             seedContacts.push_back(island[k]);
-    for (; !seedContacts.empty(); seedContacts.swap(later)) {
+    for (; !seedContacts.empty() && counts.effort.units() < work; seedContacts.swap(later)) {
+        const double left = work - counts.effort.units();
         collectColour(share, size);
         parallel::forEach(loop, workItemCount, 1, [&](std::size_t i) {
             WorkItem& item = workItems[i];
             const double most = share * static_cast<double>(item.subdomain.contacts.size());
-            runSubdomain(item, seed, most);
+            runSubdomain(item, seed, most, left);
         });
         for (std::size_t i = 0; i < workItemCount; ++i) {
             counts.pivots += workItems[i].counts.pivots;
             counts.factorisations += workItems[i].counts.factorisations;
+            counts.effort.add(workItems[i].counts.effort);
         }
     }
 }
@@ -129,7 +133,7 @@ void Solver::Impl::passSubdomains(std::span<const std::int32_t> island, double a
 /// pivots. A pivot of the whole costs about as much as a tenth of a pass over all subdomains.
 bool Solver::Impl::trySubdomains(std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
     subdomains.prepare(normalised);
-    for (std::uint32_t round = 0; round < 4 && pivotsLeft > 0; ++round) {
+    for (std::uint32_t round = 0; round < 4 && mayGoOn(report); ++round) {
         for (std::uint32_t pass = 0; pass < kSubdomainPasses; ++pass) {
             PathCounts counts;
             covered.assign(normalised.contactCount(), 0);
@@ -137,13 +141,13 @@ bool Solver::Impl::trySubdomains(std::uint32_t seed, const SolverOptions& option
             for (std::size_t i = 0; i < islands.count(); ++i)
                 if (activeContacts(islands.contacts(i)) > kSubdomainContacts)
                     passSubdomains(islands.contacts(i), allowed, seed + kSubdomainPasses * round + pass,
-                                   kSubdomainSize << (pass > 1 ? pass - 1 : 0), counts);
+                                   kSubdomainSize << (pass > 1 ? pass - 1 : 0), workLeft(report), counts);
             const int pivotsLeftBefore = pivotsLeft;
             countPivots(counts, report);
             pivotsLeft = pivotsLeftBefore - counts.pivots / kSubdomainDiscount;
             if (evaluateState(Method::Path, report))
                 return true;
-            if (counts.pivots < kMinPassPivots)
+            if (counts.pivots < kMinPassPivots || !(report.effort.units() < maxWork))
                 break;
         }
         // The statuses of redundant contacts may contradict each other by round-off. Their impulses then drift apart,

@@ -262,3 +262,34 @@ TEST_CASE("three thousand contacts", "[slow]") {
     const Problem cloud = generator::cloud({.bodies = 500, .contacts = 3000, .duplicates = 0.1}, random);
     CHECK(solve(solver, cloud).report.converged);
 }
+
+TEST_CASE("a solver that gives up early stays within its pivots and its work", "[coulomb]") {
+    generator::Random random(11);
+    Solver solver;
+    SolverOptions early;
+    early.giveUpEarly = true;
+    for (const Problem& p : variety(5)) { // what is solved within the limit is solved alike
+        const Solution full = solve(solver, p), some = solve(solver, p, early);
+        checkReport(p, some);
+        CHECK(some.report.pivots <= 300 + 4 * static_cast<int>(p.contacts.size()));
+        if (some.report.converged && full.report.pivots == some.report.pivots)
+            CHECK(some.r == full.r);
+        CHECK(full.report.effort.units() > 0.0);
+    }
+    // A problem without solution: boxes pressed between a floor and a ceiling that approach each other.
+    for (Problem p : {generator::tower(8, 0.35, 1.0, 1e-2, random), generator::nest({.shells = 6}, random)}) {
+        for (Contact& c : p.contacts)
+            if (c.b < 0)
+                c.w.x() -= 1.0;
+        const Solution some = solve(solver, p, early);
+        checkReport(p, some);
+        CHECK(some.report.pivots <= 300 + 4 * static_cast<int>(p.contacts.size()));
+        SolverOptions little;
+        little.maxWork = 500.0;
+        const Solution cut = solve(solver, p, little);
+        checkReport(p, cut);
+        // Beyond the limit: the iterations of a cold start, and one factorisation.
+        CHECK(cut.report.effort.units() <=
+              500.0 + 80.0 * static_cast<double>(p.contacts.size()) + 0.03 * 2.0 * cut.report.effort.factors);
+    }
+}

@@ -54,6 +54,8 @@ void EventDetector::begin(const step::World& world) {
     events.snap_begin.clear();
     events.snap_end.clear();
     events.quarantined.clear();
+    events.crushed.clear();
+    events.broke.clear();
     pairImpulses_.clear();
     std::erase_if(state.pairs, [&](const ContactPairState& t) { // shells that are gone
         const bool gone = step::rodIndex(world, t.pair.a) < 0 || (t.pair.b != 0 && step::rodIndex(world, t.pair.b) < 0);

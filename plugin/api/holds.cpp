@@ -95,6 +95,19 @@ Status destroyConstraint(auto& impl, Handle handle, std::vector<Constraint> step
 
 } // namespace
 
+Status Shells::set_max_force(HoldHandle hold, double force) {
+    return impl_->change([&] {
+        const auto found = impl_->find(hold, &step::Rod::holds);
+        if (!found.constraint)
+            return refused(kNoSuchConstraint);
+        if (!(force >= 0.0) || !std::isfinite(force))
+            return refused("the largest force must be finite and not negative (0: any)");
+        found.constraint->maxForce = force;
+        impl_->recorder.record(Call::SetHoldMaxForce, hold, force);
+        return done();
+    });
+}
+
 Status Shells::destroy(HoldHandle hold) {
     return destroyConstraint(*impl_, hold, &step::Rod::holds, Call::DestroyHold);
 }

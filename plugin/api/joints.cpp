@@ -151,6 +151,19 @@ Status Shells::set_max_length(JointHandle joint, double length, double rate) {
     });
 }
 
+Status Shells::set_max_force(JointHandle joint, double force) {
+    return impl_->change([&] {
+        step::Link* l = impl_->findLink(joint);
+        if (!l)
+            return refused(kNoSuchConstraint);
+        if (!(force >= 0.0) || !std::isfinite(force))
+            return refused("the largest force must be finite and not negative (0: any)");
+        l->maxForce = force;
+        impl_->recorder.record(Call::SetJointMaxForce, joint, force);
+        return done();
+    });
+}
+
 Result<double> Shells::length(JointHandle joint) const {
     const step::Link* l = impl_->findLink(joint);
     if (!l)

@@ -24,7 +24,9 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
     s.cappedSweeps = 40;
     s.acceptUnconverged = true;
     s.cull = true;
-    s.frameWork = 20000;
+    s.frameWork = 8333; // half a frame of 60 Hz
+    s.giveUpEarly = true;
+    s.crush = step::CrushPolicy::LetThrough;
     return s;
 }
 
@@ -52,6 +54,16 @@ Status Shells::set_frame_budget(std::uint64_t work) {
             return refused("only Quality::Game has a frame budget");
         impl_->stepper.settings().frameWork = work;
         impl_->recorder.record(Call::SetFrameBudget, work);
+        return done();
+    });
+}
+
+Status Shells::set_crush_policy(CrushPolicy policy) {
+    return impl_->change([&] {
+        if (policy > CrushPolicy::Freeze)
+            return refused("the policy must be Wait, LetThrough or Freeze");
+        impl_->stepper.settings().crush = static_cast<step::CrushPolicy>(policy);
+        impl_->recorder.record(Call::SetCrushPolicy, policy);
         return done();
     });
 }

@@ -1,4 +1,5 @@
 #include "plugin/api/include/supercircle/shells.hpp"
+#include "plugin/api/frame_report.h"
 
 #include "plugin/api/from_definition.h"
 #include "plugin/api/limits.h"
@@ -213,7 +214,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         explicit Lock(bool& f) : flag(f) { flag = true; }
         ~Lock() { flag = false; }
     };
-    const step::Counters before = m.world.counters;
+    const FrameStart before(m.world);
     const double start = m.world.time;
     std::uint64_t inner = 0; // steps
     std::string thrown;
@@ -235,11 +236,13 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         inner = watch.steps;
         report.stopped = out.stopped;
         report.budget_exhausted = out.budgetExhausted;
+        report.work = out.work;
         report.refused = out.refused;
         if (m.port)
             report.note = m.port->takeNote();
         report.failure = out.failure.empty() ? thrown : out.failure;
         m.detector.end(m.world, [&m](std::uint32_t key) { return m.handleOf(key); });
+        m.tell(out);
         return done();
     });
     if (!ended)
@@ -248,11 +251,29 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
     m.recorder.record(Call::FrameEnd, inner, report.stopped, static_cast<bool>(observer));
     report.advanced = m.world.time - start;
     m.advanced = report.advanced;
-    SC_ASSERT(m.world.counters.steps >= before.steps && m.world.counters.unconverged >= before.unconverged,
+    SC_ASSERT(m.world.counters.steps >= before.counters.steps &&
+                  m.world.counters.unconverged >= before.counters.unconverged,
               "counts only grow");
-    report.steps = m.world.counters.steps - before.steps;
-    report.unconverged = m.world.counters.unconverged - before.unconverged;
+    complete(report, m.world, m.stepper.settings(), before, dt, m.detector.events);
     return report;
+}
+
+/// Events that the stepper finds itself.
+void Shells::Impl::tell(const step::FrameResult& frame) {
+    for (const step::Crushed& c : frame.crushed) {
+        const ShellHandle shell = handleOf(c.rod);
+        const HoldHandle hold = c.hold != 0 ? HoldHandle{c.rod, c.hold, worldId} : HoldHandle{};
+        detector.events.crushed.push_back({c.time, shell, c.body, hold});
+    }
+    for (const step::Broken& b : frame.broken) {
+        const ShellHandle shell = handleOf(b.rod);
+        BrokeEvent event{b.time, shell, {}, {}, point(b.force)};
+        if (b.link)
+            event.joint = {0, b.key, worldId};
+        else
+            event.hold = {b.rod, b.key, worldId};
+        detector.events.broke.push_back(event);
+    }
 }
 
 std::uint32_t Shells::id() const {

@@ -47,6 +47,7 @@ struct Shells::Impl {
     /// Coordinates of a rod between the start and the end of the last frame.
     [[nodiscard]] Eigen::VectorXd between(const step::Rod& rod, double alpha) const;
     void recordStart();
+    void tell(const step::FrameResult& frame);
     void forgetStart(std::uint32_t key);
     template <class Change>
     Status changeEffects(const EffectTarget& target, Change changeList);

@@ -115,11 +115,21 @@ void io(Ar& ar, Is<step::Target> auto& t) {
     ar(point, angle, velocity, spin, path, pending);
 }
 
+/// A number that most states do not use: 0 does not count in the hash.
+template <class Ar>
+void ioIfPositive(Ar& ar, auto& number) {
+    if (number > 0)
+        ar(number);
+    else
+        ar.unhashed(number);
+}
+
 template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
-    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, key] = h;
+    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key] = h;
     ar(s, clamped, onCrosshead, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
        target.path, target.pending, key);
+    ioIfPositive(ar, maxForce);
 }
 
 template <class Ar>
@@ -136,9 +146,11 @@ void io(Ar& ar, Is<step::MouseJoint> auto& g) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Link> auto& l) {
-    auto& [key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque] =
-        l;
+    auto& [key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque,
+           maxForce, broken] = l;
+    (void)broken; // within a frame only
     ar(key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque);
+    ioIfPositive(ar, maxForce);
 }
 
 template <class Ar>
@@ -151,6 +163,12 @@ template <class Ar>
 void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
     auto& [body, material] = m;
     ar(body, material);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Passage> auto& p) {
+    auto& [rod, body, until] = p;
+    ar(rod, body, until);
 }
 
 template <class Ar>
@@ -186,9 +204,10 @@ void io(Ar& ar, Is<EffectTarget> auto& t) {
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
-           mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext] = r;
+           mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext, cuts] = r;
     ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, mouseJoints, width,
        material, group, island, stillTime, stillReference, dtNext);
+    ioIfPositive(ar, cuts);
     ioEffects(ar, model, effects);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
@@ -352,18 +371,24 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
-           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, autoSleep,
-           sleepDrift, sleepAfter, crossingCheck] = s;
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, giveUpEarly,
+           autoSleep, sleepDrift, sleepAfter, crush, crossingCheck] = s;
     (void)threads; // of this computer
     (void)length;  // the thickness, in every quality
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
        contact, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, autoSleep, sleepDrift, sleepAfter,
        crossingCheck);
-    if constexpr (Ar::kLoads) { // steps without length would never end
+    if (giveUpEarly || crush != step::CrushPolicy::Wait)
+        ar(giveUpEarly, crush);
+    else
+        ar.unhashed(giveUpEarly, crush); // settings of the laboratory keep their hash
+    if constexpr (Ar::kLoads) {          // steps without length would never end
         constexpr double shortest = 1e-9;
         if (!(dtMin >= shortest && dtMax >= dtMin && (fixedDt <= 0.0 || fixedDt >= shortest) && localError > 1e-3 &&
               motionLimit > 1e-3))
             ar.fail("its settings make steps without length");
+        if (crush > step::CrushPolicy::Freeze)
+            ar.fail("its policy for crushed shells is unknown");
     }
 }
 
@@ -380,7 +405,7 @@ template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
     auto& [time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
            crossheadBodies, energyBalance, counters, candidates, range, dt, dtNext, nextKey, links, nextPart,
-           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes] = w;
+           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes, passages] = w;
     ar(time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
        crossheadBodies, energyBalance);
     ar.unhashed(counters);
@@ -389,6 +414,7 @@ void io(Ar& ar, Is<step::World> auto& w) {
        effectsGone);
     ioIfAny(ar, surfaceSpeeds);
     ioIfAny(ar, vetoes);
+    ioIfAny(ar, passages);
 }
 
 // ---- class Shells ----

@@ -54,6 +54,9 @@ enum class Call : std::uint8_t {
     RemoveEffect = 42,
     SetSurfaceSpeed = 43,
     ShiftOrigin = 44,
+    SetCrushPolicy = 45,
+    SetHoldMaxForce = 46,
+    SetJointMaxForce = 47,
     Count
 };
 

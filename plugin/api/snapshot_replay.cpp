@@ -122,6 +122,8 @@ private:
             return with<Quality>(r, [&](auto q) { return s.set_quality(q); });
         case Call::SetFrameBudget:
             return with<std::uint64_t>(r, [&](auto work) { return s.set_frame_budget(work); });
+        case Call::SetCrushPolicy:
+            return with<CrushPolicy>(r, [&](auto policy) { return s.set_crush_policy(policy); });
         case Call::SetSleep:
             return with<SleepSettings>(r, [&](const auto& e) { return s.set_sleep(e); });
         default:
@@ -146,6 +148,10 @@ private:
         case Call::SetMaxLength:
             return with<JointHandle, double, double>(r,
                                                      [&](auto h, auto l, auto v) { return s.set_max_length(h, l, v); });
+        case Call::SetHoldMaxForce:
+            return with<HoldHandle, double>(r, [&](auto h, auto force) { return s.set_max_force(h, force); });
+        case Call::SetJointMaxForce:
+            return with<JointHandle, double>(r, [&](auto h, auto force) { return s.set_max_force(h, force); });
         case Call::DestroyJoint:
             return with<JointHandle>(r, [&](auto h) { return s.destroy(h); });
         case Call::CreateMouseJoint:

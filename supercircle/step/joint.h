@@ -37,6 +37,7 @@ struct Hold {
     Target target;            ///< where the point and its section are to be
     Vec2 reaction = Vec2::Zero(); ///< force on the rod in the last step, N
     double reactionTorque = 0.0;  ///< N m
+    double maxForce = 0.0;        ///< N, beyond which it breaks; 0: never
     std::uint32_t key = 0;        ///< stable identity, 0: nobody asks
 };
 
@@ -89,6 +90,16 @@ struct Link {
     double reel = 0.0;         ///< tether: rate, m/s
     Vec2 force = Vec2::Zero(); ///< on rod A in the last step, N
     double torque = 0.0;       ///< weld: on rod A's section, N m
+    double maxForce = 0.0;     ///< N, beyond which it breaks; 0: never
+    bool broken = false;       ///< until the end of the frame, when it is removed
+};
+
+/// A body of given motion that may pass through a rod, because it leaves the rod no room (crush.h).
+struct Passage {
+    std::uint32_t rod = 0; ///< key
+    BodyId body = 0;
+    double until = 0.0; ///< World::time; later it ends when the two are apart, s
+    friend bool operator==(const Passage&, const Passage&) = default;
 };
 
 /// Friction of a pair of materials, instead of the mean of the two.

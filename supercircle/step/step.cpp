@@ -21,10 +21,12 @@ void tryStep(const World& world, const Settings& s, TrialStep& t, StageTimes& ti
     t.begin(world, s);
     timed(times, Stage::Linearise, [&] { linearise(world, s, t); }); // H = dg/dq at q + dt v / 2
     for (bool balanced = false; !balanced;) {
-        timed(times, Stage::Evaluate, [&] { evaluate(world, t); });   // F(q), K = -dF/dq
-        timed(times, Stage::Predict, [&] { predict(world, t); });     // A = M + dt^2 K, v_free = A^-1 (p + dt F)
-        timed(times, Stage::Assemble, [&] { assemble(world, t); });   // u = H v_free + H A^-1 H^T r
-        timed(times, Stage::Solve, [&] { solve(world, s, t); });      // 0 <= u_n + g/dt  _|_  r_n >= 0, |r_t| <= mu r_n
+        timed(times, Stage::Evaluate, [&] { evaluate(world, t); }); // F(q), K = -dF/dq
+        timed(times, Stage::Predict, [&] { predict(world, t); });   // A = M + dt^2 K, v_free = A^-1 (p + dt F)
+        timed(times, Stage::Assemble, [&] { assemble(world, t); }); // u = H v_free + H A^-1 H^T r
+        timed(times, Stage::Solve, [&] { solve(world, s, t); });    // 0 <= u_n + g/dt  _|_  r_n >= 0, |r_t| <= mu r_n
+        if (t.endsForWork())                                        // the frame's budget is gone
+            return;
         timed(times, Stage::Integrate, [&] { integrate(world, t); }); // v = v_free + A^-1 H^T r, q1 = q + dt v
         if (onSolve && !t.stage.problem.contacts.empty())
             onSolve(t.stage.problem, t.stage.report);

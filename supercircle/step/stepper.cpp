@@ -4,6 +4,7 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
+#include "supercircle/step/crush.h"
 #include "supercircle/step/islands/island.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/fingerprint.h"
@@ -20,6 +21,9 @@ namespace {
 
 constexpr std::int64_t kTicks = std::int64_t{1} << 24; ///< a frame is divided into powers of two of this
 constexpr int kGiveUp = 40;                            ///< cuts in a row
+constexpr int kCutsToCrush = 3;      ///< one would take hard steps for contradictions, many waste the frame
+constexpr int kCutsToFullEffort = 4; ///< half of it spends long solves on steps that are cut anyway; twice as much
+                                     ///< makes steps 16 times shorter before a hard problem is solved
 
 /// Longest power-of-two part of the frame that is no longer than `want` seconds and than what is left.
 std::int64_t ticksFor(double want, double frame, std::int64_t left) {
@@ -39,12 +43,12 @@ double wantedSize(const World& world, const Settings& s, double frame, int cuts)
 }
 
 /// Step size the controller wants after an accepted step.
-double nextSize(const Settings& s, const TrialStep& t, bool wasCut) {
+double nextSize(const Settings& s, const TrialStep& t, double growth) {
     if (s.fixedDt > 0.0)
         return s.fixedDt;
     const double byError = 0.9 * std::sqrt(s.localError * t.h / std::max(t.error, 1e-300));
     const double byMotion = 0.75 * s.motionLimit * t.h / std::max(t.moved, 1e-300);
-    return t.dt * std::clamp(std::min(byError, byMotion), 0.25, wasCut ? 1.0 : 2.0);
+    return t.dt * std::clamp(std::min(byError, byMotion), 0.25, growth);
 }
 
 /// Takes over what a trial returns whether or not it is accepted: counters, reach of the candidates, sleepers to wake.
@@ -85,6 +89,30 @@ bool quarantineHopeless(World& world, const TrialResult& r) {
         if (Rod& rod = world.rods[static_cast<std::size_t>(c.rodA)]; !rod.quarantined)
             quarantine(world, rod);
     return true;
+}
+
+/// Ends contradictions that keep a trial from being feasible (crush.h). False: there are none.
+bool endedContradiction(World& world, const Settings& s, const TrialStep& t, Reason reason, int cuts,
+                        FrameResult& out) {
+    const bool infeasible = reason == Reason::Unconverged || reason == Reason::Penetration ||
+                            reason == Reason::LinkGap || reason == Reason::Crossing ||
+                            (reason == Reason::None && !t.stage.report.converged);
+    const bool cut = cuts >= kCutsToCrush || t.dt <= std::pow(2.0, kCutsToCrush) * s.dtMin;
+    if (s.crush == CrushPolicy::Wait || !infeasible || !cut)
+        return false;
+    std::vector<Crushed> crushed;
+    findCrushed(world, t, crushed);
+    endCrushing(world, s, crushed);
+    out.crushed.insert(out.crushed.end(), crushed.begin(), crushed.end());
+    return !crushed.empty();
+}
+
+/// Cuts in a row that the last frame left, of the rods that step together.
+int cutsOf(const World& world) {
+    int most = 0;
+    for (const Rod& r : world.rods)
+        most = std::max(most, r.cuts);
+    return most;
 }
 
 /// Why the simulation cannot go on with this trial; empty if it may become the next state.
@@ -145,12 +173,13 @@ void Stepper::learnFromHost(World& world, Port& port, double advanced) const {
 }
 
 /// Why the trial must not become the next state; `cuts` in a row so far. An unconverged contact problem is tried at
-/// half the size twice before it is taken as it is and counted.
-Reason Stepper::rejection(const TrialStep& t, int cuts) const {
+/// half the size twice, or until the solver may make its full effort, before it is taken as it is and counted.
+Reason Stepper::rejection(const TrialStep& t, int cuts, bool inAHurry) const {
     if (t.result.reason != Reason::None)
         return t.result.reason;
-    const bool taken = t.stage.report.converged || settings_.acceptUnconverged || cuts >= 2 || settings_.fixedDt > 0.0;
-    return taken ? Reason::None : Reason::Unconverged;
+    const bool gaveUp = settings_.giveUpEarly && !t.fullEffort && t.stage.candidates.size() <= settings_.sweepAbove;
+    const bool asItIs = gaveUp ? inAHurry : settings_.acceptUnconverged || cuts >= 2;
+    return t.stage.report.converged || asItIs || settings_.fixedDt > 0.0 ? Reason::None : Reason::Unconverged;
 }
 
 /// Steps a part through the frame.
@@ -165,21 +194,29 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
     work_->last = &trial;
     observer.begin(world);
     const double start = world.time;
-    FrameBudget budget(settings_, world, part.spent);
-    int cuts = 0;
+    FrameBudget budget(settings_, world, part.spent, part.budgeted);
+    int cuts = cutsOf(world), unsolved = 0; // in a row; of them those for a contact problem that was given up
     std::int64_t left = kTicks;
     while (left > 0 && out.failure.empty() && !out.stopped && !out.budgetExhausted) {
         const std::int64_t ticks = ticksFor(wantedSize(world, settings_, frame, cuts), frame, left);
         trial.dt = frame * static_cast<double>(ticks) / kTicks;
         const Settings& settings = budget.settings();
+        trial.workLimit = budget.trialLimit();
+        trial.solveLimit = budget.solveLimit();
+        trial.hurryAt = budget.hurryAt();
+        trial.fullEffort = !settings_.giveUpEarly || unsolved >= kCutsToFullEffort;
         SC_ASSERT(trial.dt > 0.0 && trial.dt <= frame, "a step is a part of the frame");
         const std::uint64_t before = invariants::kExpensive ? fingerprint(world) : 0;
         tryStep(world, settings, trial, times_, onSolve);
         SC_ASSERT_EXPENSIVE(before == fingerprint(world), "a trial changes nothing of the world");
         (void)before;
-        budget.spend(world, trial.result.contactsSolved, trial.result.solves);
         adopt(world, trial.result);
-        const Reason reason = rejection(trial, cuts);
+        const double spent = trial.result.work.units();
+        const Reason reason = rejection(trial, cuts, budget.hurries(spent));
+        budget.spend(spent);
+        out.budgetExhausted = trial.result.outOfWork || budget.exhausted();
+        if (trial.result.outOfWork)
+            break;
         const double elapsed = world.time - start;
         if ((port || part.partition) && trial.result.judged &&
             leavesRegions(world, trial, frame - elapsed, part.reading)) {
@@ -195,15 +232,21 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
             countRejection(world, reason);
             continue;
         }
+        if (endedContradiction(world, settings_, trial, reason, cuts, out)) {
+            countRejection(world, reason == Reason::None ? Reason::Unconverged : reason);
+            cuts = unsolved = 0;
+            continue;
+        }
         const bool smallest = trial.dt <= 2.0 * settings_.dtMin || ticks == 1 || cuts >= kGiveUp;
         if (reason != Reason::None && !smallest) {
             countRejection(world, reason);
             ++cuts;
+            unsolved += reason == Reason::Unconverged ? 1 : 0;
             world.dtNext = 0.5 * trial.dt;
             continue;
         }
         if (settings_.fixedDt <= 0.0 && quarantineHopeless(world, trial.result)) {
-            cuts = 0;
+            cuts = unsolved = 0;
             continue;
         }
         out.failure = whyNot(trial);
@@ -212,22 +255,26 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
             break;
         }
         acceptStep(world, trial, times_);
+        budget.accept();
+        breakOverloaded(world, out.broken);
         if (settings_.autoSleep)
             measureRest(world, settings_, trial.dt);
         work_->lastDt = trial.dt;
-        world.dtNext = nextSize(settings, trial, cuts > 0);
-        cuts = 0;
+        world.dtNext = nextSize(settings, trial, cuts > 0 ? 1.0 : budget.growth(trial.dt, world.dtNext));
+        cuts = unsolved = 0;
         SC_ASSERT(!(world.dtNext <= 0.0), "the next step takes time");
         left -= ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         if (part.bodiesMeetOthers(frame - (world.time - start)))
             break;
         out.stopped = observer.afterStep(world);
-        out.budgetExhausted = left > 0 && part.budgeted && budget.usedUp();
+        out.budgetExhausted = left > 0 && budget.exhausted();
     }
-    part.used = budget.used();
-    for (Rod& r : world.rods)
+    part.used = out.work = budget.used();
+    for (Rod& r : world.rods) {
         r.dtNext = world.dtNext;
+        r.cuts = out.budgetExhausted ? cuts : 0;
+    }
     out.advanced = frame * static_cast<double>(kTicks - left) / kTicks;
     SC_ASSERT(!(out.advanced < 0.0) && !(out.advanced > frame + 1e-9 * (frame + std::abs(start))),
               "a frame advances by its length at most");
@@ -260,6 +307,8 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
     beginFrame(world, settings_, frame, port, !whole, work_->reading, times_);
     const std::string refused = work_->reading.why;
     updateVetoes(world, frame, pairFilter);
+    if (!world.passages.empty())
+        closePassages(world);
     if (whole) {
         out = advanceWhole(world, frame, port, observer);
     } else {
@@ -268,6 +317,7 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
                                             : advanceIslands(world, frame, port, observer);
     }
     out.refused = refused;
+    removeBroken(world);
     endOfFrame(world);
     if (settings_.autoSleep)
         sleepAtRest(world, settings_);

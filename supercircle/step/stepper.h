@@ -36,13 +36,33 @@
 
 namespace supercircle::step {
 
+/// A rod that given motions leave no room: a body's, or that of a hold against a body.
+struct Crushed {
+    std::uint32_t rod = 0; ///< key
+    BodyId body = 0;
+    std::uint32_t hold = 0; ///< key of the hold that was driven; 0: the body moves
+    double time = 0.0;      ///< s
+};
+
+/// A hold or link that was asked for more than its largest force.
+struct Broken {
+    std::uint32_t rod = 0; ///< key
+    std::uint32_t key = 0; ///< its own
+    bool link = false;
+    Vec2 force = Vec2::Zero(); ///< on the rod, N
+    double time = 0.0;         ///< s
+};
+
 /// How a frame ended.
 struct FrameResult {
     double advanced = 0.0;        ///< s, may be less than asked for when the observer stopped it, it was late or failed
     bool stopped = false;         ///< the observer asked to stop
     bool budgetExhausted = false; ///< Settings::frameWork was used up
-    std::string failure;          ///< empty unless the simulation cannot go on
-    std::string refused;          ///< what of the host was left out because of numbers that are not finite
+    double work = 0.0;            ///< that the frame took, in the units of Settings::frameWork
+    std::vector<Crushed> crushed;
+    std::vector<Broken> broken;
+    std::string failure; ///< empty unless the simulation cannot go on
+    std::string refused; ///< what of the host was left out because of numbers that are not finite
 };
 
 /// Wall time per stage, s.
@@ -115,7 +135,7 @@ public:
 
 private:
     struct Part;
-    [[nodiscard]] Reason rejection(const TrialStep& trial, int cuts) const;
+    [[nodiscard]] Reason rejection(const TrialStep& trial, int cuts, bool inAHurry) const;
     FrameResult advancePart(Part& part, double frame, Port* port, FrameObserver& observer);
     FrameResult advanceWhole(World& world, double frame, Port* port, FrameObserver& observer);
     FrameResult advanceAlone(World& world, double frame, Port* port, FrameObserver& observer);

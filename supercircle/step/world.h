@@ -50,6 +50,7 @@ struct Rod {
     [[nodiscard]] bool asleep() const { return island != 0; }
     effects::RodEffects effects{}; ///< extra physics of this rod
     double dtNext = 0.0;           ///< size of the step that its island wants next, s; 0: not known
+    int cuts = 0;                  ///< of its island's step in a row, where a frame ended with them
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
@@ -108,6 +109,13 @@ struct ContactImpulse {
     double tangentialDeflection = 0.0; ///< tangential deflection of a compliant contact, m
 };
 
+/// What becomes of a shell between given motions that leave it no room.
+enum class CrushPolicy : std::uint8_t {
+    Wait,       ///< the steps get shorter and shorter
+    LetThrough, ///< the body passes through the shell; a hold stops
+    Freeze      ///< the shell is quarantined; a hold stops
+};
+
 /// Resolution of the numerics. Lengths are relative to the thinnest shell's thickness h, so that a scene scales.
 struct Settings {
     double length = 0.0;             ///< m, what h stands for; 0: that thickness
@@ -127,11 +135,13 @@ struct Settings {
     std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
     int cappedSweeps = 40;               ///< ... this many
     bool cull = false;           ///< leave out candidates that cannot meet within the step (cull.h): for long steps
-    std::uint64_t frameWork = 0; ///< budget of a frame (frame_budget.h), units of about 3 us; 0: as much as it takes
+    std::uint64_t frameWork = 0; ///< budget of a frame (frame_budget.h), units of about 1 us; 0: as much as it takes
+    bool giveUpEarly = false;    ///< hard contact problems cut the step; the solver's full effort only after four cuts
     bool autoSleep = false;      ///< islands at rest fall asleep at the end of a frame (sleep.h)
     double sleepDrift = 0.1;     ///< h, no farther may an island have come from where it was
     double sleepAfter = 0.5;     ///< s ago
-    bool crossingCheck = false;  ///< run the independent crossing check on each step; a step that crosses is cut
+    CrushPolicy crush = CrushPolicy::Wait;
+    bool crossingCheck = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
 /// Why a trial step must not become the next state.
@@ -224,6 +234,7 @@ struct World {
     effects::EffectEnergies effectsGone{};   ///< dissipated on rods that are gone; stored in compliant contacts
     std::vector<SurfaceSpeed> surfaceSpeeds; ///< sorted by body and fixture
     std::vector<VetoedPair> vetoes;          ///< pairs that must not collide in this frame, sorted
+    std::vector<Passage> passages;           ///< open ones
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
     [[nodiscard]] Vec2 crossheadForce() const;

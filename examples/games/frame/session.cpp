@@ -93,6 +93,8 @@ void Session::draw(Canvas& canvas, double width, double height) {
         hint = "[slow motion] " + hint;
     drawStrips(view, program_->title + " " + std::to_string(index_ + 1) + ": " + world_->game().title,
                game_->status(*world_), hint, "H: help");
+    if (const std::string& why = world_->report().why; !why.empty())
+        canvas.text({18.0, height - look::bottom - 8.0}, why, {.size = 11.0, .colour = look::muted});
     if (!failure_.empty())
         drawCard(view, "Stopped", {failure_, "R: again"}, look::bad);
     else if (game_->result() == GameResult::Won)

@@ -266,7 +266,7 @@ void findLinkEnds(const World& world, ContactStage& stage) {
         const bool there =
             e.rodA >= 0 && (e.rodB >= 0 || l.end != LinkEnd::Rod) && (e.body >= 0 || l.end != LinkEnd::Body);
         const auto moves = [&](int rod) { return rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen(); };
-        e.counts = there && (moves(e.rodA) || moves(e.rodB));
+        e.counts = there && !l.broken && (moves(e.rodA) || moves(e.rodB));
     }
 }
 
@@ -468,6 +468,8 @@ void collectExcluded(const World& world, ContactStage& stage) {
             stage.excluded.push_back(pairOf(l.rodA, l.rodB));
         else if (!l.collide && l.end == LinkEnd::Body)
             stage.excluded.push_back(pairOf(l.rodA, l.body));
+    for (const Passage& p : world.passages)
+        stage.excluded.push_back(pairOf(p.rod, p.body));
     std::sort(stage.excluded.begin(), stage.excluded.end());
 }
 

@@ -71,7 +71,7 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
     int late = 0;
     for (bool complete = false; !complete;) {
         complete = true;
-        std::uint64_t spent = 0;
+        double spent = 0.0;
         takeIslands(world, w.partition, w.islands);
         for (std::size_t k = 0; k < w.islands.count && complete; ++k) {
             Island& island = *w.islands.slots[w.islands.order[k]];
@@ -79,6 +79,9 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
             part.budgeted = late <= kMostLate;
             island.end = target > 0.0 ? advancePart(part, target, port, observer) : FrameResult{};
             spent += part.used;
+            out.work += part.used;
+            if (island.end.advanced <= 0.0 && island.end.budgetExhausted)
+                keepStep(world, island); // the frame stands still: the next one goes on from here
             if (part.meets) {
                 joined.push_back(*part.meets);
                 complete = false;
@@ -99,6 +102,11 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
     if (port && target > 0.0)
         for (std::size_t k = 0; k < w.islands.count; ++k)
             endFrame(w.islands.slots[k]->world, target, port, times_);
+    for (std::size_t k = 0; k < w.islands.count; ++k) {
+        const FrameResult& end = w.islands.slots[w.islands.order[k]]->end;
+        out.crushed.insert(out.crushed.end(), end.crushed.begin(), end.crushed.end());
+        out.broken.insert(out.broken.end(), end.broken.begin(), end.broken.end());
+    }
     returnIslands(world, w.islands);
     world.time += target;
     out.advanced = target;

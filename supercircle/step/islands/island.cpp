@@ -137,6 +137,10 @@ void fill(const World& world, const Partition& p, Island& island) {
     for (const VetoedPair& v : world.vetoes)
         if (rodIndex(w, v.rod) >= 0)
             w.vetoes.push_back(v);
+    w.passages.clear();
+    for (const Passage& passage : world.passages)
+        if (rodIndex(w, passage.rod) >= 0)
+            w.passages.push_back(passage);
     island.reading.regions.clear();
     for (const std::size_t rod : island.rods)
         island.reading.regions.push_back(p.rods[rod]);
@@ -272,6 +276,13 @@ void takeIslands(const World& world, const Partition& p, Islands& islands) {
     sortByWeight(islands);
 }
 
+void keepStep(World& world, const Island& island) {
+    for (std::size_t i = 0; i < island.rods.size(); ++i) {
+        world.rods[island.rods[i]].dtNext = island.world.rods[i].dtNext;
+        world.rods[island.rods[i]].cuts = island.world.rods[i].cuts;
+    }
+}
+
 void returnIslands(World& world, Islands& islands) {
     std::vector<char>& taken = islands.marked;
     taken.assign(world.rods.size(), 0);
@@ -299,6 +310,9 @@ void returnIslands(World& world, Islands& islands) {
             world.constraints.contacts[island.contacts[i]] = island.world.constraints.contacts[i];
         for (std::size_t i = 0; i < island.rows.size(); ++i)
             world.constraints.rows[island.rows[i]] = island.world.constraints.rows[i];
+        for (const Passage& passage : island.world.passages)
+            if (std::find(world.passages.begin(), world.passages.end(), passage) == world.passages.end())
+                world.passages.push_back(passage);
         world.energyBalance += island.world.energyBalance;
         if (island.group < 0)
             continue; // nobody's step

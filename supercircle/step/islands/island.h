@@ -39,6 +39,8 @@ struct Islands {
 /// Takes out of the world the groups that are not still, and the bodies that no shell may meet as an island without
 /// rods. Those that will take long come first: where the budget ends decides how far the others go.
 void takeIslands(const World& world, const Partition& partition, Islands& islands);
+/// Passes on to the world's rods what size of step their island wants next.
+void keepStep(World& world, const Island& island);
 /// Makes what the islands have become the state of the world.
 void returnIslands(World& world, Islands& islands);
 

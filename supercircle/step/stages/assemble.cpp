@@ -52,6 +52,12 @@ void assertComplete(const TrialStep& t) {
 void assemble(const World& world, TrialStep& t) {
     t.enter(Stage::Assemble, Stage::Predict);
     couple(world, t.rods, t.dt, t.impulses, !t.first(), t.stage);
+    for (const RodWork& w : t.rods)
+        if (!w.frozen) {
+            t.result.work.rods += 1.0;
+            t.result.work.freedoms += static_cast<double>(w.vFree.size() * w.vFree.size());
+        }
+    t.result.work.contacts += static_cast<double>(t.stage.problem.contacts.size());
     applyFrictionState(world, t.rods, t.dt, !t.first(), t.stage);
     assertComplete(t);
 }

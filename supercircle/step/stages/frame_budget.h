@@ -1,48 +1,98 @@
 #pragma once
 // The budget of a frame (private to step/), for hosts that must show a picture every 1/60 s.
 //
-// Work is counted, not timed: a result must not depend on how busy the machine is. One linearisation costs one unit per
-// contact and four per rod that is awake, about 3 us each. Two things happen as it is used up:
-// - at a quarter of it (counting the two steps to come) an island is in a rush, at half of it all islands that follow:
-//   the controller allows four times the local error and four times the motion per step. Nothing else is relaxed: the
-//   contact law, the limit of penetration, the crossing check;
-// - at all of it the frame ends early, after a whole accepted step (FrameResult::late). What is left of the frame is
-//   not simulated: slow motion instead of wrong motion.
+// Work is counted (work_count.h), accepted or not. Three things happen as it is used up:
+// - at half of it (counting the two trials to come) an island is in a rush, at three quarters all that follow: the
+// controller allows four times the local
+//   error and four times the motion per step. Nothing else is relaxed: the contact law, the limit of penetration, the
+//   crossing check;
+// - no trial begins that would mostly lie beyond it, and one that grows beyond one and a half budgets is dropped. The
+//   frame ends after its last accepted step (FrameResult::budgetExhausted). What is left of it is not simulated: slow
+//   motion instead of wrong motion;
+// - a frame without an accepted step ends after one and a half budgets and two trials. The next one goes on with
+//   their smaller step, so that the motion never stops for good. A contact problem may take one budget.
 
+#include "supercircle/step/stages/work_count.h"
 #include "supercircle/step/world.h"
+
+#include <algorithm>
+#include <limits>
 
 namespace supercircle::step {
 
 class FrameBudget {
 public:
-    /// Of a world or an island; `spent`: by other islands of the frame.
-    FrameBudget(const Settings& settings, const World& world, std::uint64_t spent)
-        : whole_(settings.frameWork), spent_(spent), coming_(2 * unitsOf(world, world.impulses.size())),
-          patient_(settings), hasty_(settings) {
+    /// Settings::frameWork units for a world or an island; 0: no limit. `spent`: by other islands of the frame.
+    /// `mayEnd`: the frame may end early for it.
+    FrameBudget(const Settings& settings, const World& world, double spent, bool mayEnd)
+        : whole_(static_cast<double>(settings.frameWork)), spent_(spent), mayEnd_(mayEnd), patient_(settings),
+          hasty_(settings) {
         hasty_.localError *= kHaste;
         hasty_.motionLimit *= kHaste;
+        WorkCount first, read;
+        read.outlines = static_cast<double>(world.outlines.size());
+        used_ = read.units();
+        for (const Rod& r : world.rods)
+            first.rods += r.frozen() ? 0.0 : 1.0;
+        first.contacts = static_cast<double>(std::max(world.candidates.size(), world.impulses.size()));
+        last_ = first.units();
     }
-    /// The settings for the next attempt.
-    [[nodiscard]] const Settings& settings() const {
-        const bool rush = used_ + coming_ > whole_ / 4 || spent_ + used_ + coming_ > whole_ / 2;
-        return whole_ > 0 && rush ? hasty_ : patient_;
+    /// The settings for the next trial.
+    [[nodiscard]] const Settings& settings() const { return rushes() ? hasty_ : patient_; }
+    /// By how much the next step may be longer than the last one of `dt` s, for which `wanted` s were asked: steps are
+    /// powers of two. A rejected trial costs a busy frame more than a short step does. With a growth of 1.2 one trial
+    /// in six is made in vain, with 1.5 one in four, with 2 one in three.
+    [[nodiscard]] double growth(double dt, double wanted) const {
+        return rushes() ? std::clamp(1.5 * wanted / dt, 1.5, 3.0) : 2.0;
     }
-    void spend(const World& world, std::uint64_t contactsSolved, std::uint64_t solves) {
-        used_ += contactsSolved + solves * unitsOf(world, 0);
+    /// A trial that took so many units, accepted or not.
+    void spend(double units) {
+        used_ += units;
+        last_ = units;
+        ++trials_;
     }
-    [[nodiscard]] bool usedUp() const { return whole_ > 0 && spent_ + used_ >= whole_; }
+    /// The last trial became the next state.
+    void accept() { accepted_ = true; }
+    /// Whether no further trial may begin.
+    [[nodiscard]] bool exhausted() const {
+        if (!limited() || !mayEnd_)
+            return false;
+        const double expected = spent_ + used_ + 0.5 * last_;
+        return accepted_ ? expected >= whole_ : expected >= kMost * whole_ && trials_ >= kFewestTrials;
+    }
+    /// What the next trial may take, units.
+    [[nodiscard]] double trialLimit() const {
+        return limited() && accepted_ && mayEnd_ ? kMost * whole_ - spent_ - used_
+                                                 : std::numeric_limits<double>::infinity();
+    }
+    /// What a contact problem may take, units; 0: no limit. Where the budget is gone it is a quarter, which its first
+    /// iterations need.
+    [[nodiscard]] double solveLimit() const { return std::max(whole_ - spent_ - used_, 0.25 * whole_); }
+    /// Work of the next trial from which on it is not linearised again: as much again would leave no second trial.
+    [[nodiscard]] double hurryAt() const {
+        return limited() ? (whole_ - spent_ - used_) / 3.0 : std::numeric_limits<double>::infinity();
+    }
+    /// Whether there is no time for another trial after one of so many units.
+    [[nodiscard]] bool hurries(double units) const { return limited() && spent_ + used_ + units >= whole_; }
     /// By this world or island, units.
-    [[nodiscard]] std::uint64_t used() const { return used_; }
+    [[nodiscard]] double used() const { return used_; }
 
 private:
-    static constexpr double kHaste = 4.0;
-    static std::uint64_t unitsOf(const World& world, std::uint64_t contacts) {
-        std::uint64_t awake = 0;
-        for (const Rod& r : world.rods)
-            awake += r.frozen() ? 0 : 1;
-        return 4 * awake + contacts;
+    [[nodiscard]] bool rushes() const {
+        const double expected = used_ + 2.0 * last_;
+        return limited() && (expected > kRush * whole_ || spent_ + expected > kRushOfAll * whole_);
     }
-    std::uint64_t whole_, spent_, used_ = 0, coming_;
+    [[nodiscard]] bool limited() const { return whole_ > 0.0; }
+    /// With half of it busy frames are finer and slower; with twice as much their snaps and landings are coarser than a
+    /// game's own step.
+    static constexpr double kHaste = 4.0;
+    static constexpr double kRush = 0.5; ///< of the budget; half of it coarsens frames that fit, 1 loses whole frames
+    static constexpr double kRushOfAll = 0.75; ///< the same of all islands so far
+    static constexpr double kMost = 1.5;       ///< budgets, as promised; 1 would drop half of the last trials
+    static constexpr int kFewestTrials = 2;    ///< without an accepted step; one shows more frames that stand still
+    double whole_, spent_, used_ = 0.0, last_ = 0.0;
+    bool mayEnd_, accepted_ = false;
+    int trials_ = 0;
     Settings patient_, hasty_;
 };
 

@@ -103,7 +103,9 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
     const double reject = settings.rejectPenetration * t.h, tolerance = settings.relinearise * t.h;
     const bool deeper = e.deepest > reject && e.deepest > t.overlapAtStart + 0.1 * reject;
     const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > t.overlapAtStart);
-    if ((deeper || off || jointsOrEffectsOff(world, tolerance, t)) && ++t.linearisations < settings.maxIterations) {
+    const bool inAHurry = t.result.work.units() >= t.hurryAt;
+    if ((deeper || off || jointsOrEffectsOff(world, tolerance, t)) && !inAHurry &&
+        ++t.linearisations < settings.maxIterations) {
         forEachRod(t.stage.loop, t.rods.size(), [&](std::size_t i) {
             if (!t.rods[i].frozen)
                 relineariseInMiddle(world.rods[i], t.rods[i]);

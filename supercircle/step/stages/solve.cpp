@@ -5,6 +5,8 @@
 #include "supercircle/step/stages/stages.h"
 #include "supercircle/support/invariants.h"
 
+#include <algorithm>
+
 namespace supercircle::step {
 
 namespace {
@@ -16,9 +18,14 @@ void solveOnce(const World& world, const Settings& settings, TrialStep& t) {
         options.method = coulomb::Method::Accelerated;
         options.maxGaussSeidelIterations = settings.cappedSweeps;
     }
+    options.giveUpEarly = !t.fullEffort;
+    if (t.solveLimit > 0.0) { // all contact problems of a trial together; the least is what first iterations need
+        const double spent = WorkCount::kSolverUnit * t.result.work.solver.units();
+        options.maxWork = std::max(t.solveLimit - spent, 0.05 * t.solveLimit) / WorkCount::kSolverUnit;
+    }
     solveContacts(world, t.rods, options, t.stage);
     ++t.result.solves;
-    t.result.contactsSolved += t.stage.candidates.size();
+    t.result.work.solver.add(t.stage.report.effort);
     t.result.gaussSeidelIterations += static_cast<std::uint64_t>(t.stage.report.gaussSeidelIterations);
     t.result.pivots += static_cast<std::uint64_t>(t.stage.report.pivots);
     SC_ASSERT(t.stage.r.size() == 2 * static_cast<Eigen::Index>(t.stage.problem.contacts.size()),
@@ -31,12 +38,12 @@ void solveOnce(const World& world, const Settings& settings, TrialStep& t) {
 void solve(const World& world, const Settings& settings, TrialStep& t) {
     t.enter(Stage::Solve, Stage::Assemble);
     solveOnce(world, settings, t);
-    for (int again = 0; again < 3 && boundHostRows(world, t.dt, t.stage); ++again) {
+    for (int again = 0; again < 3 && !t.endsForWork() && boundHostRows(world, t.dt, t.stage); ++again) {
         renewHostBlocks(world, t.dt, t.stage);
         solveOnce(world, settings, t);
     }
     constexpr int kMostFactors = 25; // false position halves at worst every second turn
-    for (int turn = 0; turn < kMostFactors && refineFriction(world, t.rods, t.dt, t.stage); ++turn)
+    for (int turn = 0; turn < kMostFactors && !t.endsForWork() && refineFriction(world, t.rods, t.dt, t.stage); ++turn)
         solveOnce(world, settings, t);
 }
 

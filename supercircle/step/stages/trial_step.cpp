@@ -10,8 +10,9 @@ namespace supercircle::step {
 
 void TrialStep::begin(const World& world, const Settings& settings) {
     result.reason = Reason::None;
-    result.judged = false;
-    result.solves = result.contactsSolved = result.gaussSeidelIterations = result.pivots = 0;
+    result.judged = result.outOfWork = false;
+    result.work = {};
+    result.solves = result.gaussSeidelIterations = result.pivots = 0;
     result.sleepers.clear();
     result.runaways.clear();
     result.crossings.clear();

@@ -4,17 +4,23 @@
 
 #include "supercircle/step/contacts/contact_rows.h"
 #include "supercircle/step/rods/rod_system.h"
+#include "supercircle/step/stages/work_count.h"
 #include "supercircle/step/stepper.h"
 #include "supercircle/support/invariants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace supercircle::step {
 
 /// What a trial returns whether or not it is accepted.
 struct TrialResult {
-    Reason reason = Reason::None;     ///< why it must not become the next state; None: it may
-    bool judged = false;              ///< it came as far as its end, so that at the smallest size it may be taken
-    std::uint64_t solves = 0;         ///< contact problems
-    std::uint64_t contactsSolved = 0; ///< contacts in them, all linearisations together
+    Reason reason = Reason::None; ///< why it must not become the next state; None: it may
+    WorkCount work;               ///< what it took
+    bool outOfWork = false;       ///< it ended unfinished, because it took more than TrialStep::workLimit
+    bool judged = false;          ///< it came as far as its end, so that at the smallest size it may be taken
+    std::uint64_t solves = 0;     ///< contact problems
     std::uint64_t gaussSeidelIterations = 0, pivots = 0; ///< of the solver
     bool renewed = false;                                ///< `candidates` replace those of the world
     std::vector<contact::Candidate> candidates;          ///< at the start of the step, found with `range`
@@ -26,9 +32,13 @@ struct TrialResult {
 
 /// Work space of trial steps; what it holds belongs to the last one.
 struct TrialStep {
-    double dt = 0.0;             ///< s
-    double h = 1e-3;             ///< thinnest shell, m
-    std::vector<double> lengths; ///< per rod: that of its pairs (lengthOf), m
+    double dt = 0.0;                                            ///< s
+    double h = 1e-3;                                            ///< thinnest shell, m
+    double workLimit = std::numeric_limits<double>::infinity(); ///< of result.work, units: beyond it the trial ends
+    double solveLimit = 0.0;                                    ///< of one contact problem, units; 0: none
+    double hurryAt = std::numeric_limits<double>::infinity();   ///< beyond it no further linearisation is made
+    bool fullEffort = true;                                     ///< of the contact solver
+    std::vector<double> lengths;                                ///< per rod: that of its pairs (lengthOf), m
     TrialResult result;
     std::vector<RodWork> rods;
     ContactStage stage;
@@ -50,6 +60,16 @@ struct TrialStep {
     /// Candidates at the start of the step.
     [[nodiscard]] const std::vector<contact::Candidate>& candidates(const World& world) const {
         return result.renewed ? result.candidates : world.candidates;
+    }
+    /// Whether the trial took more than it may; it then ends unfinished.
+    [[nodiscard]] bool endsForWork() {
+        result.outOfWork = result.work.units() > workLimit;
+        return result.outOfWork;
+    }
+    /// What is left for the crossing check, in its units; 0: no limit.
+    [[nodiscard]] double checkWorkLeft() const {
+        const double left = workLimit - result.work.units();
+        return std::isfinite(left) ? std::max(1.0, left / WorkCount::kCheckUnit) : 0.0;
     }
     [[nodiscard]] bool first() const { return linearisations == 0; }
     /// Begins a stage, which reads what `before` has left.

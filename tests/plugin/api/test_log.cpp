@@ -118,6 +118,8 @@ std::vector<Entry> table() {
          [](LoggedWorld& s) { return ok(s.shells.set_quality(Quality::Game)); }},
         {"set_frame_budget(uint64_t)", Call::SetFrameBudget,
          [](LoggedWorld& s) { return ok(s.shells.set_frame_budget(30000)); }},
+        {"set_crush_policy(CrushPolicy)", Call::SetCrushPolicy,
+         [](LoggedWorld& s) { return ok(s.shells.set_crush_policy(CrushPolicy::Freeze)); }},
         {"create(ShellDef)", Call::Create,
          [](LoggedWorld& s) {
              s.a = s.make({-0.03, 0.05}, 0.3);
@@ -148,6 +150,10 @@ std::vector<Entry> table() {
          }},
         {"set_max_length(JointHandle,double,double)", Call::SetMaxLength,
          [](LoggedWorld& s) { return ok(s.shells.set_max_length(s.string, 0.15, 0.5)); }},
+        {"set_max_force(HoldHandle,double)", Call::SetHoldMaxForce,
+         [](LoggedWorld& s) { return ok(s.shells.set_max_force(s.hold, 1e3)); }},
+        {"set_max_force(JointHandle,double)", Call::SetJointMaxForce,
+         [](LoggedWorld& s) { return ok(s.shells.set_max_force(s.joint, 1e3)); }},
         {"create_mouse_joint(ShellHandle,MouseJointDef)", Call::CreateMouseJoint,
          [](LoggedWorld& s) {
              return keep(s.shells.create_mouse_joint(s.b, {0.9, {0.05, 0.25}, 8.0, 1.0, 0.0}), s.mouseJoint);

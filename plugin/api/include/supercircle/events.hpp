@@ -6,6 +6,7 @@
 
 #include "definitions.hpp"
 #include "handle.hpp"
+#include "mechanics.hpp"
 
 #include <cstdint>
 #include <limits>
@@ -77,6 +78,24 @@ struct QuarantineEvent {
     ShellHandle shell{};
 };
 
+/// Given motions leave a shell no room: a kinematic body presses it against something that does not yield, or a hold is
+/// driven into a body. No motion of the shell satisfies them. Shells::set_crush_policy says how it ends.
+struct CrushedEvent {
+    double time = 0.0; ///< s
+    ShellHandle shell{};
+    std::uint64_t body = 0; ///< id of the host's body that presses, or that the hold is driven into
+    HoldHandle hold{};      ///< the driven hold, which stops; null: the body moves
+};
+
+/// A hold or joint was asked for more than its largest force (Shells::set_max_force). It is destroyed.
+struct BrokeEvent {
+    double time = 0.0;   ///< s
+    ShellHandle shell{}; ///< the (first) shell
+    HoldHandle hold{};   ///< stale; null: a joint
+    JointHandle joint{}; ///< stale; null: a hold
+    Point force{};       ///< on the shell in the last step, N
+};
+
 /// All events of one frame.
 struct FrameEvents {
     std::vector<ContactBeginEvent> contact_begin;
@@ -85,6 +104,8 @@ struct FrameEvents {
     std::vector<SnapBeginEvent> snap_begin;
     std::vector<SnapEndEvent> snap_end;
     std::vector<QuarantineEvent> quarantined;
+    std::vector<CrushedEvent> crushed;
+    std::vector<BrokeEvent> broke;
 };
 
 /// Thresholds of events. T = L^2 sqrt(lambda / B) is 43 ms for the default shell, B / L is 2.5 mJ.

@@ -43,6 +43,16 @@ enum class Quality : std::uint8_t {
          ///< lists the errors)
 };
 
+/// What becomes of a shell that given motions leave no room (CrushedEvent). A game that wants it destroyed does so on
+/// the event.
+enum class CrushPolicy : std::uint8_t {
+    Wait, ///< steps get shorter and shorter, in Quality::Game the frames slower; the default of Quality::Laboratory
+    /// The body passes through the shell, and collides with it again once they are apart, 0.25 s later at the earliest.
+    /// A driven hold stops where it is. The default of Quality::Game.
+    LetThrough,
+    Freeze ///< the shell is quarantined (FrameEvents::quarantined); a driven hold stops
+};
+
 /// What one frame did.
 struct FrameReport {
     double advanced = 0.0; ///< s; less than dt when stopped, out of budget or failed
@@ -56,6 +66,11 @@ struct FrameReport {
     std::string refused;
     /// What shells do not take from the host, such as restitution; each message comes once for a host world.
     std::string note;
+    /// One line on a frame that ended early, was made in many attempts or lost a shell: why, and what closing gaps
+    /// injected. Empty: there is nothing to say.
+    std::string why;
+    double work = 0.0;     ///< that the frame took, in units of set_frame_budget
+    double injected = 0.0; ///< by closing gaps in this frame, J (EnergyBalance::injected)
     std::uint64_t steps = 0;       ///< of all islands together; sleeping ones take none
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance
 };
@@ -100,10 +115,13 @@ public:
     /// Selects the settings of the numerics, at any time. Settings made through stepper() are replaced.
     Status set_quality(Quality quality);
     [[nodiscard]] Quality quality() const;
-    /// Quality::Game: work per frame, in contacts solved (about 3 us each; a shell counts as four); 0: no limit. Above
-    /// a quarter of it steps get longer. When it is used up the frame ends early (FrameReport::budget_exhausted).
-    /// set_quality resets it. Fails in Quality::Laboratory.
+    /// Quality::Game: work per frame, in units of about 1 us of one core; 0: no limit. The default is 8333, half a
+    /// frame of 60 Hz. Above half of it steps get longer. When it is used up the frame ends early
+    /// (FrameReport::budget_exhausted), after 1.5 budgets and one contact problem at most. set_quality resets it. Fails
+    /// in Quality::Laboratory.
     Status set_frame_budget(std::uint64_t work);
+    /// What becomes of crushed shells. set_quality resets it.
+    Status set_crush_policy(CrushPolicy policy);
     /// Threads that pre_step may use, 1 to 256. The results do not depend on it.
     Status set_threads(int threads);
 
@@ -130,6 +148,10 @@ public:
     /// The present target and its velocity: what to start a TargetDef from.
     [[nodiscard]] Result<TargetDef> target(HoldHandle hold) const;
     [[nodiscard]] Result<Reaction> reaction(HoldHandle hold) const;
+    /// Largest force, N; 0, the default: any. A hold or joint that needed more in an inner step is destroyed after it
+    /// (BrokeEvent). Fails unless it is finite and not negative.
+    Status set_max_force(HoldHandle hold, double force);
+    Status set_max_force(JointHandle joint, double force);
     Status destroy(HoldHandle hold);
 
     Result<JointHandle> create_joint(const JointDef& definition);

@@ -132,6 +132,7 @@ int bench(const std::string& filter, const std::string& json) {
     addSolverBenchmarks(all);
     addScalingBenchmarks(all);
     addGameBenchmarks(all);
+    addFrameBenchmarks(all);
     addWeldedBoxBenchmarks(all);
     addGuidePictures(all);
     addEffectsPicture(all);

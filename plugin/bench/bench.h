@@ -66,6 +66,8 @@ void addSolverBenchmarks(std::vector<Benchmark>& all);
 void addScalingBenchmarks(std::vector<Benchmark>& all);
 /// Game quality: cost of frames, deviation from laboratory quality; only when asked for.
 void addGameBenchmarks(std::vector<Benchmark>& all);
+/// Frames that ask for more than their budget: only when asked for.
+void addFrameBenchmarks(std::vector<Benchmark>& all);
 /// Shells made of welded boxes in the same scenes: only when asked for.
 void addWeldedBoxBenchmarks(std::vector<Benchmark>& all);
 /// The pictures of the tutorials: only when asked for.

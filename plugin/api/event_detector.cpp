@@ -47,6 +47,15 @@ double thicknessOf(const step::World& world, const contact::Candidate& c) {
 
 } // namespace
 
+QuarantineEvent quarantineOf(const step::Rod& rod, const EventDetector::HandleOf& handleOf) {
+    QuarantineReason reason = QuarantineReason::NotFinite;
+    if (rod.quarantineReason == step::QuarantineReason::Runaway)
+        reason = QuarantineReason::Runaway;
+    if (rod.quarantineReason == step::QuarantineReason::Crushed)
+        reason = QuarantineReason::Crushed;
+    return {rod.quarantinedAt, handleOf(rod.key), reason};
+}
+
 void EventDetector::begin(const step::World& world) {
     events.contact_begin.clear(); // one by one: keeps the storage
     events.contact_end.clear();
@@ -56,6 +65,7 @@ void EventDetector::begin(const step::World& world) {
     events.quarantined.clear();
     events.crushed.clear();
     events.broke.clear();
+    events.overlapping.clear();
     pairImpulses_.clear();
     std::erase_if(state.pairs, [&](const ContactPairState& t) { // shells that are gone
         const bool gone = step::rodIndex(world, t.pair.a) < 0 || (t.pair.b != 0 && step::rodIndex(world, t.pair.b) < 0);
@@ -323,9 +333,25 @@ void EventDetector::end(const step::World& world, const HandleOf& handleOf) {
             continue;
         now.push_back(r.key);
         if (std::find(known.begin(), known.end(), r.key) == known.end())
-            events.quarantined.push_back({world.time, handleOf(r.key)});
+            events.quarantined.push_back(quarantineOf(r, handleOf));
     }
     std::swap(known, now);
+    updateOverlaps(world, handleOf);
+}
+
+/// Begin events of pairs that overlap; the pieces of a body are one pair.
+void EventDetector::updateOverlaps(const step::World& world, const HandleOf& handleOf) {
+    std::vector<ContactPair>& now = overlappingNow_;
+    now.clear();
+    for (const step::Overlap& o : world.overlaps)
+        if (!o.passing)
+            now.push_back({o.rodA, o.rodB, o.body});
+    std::sort(now.begin(), now.end());
+    now.erase(std::unique(now.begin(), now.end()), now.end());
+    for (const ContactPair& p : now)
+        if (!std::binary_search(state.overlapping.begin(), state.overlapping.end(), p))
+            events.overlapping.push_back({world.time, handleOf(p.a), p.b != 0 ? handleOf(p.b) : ShellHandle{}, p.body});
+    std::swap(state.overlapping, now);
 }
 
 const FrameEvents& Shells::events() const {

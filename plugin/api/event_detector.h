@@ -1,6 +1,6 @@
 #pragma once
-// Detects contact, impulse, snap and quarantine events while a frame runs (private to plugin/api); events.hpp defines
-// them.
+// Detects contact, impulse, snap, quarantine and overlap events while a frame runs (private to plugin/api); events.hpp
+// defines them.
 //
 // Contact events belong to a pair of shells, not to a contact point: the points that carry a nested pair change from
 // step to step. Snaps are detected per shell from its elastic energy, compared with its minimum over a longer time
@@ -50,6 +50,7 @@ struct EventDetectorState {
     std::vector<ContactPairState> pairs;    ///< sorted by pair
     std::vector<SnapState> snaps;           ///< in the order of the rods
     std::vector<std::uint32_t> quarantined; ///< keys of rods
+    std::vector<ContactPair> overlapping;   ///< sorted
 };
 
 class EventDetector {
@@ -91,6 +92,7 @@ private:
     void addImpulse(const ContactPoint& at, const ContactPair& pair, double time, double normal, double tangent,
                     double dt);
     void matchSnaps(const step::World& world);
+    void updateOverlaps(const step::World& world, const HandleOf& handleOf);
     void updateSnaps(const step::World& world, const HandleOf& handleOf);
     void sampleEnergy(SnapState& s, const step::Rod& rod, double time, const HandleOf& handleOf);
     [[nodiscard]] const contact::Candidate& atEnd(const step::World& world, const contact::Candidate& c) const;
@@ -106,6 +108,10 @@ private:
     std::vector<std::pair<std::uint32_t, std::size_t>> snapOf_; ///< key of a rod, index of its SnapState, sorted
     EventDetectorState keptState_;
     FrameEvents keptEvents_;
+    std::vector<ContactPair> overlappingNow_; ///< sorted
 };
+
+/// Since when and why a rod is quarantined.
+QuarantineEvent quarantineOf(const step::Rod& rod, const EventDetector::HandleOf& handleOf);
 
 } // namespace supercircle

@@ -11,6 +11,7 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
     s.autoSleep = before.autoSleep;
     s.sleepDrift = before.sleepDrift;
     s.sleepAfter = before.sleepAfter;
+    s.recoverAfter = before.recoverAfter;
     s.crossingCheck = true;
     if (quality == Quality::Laboratory)
         return s;

@@ -3,6 +3,7 @@
 
 #include "plugin/api/from_definition.h"
 #include "plugin/api/limits.h"
+#include "plugin/api/quality.h"
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
@@ -74,6 +75,7 @@ std::shared_ptr<Shells::Impl> Shells::Impl::movedFrom() {
 Shells::Shells(std::shared_ptr<step::Port> port) : impl_(std::make_shared<Impl>()) {
     (void)Impl::movedFrom(); // made where an allocation may fail
     impl_->port = std::move(port);
+    impl_->stepper.settings() = settingsFor(Quality::Laboratory, impl_->stepper.settings());
     if (impl_->port)
         impl_->world.gravity = impl_->port->gravity();
 }
@@ -241,8 +243,12 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         if (m.port)
             report.note = m.port->takeNote();
         report.failure = out.failure.empty() ? thrown : out.failure;
-        m.detector.end(m.world, [&m](std::uint32_t key) { return m.handleOf(key); });
+        const auto handleOf = [&m](std::uint32_t key) { return m.handleOf(key); };
+        m.detector.end(m.world, handleOf);
         m.tell(out);
+        for (const step::Rod& r : m.world.rods)
+            if (r.quarantined)
+                report.quarantined.push_back(quarantineOf(r, handleOf));
         return done();
     });
     if (!ended)

@@ -102,6 +102,19 @@ Status checkConsistency(const archive::State& s) {
     }
     if (!w.range.empty() && w.range.size() != w.rods.size())
         return refused("contact ranges do not fit the shells");
+    for (const step::Overlap& o : w.overlaps) {
+        const auto length = [&](std::uint32_t key) {
+            const int i = step::rodIndex(w, key);
+            return i < 0 ? -1.0 : w.rods[static_cast<std::size_t>(i)].model.definition().length;
+        };
+        const double lengthA = length(o.rodA), lengthB = o.rodB != 0 ? length(o.rodB) : 0.0;
+        for (const contact::Push& p : o.pushes)
+            if (!(p.sA >= 0.0 && p.sA <= lengthA && p.sB >= 0.0 && p.sB <= lengthB && p.direction.allFinite()))
+                return refused("an overlap refers to a missing shell");
+    }
+    if (!std::is_sorted(w.overlaps.begin(), w.overlaps.end(),
+                        [](const auto& a, const auto& b) { return a.pair() < b.pair(); }))
+        return refused("overlaps are out of order");
     if (!std::is_sorted(w.impulses.begin(), w.impulses.end(), [](const auto& a, const auto& b) { return a.id < b.id; }))
         return refused("contact forces are out of order");
     for (const ContactPairState& t : s.detector.pairs)

@@ -64,6 +64,12 @@ void io(Ar& ar, Is<SleepSettings> auto& s) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<RecoverySettings> auto& s) {
+    auto& [policy, after] = s;
+    ar(policy, after);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<MaterialDef> auto& d) {
     auto& [mu, youngModulus, density, naturalCurvature] = d;
     ar(mu, youngModulus, density, naturalCurvature);
@@ -184,6 +190,18 @@ void io(Ar& ar, Is<step::VetoedPair> auto& v) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<contact::Push> auto& p) {
+    auto& [sA, sB, direction] = p;
+    ar(sA, sB, direction);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Overlap> auto& o) {
+    auto& [rodA, rodB, body, outline, passing, contact, free, pushes, way, blocked, from, tried] = o;
+    ar(rodA, rodB, body, outline, passing, contact, free, pushes, way, blocked, from, tried);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<EffectValue> auto& v) {
     auto& [name, number, choice] = v;
     ar(name, number, choice);
@@ -204,11 +222,13 @@ void io(Ar& ar, Is<EffectTarget> auto& t) {
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
-           mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext, cuts] = r;
+           mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext, cuts,
+           quarantineReason, quarantinedAt] = r;
     ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, mouseJoints, width,
        material, group, island, stillTime, stillReference, dtNext);
     ioIfPositive(ar, cuts);
     ioEffects(ar, model, effects);
+    ar.unhashed(quarantineReason, quarantinedAt);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || lastAccepted.size() != n ||
@@ -368,16 +388,26 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
     ar(method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots);
 }
 
+/// A value that does not count in the hash while it changes nothing.
+template <class Ar>
+void ioUnless(Ar& ar, bool neutral, auto& value) {
+    if (neutral)
+        ar.unhashed(value);
+    else
+        ar(value);
+}
+
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
            maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, giveUpEarly,
-           autoSleep, sleepDrift, sleepAfter, crush, crossingCheck] = s;
+           autoSleep, sleepDrift, sleepAfter, crush, recoverAfter, crossingCheck] = s;
     (void)threads; // of this computer
     (void)length;  // the thickness, in every quality
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
        contact, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, autoSleep, sleepDrift, sleepAfter,
        crossingCheck);
+    ioUnless(ar, std::isinf(recoverAfter), recoverAfter);
     if (giveUpEarly || crush != step::CrushPolicy::Wait)
         ar(giveUpEarly, crush);
     else
@@ -395,17 +425,15 @@ void io(Ar& ar, Is<step::Settings> auto& s) {
 /// A list that most states do not use: empty, it does not count in the hash.
 template <class Ar>
 void ioIfAny(Ar& ar, auto& list) {
-    if (list.empty())
-        ar.unhashed(list);
-    else
-        ar(list);
+    ioUnless(ar, list.empty(), list);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
     auto& [time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
            crossheadBodies, energyBalance, counters, candidates, range, dt, dtNext, nextKey, links, nextPart,
-           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes, passages] = w;
+           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes, passages,
+           overlaps] = w;
     ar(time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
        crossheadBodies, energyBalance);
     ar.unhashed(counters);
@@ -415,6 +443,7 @@ void io(Ar& ar, Is<step::World> auto& w) {
     ioIfAny(ar, surfaceSpeeds);
     ioIfAny(ar, vetoes);
     ioIfAny(ar, passages);
+    ioIfAny(ar, overlaps);
 }
 
 // ---- class Shells ----
@@ -453,8 +482,9 @@ void io(Ar& ar, Is<SnapState> auto& s) {
 
 template <class Ar>
 void io(Ar& ar, Is<EventDetectorState> auto& w) {
-    auto& [settings, pairs, snaps, quarantined] = w;
+    auto& [settings, pairs, snaps, quarantined, overlapping] = w;
     ar(settings, pairs, snaps, quarantined);
+    ioIfAny(ar, overlapping);
 }
 
 template <class Ar>

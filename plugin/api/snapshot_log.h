@@ -57,6 +57,7 @@ enum class Call : std::uint8_t {
     SetCrushPolicy = 45,
     SetHoldMaxForce = 46,
     SetJointMaxForce = 47,
+    SetRecovery = 48,
     Count
 };
 

@@ -124,6 +124,8 @@ private:
             return with<std::uint64_t>(r, [&](auto work) { return s.set_frame_budget(work); });
         case Call::SetCrushPolicy:
             return with<CrushPolicy>(r, [&](auto policy) { return s.set_crush_policy(policy); });
+        case Call::SetRecovery:
+            return with<RecoverySettings>(r, [&](const auto& e) { return s.set_recovery(e); });
         case Call::SetSleep:
             return with<SleepSettings>(r, [&](const auto& e) { return s.set_sleep(e); });
         default:

@@ -141,7 +141,7 @@ void endCrushing(World& world, const Settings& settings, const std::vector<Crush
                     }
         } else if (settings.crush == CrushPolicy::Freeze) {
             if (!rod.quarantined)
-                quarantine(world, rod);
+                quarantine(world, rod, QuarantineReason::Crushed);
         } else {
             world.passages.push_back({c.rod, c.body, world.time + kPassage});
             wake(world, static_cast<std::size_t>(index));

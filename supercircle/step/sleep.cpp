@@ -105,6 +105,13 @@ Islands findIslands(const World& world) {
             addBody(world, c.a.rod, world.outlines[static_cast<std::size_t>(c.outline)].body, islands);
     }
     addLinks(world, islands);
+    for (const Overlap& o : world.overlaps) {
+        const int a = rodIndex(world, o.rodA), b = o.rodB != 0 ? rodIndex(world, o.rodB) : -1;
+        if (a >= 0 && b >= 0)
+            islands.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+        else
+            addBody(world, a, o.body, islands);
+    }
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         for (const Hold& h : world.rods[i].holds) {
             if (h.onCrosshead ? !world.crossheadVelocity.isZero(0.0) : h.target.moving())
@@ -196,6 +203,9 @@ void sleepAtRest(World& world, const Settings& settings) {
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (!world.rods[i].frozen() && !tired(world.rods[i]))
             islands.keepAwake(i, "it moves");
+    for (const Overlap& o : world.overlaps)
+        if (const int rod = rodIndex(world, o.rodA); rod >= 0)
+            islands.keepAwake(static_cast<std::size_t>(rod), "it overlaps something");
     std::vector<std::uint32_t> number(world.rods.size(), 0);
     bool any = false;
     for (std::size_t i = 0; i < world.rods.size(); ++i) {

@@ -1,6 +1,7 @@
 // One step of the shells, stage by stage, in the order of the enum Stage. The size of the step is chosen in
 // stepper.cpp; each stage is in stages/, in the file of its name. Symbols: docs/theory/time_step.md.
 
+#include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/stages/stage_timer.h"
 #include "supercircle/step/stages/stages.h"
 
@@ -8,17 +9,22 @@ namespace supercircle::step {
 
 void beginFrame(World& world, const Settings& s, double frame, Port* port, bool nearOnly, HostReading& reading,
                 StageTimes& times) {
-    timed(times, Stage::Check, [&] { checkNumbers(world); }); // q, v are numbers
+    timed(times, Stage::Check, [&] { checkNumbers(world, s); }); // q, v are numbers
     if (port)
         timed(times, Stage::ReadHost,
               [&] { readHost(world, *port, s, frame, nearOnly, reading); }); // bodies and outlines near by
     timed(times, Stage::Drive, [&] { drive(world, frame); });                // velocities and paths that are given
+    reviewOverlaps(world, true); // pairs that cross, as the host has put things
 }
 
 /// Changes nothing of the world: what it finds is in `t`, and whether it may stand in t.result.reason.
 void tryStep(const World& world, const Settings& s, TrialStep& t, StageTimes& times, const SolveObserver& onSolve) {
     timed(times, Stage::Detect, [&] { detectAtStart(world, s, t); }); // pairs with gap g(q) within reach
     t.begin(world, s);
+    if (s.crossingCheck)
+        findOverlaps(world, t);
+    if (t.result.reason != Reason::None)
+        return;
     timed(times, Stage::Linearise, [&] { linearise(world, s, t); }); // H = dg/dq at q + dt v / 2
     for (bool balanced = false; !balanced;) {
         timed(times, Stage::Evaluate, [&] { evaluate(world, t); }); // F(q), K = -dF/dq
@@ -47,6 +53,7 @@ void tryStep(const World& world, const Settings& s, TrialStep& t, StageTimes& ti
 
 void acceptStep(World& world, TrialStep& t, StageTimes& times) {
     timed(times, Stage::Accept, [&] { accept(world, t); }); // new state, energy balance, forces kept
+    reviewOverlaps(world, false);                           // pairs that cross, after their push
 }
 
 void endFrame(World& world, double advanced, Port* port, StageTimes& times) {

@@ -3,6 +3,7 @@
 #include "supercircle/step/stepper.h"
 
 #include "supercircle/step/applied_forces.h"
+#include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/step/crush.h"
 #include "supercircle/step/islands/island.h"
@@ -64,6 +65,7 @@ void adopt(World& world, TrialResult& r) {
     for (const std::size_t rod : r.sleepers)
         if (world.rods[rod].asleep())
             wake(world, rod);
+    addOverlaps(world, r.overlaps);
 }
 
 void countRejection(World& world, Reason reason) {
@@ -72,22 +74,20 @@ void countRejection(World& world, Reason reason) {
     ++world.counters.rejectedFor[static_cast<std::size_t>(reason)];
 }
 
-/// Takes out of the motion what no step size can help. True if there was something: the others go on without it.
-/// Shells put into each other are pushed apart faster than any force could, and every list of contacts grows with their
-/// speed. Where something stands in a shell already (a body was put there), no step is short enough.
-bool quarantineHopeless(World& world, const TrialResult& r) {
+/// Takes out of the law what no step size can help. True if there was something: the others go on without it. Shells
+/// with an element curled up to more than a circle stop; pairs that cross even in the smallest step are apart.
+bool takeOutHopeless(World& world, const TrialResult& r) {
     if (!r.runaways.empty()) {
         SC_ASSERT(r.runaways.back() < world.rods.size(), "a runaway is a rod of the world");
         for (const std::size_t i : r.runaways)
-            quarantine(world, world.rods[i]);
+            quarantine(world, world.rods[i], QuarantineReason::Runaway);
         return true;
     }
     if (!r.judged || r.crossings.empty())
         return false;
     world.counters.crossings += r.crossings.size();
     for (const contact::Crossing& c : r.crossings)
-        if (Rod& rod = world.rods[static_cast<std::size_t>(c.rodA)]; !rod.quarantined)
-            quarantine(world, rod);
+        addOverlaps(world, {overlapOf(world, c)});
     return true;
 }
 
@@ -228,7 +228,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
                 continue;
             }
         }
-        if (reason == Reason::SleeperPressed) {
+        if (reason == Reason::SleeperPressed || !trial.result.overlaps.empty()) {
             countRejection(world, reason);
             continue;
         }
@@ -245,7 +245,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
             world.dtNext = 0.5 * trial.dt;
             continue;
         }
-        if (settings_.fixedDt <= 0.0 && quarantineHopeless(world, trial.result)) {
+        if (settings_.fixedDt <= 0.0 && takeOutHopeless(world, trial.result)) {
             cuts = unsolved = 0;
             continue;
         }

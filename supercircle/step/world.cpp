@@ -250,6 +250,7 @@ void removeRod(World& world, std::size_t index) {
     world.rods.erase(world.rods.begin() + static_cast<std::ptrdiff_t>(index));
     std::erase_if(world.links,
                   [key](const Link& l) { return l.rodA == key || (l.end == LinkEnd::Rod && l.rodB == key); });
+    std::erase_if(world.overlaps, [key](const Overlap& o) { return o.rodA == key || o.rodB == key; });
     forgetContacts(world, key);
 }
 

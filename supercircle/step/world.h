@@ -10,15 +10,25 @@
 #include "supercircle/rod/inertia.h"
 #include "supercircle/step/energy_balance.h"
 #include "supercircle/step/joint.h"
+#include "supercircle/step/overlap.h"
 #include "supercircle/step/port.h"
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace supercircle::step {
+
+/// Why a rod is quarantined.
+enum class QuarantineReason : std::uint8_t {
+    None,
+    NotFinite, ///< numbers that are not finite
+    Runaway,   ///< the smallest step would curl an element up to more than a circle
+    Crushed    ///< given motions left it no room (CrushPolicy::Freeze)
+};
 
 /// One shell: constant model, state, and what others need to know about it.
 struct Rod {
@@ -32,7 +42,7 @@ struct Rod {
     std::uint32_t key = 0;      ///< stable identity
     std::uint16_t category = 1; ///< collision filter, as in Box2D
     std::uint16_t mask = 0xffff;
-    bool quarantined = false; ///< had bad numbers or a body inside it: neither moves nor collides until it is moved
+    bool quarantined = false; ///< neither moves nor collides until it is moved or Settings::recoverAfter is over
     double speed = 0.0;       ///< largest speed of its points in the last step, m/s
 
     rod::Kinematics kin;   ///< at q
@@ -51,6 +61,8 @@ struct Rod {
     effects::RodEffects effects{}; ///< extra physics of this rod
     double dtNext = 0.0;           ///< size of the step that its island wants next, s; 0: not known
     int cuts = 0;                  ///< of its island's step in a row, where a frame ended with them
+    QuarantineReason quarantineReason = QuarantineReason::None;
+    double quarantinedAt = 0.0; ///< World::time, s
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };
@@ -141,6 +153,8 @@ struct Settings {
     double sleepDrift = 0.1;     ///< h, no farther may an island have come from where it was
     double sleepAfter = 0.5;     ///< s ago
     CrushPolicy crush = CrushPolicy::Wait;
+    double recoverAfter =
+        std::numeric_limits<double>::infinity(); ///< s, after which quarantined rods move again; infinite: never
     bool crossingCheck = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
@@ -174,8 +188,8 @@ struct Counters {
     std::uint64_t pivots = 0;
     std::uint64_t unconverged = 0; ///< accepted steps whose contact residual stayed above tolerance
     std::uint64_t crossings =
-        0; ///< found by the crossing check in a step that could not be cut further (its shells are taken out)
-    std::uint64_t quarantined = 0;       ///< rods taken out because of bad numbers or crossings
+        0; ///< found by the crossing check in a step that could not be cut further (such pairs become overlaps)
+    std::uint64_t quarantined = 0;       ///< rods taken out because of bad numbers or runaways
     double contactResidualMax = 0.0;     ///< largest contact residual of an accepted step
     std::uint64_t contactsMax = 0;       ///< most candidates in one problem
     std::uint64_t activeContactsMax = 0; ///< most contacts that carried force at once
@@ -235,6 +249,7 @@ struct World {
     std::vector<SurfaceSpeed> surfaceSpeeds; ///< sorted by body and fixture
     std::vector<VetoedPair> vetoes;          ///< pairs that must not collide in this frame, sorted
     std::vector<Passage> passages;           ///< open ones
+    std::vector<Overlap> overlaps;           ///< pairs that cross without having moved there, sorted
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).
     [[nodiscard]] Vec2 crossheadForce() const;

@@ -186,7 +186,7 @@ private:
     void checkState(Shells& s) {
         const FrameEvents& e = s.events();
         statistics_.events += e.contact_begin.size() + e.contact_end.size() + e.impulses.size() + e.snap_begin.size() +
-                              e.snap_end.size() + e.quarantined.size();
+                              e.snap_end.size() + e.quarantined.size() + e.overlapping.size();
         for (const ContactBeginEvent& b : e.contact_begin)
             if (b.at.a.null() || !std::isfinite(b.approach_speed) ||
                 !(b.at.fraction_a >= 0.0 && b.at.fraction_a <= 1.0))

@@ -283,15 +283,16 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
         message_ = failure + " (at t = " + std::to_string(shells_.time()) + " s)";
         return false;
     }
-    if (shells_.world().counters.quarantined > 0) { // a game continues without the shell, an experiment cannot
+    // A game continues without a quarantined shell and with shells that cross each other, an experiment cannot.
+    const bool cross = shells_.world().counters.crossings > 0 || !shells_.world().overlaps.empty();
+    if (cross || shells_.world().counters.quarantined > 0) {
         status_ = RunStatus::Failed;
-        message_ =
-            std::string(shells_.world().counters.crossings > 0
-                            ? "shells would cross even at the smallest step"
-                            : "an element of a shell curled up to more than a circle, or its numbers were not finite, "
-                              "and the shell was taken out of the motion") +
-            " (at t = " + std::to_string(shells_.time()) +
-            " s); look for shells put into each other or driven too fast";
+        message_ = std::string(
+                       cross ? "shells would cross even at the smallest step"
+                             : "an element of a shell curled up to more than a circle, or its numbers were not finite, "
+                               "and the shell was taken out of the motion") +
+                   " (at t = " + std::to_string(shells_.time()) +
+                   " s); look for shells put into each other or driven too fast";
         return false;
     }
     return true;

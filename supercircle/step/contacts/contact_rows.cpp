@@ -3,6 +3,7 @@
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/support/invariants.h"
 
@@ -126,7 +127,10 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     // takes for an error of one step, it would shorten the step until the motion is a blow (20 um in 1.3 us were 115
     // N). Surfaces that give overlap under load as they should, and their springs bound the force.
     const double scale = lengthOf(world, stage.length, c) / stage.h;
-    const double atOnce = gapAtStart < -scale * stage.overlap ? 0.0 : scale * stage.closes; // m
+    const bool deep = gapAtStart < -scale * stage.overlap;
+    const bool put = isOverlap(world, c.a.rod, c.b.rod, c.outline, false) || withinJoined(world, c.a.rod, c.outline);
+    k.damping = put && deep && out.a >= 0 ? contactDamping(world, rods, c) : 0.0;
+    const double atOnce = put || deep ? 0.0 : scale * stage.closes; // m
     const double closing = gapAtStart / dt, fastest = -atOnce / dt - scale * stage.recovery;
     out.w.x() += closing < fastest && complianceOf(world, c).x() <= 0.0 ? fastest : closing;
     out.id = c.id;
@@ -231,6 +235,10 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
     for (std::size_t i = 0; i < stage.linkCount; ++i) {
         take(stage.linkRows[i].rodA);
         take(stage.linkRows[i].rodB);
+    }
+    for (std::size_t i = 0; i < stage.pushCount; ++i) {
+        take(stage.pushes[i].rodA);
+        take(stage.pushes[i].rodB);
     }
     for (RodWork& w : rods)
         if (w.body == 0)
@@ -381,10 +389,12 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     SC_ASSERT(rods.size() == world.rods.size() && stage.motion.size() == world.bodies.size(), "sizes of the world");
     stage.problem.dt = dt;
     prepareLinks(world, rods, dt, again, stage);
+    prepareOverlaps(world, rods, dt, stage);
     addRodBodies(world, rods, stage);
     addHostBlocks(world, dt, stage);
     listHostContacts(world, stage);
-    const std::size_t n = stage.candidates.size(), all = n + stage.linkCount + stage.hostEntries.size();
+    const std::size_t n = stage.candidates.size(),
+                      all = n + stage.linkCount + stage.hostEntries.size() + stage.pushCount;
     stage.problem.contacts.resize(all);
     stage.work.resize(n);
     stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * all));
@@ -398,7 +408,9 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     });
     coupleLinks(world, rods, dt, stage);
     addHostContacts(world, dt, stage);
-    addGive(world, dt, world.impulses, stage); // last: it widens the rows of all contacts
+    coupleOverlaps(world, rods, stage);
+    addGive(world, dt, world.impulses, stage); // last: both widen the rows of all contacts
+    softenOverlaps(dt, stage);
 }
 
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
@@ -416,7 +428,7 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
         RodWork& w = rods[i];
         SC_ASSERT(w.body < static_cast<int>(stage.problem.bodies.size()), "a rod's block is one of the problem");
         const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
-        const Eigen::Index own = w.vFree.size(); // behind it stand the springs of compliant contacts
+        const Eigen::Index own = w.vFree.size(); // behind it stand those of springs and pushes
         if (w.frozen)
             w.v.setZero(world.rods[i].model.dofs());
         else if (w.C.rows() == 0 && x.size() == own)

@@ -46,6 +46,14 @@ struct LinkRow : ContactWork {
     Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that block, the sign of the body included
 };
 
+/// One push of an overlap (overlaps.h). ContactWork::surface is the given velocity.
+struct PushRow : ContactWork {
+    Vec2 direction = Vec2::UnitX();              ///< of A away from B
+    double speed = 0.0;                          ///< m/s
+    int bodyProblem = -1;                        ///< block of the body in the problem
+    Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that block, the sign of the body included
+};
+
 /// Everything the contacts of one attempt need.
 struct ContactStage {
     std::vector<contact::RodCurve> curves, curvesMiddle;
@@ -67,13 +75,15 @@ struct ContactStage {
     std::vector<LinkEnds> linkEnds;        ///< per World::links
     std::vector<LinkRow> linkRows;         ///< storage; the first linkCount belong to this attempt
     std::size_t linkCount = 0;
+    std::vector<PushRow> pushes; ///< storage; the first pushCount belong to this attempt
+    std::size_t pushCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
     double h = 0.0;           ///< thinnest shell, which the next three are given for, m
     double length = 0.0;      ///< Settings::length
     double overlap = 0.0;     ///< deeper overlaps are not closed at once, m
     double closes = 0.0;      ///< of others, so much is closed at once, m
     double recovery = 0.0;    ///< the rest at this speed, m/s
-    coulomb::Problem problem; ///< contacts: of the candidates, then of linkRows, then of the host
+    coulomb::Problem problem; ///< contacts: of the candidates, of linkRows, of the host, of pushes
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;

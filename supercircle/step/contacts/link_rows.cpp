@@ -1,5 +1,6 @@
 #include "supercircle/step/contacts/link_rows.h"
 
+#include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
 
 #include "supercircle/step/applied_forces.h"
@@ -476,6 +477,8 @@ void collectExcluded(const World& world, ContactStage& stage) {
 bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB, int outline) {
     if (rodB < 0 &&
         vetoed(world, world.rods[static_cast<std::size_t>(rodA)], world.outlines[static_cast<std::size_t>(outline)]))
+        return true;
+    if (isOverlap(world, rodA, rodB, outline, true))
         return true;
     if (stage.excluded.empty())
         return false;

@@ -41,7 +41,7 @@ void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& s
 
 /// Pairs that do not collide because a link says so, sorted; see excluded().
 void collectExcluded(const World& world, ContactStage& stage);
-/// Whether the contacts of this pair are left out.
+/// Whether the contacts of this pair are left out: vetoed, joined or apart.
 bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB, int outline);
 
 /// Moves targets and lengths on by a step.

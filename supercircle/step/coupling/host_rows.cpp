@@ -55,6 +55,8 @@ void gatherBodies(const World& world, ContactStage& stage) {
             take(bodyIndex(world, world.outlines[static_cast<std::size_t>(c.outline)].body));
     for (std::size_t i = 0; i < stage.linkCount; ++i)
         take(stage.linkRows[i].bodyB);
+    for (std::size_t i = 0; i < stage.pushCount; ++i)
+        take(stage.pushes[i].bodyB);
     for (std::size_t i = 0; i < found.size() && found.size() < kMostBodies; ++i) {
         const int body = found[i]; // the list grows
         for (const std::vector<BodyEnds>* list : {&stage.contactEnds, &stage.rowEnds})
@@ -321,7 +323,8 @@ void listHostContacts(const World& world, ContactStage& stage) {
 
 void addHostContacts(const World& world, double dt, ContactStage& stage) {
     const std::size_t first = stage.candidates.size() + stage.linkCount;
-    SC_ASSERT(first + stage.hostEntries.size() == stage.problem.contacts.size(), "contacts of the host stand last");
+    SC_ASSERT(first + stage.hostEntries.size() + stage.pushCount == stage.problem.contacts.size(),
+              "only pushes stand behind the contacts of the host");
     for (std::size_t i = 0; i < stage.hostEntries.size(); ++i) {
         coulomb::Contact& out = stage.problem.contacts[first + i];
         Vec2 warm = Vec2::Zero();

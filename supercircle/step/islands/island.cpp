@@ -137,6 +137,10 @@ void fill(const World& world, const Partition& p, Island& island) {
     for (const VetoedPair& v : world.vetoes)
         if (rodIndex(w, v.rod) >= 0)
             w.vetoes.push_back(v);
+    w.overlaps.clear();
+    for (const Overlap& o : world.overlaps)
+        if (rodIndex(w, o.rodA) >= 0)
+            w.overlaps.push_back(o);
     w.passages.clear();
     for (const Passage& passage : world.passages)
         if (rodIndex(w, passage.rod) >= 0)
@@ -218,6 +222,19 @@ void returnBodies(World& world, const Island& island) {
     }
 }
 
+/// Links with their forces. The key of one that broke becomes 0, until all islands are back.
+void returnLinks(World& world, const Island& island) {
+    for (const std::size_t i : island.links) {
+        Link& to = world.links[i];
+        const auto it = std::find_if(island.world.links.begin(), island.world.links.end(),
+                                     [&](const Link& l) { return l.key == to.key; });
+        if (it != island.world.links.end())
+            to = *it;
+        else
+            to.key = 0;
+    }
+}
+
 /// Candidates with the indices of the world.
 void returnCandidates(World& world, const Island& island) {
     const auto rodOf = [&](std::int32_t rod) {
@@ -231,6 +248,19 @@ void returnCandidates(World& world, const Island& island) {
                 outlineIndex(world, island.world.outlines[static_cast<std::size_t>(c.outline)]));
         world.candidates.push_back(c);
     }
+}
+
+/// Pairs that cross, sorted.
+void returnOverlaps(World& world, const Islands& islands) {
+    std::erase_if(world.overlaps, [&](const Overlap& o) {
+        const int rod = rodIndex(world, o.rodA);
+        return rod < 0 || islands.marked[static_cast<std::size_t>(rod)];
+    });
+    for (std::size_t k = 0; k < islands.count; ++k)
+        world.overlaps.insert(world.overlaps.end(), islands.slots[k]->world.overlaps.begin(),
+                              islands.slots[k]->world.overlaps.end());
+    std::sort(world.overlaps.begin(), world.overlaps.end(),
+              [](const Overlap& a, const Overlap& b) { return a.pair() < b.pair(); });
 }
 
 void returnForces(const Islands& islands, std::vector<ContactImpulse> World::*list, std::vector<ContactImpulse>& to) {
@@ -304,8 +334,7 @@ void returnIslands(World& world, Islands& islands) {
             std::swap(world.rods[island.rods[i]], island.world.rods[i]);
             taken[island.rods[i]] = 1;
         }
-        for (std::size_t i = 0; i < island.links.size(); ++i)
-            std::swap(world.links[island.links[i]], island.world.links[i]);
+        returnLinks(world, island);
         for (std::size_t i = 0; i < island.contacts.size(); ++i)
             world.constraints.contacts[island.contacts[i]] = island.world.constraints.contacts[i];
         for (std::size_t i = 0; i < island.rows.size(); ++i)
@@ -324,6 +353,8 @@ void returnIslands(World& world, Islands& islands) {
         world.dt = least;
         world.dtNext = leastNext;
     }
+    std::erase_if(world.links, [](const Link& l) { return l.key == 0; });
+    returnOverlaps(world, islands);
     sortByKey(world, islands.byKey);
     returnForces(islands, &World::impulses, world.impulses);
     returnForces(islands, &World::sleepingImpulses, world.sleepingImpulses);

@@ -4,6 +4,7 @@
 #include "supercircle/step/contacts/adhesion.h"
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rods/rod_system.h"
@@ -174,6 +175,7 @@ void accept(World& world, TrialStep& t) {
     const double dt = t.dt;
     recordContacts(world, rods, stage, dt);
     recordLinks(world, rods, stage, dt);
+    recordOverlaps(world, rods, stage, dt);
     EnergyBalance& l = world.energyBalance;
     const AdhesionEnergies pulls = recordAdhesion(world, rods, dt, stage);
     l.effects += pulls.taken;

@@ -32,8 +32,9 @@ void assertComplete(const TrialStep& t) {
     const ContactStage& stage = t.stage;
     const coulomb::Problem& p = stage.problem;
     SC_ASSERT(p.dt == t.dt && p.dt > 0.0, "the problem is that of the step");
-    SC_ASSERT(p.contacts.size() == stage.candidates.size() + stage.linkCount + stage.hostEntries.size(),
-              "contacts of candidates, links and the host");
+    SC_ASSERT(p.contacts.size() ==
+                  stage.candidates.size() + stage.linkCount + stage.hostEntries.size() + stage.pushCount,
+              "contacts of candidates, links, the host and pushes");
     SC_ASSERT(p.r0.size() == 2 * static_cast<Eigen::Index>(p.contacts.size()),
               "the warm start has two numbers a contact");
     SC_ASSERT(stage.work.size() == stage.candidates.size(), "one work space a candidate");

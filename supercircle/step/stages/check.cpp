@@ -7,8 +7,10 @@
 
 namespace supercircle::step {
 
-void quarantine(World& world, Rod& r) {
+void quarantine(World& world, Rod& r, QuarantineReason reason) {
     r.quarantined = true;
+    r.quarantineReason = reason;
+    r.quarantinedAt = world.time;
     r.q = r.lastAccepted;
     r.v.setZero();
     const double kinetic = rod::kineticEnergy(r.gauss, r.u);
@@ -22,10 +24,15 @@ void quarantine(World& world, Rod& r) {
     ++world.counters.quarantined;
 }
 
-void checkNumbers(World& world) {
-    for (Rod& r : world.rods)
+void checkNumbers(World& world, const Settings& settings) {
+    for (Rod& r : world.rods) {
         if (!r.quarantined && !(r.q.allFinite() && r.v.allFinite()))
-            quarantine(world, r);
+            quarantine(world, r, QuarantineReason::NotFinite);
+        if (r.quarantined && world.time - r.quarantinedAt >= settings.recoverAfter) {
+            r.quarantined = false; // at rest, in its last accepted place; what stands there by now overlaps it
+            world.range.clear();
+        }
+    }
 }
 
 } // namespace supercircle::step

@@ -1,10 +1,48 @@
-// Stage CheckCrossings: no centre line crosses another one or enters a solid on its way from start to end.
+// Stage CheckCrossings: no centre line crosses another one or enters a solid on its way from start to end. A pair that
+// crosses at the start has not got there by its motion: no step is short enough for it, and it becomes an overlap.
 
 #include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/stages/stages.h"
 #include "supercircle/support/invariants.h"
 
+#include <algorithm>
+
 namespace supercircle::step {
+
+namespace {
+
+/// Takes down a pair if it crosses at the start of the step.
+void testAtStart(const World& world, const Overlap& pair, std::vector<Overlap>& found) {
+    const auto same = [&](const Overlap& o) { return o.pair() == pair.pair(); };
+    if (std::none_of(found.begin(), found.end(), same) && overlapsNow(world, pair))
+        found.push_back(pair);
+}
+
+} // namespace
+
+void findOverlaps(const World& world, TrialStep& t) {
+    // No step leaves contacts as deep as this. Half of it would ask about shells that lie deep in each other without
+    // crossing, twice of it would leave crossing ones to the end of the step, which their contacts do not let them
+    // reach.
+    constexpr double kDeep = 0.5; // of the half thicknesses
+    if (t.overlapAtStart < kDeep * 0.5 * t.h)
+        return;
+    const auto half = [&](std::int32_t rod) {
+        return rod < 0 ? 0.0 : 0.5 * world.rods[static_cast<std::size_t>(rod)].model.definition().thickness;
+    };
+    for (const contact::Candidate& c : t.candidates(world))
+        if (-c.gap >= kDeep * (half(c.a.rod) + half(c.b.rod)) &&
+            !isOverlap(world, c.a.rod, c.b.rod, c.outline, false)) {
+            contact::Crossing at;
+            at.rodA = c.a.rod;
+            at.rodB = c.b.rod;
+            at.outline = c.outline;
+            testAtStart(world, overlapOf(world, at), t.result.overlaps);
+        }
+    if (!t.result.overlaps.empty())
+        t.result.reason = Reason::Crossing;
+}
 
 void checkCrossings(const World& world, TrialStep& t) {
     t.enter(Stage::CheckCrossings, Stage::Linearise);
@@ -29,10 +67,20 @@ void checkCrossings(const World& world, TrialStep& t) {
         return rod >= 0 && world.rods[static_cast<std::size_t>(rod)].quarantined;
     };
     const auto permitted = [&](const contact::Crossing& c) {
-        return out(c.rodA) || out(c.rodB) || excluded(world, stage, c.rodA, c.rodB, c.outline);
+        return out(c.rodA) || out(c.rodB) || excluded(world, stage, c.rodA, c.rodB, c.outline) ||
+               isOverlap(world, c.rodA, c.rodB, c.outline, false);
     };
     std::erase_if(crossings, permitted);
     std::erase_if(effort.unjudged, permitted);
+    for (const contact::Crossing& c : crossings) {
+        const bool passing = comesFromBehind(world, c.rodA, c.sA, c.outline);
+        if (passing || withinJoined(world, c.rodA, c.outline)) {
+            t.result.overlaps.push_back(overlapOf(world, c));
+            t.result.overlaps.back().passing = passing;
+        } else {
+            testAtStart(world, overlapOf(world, c), t.result.overlaps);
+        }
+    }
     if (!crossings.empty() || !effort.unjudged.empty())
         t.result.reason = Reason::Crossing;
 }

@@ -7,6 +7,7 @@
 #include "supercircle/step/contacts/cull.h"
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rods/effect_terms.h"
@@ -30,6 +31,11 @@ struct GapErrors {
 GapErrors gapErrors(const World& world, const TrialStep& t, const std::vector<ContactImpulse>& loaded) {
     GapErrors e;
     for (const contact::Candidate& c : t.stage.after) {
+        if (isOverlap(world, c.a.rod, c.b.rod, c.outline, false) || withinJoined(world, c.a.rod, c.outline))
+            continue; // it is deep already, or comes to be when its contacts act again
+        const double thickness = world.rods[static_cast<std::size_t>(c.a.rod)].model.definition().thickness;
+        if (c.b.rod < 0 && c.gap < -0.5 * thickness && comesFromBehind(world, c.a.rod, c.a.s, c.outline))
+            continue;
         const double relative = t.relative(lengthOf(world, t.stage.length, c));
         const ContactImpulse* force = findImpulse(loaded, c.id);
         const double give = force != nullptr ? complianceOf(world, c).x() * force->normal : 0.0;

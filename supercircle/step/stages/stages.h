@@ -17,10 +17,10 @@ void acceptStep(World& world, TrialStep& t, StageTimes& times);
 /// Stage WriteHost, after the last step of a frame.
 void endFrame(World& world, double advanced, Port* port, StageTimes& times);
 
-/// Check: rods with numbers that are not finite are quarantined.
-void checkNumbers(World& world);
+/// Check: rods with numbers that are not finite are quarantined. Those whose time is over move again.
+void checkNumbers(World& world, const Settings& settings);
 /// Puts a rod back where it was last good, freezes it and takes it out of collision.
-void quarantine(World& world, Rod& rod);
+void quarantine(World& world, Rod& rod, QuarantineReason reason);
 
 /// ReadHost: gravity, bodies near the shells, their outlines and constraints. `nearOnly`: of outlines only those that a
 /// shell may meet in the frame, as islands need it; else all between the shells.
@@ -70,6 +70,8 @@ void integrate(const World& world, TrialStep& t);
 /// did not reach as far as the rods moved.
 [[nodiscard]] bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, bool& wider);
 
+/// Before the step is solved: pairs that cross at its start (TrialResult::overlaps), as far as deep contacts tell.
+void findOverlaps(const World& world, TrialStep& t);
 /// CheckCrossings: the independent check of the way from start to end.
 void checkCrossings(const World& world, TrialStep& t);
 

@@ -28,6 +28,7 @@ struct TrialResult {
     std::vector<std::size_t> sleepers;        ///< sleeping rods that somebody pressed on
     std::vector<std::size_t> runaways;        ///< rods with an element curled up to more than a circle
     std::vector<contact::Crossing> crossings; ///< found by the crossing check, if it is on
+    std::vector<Overlap> overlaps;            ///< pairs that cross at the start and are not known to
 };
 
 /// Work space of trial steps; what it holds belongs to the last one.

@@ -137,6 +137,7 @@ struct ContactWork {
     FactorBounds bounds;               ///< of that factor, within one linearisation
     Vec2 give = Vec2::Zero();          ///< compliance along (n, t), m/N
     double tangentialDeflection = 0.0; ///< tangential deflection at the start of the step, m
+    double damping = 0.0;              ///< of a contact that gives way (overlaps.h), N s/m; 0: it does not
 };
 
 } // namespace supercircle::step

@@ -216,6 +216,10 @@ std::vector<Entry> table() {
          [](LoggedWorld& s) {
              return ok(s.shells.shift_origin({0.25, -0.5}));
          }},
+        {"set_recovery(RecoverySettings)", Call::SetRecovery,
+         [](LoggedWorld& s) {
+             return ok(s.shells.set_recovery({Recovery::Release, 0.5}));
+         }},
         {"set_sleep(SleepSettings)", Call::SetSleep,
          [](LoggedWorld& s) {
              return ok(s.shells.set_sleep({true, 0.2, 0.1}));

@@ -69,13 +69,30 @@ struct SnapEndEvent {
     double kinetic_peak = 0.0;    ///< largest kinetic energy of the shell during the snap, J
 };
 
-/// A shell is taken out of the motion. Its coordinates were not finite, or the smallest step would curl an element up
-/// to more than a circle, or make its centre line cross something. (Causes are shells created deep inside each other
-/// and bodies created inside a shell.) It stays in its last accepted place and neither moves nor collides. It can be
-/// queried and destroyed; teleport returns it to the motion.
+enum class QuarantineReason : std::uint8_t {
+    NotFinite, ///< its coordinates or velocities were not finite
+    Runaway,   ///< the smallest step would curl an element up to more than a circle
+    Crushed    ///< given motions left it no room (CrushPolicy::Freeze)
+};
+/// The reason as a half sentence, such as "its numbers were not finite".
+[[nodiscard]] const char* message(QuarantineReason reason);
+
+/// A shell is taken out of the motion. It stays in its last accepted place and neither moves nor collides. It can be
+/// queried and destroyed. teleport or RecoverySettings return it to the motion.
 struct QuarantineEvent {
-    double time = 0.0; ///< end of the frame in which it happened, s
+    double time = 0.0; ///< s
     ShellHandle shell{};
+    QuarantineReason reason = QuarantineReason::NotFinite;
+};
+
+/// A shell crosses another one, itself or a body without having moved there: it was created, teleported or restored
+/// there, or the body was. The two have no contact and are pushed apart at 20 thicknesses a second at most, along the
+/// shortest way, off an end or out of a solid. Contact returns when they are free. Shells::fits asks beforehand.
+struct OverlapEvent {
+    double time = 0.0;      ///< end of the frame in which it was found, s
+    ShellHandle a{};        ///< of two shells the one created first
+    ShellHandle b{};        ///< the other shell (equal to `a`: the shell crosses itself); null: a body
+    std::uint64_t body = 0; ///< id of the host's body, 0 when `b` is a shell
 };
 
 /// Given motions leave a shell no room: a kinematic body presses it against something that does not yield, or a hold is
@@ -106,6 +123,7 @@ struct FrameEvents {
     std::vector<QuarantineEvent> quarantined;
     std::vector<CrushedEvent> crushed;
     std::vector<BrokeEvent> broke;
+    std::vector<OverlapEvent> overlapping; ///< in the order of the pairs
 };
 
 /// Thresholds of events. T = L^2 sqrt(lambda / B) is 43 ms for the default shell, B / L is 2.5 mJ.

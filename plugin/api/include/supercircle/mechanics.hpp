@@ -121,4 +121,15 @@ struct SleepSettings {
     double delay = 0.5; ///< s
 };
 
+/// What becomes of a quarantined shell (QuarantineEvent).
+enum class Recovery : std::uint8_t {
+    Stay,   ///< it stays where it is until it is teleported or destroyed: the default
+    Release ///< after a time it moves again, from rest in its last accepted shape and place
+};
+
+struct RecoverySettings {
+    Recovery policy = Recovery::Stay;
+    double after = 1.0; ///< s of simulated time in quarantine, of Recovery::Release
+};
+
 } // namespace supercircle

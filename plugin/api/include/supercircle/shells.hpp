@@ -66,11 +66,13 @@ struct FrameReport {
     std::string refused;
     /// What shells do not take from the host, such as restitution; each message comes once for a host world.
     std::string note;
+    /// Shells that are quarantined at the end of the frame: since when and why. In the order of creation.
+    std::vector<QuarantineEvent> quarantined;
     /// One line on a frame that ended early, was made in many attempts or lost a shell: why, and what closing gaps
     /// injected. Empty: there is nothing to say.
     std::string why;
-    double work = 0.0;     ///< that the frame took, in units of set_frame_budget
-    double injected = 0.0; ///< by closing gaps in this frame, J (EnergyBalance::injected)
+    double work = 0.0;             ///< that the frame took, in units of set_frame_budget
+    double injected = 0.0;         ///< by closing gaps in this frame, J (EnergyBalance::injected)
     std::uint64_t steps = 0;       ///< of all islands together; sleeping ones take none
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance
 };
@@ -127,6 +129,9 @@ public:
 
     /// Adds a shell. Fails with a reason on bad numbers.
     Result<ShellHandle> create(const ShellDef& definition);
+    /// Whether a shell of this definition fits here: its centre line crosses no shell, no body and not itself, and no
+    /// part of it lies in a solid, as far as its filter lets them collide. Fails with a reason on bad numbers.
+    [[nodiscard]] Result<bool> fits(const ShellDef& definition) const;
     /// Removes a shell with its holds, joints, mouse joints and forces. Fails if the handle is stale.
     Status destroy(ShellHandle shell);
     [[nodiscard]] std::size_t size() const;
@@ -217,8 +222,8 @@ public:
     Status shift_origin(Point new_origin);
 
     /// Moves the middle of the shell to a position (m) with its tangent at an angle (rad). Shape and velocity, in the
-    /// shell's frame, stay. Overlap with others is not checked. Fails while the shell has holds or joints. A
-    /// quarantined shell (FrameEvents::quarantined) returns to the motion, at rest in its last accepted shape.
+    /// shell's frame, stay. What it crosses there parts from it gently (OverlapEvent). Fails while the shell has holds
+    /// or joints. A quarantined shell returns to the motion, at rest in its last accepted shape.
     Status teleport(ShellHandle shell, Point position, double angle);
     /// Gives the shell the velocity of a rigid body: of its middle (m/s), and spin (rad/s).
     Status set_velocity(ShellHandle shell, Point velocity, double spin = 0.0);
@@ -244,6 +249,10 @@ public:
     Status sleep(ShellHandle shell);
     Status wake(ShellHandle shell);
     [[nodiscard]] Result<bool> asleep(ShellHandle shell) const;
+
+    /// What becomes of quarantined shells, also of those that are. Fails unless `after` is finite and not negative.
+    Status set_recovery(const RecoverySettings& settings);
+    [[nodiscard]] RecoverySettings recovery() const;
 
     // ---- Testing machine: its crosshead carries bodies and holds (HoldBase::Moving). ----
 

@@ -1,0 +1,303 @@
+// Pairs that cross when made, teleported, restored or covered by a body part gently: none is quarantined, no step is
+// cut for them, none is faster than 20 thicknesses a second, and in the end nothing crosses.
+
+#include "bridge/box2d/include/supercircle/box2d.hpp"
+#include "plugin/api/include/supercircle/shells.hpp"
+#include "supercircle/contact/crossing.h"
+#include "supercircle/step/world.h"
+
+#include <algorithm>
+#include <box2d/box2d.h>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace supercircle;
+
+namespace {
+
+constexpr double kFrame = 1.0 / 60.0;  ///< s
+constexpr double kThickness = 0.02604; ///< m, of scaled_shell(1, 2, 0.5)
+constexpr double kPush = 20.0 * kThickness;
+
+struct Game {
+    explicit Game(Quality quality, double units = 1.0, float gravity = -9.81F)
+        : L(static_cast<float>(units)), world({0.0F, L * gravity}), shells(bridge::attach(world, {units})) {
+        shells.set_quality(quality).or_fail();
+    }
+    b2Body* box(float x, float y, float halfX, float halfY, b2BodyType type = b2_staticBody, float density = 0.0F) {
+        b2BodyDef d;
+        d.type = type;
+        d.position.Set(L * x, L * y);
+        b2Body* b = world.CreateBody(&d);
+        b2PolygonShape s;
+        s.SetAsBox(L * halfX, L * halfY);
+        b->CreateFixture(&s, density / (L * L))->SetFriction(0.5F);
+        return b;
+    }
+    void floor() { box(0.0F, -0.5F, 40.0F, 0.5F); }
+    static ShellDef dome(double x, double y, double angle = M_PI) {
+        ShellDef d = scaled_shell(1.0, 2.0, 0.5);
+        d.position = {x, y};
+        d.angle = angle;
+        return d;
+    }
+    ShellHandle shell(double x, double y, double angle = M_PI) { return shells.create(dome(x, y, angle)).value(); }
+    void frame() {
+        const FrameReport r = shells.pre_step(kFrame);
+        REQUIRE(r.failure.empty());
+        CHECK(r.advanced == Approx(kFrame));
+        CHECK(r.quarantined.empty());
+        overlapping += shells.events().overlapping.size();
+        mostSteps = std::max(mostSteps, r.steps);
+        for (const step::Rod& rod : shells.world().rods)
+            fastest = std::max(fastest, rod.speed);
+        world.Step(static_cast<float>(r.advanced), 8, 3);
+        shells.post_step().or_fail();
+    }
+    void run(double seconds) {
+        for (int i = 0; i < static_cast<int>(std::lround(seconds / kFrame)); ++i)
+            frame();
+    }
+    /// By the crossing check in the present configuration, whatever the overlaps say.
+    [[nodiscard]] std::size_t crossings() {
+        const step::World& w = shells.world();
+        std::vector<contact::RodCurve> curves(w.rods.size());
+        for (std::size_t i = 0; i < curves.size(); ++i)
+            step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
+        std::vector<contact::Outline> outlines;
+        for (const step::BodyOutline& o : w.outlines) {
+            const step::BodyState& s = w.bodies[static_cast<std::size_t>(step::bodyIndex(w, o.body))].state;
+            outlines.push_back(step::placed(o, s.centre, s.angle));
+        }
+        std::vector<contact::Crossing> found;
+        contact::findCrossings(curves, outlines, found);
+        return found.size();
+    }
+    void checkApart() {
+        CHECK(crossings() == 0);
+        CHECK(shells.world().overlaps.empty());
+        CHECK(shells.world().counters.crossings == 0);
+        CHECK(mostSteps <= 40); // of dtMin it would be more than 16 000
+        CHECK(std::abs(shells.energy_balance().residual) < 1e-9);
+    }
+
+    float L;
+    b2World world;
+    Shells shells;
+    std::size_t overlapping = 0; ///< events
+    std::uint64_t mostSteps = 0; ///< of one frame
+    double fastest = 0.0;        ///< m/s
+};
+
+template <class Test>
+void inAll(Test test) {
+    for (const Quality quality : {Quality::Game, Quality::Laboratory})
+        for (const double units : {1.0, 50.0}) {
+            INFO((quality == Quality::Game ? "game, " : "laboratory, ") << units << " units/m");
+            test(quality, units);
+        }
+}
+
+} // namespace
+
+TEST_CASE("two strangers made across each other part at a bounded speed", "[box2d][overlap]") {
+    for (const double angle : {0.5, -0.9, 1.2}) // without gravity, so that only the push moves them
+        inAll([&](Quality quality, double units) {
+            Game g(quality, units, 0.0F);
+            const ShellHandle a = g.shell(0.0, 0.0), b = g.shell(0.7, 0.0, M_PI + angle);
+            REQUIRE(g.crossings() > 0);
+            g.frame();
+            REQUIRE(g.shells.events().overlapping.size() == 1);
+            CHECK(g.shells.events().overlapping[0].a == a);
+            CHECK(g.shells.events().overlapping[0].b == b);
+            CHECK(g.shells.events().overlapping[0].body == 0);
+            g.run(5.0);
+            CHECK(g.overlapping == 0 + 1);
+            g.checkApart();
+            // The pushed points part at 20 h/s; the free end of a shell that turns about its middle is twice as fast.
+            CHECK(g.fastest < 2.0 * kPush);
+        });
+}
+
+TEST_CASE("strangers on a floor part and rest", "[box2d][overlap]") {
+    inAll([](Quality quality, double units) {
+        Game g(quality, units);
+        g.floor();
+        g.shell(0.0, 1.02);
+        g.shell(0.7, 1.02);
+        g.run(6.0);
+        CHECK(g.overlapping == 1);
+        g.checkApart();
+        CHECK(g.fastest < std::sqrt(2.0 * 9.81 * 0.6)); // one is lifted by its own height at most
+    });
+}
+
+TEST_CASE("a shell made with its tips in the floor rises", "[box2d][overlap]") {
+    for (const double deep : {0.25, 0.75, 2.0})
+        inAll([&](Quality quality, double units) {
+            Game g(quality, units);
+            g.floor();
+            const ShellHandle s = g.shell(0.0, 1.0 - deep * kThickness);
+            g.run(2.0);
+            CHECK(g.overlapping == 1);
+            g.checkApart();
+            CHECK(g.fastest < 2.0 * kPush);
+            CHECK(g.shells.state(s)->box.lower.y > -0.01 * kThickness);
+        });
+}
+
+TEST_CASE("a shell inside a solid or through a wall comes out", "[box2d][overlap]") {
+    inAll([](Quality quality, double units) { // wholly inside the floor
+        Game g(quality, units);
+        g.floor();
+        g.shell(0.0, -0.1, 0.0);
+        g.run(4.0);
+        g.checkApart();
+        CHECK(g.fastest < 2.0 * kPush + std::sqrt(2.0 * 9.81 * 0.1));
+    });
+    for (const float x : {1.0F, 0.97F}) // a post of a hand's breadth through the foot of a dome
+        inAll([&](Quality quality, double units) {
+            Game g(quality, units);
+            g.floor();
+            g.shell(0.0, 1.02);
+            g.box(x, 0.5F, 0.05F, 0.5F);
+            g.run(5.0);
+            g.checkApart();
+            CHECK(g.fastest < 4.0 * kPush);
+        });
+    inAll([](Quality quality, double units) { // a sheet through the top, half above and half below: only up is free
+        Game g(quality, units);
+        g.floor();
+        g.shell(0.0, 1.02);
+        g.box(0.3F, 1.0F, 0.02F, 0.5F);
+        g.run(8.0);
+        g.checkApart();
+    });
+}
+
+TEST_CASE("a shell teleported across another one parts from it", "[box2d][overlap]") {
+    inAll([](Quality quality, double units) {
+        Game g(quality, units);
+        g.floor();
+        g.shell(0.0, 1.02);
+        const ShellHandle b = g.shell(5.0, 1.02);
+        g.run(1.0);
+        REQUIRE(g.overlapping == 0);
+        REQUIRE(g.shells.teleport(b, {0.6, 1.3}, M_PI + 0.3));
+        g.run(6.0);
+        CHECK(g.overlapping == 1);
+        g.checkApart();
+    });
+}
+
+TEST_CASE("a crate put onto a shell and the shell part", "[box2d][overlap]") {
+    inAll([](Quality quality, double units) {
+        Game g(quality, units);
+        g.floor();
+        const ShellHandle s = g.shell(0.0, 1.02);
+        g.run(1.0);
+        b2Body* crate = g.box(0.1F, 0.9F, 0.3F, 0.3F, b2_dynamicBody, 20.0F);
+        double fastest = 0.0;
+        for (int i = 0; i < 120; ++i) {
+            g.frame();
+            fastest = std::max(fastest, static_cast<double>(crate->GetLinearVelocity().Length()) / units);
+        }
+        REQUIRE(g.overlapping == 1);
+        g.checkApart();
+        CHECK(fastest < std::sqrt(2.0 * 9.81 * 0.6) + kPush); // it falls to the floor at most
+        CHECK(g.shells.state(s)->box.upper.y > 0.9);          // and does not crush the shell
+    });
+}
+
+TEST_CASE("an overlap is part of a saved state", "[box2d][overlap]") {
+    for (const Quality quality : {Quality::Game, Quality::Laboratory}) {
+        Game g(quality);
+        g.floor();
+        g.shell(0.0, 1.02);
+        g.shell(0.7, 1.02);
+        g.run(0.5);
+        REQUIRE_FALSE(g.shells.world().overlaps.empty());
+        const Snapshot then = Snapshot::from_bytes(g.shells.save().bytes()).value();
+        g.run(3.0);
+        const std::uint64_t first = g.shells.hash();
+        const std::size_t events = g.overlapping;
+        REQUIRE(g.shells.restore(then));
+        g.run(3.0);
+        CHECK(g.shells.hash() == first);
+        CHECK(g.overlapping == events); // it is known already
+        g.run(3.0);
+        g.checkApart();
+    }
+}
+
+TEST_CASE("a pile beside an overlapping pair stands as without it", "[box2d][overlap]") {
+    for (const Quality quality : {Quality::Game, Quality::Laboratory}) {
+        double top[2] = {};
+        for (const bool pair : {false, true}) {
+            Game g(quality);
+            g.floor();
+            std::vector<ShellHandle> pile;
+            for (int i = 0; i < 6; ++i)
+                pile.push_back(g.shell(20.0, 1.02 + 0.2 * i));
+            g.run(3.0);
+            if (pair) {
+                g.shell(0.0, 1.02);
+                g.shell(0.7, 1.02);
+            }
+            g.run(3.0);
+            CHECK(g.overlapping == (pair ? 1 : 0));
+            CHECK(g.mostSteps <= 60);
+            top[pair ? 1 : 0] = g.shells.state(pile.back())->box.upper.y;
+        }
+        CHECK(std::abs(top[1] - top[0]) < 0.1 * kThickness); // the pair's steps are others: the pile creeps otherwise
+    }
+}
+
+TEST_CASE("fits tells whether a shell would cross something", "[box2d][overlap]") {
+    for (const double units : {1.0, 50.0}) {
+        Game g(Quality::Game, units);
+        g.floor();
+        CHECK(g.shells.fits(Game::dome(0.0, 1.02)).value());
+        CHECK_FALSE(g.shells.fits(Game::dome(0.0, 0.99)).value()); // tips in the floor
+        CHECK_FALSE(g.shells.fits(Game::dome(0.0, -0.1, 0.0)).value());
+        g.shell(0.0, 1.02);
+        CHECK_FALSE(g.shells.fits(Game::dome(0.7, 1.02)).value()); // before the first frame as well
+        CHECK(g.shells.fits(Game::dome(2.1, 1.02)).value());
+        ShellDef ghost = Game::dome(0.7, 1.02);
+        ghost.mask = 2; // the other shell is in category 1, and so is the floor
+        CHECK(g.shells.fits(ghost).value());
+        g.box(2.1F, 2.0F, 0.2F, 0.02F);
+        CHECK(g.shells.fits(Game::dome(2.1, 1.02)).value());
+        g.box(2.1F, 1.0F, 0.2F, 0.1F);
+        CHECK_FALSE(g.shells.fits(Game::dome(2.1, 1.02)).value());
+        ghost.thickness = -1.0;
+        CHECK_FALSE(g.shells.fits(ghost));
+        CHECK(g.shells.size() == 1);
+    }
+}
+
+TEST_CASE("a shell passes a one-sided edge from behind and lands on its front", "[box2d][overlap]") {
+    inAll([](Quality quality, double units) {
+        for (const double speed : {6.0, 7.0})
+            for (const double angle : {0.0, M_PI}) {
+                Game g(quality, units);
+                b2BodyDef def;
+                b2EdgeShape
+                    edge; // front above: the solid is on the right of the way from the first vertex to the second
+                edge.SetOneSided({6.0F * g.L, 2.0F * g.L}, {5.0F * g.L, 2.0F * g.L}, {-5.0F * g.L, 2.0F * g.L},
+                                 {-6.0F * g.L, 2.0F * g.L});
+                g.world.CreateBody(&def)->CreateFixture(&edge, 0.0F)->SetFriction(0.5F);
+                ShellDef d = scaled_shell(0.4, 2.0, 0.5);
+                d.position = {0.0, 0.5};
+                d.angle = angle;
+                d.velocity = {0.0, speed};
+                const ShellHandle s = g.shells.create(d).value();
+                g.run(3.0);
+                CHECK(g.overlapping == 0); // it moved there
+                CHECK(g.shells.world().counters.crossings == 0);
+                CHECK(g.mostSteps <= 40);
+                CHECK(g.fastest <= speed + 1e-9); // it is not shot through
+                CHECK(g.shells.state(s)->box.lower.y > 2.0 - 0.02 * d.thickness);
+            }
+    });
+}

@@ -5,10 +5,8 @@
 #include "supercircle/rod/equilibrium.h"
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/geometric_stiffness.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -95,7 +93,7 @@ public:
     [[nodiscard]] Eigen::VectorXd balancingMultipliers() const {
         if (count() == 0)
             return {};
-        return -jacobian_.transpose().completeOrthogonalDecomposition().solve(free_);
+        return -dense::leastSquaresOfTransposed(jacobian_, free_);
     }
 
     /// Dimensionless tangent stiffness at the configuration of the last residual().
@@ -234,7 +232,7 @@ bool newton(const RodModel& model, System& system, double t, const EquilibriumOp
         A.topLeftCorner(n, n) = system.stiffness(multipliers, t);
         A.topRightCorner(n, m) = -system.jacobian().transpose();
         A.bottomLeftCorner(m, n) = -system.jacobian();
-        const Eigen::VectorXd step = A.fullPivLu().solve(r);
+        const Eigen::VectorXd step = dense::solveFullPivLu(A, r);
         if (!step.allFinite())
             return false;
         const double turn = largestRotation(model, step.head(n));
@@ -270,14 +268,12 @@ double smallestStiffness(const Eigen::MatrixXd& K, const Eigen::MatrixXd& G) {
     const int n = static_cast<int>(K.rows());
     Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(n, n);
     if (G.rows() > 0) {
-        const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G.transpose());
-        const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(n, n);
-        if (qr.rank() >= n)
+        Z = dense::nullSpaceBasis(G);
+        if (Z.cols() == 0)
             return INFINITY;
-        Z = Q.rightCols(n - qr.rank());
     }
     const Eigen::MatrixXd reduced = Z.transpose() * K * Z;
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(reduced, Eigen::EigenvaluesOnly).eigenvalues()[0];
+    return dense::symmetricEigenvalues(reduced)[0];
 }
 
 std::string check(const RodModel& model, const EquilibriumProblem& problem, const Eigen::VectorXd& start) {

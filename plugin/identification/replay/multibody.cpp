@@ -1,7 +1,6 @@
 #include "plugin/identification/replay/multibody.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -28,8 +27,8 @@ Vec2 crossSpin(double spin, const Vec2& r) {
 /// Solves A x = b, symmetric. With redundant joints (closed loops) any solution is accepted.
 VectorXd solved(const MatrixXd& a, const VectorXd& b) {
     if (a.rows() <= 3)
-        return a.ldlt().solve(b);
-    return a.fullPivLu().solve(b);
+        return dense::solveLdlt(a, b);
+    return dense::solveFullPivLu(a, b);
 }
 
 constexpr int kCircle = 64; ///< edges of a polygon for a circle in air: its drag is accurate to 1e-3

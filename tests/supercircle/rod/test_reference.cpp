@@ -6,9 +6,9 @@
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/equilibrium.h"
 #include "supercircle/rod/inertia.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <iomanip>
@@ -100,12 +100,11 @@ Eigen::VectorXd frequencies(const RodModel& model, bool clamped) {
         kin.angleRow(model, locate(model, 0.0), angle);
         Eigen::MatrixXd G(3, model.dofs());
         G << rows, angle;
-        const Eigen::HouseholderQR<Eigen::MatrixXd> qr(G.transpose());
-        const Eigen::MatrixXd Q = qr.householderQ();
-        Z = Q.rightCols(model.dofs() - 3);
+        Z = supercircle::dense::nullSpaceBasis(G);
     }
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eig(Z.transpose() * K * Z, Z.transpose() * M * Z);
-    return eig.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::LLT<Eigen::MatrixXd> mass(Z.transpose() * M * Z);
+    const Eigen::MatrixXd scale = mass.matrixL().solve(Z.transpose()).transpose(); // scale' M scale = 1
+    return supercircle::dense::symmetricEigenvalues(scale.transpose() * K * scale).cwiseMax(0.0).cwiseSqrt();
 }
 
 /// A stress-free arch of unit radius, its crown pushed down by `drop`; symmetric by the supports on the crown.

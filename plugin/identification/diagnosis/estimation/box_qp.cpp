@@ -1,6 +1,6 @@
 #include "plugin/identification/diagnosis/box_qp.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -27,8 +27,7 @@ bool solveFree(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::
         for (Eigen::Index j = 0; j < n; ++j)
             A(i, j) = G(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(j)]);
     }
-    const Eigen::LDLT<Eigen::MatrixXd> factor(A);
-    const Eigen::VectorXd step = factor.solve(b);
+    const Eigen::VectorXd step = dense::solveLdlt(A, b);
     Eigen::VectorXd to = x;
     for (Eigen::Index i = 0; i < n; ++i) {
         const Eigen::Index at = free[static_cast<std::size_t>(i)];

@@ -2,9 +2,8 @@
 
 #include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/estimation/progressive_fit.h"
+#include "plugin/identification/diagnosis/model/decompositions.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -431,7 +430,7 @@ Eigen::MatrixXd posteriorCovariance(const Variables& v, const Eigen::MatrixXd& j
         const double width = std::min(v.upper[k] - v.lower[k], 1e3);
         precision(k, k) += 12.0 / (width * width);
     }
-    return precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
+    return dense::inverseLdlt(precision);
 }
 
 double chiSquaredPerReading(const Likelihood& likelihood, const FitResult& f) {
@@ -457,7 +456,6 @@ std::vector<Eigen::Index> amplitudesAtBound(const Model& model, const FitResult&
     if (f.residual.size() == 0 || f.jacobian.rows() != f.residual.size() || f.jacobian.cols() != v.size())
         return out;
     const Eigen::MatrixXd free = freeColumns(model, f);
-    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> follow(free);
     for (Eigen::Index i = v.nominal; i < v.size(); ++i) {
         // The bound at which an effect is absent does not count.
         const bool up = f.x[i] >= v.upper[i] - 1e-6 && v.upper[i] > 1e-6,
@@ -466,7 +464,7 @@ std::vector<Eigen::Index> amplitudesAtBound(const Model& model, const FitResult&
             continue;
         Eigen::VectorXd own = f.jacobian.col(i);
         if (free.cols() > 0)
-            own -= free * follow.solve(own);
+            own -= free * dense::leastSquares(free, own);
         const double size = own.norm();
         if (size > 0.0 && (up ? 1.0 : -1.0) * own.dot(f.residual) / size > kSigma * std::sqrt(dispersion))
             out.push_back(i);

@@ -1,6 +1,6 @@
 #include "plugin/identification/diagnosis/estimation/sandwich.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -34,18 +34,18 @@ Eigen::VectorXd dispersionsOf(const Likelihood& likelihood, const Variables& v, 
     if (v.size() == 0 || residual.size() != jacobian.rows())
         return out;
     const Eigen::MatrixXd covariance = posteriorCovariance(v, jacobian, 1.0);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-    const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-                                 eigen.eigenvectors().transpose();
+    const dense::SymmetricEigen eigen = dense::symmetricEigen(covariance);
+    const Eigen::MatrixXd root =
+        eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
     Eigen::VectorXd scatter = Eigen::VectorXd::Zero(v.size()), promised = scatter, squares = scatter;
     for (const auto& [block, rows] : blocksOf(likelihood)) {
         const Eigen::MatrixXd J = jacobian(rows, Eigen::all);
         const Eigen::MatrixXd information = J.transpose() * J;
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> share(root * information * root);
-        const Eigen::VectorXd own = (1.0 - share.eigenvalues().array()).cwiseMax(kLeastOfItsOwn).rsqrt();
+        const dense::SymmetricEigen share = dense::symmetricEigen(root * information * root);
+        const Eigen::VectorXd own = (1.0 - share.values.array()).cwiseMax(kLeastOfItsOwn).rsqrt();
         const Eigen::VectorXd pull = J.transpose() * residual(rows);
         const Eigen::VectorXd step =
-            root * (share.eigenvectors() * own.asDiagonal() * (share.eigenvectors().transpose() * (root * pull)));
+            root * (share.vectors * own.asDiagonal() * (share.vectors.transpose() * (root * pull)));
         const Eigen::VectorXd expected = (covariance * information * covariance).diagonal();
         scatter += step.cwiseAbs2();
         promised += expected;

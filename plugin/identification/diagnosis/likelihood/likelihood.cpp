@@ -1,6 +1,6 @@
 #include "plugin/identification/diagnosis/likelihood.h"
+#include "plugin/identification/diagnosis/model/decompositions.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -32,11 +32,11 @@ Eigen::VectorXd ownScale(const RecordedRun& run, const Response& fine, const Eig
 
 /// The matrix S of (1 + N N')^(-1/2) = 1 - N S N'.
 Eigen::MatrixXd shrinkageOf(const Eigen::MatrixXd& N) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(N.transpose() * N);
-    Eigen::VectorXd s = eigen.eigenvalues().cwiseMax(0.0);
+    const dense::SymmetricEigen eigen = dense::symmetricEigen(N.transpose() * N);
+    Eigen::VectorXd s = eigen.values.cwiseMax(0.0);
     for (double& v : s) // (1 - 1/sqrt(1 + v)) / v, 1/2 where v vanishes
         v = v > 1e-9 ? (1.0 - 1.0 / std::sqrt(1.0 + v)) / v : 0.5;
-    return eigen.eigenvectors() * s.asDiagonal() * eigen.eigenvectors().transpose();
+    return eigen.vectors * s.asDiagonal() * eigen.vectors.transpose();
 }
 
 } // namespace
@@ -138,7 +138,7 @@ void Likelihood::addJumps(const RecordedRun& run, const Response& fine, const Re
         for (Eigen::Index k = 0; k < n; ++k)
             if (event[static_cast<std::size_t>(i)] == event[static_cast<std::size_t>(k)])
                 covariance(i, k) += shared[i] * shared[k];
-    model.jumpFactor = covariance.llt().matrixL();
+    model.jumpFactor = dense::choleskyFactor(covariance);
 }
 
 bool Likelihood::complete(std::size_t r, const Response& s) const {

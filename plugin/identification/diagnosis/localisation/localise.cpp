@@ -1,8 +1,8 @@
 #include "plugin/identification/diagnosis/localisation/localise.h"
 
 #include "plugin/identification/diagnosis/model/random.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -189,10 +189,7 @@ Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
     for (Eigen::Index c = 0; c < scaled.cols(); ++c)
         if (const double n = scaled.col(c).norm(); n > 0.0)
             scaled.col(c) /= n;
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-    qr.setThreshold(1e-8);
-    const Eigen::MatrixXd thin = Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
-    return qr.householderQ() * thin;
+    return dense::rangeBasis(scaled, 1e-8);
 }
 
 namespace {

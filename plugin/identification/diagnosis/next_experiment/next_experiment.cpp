@@ -1,7 +1,6 @@
 #include "plugin/identification/diagnosis/next_experiment.h"
+#include "plugin/identification/diagnosis/model/decompositions.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
@@ -66,9 +65,9 @@ private:
     struct RefitPair {
         std::size_t truth = 0, alternative = 0;
         Separation separation;
-        Eigen::LDLT<Eigen::MatrixXd> normal; ///< factorisation of 1 + J' J, J: effect of one sigma of each parameter
-        double remaining = 0.0;              ///< remaining chi-squared of the readings
-        Eigen::VectorXd at, to;              ///< present and next parameters, sigma
+        dense::Ldlt normal;     ///< factorisation of 1 + J' J, J: effect of one sigma of each parameter
+        double remaining = 0.0; ///< remaining chi-squared of the readings
+        Eigen::VectorXd at, to; ///< present and next parameters, sigma
         [[nodiscard]] double chiSquared() const { return remaining + at.squaredNorm(); }
     };
     /// Likelihood and derivatives of one part of the series.
@@ -195,7 +194,7 @@ private:
         const Eigen::MatrixXd& factor = uncertain_.factor(p.alternative);
         const Eigen::VectorXd wanted = alternative.x + factor * p.to, x = wanted.cwiseMax(v.lower).cwiseMin(v.upper);
         if (x != wanted)
-            p.to = factor.completeOrthogonalDecomposition().solve(x - alternative.x);
+            p.to = dense::leastSquares(factor, x - alternative.x);
         return v.at(x);
     }
 

@@ -1,10 +1,9 @@
 #include "plugin/identification/diagnosis/recorded/periodic_disturbance.h"
 
 #include "plugin/identification/diagnosis/likelihood/whitening.h"
+#include "plugin/identification/diagnosis/model/decompositions.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +38,7 @@ struct WhitenedDwell {
     WhitenedDwell(const DwellInterval& r, const CorrelatedNoise& noise)
         : dwell(&r), whitening(r.time, noise.white, noise.correlated, noise.correlationTime) {
         const Eigen::MatrixXd x = whitening.columns(relaxations(r));
-        basis = Eigen::HouseholderQR<Eigen::MatrixXd>(x).householderQ() * Eigen::MatrixXd::Identity(x.rows(), x.cols());
+        basis = dense::orthonormalColumns(x);
         force = withoutTrends(r.force);
     }
     [[nodiscard]] Eigen::VectorXd withoutTrends(const Eigen::VectorXd& raw) const {
@@ -178,9 +177,9 @@ PeriodicDisturbance strongestDisturbance(const RecordedData& data, const std::ve
         const std::vector<double> none(data.runs.size(), 0.0);
         PeriodicDisturbance disturbance{1.0 / f, none, none};
         for (std::size_t r = 0; r < data.runs.size(); ++r) {
-            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(gram[r]);
+            const Eigen::VectorXd eigen = dense::symmetricEigenvalues(gram[r]);
             // The phase is unknown where the trends of a run explain the sine.
-            if (eigen.eigenvalues()[0] < 0.05 * eigen.eigenvalues()[1] || eigen.eigenvalues()[1] <= 0.0)
+            if (eigen[0] < 0.05 * eigen[1] || eigen[1] <= 0.0)
                 continue;
             const Eigen::Vector2d c = gram[r].ldlt().solve(product[r]);
             disturbance.explained += c.dot(product[r]);

@@ -1,9 +1,8 @@
 #include "plugin/identification/diagnosis/selection/cross_validation.h"
 
 #include "plugin/identification/diagnosis/box_qp.h"
+#include "plugin/identification/diagnosis/model/decompositions.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -35,15 +34,15 @@ Eigen::MatrixXd priorOf(const Variables& v) {
 
 /// (1 + A A')^(-1/2) e and log det(1 + A A') by the small eigenproblem of A'A.
 double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A.transpose() * A);
+    const dense::SymmetricEigen eigen = dense::symmetricEigen(A.transpose() * A);
     double logDet = 0.0;
     Eigen::VectorXd out = e;
     for (Index i = 0; i < A.cols(); ++i) {
-        const double s2 = std::max(0.0, eigen.eigenvalues()[i]);
+        const double s2 = std::max(0.0, eigen.values[i]);
         logDet += std::log1p(s2);
         if (s2 < 1e-12)
             continue;
-        const Eigen::VectorXd u = A * eigen.eigenvectors().col(i) / std::sqrt(s2);
+        const Eigen::VectorXd u = A * eigen.vectors.col(i) / std::sqrt(s2);
         out += u * (u.dot(e) * (1.0 / std::sqrt(1.0 + s2) - 1.0));
     }
     e = out;
@@ -211,7 +210,7 @@ PredictiveScore inSampleScore(const Likelihood& likelihood, const Grouping& g, c
 namespace {
 
 Eigen::VectorXd variances(const Eigen::MatrixXd& precision) {
-    return precision.llt().solve(Eigen::MatrixXd::Identity(precision.rows(), precision.cols())).diagonal();
+    return dense::inverseLlt(precision).diagonal();
 }
 
 /// Marks parameters that all runs determine well, but not without one fold.
@@ -293,9 +292,7 @@ PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood
         // Parameters that the training rows do not determine stay.
         FoldFit at = fitToTraining(evaluator, likelihood, v, J, G + 1e-3 * prior + v.penalty, train, best);
         Eigen::VectorXd e = held.cwiseProduct(at.residual);
-        const Eigen::LLT<Eigen::MatrixXd> precision(G + prior);
-        const Eigen::MatrixXd root =
-            precision.matrixL().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).transpose();
+        const Eigen::MatrixXd root = dense::inverseCholeskyFactor(G + prior).transpose();
         const double logDet = standardise(held.asDiagonal() * (J * root), e);
         const double rows = held.sum();
         const auto others = [&](const FoldFit& p) { return p.chiSquared(train) + p.x.dot(v.penalty * p.x); };

@@ -2,8 +2,8 @@
 
 #include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/result/law_description.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -33,7 +33,7 @@ double smoothed(const Variables& v, const FitResult& f, double smoothing) {
     const Eigen::MatrixXd S = smoothingPenalty(n, smoothing) - smoothingPenalty(n, 0.0);
     Eigen::MatrixXd precision = f.jacobian.transpose() * f.jacobian + v.penalty;
     precision.topLeftCorner(v.nominal, v.nominal).diagonal().array() += 3.0; // prior of uniform intervals
-    const Eigen::MatrixXd covariance = precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size()));
+    const Eigen::MatrixXd covariance = dense::inverseLdlt(precision);
     const Eigen::VectorXd c = f.x.tail(n);
     const double freedom = static_cast<double>(n - 2) - (covariance.bottomRightCorner(n, n) * S).trace();
     return std::clamp(smoothing * std::max(0.05, freedom) / std::max(1e-6, c.dot(S * c)), 1e-2, 1e3);
@@ -109,9 +109,8 @@ LearnedLaw learnedLawOf(const Model& model, const Likelihood& likelihood, const 
         std::max(1.0, hypotheses.fit.chiSquared / static_cast<double>(std::max<Index>(1, likelihood.countedRows())));
     Eigen::MatrixXd precision = hypotheses.fit.jacobian.transpose() * hypotheses.fit.jacobian / spread + v.penalty;
     precision.topLeftCorner(v.nominal, v.nominal).diagonal().array() += 3.0;
-    const Eigen::MatrixXd posterior =
-        precision.ldlt().solve(Eigen::MatrixXd::Identity(v.size(), v.size())).bottomRightCorner(n, n);
-    const Eigen::MatrixXd prior = v.penalty.bottomRightCorner(n, n).ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+    const Eigen::MatrixXd posterior = dense::inverseLdlt(precision).bottomRightCorner(n, n);
+    const Eigen::MatrixXd prior = dense::inverseLdlt(v.penalty.bottomRightCorner(n, n));
     constexpr int kPoints = 41;
     std::vector<double> at;
     for (int i = 0; i < kPoints; ++i)

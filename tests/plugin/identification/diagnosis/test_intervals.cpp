@@ -6,6 +6,7 @@
 #include "plugin/identification/diagnosis/estimation/profile.h"
 #include "plugin/identification/diagnosis/estimation/sandwich.h"
 #include "plugin/identification/diagnosis/fit.h"
+#include "plugin/identification/diagnosis/model/decompositions.h"
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/result/report_values.h"
 #include "plugin/identification/diagnosis/screening/local_minima.h"
@@ -117,6 +118,7 @@ TEST_CASE("disagreement between segments widens an interval, agreement does not"
     Random random(5);
     const auto typical = [&](double apart) {
         constexpr int kTrials = 400;
+        const Eigen::MatrixXd basis = supercircle::dense::orthonormalColumns(J);
         double sum = 0.0;
         for (int trial = 0; trial < kTrials; ++trial) {
             Eigen::VectorXd r(likelihood.rows());
@@ -131,8 +133,7 @@ TEST_CASE("disagreement between segments widens an interval, agreement does not"
                     if (const double own = J(rows, 2).norm(); own > 0.0)
                         r(rows) += apart * random.normal() / own * J(rows, 2);
                 }
-            const Eigen::VectorXd x = J.householderQr().solve(r);
-            r -= J * x;
+            r -= basis * (basis.transpose() * r).eval();
             sum += dispersionsOf(likelihood, v, r, J, 1.0)[2] / kTrials;
         }
         return sum;

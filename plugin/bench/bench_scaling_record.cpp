@@ -3,17 +3,19 @@
 #include "plugin/bench/bench_scaling.h"
 
 #include "plugin/recording/table/files.h"
+#include "plugin/recording/table/json_text.h"
 
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 namespace supercircle::cli {
 
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 /// Calls visit(key, number) for every number of a row, for writing and reading.
 template <class Row, class Visit>
@@ -60,13 +62,15 @@ std::string saveScaling(const ScalingRow& row) {
     const std::filesystem::path path(scalingFile(row.shells));
     std::error_code ignored;
     std::filesystem::create_directories(path.parent_path(), ignored);
-    return record::writeAtomically(path.parent_path().string(), {{path.filename().string(), out.dump(2) + "\n"}})
+    return record::writeAtomically(path.parent_path().string(),
+                                   {{path.filename().string(), record::jsonText(out) + "\n"}})
         .error();
 }
 
 bool loadScaling(int shells, ScalingRow& row) {
     std::ifstream file(scalingFile(shells));
-    const json in = json::parse(file, nullptr, false);
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    const json in = record::tryParseJson(text);
     if (!in.is_object())
         return false;
     try {

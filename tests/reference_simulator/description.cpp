@@ -1,4 +1,5 @@
 #include "tests/reference_simulator/description.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <cmath>
 #include <fstream>
@@ -140,7 +141,7 @@ Description readDescription(const std::string& file) {
     std::ifstream in(file);
     if (!in)
         throw std::runtime_error(file + ": cannot be read");
-    const Json j = Json::parse(in);
+    const Json j = parseOrderedJson(in);
     Description d;
     d.protocol = j.at("protocol");
     d.description = j.value("description", "");
@@ -199,7 +200,7 @@ std::string writeDescription(const Description& d) {
           {"marker_noise_std_mm_approx", 1e3 * d.markerNoise}}}};
     if (!d.markers.empty())
         j["markers"] = markers;
-    return j.dump(1) + "\n";
+    return jsonText(j) + "\n";
 }
 
 Setup trueSetup(const Description& d, const Offsets& o, const Effects& effects) {

@@ -11,6 +11,7 @@
 #include "plugin/identification/calibration/switching.h"
 #include "plugin/lab/session/run_scene.h"
 #include "plugin/recording/table/files.h"
+#include "plugin/recording/table/json_text.h"
 #include "plugin/scene/loader/document.h"
 #include "plugin/scene/loader/loader.h"
 
@@ -96,9 +97,7 @@ int write(const CalibrateArguments& a, const Json& json) {
     if (a.out.empty())
         return kDone;
     const std::string error =
-        record::writeAtomically(a.out,
-                                {{"calibration.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"}})
-            .error();
+        record::writeAtomically(a.out, {{"calibration.json", record::jsonText(json) + "\n"}}).error();
     if (!error.empty())
         return complain(kCannotWrite, error);
     if (!a.quiet)

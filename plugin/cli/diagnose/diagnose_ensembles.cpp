@@ -5,6 +5,7 @@
 #include "plugin/identification/diagnosis/ensembles.h"
 #include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/files.h"
+#include "plugin/recording/table/json_text.h"
 #include "plugin/scene/loader/document.h"
 #include "plugin/scene/loader/reader.h"
 
@@ -132,7 +133,7 @@ std::string jsonOf(const EnsembleDiagnosis& d, std::int64_t seed) {
                        {"misfit_intervals", shifts},
                        {"effects", effects},
                        {"seed", seed}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return record::jsonText(json) + "\n";
 }
 
 } // namespace

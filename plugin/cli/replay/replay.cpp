@@ -7,6 +7,7 @@
 
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/table/csv.h"
+#include "plugin/recording/table/json_text.h"
 
 #include <cmath>
 #include <cstdio>
@@ -182,7 +183,7 @@ std::string summary(const Replay& replay) {
                        {"excluded_before_landmark_s", w.before},
                        {"excluded_after_landmark_s", w.after},
                        {"runs", runs}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return record::jsonText(json) + "\n";
 }
 
 void simulateRuns(Replay& replay, bool quiet) {

@@ -7,6 +7,7 @@
 
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/table/csv.h"
+#include "plugin/recording/table/json_text.h"
 #include "plugin/recording/table/text.h"
 
 #include <cmath>
@@ -142,7 +143,7 @@ std::string summary(const SensitivityStudy& study) {
                        {"runs", runs},
                        {"simulations", s.simulations},
                        {"cpu_s", s.cpuSeconds}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return record::jsonText(json) + "\n";
 }
 
 std::string writeAll(const SensitivityStudy& study, const std::string& folder) {

@@ -1,5 +1,6 @@
 #include "plugin/lab/sweep/run_record.h"
 
+#include "plugin/recording/table/json_text.h"
 #include "plugin/recording/table/text.h"
 
 #include <algorithm>
@@ -143,13 +144,13 @@ std::string serialise(const RunRecord& result) {
     json["cycles"] = Json::array();
     for (const record::Cycle& c : result.cycles)
         json["cycles"].push_back({c.delta_max_over_R, c.dissipation_ratio, c.snap_fits, c.dissipated_J});
-    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string text = record::jsonText(json, -1);
     text.back() = ','; // the curve is rounded to float, which the library's printer does not do
     return text + "\"branches\":" + branchesText(result.branches) + "}";
 }
 
 std::optional<RunRecord> deserialise(std::string_view text) {
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = record::tryParseJson(text);
     if (!json.is_object())
         return std::nullopt;
     try {

@@ -1,5 +1,6 @@
 #include "plugin/identification/diagnosis/next_experiment.h"
 #include "plugin/pages/diagnosis/diagnose_page.h"
+#include "plugin/recording/table/json_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -218,7 +219,7 @@ std::string diagnosisJson(const Diagnosis& d) {
                        {"seed", d.seed},
                        {"forward_runs", d.forwardRuns},
                        {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return record::jsonText(json) + "\n";
 }
 
 } // namespace supercircle::cli

@@ -1,4 +1,5 @@
 #include "plugin/recording/import/derive.h"
+#include "plugin/recording/table/json_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -143,13 +144,13 @@ void deriveInitialHeight(Json& json, const Imported& all, std::vector<std::strin
 } // namespace
 
 std::string withDerivedValues(const std::string& description, const Imported& all, std::vector<std::string>& remarks) {
-    Json json = Json::parse(description);
+    Json json = record::parseJson(description);
     if (json["specimens"].is_array()) {
         for (Json& s : json["specimens"])
             deriveModuli(s, remarks);
         deriveInitialHeight(json, all, remarks);
     }
-    return json.dump(2, ' ', false, Json::error_handler_t::replace);
+    return record::jsonText(json);
 }
 
 } // namespace supercircle::importing

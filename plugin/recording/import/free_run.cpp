@@ -1,8 +1,9 @@
 #include "plugin/recording/import/free_run.h"
 
+#include "plugin/recording/table/json_text.h"
 #include "plugin/scene/loader/loader.h"
+#include "supercircle/support/dense.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -85,7 +86,7 @@ ReleaseState releaseStateOf(const Signals& signals) {
         for (Eigen::Index p = 0; p < powers; ++p)
             basis(k, p) = std::pow((t[i] - t[0]) / kSpan, static_cast<double>(p));
     }
-    const Eigen::MatrixXd inverse = (basis.transpose() * basis).ldlt().solve(Eigen::MatrixXd::Identity(powers, powers));
+    const Eigen::MatrixXd inverse = dense::inverseLdlt(basis.transpose() * basis);
     const Eigen::VectorXd c = inverse * (basis.transpose() * read);
     const double rest = (read - basis * c).squaredNorm();
     const double sigma = std::max(std::sqrt(rest / static_cast<double>(basis.rows() - powers)), 0.3 * encoderStep(v));
@@ -229,7 +230,7 @@ Result<Description> describeFree(const Imported& all, const TemplateOptions& opt
         addParameters(*scene, all, json, d.remarks);
         d.assumed.emplace_back("/scene_parameters: the scene's own values, all of them exact");
     }
-    d.json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    d.json = record::jsonText(json) + "\n";
     return d;
 }
 

@@ -2,6 +2,7 @@
 
 #include "plugin/recording/import/derive.h"
 #include "plugin/recording/import/free_run.h"
+#include "plugin/recording/table/json_text.h"
 #include "plugin/scene/loader/document.h"
 #include "supercircle/support/names.h"
 
@@ -167,7 +168,7 @@ Result<Json> readOwn(const std::string& file) {
     const auto text = scene::readFile(file, problems);
     if (!text || !scene::parseDocument(*text, file, problems))
         return Own::failure(problems.front().toString());
-    Json own = Json::parse(*text);
+    Json own = record::parseJson(*text);
     return own.is_object() ? Own(std::move(own)) : Own::failure(file + ":1:1: this is no JSON object");
 }
 
@@ -193,7 +194,7 @@ std::vector<std::string> assumed(const Json& json, const Json& own) {
     std::vector<std::string> all;
     const auto look = [&](const std::string& pointer, const std::string& inOwn) {
         if (!states(own, inOwn))
-            all.push_back(pointer + ": " + json[Json::json_pointer(pointer)].dump());
+            all.push_back(pointer + ": " + record::jsonText(json[Json::json_pointer(pointer)], -1));
     };
     look("/gravity_m_s2", "/gravity_m_s2");
     const bool one = own.contains("arc_length_m");
@@ -209,7 +210,7 @@ std::vector<std::string> assumed(const Json& json, const Json& own) {
 }
 
 std::string text(const Json& json) {
-    return json.dump(2, ' ', false, Json::error_handler_t::replace);
+    return record::jsonText(json);
 }
 
 const char* expectedAt(const std::string& key) {
@@ -297,7 +298,7 @@ Description fillIn(const Imported& all, const std::string& protocol, const Json&
                                  std::to_string(own["runs"].size()) + ", here " + std::to_string(all.runs.size()));
     }
     addOwn(json, taken);
-    json = Json::parse(withDerivedValues(text(json), all, result.remarks));
+    json = record::parseJson(withDerivedValues(text(json), all, result.remarks));
     collectTodo(json, "", result.todo);
     result.assumed = assumed(json, own);
     result.json = text(json) + "\n";
@@ -308,7 +309,7 @@ Result<Description> fillInFree(const Imported& all, const TemplateOptions& optio
     auto result = describeFree(all, options);
     if (!result)
         return result;
-    Json json = Json::parse(result->json);
+    Json json = record::parseJson(result->json);
     merge(json, own);
     std::erase_if(result->assumed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
     collectTodo(json, "", result->todo);

@@ -7,6 +7,7 @@
 
 #include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/files.h"
+#include "plugin/recording/table/json_text.h"
 
 namespace supercircle::record {
 
@@ -219,7 +220,7 @@ std::string place(std::string_view text, std::size_t byte) {
 template <typename Use>
 Status guarded(std::string_view text, const std::string& source, Use use) {
     try {
-        const Json json = Json::parse(text);
+        const Json json = parseJson(text);
         use(Node(json, ""));
         return {};
     } catch (const Json::parse_error& error) {

@@ -8,6 +8,7 @@
 #include "tests/blind_benchmark/scoring/scores.h"
 #include "tests/blind_benchmark/scoring/self_check.h"
 #include "tests/blind_benchmark/synthetic_cases/make_case.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -100,7 +101,7 @@ std::optional<CleanReadings> replayCase(const Options& o, const CasePlan& plan, 
         return std::nullopt;
     }
     std::ifstream in(experiment);
-    const auto described = nlohmann::json::parse(in);
+    const auto described = supercircle::reference_simulator::parseJson(in);
     const bool markers = described.at("runs").front().contains("markers_file");
     return replayed(to.string(), described.at("runs").size(), markers);
 }
@@ -132,7 +133,7 @@ int printSimulatorDistance(const Options& o, const std::vector<CasePlan>& all) {
             continue;
         }
         std::ifstream in(folder / "cases" / "answers" / (plan.name + ".json"));
-        const auto answer = nlohmann::json::parse(in);
+        const auto answer = supercircle::reference_simulator::parseJson(in);
         std::string hidden;
         for (const auto& label : answer.at("labels"))
             hidden += (hidden.empty() ? "" : ", ") + label.get<std::string>();
@@ -161,7 +162,8 @@ bool diagnose(const Options& o, const CasePlan& plan, const fs::path& cases, con
                                           "--out",   to.string(), "--jobs",
                                           o.jobs,    "--quiet"};
     std::ifstream in(cases / "answers" / (plan.name + ".json"));
-    const auto answer = nlohmann::json::parse(in); // a variable: a loop over a part of a temporary would dangle
+    const auto answer =
+        supercircle::reference_simulator::parseJson(in); // a variable: a loop over a part of a temporary would dangle
     for (const auto& label : answer.at("diagnose_without")) {
         arguments.emplace_back("--without");
         arguments.push_back(label);

@@ -1,4 +1,5 @@
 #include "tests/blind_benchmark/scoring/case_score.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ Json read(const std::string& file) {
     if (!in)
         throw std::runtime_error(file + ": cannot be read");
     try {
-        return Json::parse(in);
+        return reference_simulator::parseJson(in);
     } catch (const Json::exception& e) {
         throw std::runtime_error(file + ": " + e.what());
     }

@@ -1,4 +1,5 @@
 #include "tests/blind_benchmark/scoring/scores.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -252,7 +253,7 @@ std::string asJson(const std::vector<CaseScore>& all, const std::string& title) 
                          {"heldout_over_noise", j.overNoise},
                          {"detectable", j.detectable},
                          {"elapsed_s", j.seconds}});
-    return Json{{"title", title}, {"scores", scores}, {"cases", cases}}.dump(1) + "\n";
+    return reference_simulator::jsonText(Json{{"title", title}, {"scores", scores}, {"cases", cases}}) + "\n";
 }
 
 std::string asPage(const std::vector<CaseScore>& all, const std::string& title, const std::string& folder) {

@@ -1,4 +1,5 @@
 #include "tests/blind_benchmark/scoring/self_check.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -51,7 +52,7 @@ std::vector<std::string> truthFlags(const std::string& answerFile) {
     std::ifstream in(answerFile);
     std::vector<std::string> flags;
     try {
-        const Json answer = Json::parse(in);
+        const Json answer = reference_simulator::parseOrderedJson(in);
         const std::pair<const char*, const char*> names[] = {{"bending_modulus", "bending_modulus_N_m2"},
                                                              {"natural_curvature", "natural_curvature_1_m"},
                                                              {"friction", "friction"},

@@ -1,6 +1,7 @@
 #include "tests/blind_benchmark/synthetic_cases/make_case.h"
 
 #include "tests/blind_benchmark/synthetic_cases/detectability.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -466,7 +467,7 @@ SyntheticCase makeCase(const CasePlan& plan, const std::vector<ProposedRun>& fur
             }
         answer["further_own_error"] = worst;
     }
-    out.answer = answer.dump(1) + "\n";
+    out.answer = reference_simulator::jsonText(answer) + "\n";
     return out;
 }
 

@@ -2,6 +2,7 @@
 #include "tests/blind_benchmark/scoring/self_check.h"
 #include "tests/blind_benchmark/synthetic_cases/detectability.h"
 #include "tests/blind_benchmark/synthetic_cases/make_case.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -77,12 +78,13 @@ TEST_CASE("a case is scored against its answer", "[blind_benchmark]") {
 
 TEST_CASE("intervals are compared reading by reading", "[blind_benchmark]") {
     const TemporaryFolder f;
-    nlohmann::json answer = nlohmann::json::parse(kAnswer);
+    nlohmann::json answer = supercircle::reference_simulator::parseJson(kAnswer);
     answer["windows"] = {{{"run", "run_1.csv"}, {"channel", "force"}, {"t_start_s", 2}, {"t_end_s", 6}},
                          {{"run", "run_1.csv"}, {"channel", "m0_x"}, {"t_start_s", 0}, {"t_end_s", 15}},
                          {{"run", "run_2.csv"}, {"channel", "m0_y"}, {"t_start_s", 1}, {"t_end_s", 2}}};
     const auto scored = [&] {
-        return scoreCase(f.put("answer.json", answer.dump()), f.put("diagnosis.json", kDiagnosis));
+        return scoreCase(f.put("answer.json", supercircle::reference_simulator::jsonText(answer, -1)),
+                         f.put("diagnosis.json", kDiagnosis));
     };
     CHECK(scored().overlap == Approx((2.0 + 15.0 + 0.0) / (6.0 + 20.0 + 1.0)));
     CHECK(scored().overlapForce == Approx(2.0 / 6.0));
@@ -93,13 +95,14 @@ TEST_CASE("intervals are compared reading by reading", "[blind_benchmark]") {
 
 TEST_CASE("an undetectable effect has its own probability, apart from that of an adequate model", "[blind_benchmark]") {
     const TemporaryFolder f;
-    nlohmann::json d = nlohmann::json::parse(kDiagnosis);
+    nlohmann::json d = supercircle::reference_simulator::parseJson(kDiagnosis);
     d["verdict"] = "adequate";
     d["effects"] = nlohmann::json::array();
     d["probability_adequate"] = 0.7;
     d["screening"] = {{{"label", "wear"}, {"probability_undetectable", 0.08}},
                       {{"label", "gravity"}, {"probability_undetectable", 0.12}}};
-    const CaseScore j = scoreCase(f.put("answer.json", kAnswer), f.put("diagnosis.json", d.dump()));
+    const CaseScore j = scoreCase(f.put("answer.json", kAnswer),
+                                  f.put("diagnosis.json", supercircle::reference_simulator::jsonText(d, -1)));
     CHECK(j.pTruth == Approx(0.08));
     CHECK(j.brier == Approx(0.5 * (0.92 * 0.92 + 0.7 * 0.7 + 0.1 * 0.1 + 0.12 * 0.12)));
 }
@@ -107,14 +110,16 @@ TEST_CASE("an undetectable effect has its own probability, apart from that of an
 TEST_CASE("parameters of two variants of a law are not compared", "[blind_benchmark]") {
     const TemporaryFolder f;
     const auto scored = [&](const char* hidden, const char* law) {
-        nlohmann::json answer = nlohmann::json::parse(kAnswer), d = nlohmann::json::parse(kDiagnosis);
+        nlohmann::json answer = supercircle::reference_simulator::parseJson(kAnswer),
+                       d = supercircle::reference_simulator::parseJson(kDiagnosis);
         answer["labels"] = {"rate_dependent_friction"};
-        answer["effects"] = nlohmann::json::array({nlohmann::json::parse(hidden)});
+        answer["effects"] = nlohmann::json::array({supercircle::reference_simulator::parseJson(hidden)});
         d["effects"][0]["label"] = "rate_dependent_friction";
         d["effects"][0]["law"] = law;
         d["effects"][0]["parameters"] = {{"strength", {{"value", 0.11}, {"ci90", {0.09, 0.14}}}},
                                          {"speed_m_s", {{"value", 0.005}, {"ci90", {0.002, 0.012}}}}};
-        return scoreCase(f.put("a.json", answer.dump()), f.put("d.json", d.dump()));
+        return scoreCase(f.put("a.json", supercircle::reference_simulator::jsonText(answer, -1)),
+                         f.put("d.json", supercircle::reference_simulator::jsonText(d, -1)));
     };
     const char* const logarithmic = R"({"family": "logarithmic_friction", "label": "rate_dependent_friction",
         "parameters": {"law": 1.0, "strength": 0.1, "speed_m_s": 1e-5}})";
@@ -200,7 +205,7 @@ TEST_CASE("a run that a diagnosis proposes is recorded behind the others", "[bli
     REQUIRE(after.failure.empty());
     REQUIRE(after.files.size() > before.files.size());
     // Without a hidden effect the reference simulator is accurate.
-    const auto own = nlohmann::json::parse(after.answer).at("further_own_error");
+    const auto own = supercircle::reference_simulator::parseJson(after.answer).at("further_own_error");
     REQUIRE(own.is_number());
     CHECK(own.get<double>() > 0.0);
     CHECK(own.get<double>() < kMaxOwnError);
@@ -212,12 +217,12 @@ TEST_CASE("a run that a diagnosis proposes is recorded behind the others", "[bli
     REQUIRE(repeated.failure.empty());
     const std::size_t ofOne = after.files.size() - before.files.size();
     REQUIRE(repeated.files.size() == after.files.size() + ofOne);
-    const auto runs = nlohmann::json::parse(repeated.answer).at("runs");
+    const auto runs = supercircle::reference_simulator::parseJson(repeated.answer).at("runs");
     const auto &first = runs.at(runs.size() - 2), &second = runs.back();
     CHECK(first.at("rows") == second.at("rows"));
     CHECK(first.at("rms_noise_N") != second.at("rms_noise_N"));
     CHECK(first.at("peak_N") == second.at("peak_N"));
-    CHECK(nlohmann::json::parse(repeated.answer).at("further_own_error").get<double>() ==
+    CHECK(supercircle::reference_simulator::parseJson(repeated.answer).at("further_own_error").get<double>() ==
           Approx(std::sqrt(2.0) * own.get<double>()));
     CHECK(repeated.files[repeated.files.size() - ofOne].second !=
           repeated.files[repeated.files.size() - 2 * ofOne].second);
@@ -250,7 +255,7 @@ TEST_CASE("a run that a diagnosis proposes is recorded behind the others", "[bli
     CHECK(two.runs.back().markersTracked);
     CHECK(two.runs.back().specimenReversed);
     const auto sure = [](const SyntheticCase& c) {
-        return nlohmann::json::parse(c.answer).at("further_own_error").get<double>();
+        return supercircle::reference_simulator::parseJson(c.answer).at("further_own_error").get<double>();
     };
     CHECK(sure(both) >= sure(with));
 }
@@ -268,7 +273,7 @@ TEST_CASE("a reversed specimen shows its hidden effect on the other side", "[bli
     Description d = readDescription(f.put(name, text));
     REQUIRE_FALSE(d.markers.empty());
     d.runs.resize(1);
-    const auto effects = nlohmann::json::parse(before.answer).at("effects").at(0);
+    const auto effects = supercircle::reference_simulator::parseJson(before.answer).at("effects").at(0);
     HiddenEffect hidden{effects.at("label"), effects.at("parameters").get<std::map<std::string, double>>()};
     Effects here, there;
     apply(here, hidden);
@@ -483,7 +488,7 @@ TEST_CASE("effects near the detection limit have the wanted detectability", "[bl
     CHECK(plan->strength == "limit");
     const SyntheticCase made = makeCase(*plan);
     REQUIRE(made.failure.empty());
-    const double detectable = nlohmann::json::parse(made.answer).at("detectable");
+    const double detectable = supercircle::reference_simulator::parseJson(made.answer).at("detectable");
     // Wanted: 4.5 to 8, within a quarter in the logarithm.
     CHECK(detectable > 4.5 / 1.3);
     CHECK(detectable < 8.0 * 1.3);

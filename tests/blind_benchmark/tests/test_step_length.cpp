@@ -2,6 +2,7 @@
 
 #include "tests/blind_benchmark/synthetic_cases/detectability.h"
 #include "tests/blind_benchmark/synthetic_cases/make_case.h"
+#include "tests/reference_simulator/json_text.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -18,7 +19,7 @@ TEST_CASE("no case is made in which short steps let a specimen stick and slip", 
     REQUIRE(plan.families == std::vector<std::string>{"stribeck"});
     const SyntheticCase made = makeCase(plan);
     REQUIRE(made.failure.empty());
-    CHECK(nlohmann::json::parse(made.answer).at("own_error").get<double>() <= kMaxOwnError);
+    CHECK(supercircle::reference_simulator::parseJson(made.answer).at("own_error").get<double>() <= kMaxOwnError);
 
     const fs::path file = fs::temp_directory_path() / ("blind_benchmark_steps_" + std::to_string(::getpid()) + ".json");
     writeAtomically(file, made.files.front().second);

@@ -1,6 +1,7 @@
 // The solver benchmark on its smallest sets: numbers, table and picture agree.
 
 #include "tests/plugin/cli/program.h"
+#include "tests/support/json.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -14,7 +15,7 @@ TEST_CASE("the solver benchmark measures every method on a recorded stack") {
     const CommandResult ending = start({"bench", "--filter", "solver/nest/3/", "--json", folder / "solver.json"});
     REQUIRE(ending.code == 0);
     CHECK_THAT(ending.out, Contains("| set | shells | contacts |") && Contains("| nest | 3 |"));
-    const json figures = json::parse(contentOf(folder / "solver.json"));
+    const json figures = jsonOf(folder / "solver.json");
     REQUIRE(figures["benchmarks"].size() == 12); // six columns, two tolerances
     for (const json& row : figures["benchmarks"]) {
         const std::string name = row["name"];

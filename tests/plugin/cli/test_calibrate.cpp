@@ -1,6 +1,7 @@
 // The subcommands `calibrate` and `design`.
 
 #include "tests/plugin/cli/program.h"
+#include "tests/support/json.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -16,7 +17,7 @@ TEST_CASE("a switch observed on a cylinder gives the interval between two closed
     INFO(ending.err);
     REQUIRE(ending.code == 0);
     CHECK_THAT(ending.out, Contains("friction coefficient:"));
-    const json result = json::parse(contentOf(folder / "out/calibration.json"));
+    const json result = jsonOf(folder / "out/calibration.json");
     // mu* of the theory, .3632 and .687, is where tips begin to stick; in a strip 2 to 4 % wide below it they slip a
     // little, stick again and unfold abruptly all the same, and sixteen elements add 1 %.
     CHECK(result["friction"]["low"].get<double>() == Approx(0.3632).epsilon(0.06));
@@ -48,8 +49,8 @@ TEST_CASE("friction fitted to recorded curves is that of the recording", "[slow]
     const CommandResult ending = start({"calibrate", data + "experiment.json", "--out", folder / "out", "--quiet"});
     INFO(ending.err);
     REQUIRE(ending.code == 0);
-    const json result = json::parse(contentOf(folder / "out/calibration.json"));
-    const double truth = json::parse(contentOf(data + "parameters.json"))["true_parameters"]["friction"].get<double>();
+    const json result = jsonOf(folder / "out/calibration.json");
+    const double truth = jsonOf(data + "parameters.json")["true_parameters"]["friction"].get<double>();
     // The recording is of another simulator; the two agree in force to a few thousandths.
     CHECK(result["friction"]["value"].get<double>() == Approx(truth).epsilon(0.01));
     CHECK(result["friction"]["low"].get<double>() < result["friction"]["value"].get<double>());

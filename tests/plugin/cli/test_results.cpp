@@ -2,6 +2,7 @@
 
 #include "plugin/recording/table/csv.h"
 #include "tests/plugin/cli/program.h"
+#include "tests/support/json.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -21,7 +22,7 @@ json summaryOf(const Folder& folder, const std::string& name, std::vector<std::s
     const CommandResult ending = start(arguments);
     INFO(ending.err);
     REQUIRE(ending.code == 0);
-    return json::parse(contentOf(folder / (name + "/summary.json")));
+    return test::jsonOf(folder / (name + "/summary.json"));
 }
 
 std::vector<std::string> stack(const std::string& shells, const std::string& cycles) {
@@ -122,7 +123,7 @@ TEST_CASE("a snap reports peak, pull-off force and type") {
         CHECK_THAT(page, !Contains(outside));
     for (const char* picture : {"overview.png", "force.png", "energy.png"})
         CHECK_THAT(contentOf(folder / (std::string("snap/") + picture)), Catch::StartsWith("\x89PNG"));
-    CHECK(json::parse(contentOf(folder / "snap/trajectory.json"))["frames"].size() > 10);
+    CHECK(test::jsonOf(folder / "snap/trajectory.json")["frames"].size() > 10);
 }
 
 TEST_CASE("a report of an earlier run does not stay beside new data") {
@@ -164,9 +165,9 @@ TEST_CASE("the same seed gives the same bytes, whatever the number of threads, a
     CHECK(series != contentOf(folder / "other/series.csv"));
     CHECK(contentOf(folder / "a/trajectory.json") == contentOf(folder / "threads/trajectory.json"));
     const auto withoutTiming = [&](const std::string& name) {
-        json summary = json::parse(contentOf(folder / (name + "/summary.json")));
+        json summary = test::jsonOf(folder / (name + "/summary.json"));
         summary.erase("timing");
-        return summary.dump();
+        return test::jsonText(summary);
     };
     CHECK(withoutTiming("a") == withoutTiming("b"));
 }
@@ -177,7 +178,7 @@ TEST_CASE("parameters reach the simulation and the summary") {
     CHECK(summary["parameters"]["shells"] == 2);
     CHECK(summary["parameters"]["mu"] == 0.5);
     CHECK(summary["seed"] == 9);
-    CHECK(json::parse(contentOf(folder / "pile/trajectory.json"))["shells"].size() == 2);
+    CHECK(test::jsonOf(folder / "pile/trajectory.json")["shells"].size() == 2);
 }
 
 TEST_CASE("a fixed step is taken as it is") {
@@ -207,7 +208,7 @@ TEST_CASE("benchmarks print a table and the same figures as JSON") {
     const CommandResult ending = start({"bench", "--filter", "rod_evaluate", "--json", folder / "bench.json"});
     CHECK(ending.code == 0);
     CHECK_THAT(ending.out, Contains("median ms") && Contains("rod_evaluate") && Contains("peak memory"));
-    const json figures = json::parse(contentOf(folder / "bench.json"));
+    const json figures = test::jsonOf(folder / "bench.json");
     REQUIRE(figures["benchmarks"].size() == 1);
     CHECK(figures["benchmarks"][0]["name"] == "rod_evaluate");
     CHECK(figures["benchmarks"][0]["median_ms"] > 0.0);
@@ -222,7 +223,7 @@ TEST_CASE("contact solvers are measured on problems recorded from a simulation")
     const Folder folder;
     const CommandResult ending = start({"bench", "--filter", "contact/strategy", "--json", folder / "bench.json"});
     REQUIRE(ending.code == 0);
-    const json figures = json::parse(contentOf(folder / "bench.json"));
+    const json figures = test::jsonOf(folder / "bench.json");
     REQUIRE(figures["benchmarks"].size() == 2); // 1e-6 and 1e-8
     for (const json& row : figures["benchmarks"]) {
         CHECK(row["samples"] >= 100);

@@ -2,6 +2,7 @@
 // message.
 
 #include "tests/support/folder.h"
+#include "tests/support/json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -31,8 +32,7 @@ void done(const std::string& arguments) {
 }
 
 Json read(const std::string& file) {
-    std::ifstream in(file);
-    return Json::parse(in);
+    return supercircle::test::jsonOf(file);
 }
 
 std::string example(const std::string& name) {

@@ -6,6 +6,7 @@
 #include "plugin/recording/experiment/load.h"
 #include "supercircle/step/parallel.h"
 #include "tests/support/folder.h"
+#include "tests/support/json.h"
 
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -91,7 +92,7 @@ TEST_CASE("diagnose: bad input has exit code 2", "[diagnosis]") {
 TEST_CASE("diagnose reports which run cannot be simulated and what to do", "[diagnosis]") {
     const test::Folder folder;
     const std::string from = std::string(SC_TEST_DATA) + "/recordings/baseline/case_106/experiment.json";
-    auto e = nlohmann::json::parse(std::ifstream(from));
+    auto e = test::jsonOf(from);
     auto& drive = e["runs"][0];
     drive["drive_time_s"] = {0, 1, 3};
     drive["drive_displacement_mm"] = {0, 0, 30}; // the plates are 20 mm apart
@@ -104,7 +105,7 @@ TEST_CASE("diagnose reports which run cannot be simulated and what to do", "[dia
                 std::to_string(0.1 * moving + 1e-3 * (k % 3)) + "\n";
     }
     folder.write("run_1.csv", rows);
-    const std::string file = folder.write("experiment.json", e.dump());
+    const std::string file = folder.write("experiment.json", test::jsonText(e));
     const auto end = test::start(std::string(SC_PROGRAM) + " diagnose " + file + " --out " + folder.path + "/out");
     CHECK(end.code == 3);
     using Catch::Contains;

@@ -14,6 +14,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 #include <optional>
+#include <tuple>
 
 using namespace supercircle::diagnosis;
 

@@ -2,6 +2,7 @@
 
 #include "tests/plugin/identification/replay/support.h"
 #include "tests/support/folder.h"
+#include "tests/support/json.h"
 
 #include <cmath>
 #include <fstream>
@@ -19,12 +20,6 @@ const std::string kScene = std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json";
 
 test::CommandResult start(const std::string& arguments) {
     return test::start(std::string(SC_PROGRAM) + " " + arguments);
-}
-
-json readJson(const std::string& path) {
-    std::ifstream in(path);
-    REQUIRE(in.good());
-    return json::parse(in);
 }
 
 /// Angles of a rod of 124 mm, an encoder of 0.09 degrees, held by hand for the first 0.2 s.
@@ -69,7 +64,7 @@ TEST_CASE("an oscillation may start at any turning point", "[replay][free]") {
         const auto end = start(words + std::to_string(turn) + " --out " + out);
         INFO(end.text);
         REQUIRE(end.code == 0);
-        const json released = readJson(out + "/experiment.json")["runs"][0]["parameters"]["release_angle"];
+        const json released = test::jsonOf(out + "/experiment.json")["runs"][0]["parameters"]["release_angle"];
         CHECK(released["value"].get<double>() ==
               Approx(turn % 2 == 1 ? -1.0 : 1.0).margin(released["unc"].get<double>() + 1e-3));
     }
@@ -81,7 +76,7 @@ TEST_CASE("an oscillation may start at any turning point", "[replay][free]") {
 TEST_CASE("an encoder recording is imported, checked and replayed", "[replay][free]") {
     const Folder folder;
     const std::string experiment = imported(folder);
-    const json description = readJson(experiment);
+    const json description = test::jsonOf(experiment);
     CHECK(description["protocol"] == "free_scene");
     CHECK(description["observed"]["body"] == "rod");
     const json& released = description["runs"][0]["parameters"]["release_angle"];
@@ -93,7 +88,7 @@ TEST_CASE("an encoder recording is imported, checked and replayed", "[replay][fr
     const auto end = start("replay " + experiment + " --out " + folder.path + "/replay");
     INFO(end.text);
     REQUIRE(end.code == 0);
-    const json out = readJson(folder.path + "/replay/replay.json");
+    const json out = test::jsonOf(folder.path + "/replay/replay.json");
     // Release known to half a degree and a few degrees a second: some degrees after three oscillations.
     CHECK(out["runs"][0]["rmse_deg"].get<double>() < 3.0);
     CHECK(out["runs"][0]["peak_recorded_deg"].get<double>() == Approx(57.3).epsilon(0.01));
@@ -103,7 +98,7 @@ TEST_CASE("an encoder recording is imported, checked and replayed", "[replay][fr
     CHECK(header == "time_s,angle_recorded_deg,angle_simulated_deg,residual_deg");
     CHECK(start("replay " + experiment + " --effect bearing_friction:torque_N_m=1e-4 --out " + folder.path + "/dry")
               .code == 0);
-    CHECK(readJson(folder.path + "/dry/replay.json")["effects"]["bearing_friction"]["torque_N_m"] == 1e-4);
+    CHECK(test::jsonOf(folder.path + "/dry/replay.json")["effects"]["bearing_friction"]["torque_N_m"] == 1e-4);
 }
 
 TEST_CASE("effects that do not fit a scene are rejected", "[replay][free]") {
@@ -113,28 +108,28 @@ TEST_CASE("effects that do not fit a scene are rejected", "[replay][free]") {
                Contains("free scene of rigid bodies"));
     CHECK_THAT(start("replay " + baselinePath(106) + " --effect air_drag:linear_N_s_m2=1" + out).text,
                Contains("which this experiment is not"));
-    json wrong = readJson(experiment);
+    json wrong = test::jsonOf(experiment);
     wrong["observed"]["body"] = "rood";
-    folder.write("exp/wrong.json", wrong.dump());
+    folder.write("exp/wrong.json", test::jsonText(wrong));
     CHECK_THAT(start("check " + folder.path + "/exp/wrong.json").text, Contains("did you mean \"rod\"?"));
     wrong["observed"]["body"] = "rod";
     wrong["scene_parameters"]["lenght"] = 0.1;
-    folder.write("exp/wrong.json", wrong.dump());
+    folder.write("exp/wrong.json", test::jsonText(wrong));
     CHECK_THAT(start("check " + folder.path + "/exp/wrong.json").text, Contains("did you mean \"length\"?"));
     wrong["scene_parameters"].erase("lenght");
     wrong["observed"] = {{"body", "rod"}, {"quantity", "x"}};
     wrong.erase("sensors");
-    folder.write("exp/wrong.json", wrong.dump());
+    folder.write("exp/wrong.json", test::jsonText(wrong));
     CHECK_THAT(start("check " + folder.path + "/exp/wrong.json").text, Contains("there is no column x_mm"));
 }
 
 TEST_CASE("markers on bodies are recorded beside the angle at both fidelities", "[replay][free]") {
     const Folder folder;
-    json description = readJson(imported(folder));
+    json description = test::jsonOf(imported(folder));
     description["markers"] = json::array({{{"name", "tip"}, {"body", "rod"}, {"local_point_m", {0.0, -0.124}}}});
     description["runs"][0]["markers_sampling_hz"] = 50;
     std::vector<scene::Problem> problems;
-    const auto e = experiment::load(folder.write("exp/tip.json", description.dump()), problems);
+    const auto e = experiment::load(folder.write("exp/tip.json", test::jsonText(description)), problems);
     REQUIRE(e);
     const replay::Parameters p = replay::nominal(*e);
     const replay::Simulated fine = replay::simulate(*e, 0, p, replay::Resolution::fine()),

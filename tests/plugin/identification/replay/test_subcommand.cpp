@@ -2,6 +2,7 @@
 
 #include "tests/plugin/identification/replay/support.h"
 #include "tests/support/folder.h"
+#include "tests/support/json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -32,8 +33,7 @@ TEST_CASE("replay writes tables, summary, picture and page", "[replay]") {
     REQUIRE(end.code == 0);
     for (const char* name : {"run_1_replay.csv", "run_1_replay_markers.csv", "run_1_replay.png", "replay.html"})
         CHECK(fs::file_size(folder.path + "/" + name) > 1000);
-    std::ifstream in(folder.path + "/replay.json");
-    const nlohmann::json json = nlohmann::json::parse(in);
+    const nlohmann::json json = test::jsonOf(folder.path + "/replay.json");
     CHECK(json["parameters"]["friction"] == 0.31);
     CHECK(json["elements"] == replay::Resolution::coarse().elements);
     REQUIRE(json["runs"].size() == 1);

@@ -6,6 +6,7 @@
 
 #include "plugin/identification/replay/parameters.h"
 #include "tests/plugin/identification/replay/support.h"
+#include "tests/support/json.h"
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -19,9 +20,7 @@ using Json = nlohmann::json;
 Json answer(int number) {
     char name[64];
     std::snprintf(name, sizeof name, "/recordings/answers/case_%02d.json", number);
-    std::ifstream in(std::string(SC_TEST_DATA) + name);
-    REQUIRE(in);
-    return Json::parse(in);
+    return test::jsonOf(std::string(SC_TEST_DATA) + name);
 }
 
 experiment::Experiment training(int number) {

@@ -1,11 +1,8 @@
 // Sweep files: content, errors, and agreement of the JSON Schema with the loader.
 
-// valijson uses std::regex, where g++ 12 with sanitizers sees an uninitialised variable that is none.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-
 #include "plugin/lab/sweep/definition.h"
+#include "tests/support/json.h"
+#include "tests/support/schema.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -13,10 +10,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validator.hpp>
 
 using namespace supercircle;
 using namespace supercircle::sweep;
@@ -43,17 +36,7 @@ SweepDefinition valid(const std::string& text) {
 }
 
 bool schemaAccepts(const json& document) {
-    static valijson::Schema schema;
-    static bool parsed = false;
-    if (!parsed) {
-        std::ifstream in(std::string(SC_SOURCE_DIR) + "/plugin/lab/sweep/sweep.schema.json");
-        const json text = json::parse(in);
-        valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-        parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
-        parsed = true;
-    }
-    valijson::Validator validator;
-    return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+    return test::schemaErrors("plugin/lab/sweep/sweep.schema.json", document).empty();
 }
 
 const std::string kHead = R"({"schema": "supercircle-sweep/1", "scene": "../a.json")";
@@ -116,8 +99,7 @@ TEST_CASE("the sweeps of the project agree with loader and schema, and the schem
         const auto sweep = load(entry.path().string(), problems);
         REQUIRE(sweep);
         CHECK(std::filesystem::exists(sweep->scene));
-        std::ifstream in(entry.path());
-        CHECK(schemaAccepts(json::parse(in)));
+        CHECK(schemaAccepts(test::jsonOf(entry.path().string())));
         ++files;
     }
     CHECK(files > 0);
@@ -128,7 +110,7 @@ TEST_CASE("the sweeps of the project agree with loader and schema, and the schem
         INFO(rest);
         std::string complaints;
         CHECK_FALSE(read(kHead + rest + "}", complaints));
-        CHECK_FALSE(schemaAccepts(json::parse(kHead + rest + "}")));
+        CHECK_FALSE(schemaAccepts(test::parseJson(kHead + rest + "}")));
     }
 }
 

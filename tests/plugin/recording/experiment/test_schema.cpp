@@ -1,18 +1,10 @@
 // The JSON Schema (for editors and other tools) accepts what the loader accepts and refuses what is plainly wrong.
 
-// valijson uses std::regex, where g++ 12 with sanitizers sees an uninitialised variable that is none.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-
 #include "tests/plugin/recording/experiment/support.h"
+#include "tests/support/json.h"
+#include "tests/support/schema.h"
 
 #include <nlohmann/json.hpp>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validation_results.hpp>
-#include <valijson/validator.hpp>
 
 using namespace experimenttest;
 using nlohmann::json;
@@ -20,14 +12,7 @@ using nlohmann::json;
 namespace {
 
 bool accepts(const json& document) {
-    const json text =
-        json::parse(contentOf(std::string(SC_SOURCE_DIR) + "/plugin/recording/experiment/experiment.schema.json"));
-    valijson::Schema schema;
-    valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-    parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
-    valijson::Validator validator;
-    valijson::ValidationResults results;
-    return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), &results);
+    return test::schemaErrors("plugin/recording/experiment/experiment.schema.json", document).empty();
 }
 
 } // namespace
@@ -35,18 +20,18 @@ bool accepts(const json& document) {
 TEST_CASE("the schema accepts the baselines", "[experiment]") {
     for (int number = 101; number <= 106; ++number) {
         INFO(number);
-        CHECK(accepts(json::parse(contentOf(baseline(number)))));
+        CHECK(accepts(test::jsonOf(baseline(number))));
     }
 }
 
 TEST_CASE("schema and loader refuse the same", "[experiment]") {
     const auto bothRefuse = [](const char* pointer, const json& value) {
-        json document = json::parse(contentOf(baseline(101)));
+        json document = test::jsonOf(baseline(101));
         document[json::json_pointer(pointer)] = value;
         INFO(pointer << " = " << value);
         CHECK_FALSE(accepts(document));
         std::vector<scene::Problem> problems;
-        CHECK_FALSE(experiment::loadText(document.dump(), "e.json", problems));
+        CHECK_FALSE(experiment::loadText(test::jsonText(document), "e.json", problems));
     };
     bothRefuse("/schema", "rod-recordings/2");
     bothRefuse("/protocol", "drop_test");
@@ -59,7 +44,7 @@ TEST_CASE("schema and loader refuse the same", "[experiment]") {
     bothRefuse("/runs/0/sampling_hz", 0.0);
     bothRefuse("/runs/0/file", 7);
     bothRefuse("/markers/0/arc_fraction", 2.0);
-    json document = json::parse(contentOf(baseline(101)));
+    json document = test::jsonOf(baseline(101));
     document["specimens"][0].erase("linear_mass_kg_m");
     CHECK_FALSE(accepts(document));
 }

@@ -1,6 +1,7 @@
 // `supercircle import`, started as a program.
 
 #include "tests/plugin/recording/import/support.h"
+#include "tests/support/json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -28,7 +29,7 @@ TEST_CASE("import writes experiment, runs and account, and check agrees", "[impo
         CHECK(fs::file_size(out + "/" + name) > 100);
     CHECK_THAT(end.text, Contains("/friction/coefficient: friction coefficient"));
     CHECK_THAT(contentOf(out + "/import.txt"), Contains("/friction/coefficient: friction coefficient"));
-    CHECK(nlohmann::json::parse(contentOf(out + "/import.json"))["runs"][0]["rows"] == rows);
+    CHECK(test::jsonOf(out + "/import.json")["runs"][0]["rows"] == rows);
     end = start("check " + out + "/experiment.json");
     CHECK(end.code == 2);
     CHECK_THAT(end.text, Contains("/friction/coefficient: this is null"));
@@ -64,7 +65,7 @@ TEST_CASE("the worked example of the how-to page", "[importing]") {
         CHECK_THAT(page, Contains("    " + line + "\n"));
     // The export has a motion of 2 mm/s with corners at 1, 13 and 25 s and a crosshead height of 46.65 mm; a row is
     // 0.24 mm.
-    const auto json = nlohmann::json::parse(contentOf(out + "/experiment.json"));
+    const auto json = test::jsonOf(out + "/experiment.json");
     const auto times = json["runs"][0]["drive_time_s"].get<std::vector<double>>();
     REQUIRE(times.size() == 5);
     for (const auto& [i, t] : {std::pair{1, 1.0}, {2, 13.0}, {3, 25.0}})

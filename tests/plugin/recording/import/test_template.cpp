@@ -4,6 +4,7 @@
 
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/import/template.h"
+#include "tests/support/json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -81,15 +82,15 @@ TEST_CASE("protocol and specimen complete it", "[importing]") {
     const std::string file = folder.write("specimen.json", specimen);
     auto d = described({"shell_on_rigid_cylinder", file});
     CHECK_THAT(joined(d.remarks), Contains("bending modulus of specimen A is E w h^3 / 12 = 0.0002292"));
-    Json own = {{"specimens", Json::array({Json::parse(specimen)})},
+    Json own = {{"specimens", Json::array({test::parseJson(specimen)})},
                 {"obstacles", Json::array({{{"radius_m", radius}}})},
                 {"friction", {{"coefficient", 0.3}}}};
-    d = described({"shell_on_rigid_cylinder", folder.write("own.json", own.dump())});
+    d = described({"shell_on_rigid_cylinder", folder.write("own.json", test::jsonText(own))});
     INFO(joined(d.todo));
     CHECK(d.todo.empty());
     // the centre line of a tip at (R sin 120, -1.5 R) below the apex touches at R + h/2 from the cylinder's axis
     const double tip = radius * std::sin(2.0 * M_PI / 3.0), reach = radius + 0.5 * thickness;
-    const Json json = Json::parse(d.json);
+    const Json json = test::parseJson(d.json);
     CHECK(json["specimens"][0]["clamp"]["initial_point_m"][1].get<double>() ==
           Approx(std::sqrt(reach * reach - tip * tip) + 1.5 * radius + 1e-3).margin(0.06e-3));
     std::vector<scene::Problem> problems;
@@ -102,10 +103,10 @@ TEST_CASE("protocol and specimen complete it", "[importing]") {
 
 TEST_CASE("the upper plate above an arch is derived", "[importing]") {
     const Folder folder;
-    const Json own = {{"specimens", Json::array({Json::parse(specimen)})}, {"friction", {{"coefficient", 0.3}}}};
-    const auto d = described({"arch_between_plates", folder.write("own.json", own.dump())});
+    const Json own = {{"specimens", Json::array({test::parseJson(specimen)})}, {"friction", {{"coefficient", 0.3}}}};
+    const auto d = described({"arch_between_plates", folder.write("own.json", test::jsonText(own))});
     // the centre line of 240 degrees is R (1 - cos 120) high
-    CHECK(Json::parse(d.json)["obstacles"][1]["point_m"][1].get<double>() ==
+    CHECK(test::parseJson(d.json)["obstacles"][1]["point_m"][1].get<double>() ==
           Approx(1.5 * radius + thickness + 1e-3).margin(0.06e-3));
     CHECK(d.todo.empty());
 }
@@ -136,6 +137,6 @@ TEST_CASE("numbers beyond double and deep nesting in a specimen file are refused
 TEST_CASE("values for another number of runs are not used", "[importing]") {
     const Folder folder;
     const auto d = described({{}, folder.write("a.json", R"({"runs": [{"file": "a"}, {"file": "b"}]})")});
-    CHECK(Json::parse(d.json)["runs"].size() == 1);
+    CHECK(test::parseJson(d.json)["runs"].size() == 1);
     CHECK_THAT(joined(d.remarks), Contains("there are 2, here 1"));
 }

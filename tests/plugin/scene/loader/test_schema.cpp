@@ -1,19 +1,11 @@
 // The JSON Schema (for editors and other tools) says the same as the loader.
 
-// valijson uses std::regex, where g++ 12 with sanitizers sees an uninitialised variable that is none.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-
 #include "tests/plugin/scene/loader/support.h"
+#include "tests/support/json.h"
+#include "tests/support/schema.h"
 #include "tests/support/text.h"
 
 #include <nlohmann/json.hpp>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validation_results.hpp>
-#include <valijson/validator.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -23,33 +15,9 @@ using nlohmann::json;
 
 namespace {
 
-json readJson(const std::string& path) {
-    return json::parse(test::contentOf(path));
-}
-
 /// Errors of the schema, empty if it accepts.
 std::string schemaErrors(const json& document) {
-    static const json text = readJson(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json");
-    static valijson::Schema schema;
-    static bool parsed = false;
-    if (!parsed) {
-        valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-        parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
-        parsed = true;
-    }
-    valijson::Validator validator;
-    valijson::ValidationResults results;
-    const valijson::adapters::NlohmannJsonAdapter target(document);
-    if (validator.validate(schema, target, &results))
-        return {};
-    std::string all = "refused: ";
-    valijson::ValidationResults::Error error;
-    while (results.popError(error)) {
-        for (const std::string& part : error.context)
-            all += part;
-        all += ": " + error.description + "\n";
-    }
-    return all;
+    return test::schemaErrors("plugin/scene/scene.schema.json", document);
 }
 
 /// Every property name anywhere in a schema, without deprecated ones.
@@ -68,9 +36,9 @@ void collectKeys(const json& schema, std::vector<std::string>& keys) {
 TEST_CASE("the schema accepts every scene and the R.U.B.E. sample") {
     for (const std::string& name : sceneNames()) {
         INFO(name);
-        CHECK(schemaErrors(readJson(scenePath(name))) == "");
+        CHECK(schemaErrors(test::jsonOf(scenePath(name))) == "");
     }
-    CHECK(schemaErrors(readJson(std::string(SC_SOURCE_DIR) + "/tests/plugin/scene/loader/rube_sample.json")) == "");
+    CHECK(schemaErrors(test::jsonOf(std::string(SC_SOURCE_DIR) + "/tests/plugin/scene/loader/rube_sample.json")) == "");
 }
 
 TEST_CASE("every level is accepted by loader and schema, and so is the one in the guide") {
@@ -82,13 +50,13 @@ TEST_CASE("every level is accepted by loader and schema, and so is the one in th
     for (const std::string& path : levels) {
         INFO(path);
         CHECK(loaded(path).game.has_value());
-        CHECK(schemaErrors(readJson(path)) == "");
+        CHECK(schemaErrors(test::jsonOf(path)) == "");
     }
     const std::string guide = test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/how-to/levels.md");
     const std::size_t begin = guide.find("```json\n") + 8;
     const std::string first = guide.substr(begin, guide.find("```", begin) - begin);
     CHECK(loadedText(first).game.has_value());
-    CHECK(schemaErrors(json::parse(first)) == "");
+    CHECK(schemaErrors(test::parseJson(first)) == "");
 }
 
 TEST_CASE("schema and loader refuse the same files") {
@@ -160,7 +128,7 @@ TEST_CASE("schema and loader refuse the same files") {
         INFO(text);
         std::vector<Problem> problems;
         CHECK_FALSE(loadText(text, "bad.json", {}, problems));
-        CHECK(schemaErrors(json::parse(text)) != "");
+        CHECK(schemaErrors(test::parseJson(text)) != "");
     }
 }
 
@@ -185,7 +153,7 @@ TEST_CASE("schema and loader accept the same files") {
     for (const char* text : files) {
         INFO(text);
         loadedText(text);
-        CHECK(schemaErrors(json::parse(text)) == "");
+        CHECK(schemaErrors(test::parseJson(text)) == "");
     }
 }
 
@@ -194,7 +162,7 @@ TEST_CASE("the guide names every key of the schema, and its first scene loads") 
     const std::string guide = test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/reference/scene_format.md") +
                               test::contentOf(std::string(SC_SOURCE_DIR) + "/docs/reference/level_format.md");
     std::vector<std::string> keys;
-    collectKeys(readJson(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json"), keys);
+    collectKeys(test::jsonOf(std::string(SC_SOURCE_DIR) + "/plugin/scene/scene.schema.json"), keys);
     CHECK(keys.size() > 100);
     for (const std::string& key : keys) {
         INFO(key);
@@ -203,5 +171,5 @@ TEST_CASE("the guide names every key of the schema, and its first scene loads") 
     const std::size_t begin = guide.find("```json\n") + 8;
     const std::string first = guide.substr(begin, guide.find("```", begin) - begin);
     loadedText(first);
-    CHECK(schemaErrors(json::parse(first)) == "");
+    CHECK(schemaErrors(test::parseJson(first)) == "");
 }

@@ -18,28 +18,45 @@ endfunction()
 
 include(${CMAKE_CURRENT_LIST_DIR}/EmbedText.cmake)
 
-# Headers that most sources read are compiled once; every library reuses the result.
-if(SUPERCIRCLE_PRECOMPILE)
-  add_library(sc_precompiled OBJECT ${PROJECT_SOURCE_DIR}/plugin/cmake/precompiled.cpp)
-  target_link_libraries(sc_precompiled PRIVATE sc_flags)
-  target_include_directories(sc_precompiled SYSTEM PRIVATE ${EIGEN3_INCLUDE_DIRS})
-  set_target_properties(sc_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  target_precompile_headers(sc_precompiled PRIVATE <Eigen/Core> <Eigen/Cholesky> <algorithm> <array> <cmath> <cstdint>
+# Headers that most sources read are compiled once; every library reuses the result. The sources of programs, which read
+# arguments and write results once, are optimised less and have their own: a precompiled header brings back the level of
+# optimisation it was made with.
+set(SUPERCIRCLE_PROGRAM_OPTIMISATION $<$<NOT:$<CONFIG:Debug>>:-O1>)
+function(sc_precompiled name)
+  add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/plugin/cmake/precompiled.cpp)
+  target_link_libraries(${name} PRIVATE sc_flags)
+  target_compile_options(${name} PRIVATE ${ARGN})
+  target_include_directories(${name} SYSTEM PRIVATE ${EIGEN3_INCLUDE_DIRS})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_precompile_headers(${name} PRIVATE <Eigen/Core> <Eigen/Cholesky> <algorithm> <array> <cmath> <cstdint>
     <cstdio> <functional> <limits> <map> <memory> <optional> <string> <string_view> <utility> <vector>)
+endfunction()
+if(SUPERCIRCLE_PRECOMPILE)
+  sc_precompiled(sc_precompiled_libraries)
+  sc_precompiled(sc_precompiled_programs ${SUPERCIRCLE_PROGRAM_OPTIMISATION})
 endif()
 
 # sc_precompile(TARGET): the target reuses the precompiled headers, which are compiled for position-independent code.
 function(sc_precompile target)
   if(SUPERCIRCLE_PRECOMPILE)
     target_compile_options(${target} PRIVATE -fPIC)
-    target_precompile_headers(${target} REUSE_FROM sc_precompiled)
+    target_precompile_headers(${target} REUSE_FROM sc_precompiled_libraries)
   endif()
 endfunction()
 
-# sc_module(NAME FOLDER [PLAIN] [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER. LINKS are visible to
-# whoever links it, PRIVATE libraries are not. PLAIN: without the precompiled headers.
+# sc_program_sources(TARGET): the same for the sources of programs.
+function(sc_program_sources target)
+  target_compile_options(${target} PRIVATE ${SUPERCIRCLE_PROGRAM_OPTIMISATION})
+  if(SUPERCIRCLE_PRECOMPILE)
+    target_compile_options(${target} PRIVATE -fPIC)
+    target_precompile_headers(${target} REUSE_FROM sc_precompiled_programs)
+  endif()
+endfunction()
+
+# sc_module(NAME FOLDER [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER. LINKS are visible to whoever
+# links it, PRIVATE libraries are not.
 function(sc_module name folder)
-  cmake_parse_arguments(ARG "PLAIN" "" "LINKS;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE" ${ARGN})
   sc_glob(sources ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h ${PROJECT_SOURCE_DIR}/${folder}/*.hpp)
   add_library(${name} STATIC ${sources})
@@ -48,8 +65,8 @@ function(sc_module name folder)
   target_link_libraries(${name} PRIVATE sc_flags ${ARG_PRIVATE} PUBLIC ${ARG_LINKS})
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   set_property(TARGET ${name} PROPERTY SC_FILES ${sources} ${headers})
-  if(SUPERCIRCLE_PRECOMPILE AND NOT ARG_PLAIN)
-    target_precompile_headers(${name} REUSE_FROM sc_precompiled)
+  if(SUPERCIRCLE_PRECOMPILE)
+    target_precompile_headers(${name} REUSE_FROM sc_precompiled_libraries)
   endif()
 endfunction()
 

@@ -194,7 +194,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
     work_->last = &trial;
     observer.begin(world);
     const double start = world.time;
-    FrameBudget budget(settings_, world, part.spent, part.budgeted);
+    FrameBudget budget(settings_, world, part.budget, part.budgeted);
     int cuts = cutsOf(world), unsolved = 0; // in a row; of them those for a contact problem that was given up
     std::int64_t left = kTicks;
     while (left > 0 && out.failure.empty() && !out.stopped && !out.budgetExhausted) {
@@ -285,6 +285,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
 FrameResult Stepper::advanceWhole(World& world, double frame, Port* port, FrameObserver& observer) {
     const double start = world.time;
     Part part{world, work_->trial, work_->reading};
+    part.budget = static_cast<double>(settings_.frameWork);
     FrameResult out = advancePart(part, frame, port, observer);
     out.advanced = world.time - start;
     endFrame(world, out.advanced, port, times_);

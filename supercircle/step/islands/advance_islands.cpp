@@ -4,6 +4,8 @@
 #include "supercircle/step/stages/stepper_workspace.h"
 #include "supercircle/support/invariants.h"
 
+#include <algorithm>
+
 namespace supercircle::step {
 
 bool Stepper::Part::rodsMeetOthers() {
@@ -49,6 +51,7 @@ FrameResult Stepper::advanceAlone(World& world, double frame, Port* port, FrameO
     if (const double first = firstStepOf(world); first > 0.0)
         world.dtNext = first;
     Part part{world, work_->trial, work_->reading};
+    part.budget = static_cast<double>(settings_.frameWork);
     FrameResult out = advancePart(part, frame, port, observer);
     if (port && out.advanced > 0.0)
         endFrame(world, out.advanced, port, times_);
@@ -66,19 +69,28 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
     std::vector<std::pair<Node, Node>> joined;
     double target = frame; // s, that the slowest one has come to
     FrameResult out;
-    constexpr int kMostLate = 3; // times that the frame begins again for it, each within the budget
+    constexpr double kLeastShare = 0.02; // of the budget: half of it makes single shells late, twice as much piles
+    constexpr int kMostLate = 3;         // times that the frame begins again for it, each within the budget
     observer.beginIslands();
     int late = 0;
     for (bool complete = false; !complete;) {
         complete = true;
-        double spent = 0.0;
         takeIslands(world, w.partition, w.islands);
+        // What an island leaves of its share goes to those that follow.
+        double left = static_cast<double>(settings_.frameWork), weights = 0.0;
+        for (std::size_t k = 0; k < w.islands.count; ++k)
+            weights += static_cast<double>(w.islands.slots[k]->weight());
         for (std::size_t k = 0; k < w.islands.count && complete; ++k) {
             Island& island = *w.islands.slots[w.islands.order[k]];
-            Part part{island.world, island.trial, island.reading, &world, &w.partition, &island, spent};
+            Part part{island.world, island.trial, island.reading, &world, &w.partition, &island};
+            const auto weight = static_cast<double>(island.weight());
+            if (left > 0.0) // 0: no limit
+                part.budget = std::max(left * weight / std::max(weights, 1.0),
+                                       kLeastShare * static_cast<double>(settings_.frameWork));
+            weights -= weight;
             part.budgeted = late <= kMostLate;
             island.end = target > 0.0 ? advancePart(part, target, port, observer) : FrameResult{};
-            spent += part.used;
+            left = left > 0.0 ? std::max(left - part.used, 1.0) : 0.0;
             out.work += part.used;
             if (island.end.advanced <= 0.0 && island.end.budgetExhausted)
                 keepStep(world, island); // the frame stands still: the next one goes on from here

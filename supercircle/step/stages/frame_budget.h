@@ -2,7 +2,7 @@
 // The budget of a frame (private to step/), for hosts that must show a picture every 1/60 s.
 //
 // Work is counted (work_count.h), accepted or not. Three things happen as it is used up:
-// - at half of it (counting the two trials to come) an island is in a rush, at three quarters all that follow: the
+// - at half of it (counting the two trials to come) the world or island is in a rush: the
 // controller allows four times the local
 //   error and four times the motion per step. Nothing else is relaxed: the contact law, the limit of penetration, the
 //   crossing check;
@@ -22,11 +22,9 @@ namespace supercircle::step {
 
 class FrameBudget {
 public:
-    /// Settings::frameWork units for a world or an island; 0: no limit. `spent`: by other islands of the frame.
-    /// `mayEnd`: the frame may end early for it.
-    FrameBudget(const Settings& settings, const World& world, double spent, bool mayEnd)
-        : whole_(static_cast<double>(settings.frameWork)), spent_(spent), mayEnd_(mayEnd), patient_(settings),
-          hasty_(settings) {
+    /// `whole` units for a world or an island; 0: no limit. `mayEnd`: the frame may end early for it.
+    FrameBudget(const Settings& settings, const World& world, double whole, bool mayEnd)
+        : whole_(whole), mayEnd_(mayEnd), patient_(settings), hasty_(settings) {
         hasty_.localError *= kHaste;
         hasty_.motionLimit *= kHaste;
         WorkCount first, read;
@@ -57,40 +55,35 @@ public:
     [[nodiscard]] bool exhausted() const {
         if (!limited() || !mayEnd_)
             return false;
-        const double expected = spent_ + used_ + 0.5 * last_;
+        const double expected = used_ + 0.5 * last_;
         return accepted_ ? expected >= whole_ : expected >= kMost * whole_ && trials_ >= kFewestTrials;
     }
     /// What the next trial may take, units.
     [[nodiscard]] double trialLimit() const {
-        return limited() && accepted_ && mayEnd_ ? kMost * whole_ - spent_ - used_
-                                                 : std::numeric_limits<double>::infinity();
+        return limited() && accepted_ && mayEnd_ ? kMost * whole_ - used_ : std::numeric_limits<double>::infinity();
     }
     /// What a contact problem may take, units; 0: no limit. Where the budget is gone it is a quarter, which its first
     /// iterations need.
-    [[nodiscard]] double solveLimit() const { return std::max(whole_ - spent_ - used_, 0.25 * whole_); }
+    [[nodiscard]] double solveLimit() const { return std::max(whole_ - used_, 0.25 * whole_); }
     /// Work of the next trial from which on it is not linearised again: as much again would leave no second trial.
     [[nodiscard]] double hurryAt() const {
-        return limited() ? (whole_ - spent_ - used_) / 3.0 : std::numeric_limits<double>::infinity();
+        return limited() ? (whole_ - used_) / 3.0 : std::numeric_limits<double>::infinity();
     }
     /// Whether there is no time for another trial after one of so many units.
-    [[nodiscard]] bool hurries(double units) const { return limited() && spent_ + used_ + units >= whole_; }
+    [[nodiscard]] bool hurries(double units) const { return limited() && used_ + units >= whole_; }
     /// By this world or island, units.
     [[nodiscard]] double used() const { return used_; }
 
 private:
-    [[nodiscard]] bool rushes() const {
-        const double expected = used_ + 2.0 * last_;
-        return limited() && (expected > kRush * whole_ || spent_ + expected > kRushOfAll * whole_);
-    }
+    [[nodiscard]] bool rushes() const { return limited() && used_ + 2.0 * last_ > kRush * whole_; }
     [[nodiscard]] bool limited() const { return whole_ > 0.0; }
     /// With half of it busy frames are finer and slower; with twice as much their snaps and landings are coarser than a
     /// game's own step.
     static constexpr double kHaste = 4.0;
     static constexpr double kRush = 0.5; ///< of the budget; half of it coarsens frames that fit, 1 loses whole frames
-    static constexpr double kRushOfAll = 0.75; ///< the same of all islands so far
-    static constexpr double kMost = 1.5;       ///< budgets, as promised; 1 would drop half of the last trials
-    static constexpr int kFewestTrials = 2;    ///< without an accepted step; one shows more frames that stand still
-    double whole_, spent_, used_ = 0.0, last_ = 0.0;
+    static constexpr double kMost = 1.5; ///< budgets, as promised; 1 would drop half of the last trials
+    static constexpr int kFewestTrials = 2; ///< without an accepted step; one shows more frames that stand still
+    double whole_, used_ = 0.0, last_ = 0.0;
     bool mayEnd_, accepted_ = false;
     int trials_ = 0;
     Settings patient_, hasty_;

@@ -17,7 +17,7 @@ struct Stepper::Part {
     const World* whole = nullptr;   ///< that the island was taken from
     Partition* partition = nullptr; ///< of that world
     const Island* island = nullptr;
-    double spent = 0.0;                           ///< of the frame's budget by other islands
+    double budget = 0.0;                          ///< units; 0: no limit
     double used = 0.0;                            ///< by this part
     bool budgeted = true;                         ///< it ends early where the budget is used up
     std::optional<std::pair<Node, Node>> meets{}; ///< nodes that must be joined, and the frame begun again

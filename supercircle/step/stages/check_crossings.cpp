@@ -7,16 +7,21 @@
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace supercircle::step {
 
 namespace {
 
-/// Takes down a pair if it crosses at the start of the step.
-void testAtStart(const World& world, const Overlap& pair, std::vector<Overlap>& found) {
+/// Takes down a pair if it crosses at the start of the step. True: it does.
+bool testAtStart(const World& world, const Overlap& pair, std::vector<Overlap>& found) {
     const auto same = [&](const Overlap& o) { return o.pair() == pair.pair(); };
-    if (std::none_of(found.begin(), found.end(), same) && overlapsNow(world, pair))
-        found.push_back(pair);
+    if (std::any_of(found.begin(), found.end(), same))
+        return true;
+    if (!overlapsNow(world, pair))
+        return false;
+    found.push_back(pair);
+    return true;
 }
 
 } // namespace
@@ -38,7 +43,7 @@ void findOverlaps(const World& world, TrialStep& t) {
             at.rodA = c.a.rod;
             at.rodB = c.b.rod;
             at.outline = c.outline;
-            testAtStart(world, overlapOf(world, at), t.result.overlaps);
+            (void)testAtStart(world, overlapOf(world, at), t.result.overlaps);
         }
     if (!t.result.overlaps.empty())
         t.result.reason = Reason::Crossing;
@@ -73,13 +78,12 @@ void checkCrossings(const World& world, TrialStep& t) {
     std::erase_if(crossings, permitted);
     std::erase_if(effort.unjudged, permitted);
     for (const contact::Crossing& c : crossings) {
-        const bool passing = comesFromBehind(world, c.rodA, c.sA, c.outline);
-        if (passing || withinJoined(world, c.rodA, c.outline)) {
-            t.result.overlaps.push_back(overlapOf(world, c));
-            t.result.overlaps.back().passing = passing;
-        } else {
-            testAtStart(world, overlapOf(world, c), t.result.overlaps);
-        }
+        Overlap pair = overlapOf(world, c);
+        if (testAtStart(world, pair, t.result.overlaps))
+            continue;
+        pair.passing = comesFromBehind(world, c.rodA, c.sA, c.outline);
+        if (pair.passing || withinJoined(world, c.rodA, c.outline))
+            t.result.overlaps.push_back(std::move(pair));
     }
     if (!crossings.empty() || !effort.unjudged.empty())
         t.result.reason = Reason::Crossing;

@@ -146,6 +146,25 @@ TEST_CASE("a shell made with its tips in the floor rises", "[box2d][overlap]") {
         });
 }
 
+TEST_CASE("a shell made with its tips behind a chain rises to its front", "[box2d][overlap]") {
+    for (const double deep : {0.5, 1.0, 5.0})
+        inAll([&](Quality quality, double units) {
+            Game g(quality, units);
+            const b2Vec2 points[] = {
+                {5.0F * g.L, 0.0F}, {2.0F * g.L, 0.0F}, {0.0F, 0.0F}, {-2.0F * g.L, 0.0F}, {-5.0F * g.L, 0.0F}};
+            b2ChainShape chain;
+            chain.CreateChain(points, 5, {6.0F * g.L, 0.0F}, {-6.0F * g.L, 0.0F});
+            b2BodyDef def;
+            g.world.CreateBody(&def)->CreateFixture(&chain, 0.0F);
+            const ShellHandle s = g.shell(0.0, 1.0 - deep * kThickness);
+            g.run(3.0);
+            CHECK(g.overlapping == 1); // the edges of a chain are one body
+            g.checkApart();
+            CHECK(g.fastest < 2.0 * kPush);
+            CHECK(g.shells.state(s)->box.lower.y > -0.01 * kThickness);
+        });
+}
+
 TEST_CASE("a shell inside a solid or through a wall comes out", "[box2d][overlap]") {
     inAll([](Quality quality, double units) { // wholly inside the floor
         Game g(quality, units);

@@ -79,6 +79,7 @@ struct Box2dPort::Impl {
     bool restitutionNoted = false;
     std::string note;                        ///< for takeNote()
     OutlineQuery outlineQuery;               ///< storage of query()
+    std::vector<b2AABB> hostBoxes;           ///< likewise
     ConstraintWorkspace constraintWorkspace; ///< storage of constraints() and impulses()
 
     void recordError(const std::string& why) {
@@ -209,9 +210,13 @@ void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
         impl_->append(impl_->outlineQuery.now(*impl_->world, *host), out);
 }
 
-void Box2dPort::queryAhead(const Box& box, double ahead, std::vector<BodyOutline>& out) const {
-    if (const auto host = impl_->hostBox(box))
-        impl_->append(impl_->outlineQuery.ahead(*impl_->world, *host, ahead), out);
+void Box2dPort::queryAhead(std::span<const Box> boxes, double ahead, std::vector<BodyOutline>& out) const {
+    impl_->hostBoxes.clear();
+    for (const Box& box : boxes)
+        if (const auto host = impl_->hostBox(box))
+            impl_->hostBoxes.push_back(*host);
+    if (!impl_->hostBoxes.empty())
+        impl_->append(impl_->outlineQuery.ahead(*impl_->world, impl_->hostBoxes, ahead), out);
 }
 
 void Box2dPort::everything(std::vector<BodyOutline>& out) const {

@@ -43,7 +43,7 @@ public:
     /// Box2D's skin; chain ends are free corners even where ghost vertices were given (no edge exists there), one-sided
     /// single edges are joined to theirs.
     void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override;
-    void queryAhead(const step::Box& box, double ahead, std::vector<step::BodyOutline>& out) const override;
+    void queryAhead(std::span<const step::Box> boxes, double ahead, std::vector<step::BodyOutline>& out) const override;
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
     /// Contacts by the manifolds of the present poses (those the next step will find) with the impulses of the last
     /// step; gear joints are left out (bridge/box2d/constraints.h).

@@ -30,8 +30,8 @@ public:
     [[nodiscard]] Vec2 gravity() const override { return port_.gravity(); }
     [[nodiscard]] double unitsPerMetre() const override { return port_.unitsPerMetre(); }
     void query(const step::Box& box, std::vector<BodyOutline>& out) const override { port_.query(box, out); }
-    void queryAhead(const step::Box& box, double ahead, std::vector<BodyOutline>& out) const override {
-        port_.queryAhead(box, ahead, out);
+    void queryAhead(std::span<const step::Box> boxes, double ahead, std::vector<BodyOutline>& out) const override {
+        port_.queryAhead(boxes, ahead, out);
     }
     [[nodiscard]] bool state(BodyId body, BodyState& out) const override { return port_.state(body, out); }
     void constraints(const std::vector<BodyId>& seeds, double dt, step::HostConstraints& out) const override {

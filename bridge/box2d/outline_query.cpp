@@ -84,9 +84,17 @@ const std::vector<Piece>& OutlineQuery::now(b2World& world, const b2AABB& box) {
     return found_;
 }
 
-const std::vector<Piece>& OutlineQuery::ahead(b2World& world, const b2AABB& box, double ahead) {
-    now(world, box);
-    std::erase_if(found_, [](const Piece& p) { return p.body->GetType() != b2_staticBody; }); // they follow, whole
+const std::vector<Piece>& OutlineQuery::ahead(b2World& world, std::span<const b2AABB> boxes, double ahead) {
+    b2AABB all = boxes.front();
+    for (const b2AABB& box : boxes)
+        all.Combine(box);
+    now(world, all);
+    const auto meets = [&](const b2AABB& piece) {
+        return std::any_of(boxes.begin(), boxes.end(), [&](const b2AABB& box) { return b2TestOverlap(piece, box); });
+    };
+    std::erase_if(found_, [&](const Piece& p) { // those that may move follow, whole
+        return p.body->GetType() != b2_staticBody || (boxes.size() > 1 && !meets(boxOf(p)));
+    });
     for (b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext()) {
         if (b->GetType() == b2_staticBody || !b->IsEnabled())
             continue;
@@ -94,7 +102,7 @@ const std::vector<Piece>& OutlineQuery::ahead(b2World& world, const b2AABB& box,
         appendSolids(*b, found_);
         const Sweep sweep(*b, static_cast<float>(ahead), world.GetGravity());
         if (std::none_of(found_.begin() + static_cast<std::ptrdiff_t>(first), found_.end(),
-                         [&](const Piece& p) { return b2TestOverlap(sweep.of(p), box); }))
+                         [&](const Piece& p) { return meets(sweep.of(p)); }))
             found_.resize(first);
     }
     return found_;

@@ -3,6 +3,7 @@
 
 #include <box2d/box2d.h>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace supercircle::bridge {
@@ -22,8 +23,9 @@ class OutlineQuery {
 public:
     /// Pieces that meet `box` (host units) now.
     const std::vector<Piece>& now(b2World& world, const b2AABB& box);
-    /// The same, with all pieces of each body that may move and gets into the box within `ahead` s by its own velocity.
-    const std::vector<Piece>& ahead(b2World& world, const b2AABB& box, double ahead);
+    /// Pieces that meet one of the boxes (at least one), with all pieces of each body that may move and gets into one
+    /// within `ahead` s by its own velocity.
+    const std::vector<Piece>& ahead(b2World& world, std::span<const b2AABB> boxes, double ahead);
     const std::vector<Piece>& all(b2World& world);
 
     bool QueryCallback(int32 proxyId); // called by Box2D

@@ -189,9 +189,14 @@ void Box2d3Port::query(const Box& box, std::vector<BodyOutline>& out) const {
 }
 
 /// Box2D 3 lists no bodies, so the box is enlarged by the farthest way that a body can have; what lies in it is read.
-void Box2d3Port::queryAhead(const Box& box, double ahead, std::vector<BodyOutline>& out) const {
-    if (!impl_->isValid())
+void Box2d3Port::queryAhead(std::span<const Box> boxes, double ahead, std::vector<BodyOutline>& out) const {
+    if (!impl_->isValid() || boxes.empty())
         return;
+    Box box = boxes.front(); // round all of them
+    for (const Box& b : boxes) {
+        box.lower = box.lower.cwiseMin(b.lower);
+        box.upper = box.upper.cwiseMax(b.upper);
+    }
     const double way = ahead * static_cast<double>(b2World_GetMaximumLinearSpeed(impl_->world)) / impl_->scale;
     query({box.lower - Vec2::Constant(way), box.upper + Vec2::Constant(way)}, out);
 }

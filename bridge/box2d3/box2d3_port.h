@@ -33,7 +33,7 @@ public:
     [[nodiscard]] double unitsPerMetre() const override;
     /// Leaves out sensors, disabled bodies and shapes whose mask is 0. Boxes of moving bodies carry Box2D's margin.
     void query(const step::Box& box, std::vector<step::BodyOutline>& out) const override;
-    void queryAhead(const step::Box& box, double ahead, std::vector<step::BodyOutline>& out) const override;
+    void queryAhead(std::span<const step::Box> boxes, double ahead, std::vector<step::BodyOutline>& out) const override;
     [[nodiscard]] bool state(step::BodyId body, step::BodyState& out) const override;
     /// Lists nothing, but starts a frame of `dt` s (see applyImpulse).
     void constraints(const std::vector<step::BodyId>& seeds, double dt, step::HostConstraints& out) const override;

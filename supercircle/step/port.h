@@ -6,6 +6,7 @@
 #include "supercircle/step/host_constraints.h"
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,9 +57,9 @@ public:
     [[nodiscard]] virtual double unitsPerMetre() const = 0;
     /// Appends the outlines whose boxes meet `box` (sensors left out), sorted by (body, key).
     virtual void query(const Box& box, std::vector<BodyOutline>& out) const = 0;
-    /// Appends the outlines that meet `box` now or within the coming `ahead` s as their bodies move by themselves,
-    /// sorted by (body, key). Bodies that may move come with all their outlines.
-    virtual void queryAhead(const Box& box, double ahead, std::vector<BodyOutline>& out) const = 0;
+    /// Appends the outlines that meet one of the boxes now or within the coming `ahead` s as their bodies move by
+    /// themselves, sorted by (body, key). Bodies that may move come with all their outlines.
+    virtual void queryAhead(std::span<const Box> boxes, double ahead, std::vector<BodyOutline>& out) const = 0;
     /// False when the body no longer exists.
     [[nodiscard]] virtual bool state(BodyId body, BodyState& out) const = 0;
     /// Appends the host's own constraints on these bodies and on all dynamic ones they lead to: points of touching

@@ -55,7 +55,9 @@ public:
     [[nodiscard]] Vec2 gravity() const override { return g; }
     [[nodiscard]] double unitsPerMetre() const override { return 1.0; }
     void query(const step::Box&, std::vector<step::BodyOutline>& out) const override { everything(out); }
-    void queryAhead(const step::Box&, double, std::vector<step::BodyOutline>& out) const override { everything(out); }
+    void queryAhead(std::span<const step::Box>, double, std::vector<step::BodyOutline>& out) const override {
+        everything(out);
+    }
     [[nodiscard]] bool state(step::BodyId id, step::BodyState& out) const override {
         const auto it = bodies.find(id);
         if (it == bodies.end())

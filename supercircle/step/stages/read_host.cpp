@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 
 namespace supercircle::step {
@@ -169,36 +170,6 @@ void leaveOut(const std::vector<BodyId>& refused, HostConstraints& constraints) 
     std::erase_if(constraints.rows, concerns);
 }
 
-/// Whether a rod may meet a piece of a body in the frame.
-bool isNear(const World& world, const BodyOutline& piece, const BodyState& now, double frame,
-            const std::vector<Box>& regions) {
-    Box box = reachOf(world, now, piece, frame);
-    if (const int known = bodyIndex(world, piece.body); known >= 0) // its user may put it forward (followPlacement)
-        widen(box, reachOf(world, world.bodies[static_cast<std::size_t>(known)].state, piece, frame));
-    return std::any_of(regions.begin(), regions.end(), [&](const Box& r) { return meet(r, box); });
-}
-
-/// Leaves out of what was read the pieces that no rod may meet in the frame: what a rod sees must not depend on rods
-/// far away, between which there is more to read. Bodies that may move come whole.
-void keepNear(const World& world, const Port& port, double frame, const std::vector<Box>& regions,
-              std::vector<BodyOutline>& outlines) {
-    for (auto first = outlines.begin(); first != outlines.end();) {
-        auto last = first;
-        while (last != outlines.end() && last->body == first->body)
-            ++last;
-        BodyState now;
-        auto kept = last;
-        if (port.state(first->body, now) && finite(now)) {
-            const auto near = [&](const BodyOutline& o) { return isNear(world, o, now, frame, regions); };
-            if (!now.moving)
-                kept = std::remove_if(first, last, [&](const BodyOutline& o) { return !near(o); });
-            else if (std::none_of(first, last, near))
-                kept = first;
-        }
-        first = outlines.erase(kept, last);
-    }
-}
-
 bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const Body& x, const Body& y) {
                return x.id == y.id && x.state.centre == y.state.centre && x.state.angle == y.state.angle &&
@@ -234,16 +205,9 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
     for (const Rod& r : world.rods)
         reading.regions.push_back(reachOf(world, r, r.kin, r.speed, frame));
     const Box read = hull(reading.regions);
-    if (!world.rods.empty() && nearOnly) {
-        Box wide = read;
-        const Vec2 fall = Vec2::Constant(2.0 * frame * frame * world.gravity.norm()); // as reachOf
-        wide.lower -= fall;
-        wide.upper += fall;
-        port.queryAhead(wide, 2.0 * frame, outlines);
-        keepNear(world, port, frame, reading.regions, outlines);
-    } else if (!world.rods.empty()) {
-        port.queryAhead(read, frame, outlines);
-    }
+    if (!world.rods.empty()) // what a rod sees must not depend on rods far away, between which there is more to read
+        port.queryAhead(nearOnly ? std::span<const Box>(reading.regions) : std::span<const Box>(&read, 1), frame,
+                        outlines);
     ids.assign(world.crossheadBodies.begin(), world.crossheadBodies.end());
     for (const BodyOutline& o : outlines)
         ids.push_back(o.body);
@@ -301,7 +265,8 @@ bool readAgain(World& world, const Port& port, const Settings& settings, double 
         return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
     };
     reading.outlines.clear();
-    port.queryAhead(hull(reading.regions), frame, reading.outlines);
+    const Box read = hull(reading.regions);
+    port.queryAhead(std::span<const Box>(&read, 1), frame, reading.outlines);
     std::erase_if(reading.outlines, [&](const BodyOutline& o) {
         return std::binary_search(world.outlines.begin(), world.outlines.end(), o, order);
     });

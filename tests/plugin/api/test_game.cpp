@@ -274,9 +274,10 @@ TEST_CASE("a frame at rest allocates nothing", "[plugin][game]") {
         return;
     struct CountingHost : FakeHost {
         mutable std::uint64_t own = 0;
-        void queryAhead(const step::Box& box, double ahead, std::vector<step::BodyOutline>& out) const override {
+        void queryAhead(std::span<const step::Box> boxes, double ahead,
+                        std::vector<step::BodyOutline>& out) const override {
             const std::uint64_t before = test::allocations();
-            FakeHost::queryAhead(box, ahead, out);
+            FakeHost::queryAhead(boxes, ahead, out);
             own += test::allocations() - before;
         }
     };

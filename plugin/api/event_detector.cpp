@@ -66,6 +66,8 @@ void EventDetector::begin(const step::World& world) {
     events.crushed.clear();
     events.broke.clear();
     events.overlapping.clear();
+    events.hold_blocked.clear();
+    frameStart_ = world.time;
     pairImpulses_.clear();
     std::erase_if(state.pairs, [&](const ContactPairState& t) { // shells that are gone
         const bool gone = step::rodIndex(world, t.pair.a) < 0 || (t.pair.b != 0 && step::rodIndex(world, t.pair.b) < 0);
@@ -337,6 +339,15 @@ void EventDetector::end(const step::World& world, const HandleOf& handleOf) {
     }
     std::swap(known, now);
     updateOverlaps(world, handleOf);
+    for (const step::Rod& r : world.rods)
+        for (const step::Hold& h : r.holds)
+            if (h.stop.body != 0 && h.stop.since >= frameStart_ && h.stop.since < world.time) {
+                const ShellHandle shell = handleOf(r.key);
+                events.hold_blocked.push_back(
+                    {h.stop.since, shell, {r.key, h.key, shell.world}, h.stop.body, h.stop.driven});
+            }
+    std::stable_sort(events.hold_blocked.begin(), events.hold_blocked.end(),
+                     [](const HoldBlockedEvent& a, const HoldBlockedEvent& b) { return a.time < b.time; });
 }
 
 /// Begin events of pairs that overlap; the pieces of a body are one pair.

@@ -1,6 +1,6 @@
 #pragma once
-// Detects contact, impulse, snap, quarantine and overlap events while a frame runs (private to plugin/api); events.hpp
-// defines them.
+// Detects contact, impulse, snap, hold, quarantine and overlap events while a frame runs (private to plugin/api);
+// events.hpp defines them.
 //
 // Contact events belong to a pair of shells, not to a contact point: the points that carry a nested pair change from
 // step to step. Snaps are detected per shell from its elastic energy, compared with its minimum over a longer time
@@ -103,6 +103,7 @@ private:
     std::vector<PairImpulse> pairImpulses_;
     std::vector<Eigen::VectorXd> velocities_;                   ///< of the rods before the step
     std::vector<std::uint32_t> quarantinedNow_;                 ///< keys
+    double frameStart_ = 0.0;                                   ///< s
     std::vector<step::BodyState> bodies_;                       ///< before the step
     std::vector<std::pair<ContactPair, bool>> unloaded_;        ///< pairs without force; still within the gap?
     std::vector<std::pair<std::uint32_t, std::size_t>> snapOf_; ///< key of a rod, index of its SnapState, sorted

@@ -132,10 +132,12 @@ void ioIfPositive(Ar& ar, auto& number) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
-    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key] = h;
+    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key, stop] = h;
+    auto& [time, body, since, driven] = stop;
     ar(s, clamped, onCrosshead, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
        target.path, target.pending, key);
     ioIfPositive(ar, maxForce);
+    ar.unhashed(time, body, since, driven); // found anew in every frame, but for the events
 }
 
 template <class Ar>

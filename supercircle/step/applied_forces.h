@@ -26,6 +26,10 @@ void advanceTarget(const World& world, double dt, Hold& hold);
 void advanceTarget(const World& world, double dt, Target& target);
 /// Gives pending goals the time of the coming frame.
 void startPaths(World& world, double frame);
+/// How far the held points of a rod may come in the coming frame, m. Those that the crosshead carries are left out.
+[[nodiscard]] double wayOfHolds(const Rod& rod, double frame);
+/// Ends the motion of held points in the coming frame where they would enter a body that cannot yield.
+void stopHolds(World& world, double frame);
 /// Forgets the forces that were meant for one frame.
 void endOfFrame(World& world);
 

@@ -6,6 +6,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <limits>
 
 namespace supercircle::step {
 
@@ -29,6 +30,14 @@ struct Target {
     [[nodiscard]] bool moving() const { return path.active || pending || !velocity.isZero(0.0) || spin != 0.0; }
 };
 
+/// Where a held point meets a body that cannot yield either (stages/stop_holds.cpp).
+struct HoldStop {
+    double time = std::numeric_limits<double>::infinity(); ///< World::time at which the target comes to rest
+    BodyId body = 0;                                       ///< that the point touches, 0: none
+    double since = 0.0;                                    ///< World::time of the first touch, while there is a body
+    bool driven = false;                                   ///< the hold went there; false: the body came
+};
+
 /// Holds one material point of a rod: position, and direction too when `clamped`.
 struct Hold {
     double s = 0.0;           ///< rod arc length, m
@@ -39,6 +48,7 @@ struct Hold {
     double reactionTorque = 0.0;  ///< N m
     double maxForce = 0.0;        ///< N, beyond which it breaks; 0: never
     std::uint32_t key = 0;        ///< stable identity, 0: nobody asks
+    HoldStop stop;
 };
 
 /// A force (and torque) that somebody else applies, constant in the world frame within a step.

@@ -308,6 +308,7 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
     beginFrame(world, settings_, frame, port, !whole, work_->reading, times_);
     const std::string refused = work_->reading.why;
     updateVetoes(world, frame, pairFilter);
+    stopHolds(world, frame);
     if (!world.passages.empty())
         closePassages(world);
     if (whole) {

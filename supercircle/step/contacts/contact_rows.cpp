@@ -133,6 +133,9 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     const double atOnce = put || deep ? 0.0 : scale * stage.closes; // m
     const double closing = gapAtStart / dt, fastest = -atOnce / dt - scale * stage.recovery;
     out.w.x() += closing < fastest && complianceOf(world, c).x() <= 0.0 ? fastest : closing;
+    // A held point against what does not yield: no impulse can move it, and holds are not broken by contact.
+    if (out.a >= 0 && out.b < 0 && out.Ha.row(0).norm() <= 1e-9)
+        out.w.x() = std::max(out.w.x(), 0.0);
     out.id = c.id;
 }
 

@@ -1,7 +1,9 @@
 #include "supercircle/step/islands/reach.h"
 
+#include "supercircle/step/applied_forces.h"
 #include "supercircle/support/invariants.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -33,8 +35,8 @@ bool contains(const Box& outer, const Box& inner) {
 Box reachOf(const World& world, const Rod& rod, const rod::Kinematics& kin, double speed, double frame) {
     Box box = emptyBox();
     const effects::Adhesion& pull = rod.effects.adhesion;
-    const double pad = 2.0 * frame * (speed + frame * world.gravity.norm()) + rod.model.longestElement() +
-                       (pull.on() ? pull.model.range : 0.0);
+    const double way = std::max(2.0 * frame * (speed + frame * world.gravity.norm()), wayOfHolds(rod, frame));
+    const double pad = way + rod.model.longestElement() + (pull.on() ? pull.model.range : 0.0);
     for (int i = 0; i <= rod.model.elements(); ++i)
         widen(box, kin.node(i), pad);
     return box;

@@ -11,8 +11,8 @@ void widen(Box& box, const Vec2& point, double pad);
 [[nodiscard]] bool meet(const Box& a, const Box& b);
 [[nodiscard]] bool contains(const Box& outer, const Box& inner);
 
-/// Where a rod at `kin` may come to in `frame` s: its nodes at twice its speed (m/s) and twice its fall, one element
-/// more for the arcs between them, and as far as its surface attracts.
+/// Where a rod at `kin` may come to in `frame` s: its nodes at twice its speed (m/s) and twice its fall or as far as
+/// its holds go, one element more for the arcs between them, and as far as its surface attracts.
 [[nodiscard]] Box reachOf(const World& world, const Rod& rod, const rod::Kinematics& kin, double speed, double frame);
 /// The same of a piece of a body in a state.
 [[nodiscard]] Box reachOf(const World& world, const BodyState& state, const BodyOutline& piece, double frame);

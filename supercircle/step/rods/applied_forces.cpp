@@ -57,6 +57,10 @@ Vec2 forceOf(const MouseJointWork& g, double dt, const Eigen::VectorXd& v) {
 
 Pose poseAfter(const World& world, const Hold& h, double ahead) {
     const Target& t = h.target;
+    if (const double last = h.stop.time - world.time; last < ahead) {
+        const Pose end = poseAfter(world, t, std::max(last, 0.0));
+        return {end.point, end.angle, Vec2::Zero(), 0.0};
+    }
     if (t.path.active || !h.onCrosshead)
         return poseAfter(world, t, ahead);
     return {t.point + ahead * world.crossheadVelocity, t.angle + ahead * t.spin, world.crossheadVelocity, t.spin};
@@ -69,9 +73,14 @@ Pose poseAfter(const World& world, const Target& t, double ahead) {
 }
 
 void advanceTarget(const World& world, double dt, Hold& h) {
-    if (h.target.path.active || !h.onCrosshead)
-        return advanceTarget(world, dt, h.target);
     const Pose p = poseAfter(world, h, dt);
+    if (h.stop.time < world.time + dt) {
+        h.target.velocity.setZero();
+        h.target.spin = 0.0;
+        h.target.path.active = false;
+    } else if (h.target.path.active || !h.onCrosshead) {
+        return advanceTarget(world, dt, h.target);
+    }
     h.target.point = p.point;
     h.target.angle = p.angle;
 }
@@ -97,6 +106,24 @@ void startPaths(World& world, double frame) {
             go(poseAfter(world, h, 0.0), h.target);
     for (Link& l : world.links)
         go(poseAfter(world, l.target, 0.0), l.target);
+}
+
+double wayOfHolds(const Rod& rod, double frame) {
+    double way = 0.0;
+    for (const Hold& h : rod.holds) {
+        const Target& t = h.target;
+        const Path& p = t.path;
+        if (h.onCrosshead)
+            continue;
+        if (p.active || t.pending) { // the two velocities of a cubic carry it by no more than 4/27 of its time
+            const Vec2 from = t.pending ? t.point : p.from, start = t.pending ? t.velocity : p.fromVelocity;
+            const double time = std::max(frame, t.pending ? 0.0 : p.end - p.start);
+            way = std::max(way, (p.to - from).norm() + time * 4.0 / 27.0 * (start.norm() + p.toVelocity.norm()));
+        }
+        if (!t.pending)
+            way = std::max(way, frame * (p.active ? p.toVelocity : t.velocity).norm());
+    }
+    return way;
 }
 
 void endOfFrame(World& world) {

@@ -113,6 +113,18 @@ struct BrokeEvent {
     Point force{};       ///< on the shell in the last step, N
 };
 
+/// A held point meets a static or kinematic body. Neither can yield, so the hold stops there: its target stays where
+/// the shell's surface touches, at rest, until it is given another one that leads away or along. A body that comes to a
+/// held point is reported only: the hold stays where it is, and the body goes on. The event comes once, until the two
+/// are apart by 5 % of the thickness.
+struct HoldBlockedEvent {
+    double time = 0.0; ///< of the first touch, s
+    ShellHandle shell{};
+    HoldHandle hold{};
+    BodyId body = 0;
+    bool stopped = false; ///< the target came to rest; false: the body came
+};
+
 /// All events of one frame.
 struct FrameEvents {
     std::vector<ContactBeginEvent> contact_begin;
@@ -124,6 +136,7 @@ struct FrameEvents {
     std::vector<CrushedEvent> crushed;
     std::vector<BrokeEvent> broke;
     std::vector<OverlapEvent> overlapping; ///< in the order of the pairs
+    std::vector<HoldBlockedEvent> hold_blocked;
 };
 
 /// Thresholds of events. T = L^2 sqrt(lambda / B) is 43 ms for the default shell, B / L is 2.5 mJ.

@@ -3,6 +3,7 @@
 #include "plugin/api/limits.h"
 #include "plugin/api/snapshot_fields.h"
 #include "supercircle/step/applied_forces.h"
+#include "supercircle/step/carry_along.h"
 #include "supercircle/step/sleep.h"
 
 namespace supercircle {
@@ -99,6 +100,8 @@ Result<JointHandle> Shells::create_joint(const JointDef& d) {
         if (tether && !(l.length > 0.0))
             return R::failure("a tether between two points in the same place needs a length");
         l.key = impl_->world.nextPart++;
+        if (d.body != 0 && impl_->advanced == 0.0) // else the host is still at the start of the frame
+            step::meetBody(impl_->world, d.body, body);
         impl_->world.links.push_back(l);
         impl_->wake(l);
         impl_->world.range.clear(); // the pair may not collide any more

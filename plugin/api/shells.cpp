@@ -236,6 +236,8 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
             observer ? std::function<bool()>(std::cref(guarded)) : nullptr);
         const step::FrameResult out = m.stepper.advance(m.world, dt, m.port.get(), watch);
         inner = watch.steps;
+        for (const std::uint32_t key : out.carried)
+            m.forgetStart(key);
         report.stopped = out.stopped;
         report.budget_exhausted = out.budgetExhausted;
         report.work = out.work;

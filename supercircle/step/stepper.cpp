@@ -320,6 +320,8 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
     }
     out.refused = refused;
     removeBroken(world);
+    if (port)
+        out.carried = work_->reading.carried;
     endOfFrame(world);
     if (settings_.autoSleep)
         sleepAtRest(world, settings_);

@@ -61,8 +61,9 @@ struct FrameResult {
     double work = 0.0;            ///< that the frame took, in the units of Settings::frameWork
     std::vector<Crushed> crushed;
     std::vector<Broken> broken;
-    std::string failure; ///< empty unless the simulation cannot go on
-    std::string refused; ///< what of the host was left out because of numbers that are not finite
+    std::string failure;                ///< empty unless the simulation cannot go on
+    std::string refused;                ///< what of the host was left out because of numbers that are not finite
+    std::vector<std::uint32_t> carried; ///< keys of rods that were moved along with their bodies (carry_along.h)
 };
 
 /// Wall time per stage, s.

@@ -1,6 +1,7 @@
 #include "supercircle/step/world.h"
 
 #include "supercircle/contact/feature_id.h"
+#include "supercircle/step/carry_along.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/support/invariants.h"
 
@@ -310,6 +311,34 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) 
     rod.quarantined = false; // its last good shape, at rest, in another place: it may try again
     book(world, rod, 1.0);
     forgetContacts(world, rod.key);
+}
+
+void carryRod(World& world, std::size_t index, const BodyState& from, const BodyState& to) {
+    Rod& rod = world.rods[index];
+    const rod::RodModel& m = rod.model;
+    const double turn = to.angle - from.angle, c = std::cos(turn), s = std::sin(turn);
+    const auto turned = [&](const Vec2& x) { return Vec2(c * x.x() - s * x.y(), s * x.x() + c * x.y()); };
+    const bool quarantined = rod.quarantined;
+    const Vec2 arm = turned(Vec2(rod.q[m.dofX()], rod.q[m.dofY()]) - from.centre);
+    moveRod(world, index, to.centre + arm, rod.q[m.dofTheta()] + turn);
+    rod.quarantined = quarantined;
+    book(world, rod, -1.0);
+    // Its velocity relative to the body has turned. That of the body has not, or is another one.
+    const double spin = to.spin - from.spin;
+    const Vec2 shift = to.velocity - turned(from.velocity) + spin * rod::perp(arm);
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(m.dofs());
+    change[m.dofX()] = shift.x();
+    change[m.dofY()] = shift.y();
+    change[m.dofTheta()] = spin;
+    std::vector<Vec2> du;
+    rod::velocityField(m, rod.kin, rod.gauss, change, du);
+    rod.v += change;
+    rod.speed = 0.0;
+    for (std::size_t g = 0; g < du.size(); ++g) {
+        rod.u[g] += du[g];
+        rod.speed = std::max(rod.speed, rod.u[g].norm());
+    }
+    book(world, rod, 1.0);
 }
 
 void applyImpulse(World& world, std::size_t index, double s, const Vec2& impulse, double angularImpulse) {

@@ -1,5 +1,6 @@
 // Stage ReadHost: gravity, bodies near the shells, their outlines and constraints, before the first step of a frame.
 
+#include "supercircle/step/carry_along.h"
 #include "supercircle/step/islands/reach.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/stages.h"
@@ -54,12 +55,6 @@ void carryOver(const Body& old, double frame, const GapClosing& closing, double 
     }
 }
 
-bool finite(const BodyState& s) {
-    return s.centre.allFinite() && s.velocity.allFinite() && std::isfinite(s.angle) && std::isfinite(s.spin) &&
-           std::isfinite(s.mass) && std::isfinite(s.inertia) && std::isfinite(s.gravityScale) &&
-           std::isfinite(s.linearDamping) && std::isfinite(s.angularDamping);
-}
-
 void refuse(HostReading& reading, const std::string& what) {
     reading.why += (reading.why.empty() ? "" : "; ") + what;
 }
@@ -85,7 +80,7 @@ void followPlacement(const Body& old, double frame, double thickness, double rea
     const Vec2 way = b.state.centre - old.state.centre;
     const double turn = b.state.angle - old.state.angle;
     const double far = way.norm() + std::abs(turn) * reach;
-    if (far <= 0.02 * thickness || far > 2.0 * reach)
+    if (far <= 0.02 * thickness || isJump(old.state, b.state, thickness, reach))
         return;
     b.state.centre = old.state.centre;
     b.state.angle = old.state.angle;
@@ -117,6 +112,10 @@ void unique(std::vector<BodyId>& ids) {
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
+bool isIn(const std::vector<BodyId>& sorted, BodyId id) {
+    return std::binary_search(sorted.begin(), sorted.end(), id);
+}
+
 /// The bodies `reading.ids` (sorted) with fresh states; driven ones keep our pose, known ones what was learnt about
 /// them. Those with numbers that are not finite are refused.
 void readBodies(const World& world, const Port& port, const Settings& settings, double frame, HostReading& reading) {
@@ -144,7 +143,7 @@ void readBodies(const World& world, const Port& port, const Settings& settings, 
             const Body& old = world.bodies[static_cast<std::size_t>(index)];
             if (b.driven && old.driven)
                 b.state = old.state;
-            else if (!b.driven && !b.dynamic && !old.driven && !old.dynamic)
+            else if (!b.driven && !b.dynamic && !old.driven && !old.dynamic && !isIn(reading.jumped, id))
                 followPlacement(old, frame, b.thicknessNear, reach, b);
             b.force = old.force;
             if (b.dynamic && !refused && old.hostCoupling.known)
@@ -155,10 +154,6 @@ void readBodies(const World& world, const Port& port, const Settings& settings, 
     }
     SC_ASSERT(invariants::strictlyRising(bodies, [](const Body& b) { return b.id; }),
               "bodies are unique, sorted by id");
-}
-
-bool isIn(const std::vector<BodyId>& sorted, BodyId id) {
-    return std::binary_search(sorted.begin(), sorted.end(), id);
 }
 
 /// Constraints of the host on bodies that are refused.
@@ -179,6 +174,17 @@ bool samePoses(const std::vector<Body>& a, const std::vector<Body>& b) {
 
 } // namespace
 
+bool finite(const BodyState& s) {
+    return s.centre.allFinite() && s.velocity.allFinite() && std::isfinite(s.angle) && std::isfinite(s.spin) &&
+           std::isfinite(s.mass) && std::isfinite(s.inertia) && std::isfinite(s.gravityScale) &&
+           std::isfinite(s.linearDamping) && std::isfinite(s.angularDamping);
+}
+
+bool isJump(const BodyState& from, const BodyState& to, double thickness, double reach) {
+    const double far = (to.centre - from.centre).norm() + std::abs(to.angle - from.angle) * reach;
+    return far > 0.02 * thickness && far > 2.0 * reach;
+}
+
 void readHost(World& world, const Port& port, const Settings& settings, double frame, bool nearOnly,
               HostReading& reading) {
     reading.why.clear();
@@ -197,6 +203,7 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
         world.gravity = g;
         wakeAll(world);
     }
+    carryAlong(world, port, reading);
     std::vector<BodyOutline>& outlines = reading.outlines;
     std::vector<BodyId>& ids = reading.ids;
     std::vector<Body>& bodies = reading.bodies;

@@ -26,6 +26,12 @@ void quarantine(World& world, Rod& rod, QuarantineReason reason);
 /// shell may meet in the frame, as islands need it; else all between the shells.
 void readHost(World& world, const Port& port, const Settings& settings, double frame, bool nearOnly,
               HostReading& reading);
+/// Moves what is joined to bodies that their user has moved since the last frame, dynamic ones however far, others at a
+/// jump: reading.jumped, reading.carried (carry_along.h).
+void carryAlong(World& world, const Port& port, HostReading& reading);
+[[nodiscard]] bool finite(const BodyState& state);
+/// Whether a body without mass is put farther than its size `reach`, so that it is there at once, m.
+[[nodiscard]] bool isJump(const BodyState& from, const BodyState& to, double thickness, double reach);
 /// Whether a rod leaves at the end of the trial the region that was read; regions are then made larger for the `left` s
 /// of the frame.
 bool leavesRegions(const World& world, const TrialStep& t, double left, HostReading& reading);

@@ -1,0 +1,177 @@
+// What is joined to a body alone goes with it when its user puts the body somewhere else.
+
+#include "bridge/box2d/include/supercircle/box2d.hpp"
+#include "plugin/api/include/supercircle/shells.hpp"
+#include "supercircle/step/world.h"
+
+#include <algorithm>
+#include <array>
+#include <box2d/box2d.h>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace supercircle;
+
+namespace {
+
+constexpr double kFrame = 1.0 / 60.0;
+
+struct Level {
+    Level(Quality quality, double scale)
+        : L(static_cast<float>(scale)), world({0.0F, 0.0F}), port(bridge::attach(world, {scale})), shells(port) {
+        shells.set_quality(quality).or_fail();
+    }
+    b2Body* box(b2BodyType type, float x, float y) {
+        b2BodyDef d;
+        d.type = type;
+        d.position.Set(L * x, L * y);
+        b2Body* b = world.CreateBody(&d);
+        b2PolygonShape s;
+        s.SetAsBox(L * 0.2F, L * 0.1F);
+        b->CreateFixture(&s, 100.0F / (L * L));
+        return b;
+    }
+    ShellHandle strip(double x, double y) {
+        ShellDef d = scaled_shell(0.35, 0.4, 0.5, 60.0);
+        d.elements = 10;
+        d.natural_curvature.assign(10, 0.0);
+        d.position = {x, y};
+        return shells.create(d).value();
+    }
+    void join(ShellHandle shell, double fraction, const b2Body* body, JointKind kind) {
+        JointDef j;
+        j.kind = kind;
+        j.shell = shell;
+        j.arc_fraction = fraction;
+        j.body = port.body_id(*body);
+        j.point = {static_cast<double>(body->GetPosition().x / L), static_cast<double>(body->GetPosition().y / L)};
+        shells.create_joint(j).or_fail();
+    }
+    void join(ShellHandle a, ShellHandle b) {
+        JointDef j;
+        j.kind = JointKind::Pin;
+        j.shell = a;
+        j.arc_fraction = 1.0;
+        j.other = b;
+        j.other_fraction = 0.0;
+        shells.create_joint(j).or_fail();
+    }
+    void frame() {
+        const FrameReport r = shells.pre_step(kFrame);
+        INFO(r.failure);
+        REQUIRE(r.failure.empty());
+        world.Step(static_cast<float>(r.advanced), 8, 3);
+        shells.post_step().or_fail();
+        REQUIRE(shells.events().quarantined.empty());
+    }
+    /// Of a shell's middle in the frame of the body, m and rad; x, y, angle.
+    [[nodiscard]] std::array<double, 3> relative(ShellHandle shell, const b2Body* body) const {
+        const ShellSection s = shells.section(shell, 0.5).value();
+        const double a = static_cast<double>(body->GetAngle()), c = std::cos(a), n = std::sin(a);
+        const double x = s.position.x - static_cast<double>(body->GetPosition().x) / static_cast<double>(L);
+        const double y = s.position.y - static_cast<double>(body->GetPosition().y) / static_cast<double>(L);
+        return {c * x + n * y, c * y - n * x, s.angle - a};
+    }
+    [[nodiscard]] double fastest() const {
+        double v = 0.0;
+        for (const step::Rod& r : shells.world().rods)
+            v = std::max(v, r.speed);
+        return v;
+    }
+
+    float L;
+    b2World world;
+    bridge::Attachment port;
+    Shells shells;
+};
+
+} // namespace
+
+TEST_CASE("a shell joined to a crate goes along when the crate is moved", "[box2d][carry]") {
+    const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
+    const double scale = GENERATE(1.0, 50.0);
+    const b2BodyType type = GENERATE(b2_dynamicBody, b2_staticBody);
+    const double way = GENERATE(1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0, 100.0);
+    const double turn = GENERATE(0.0, 1.0);
+    const bool moving = GENERATE(false, true);
+    if (type == b2_staticBody && (way < 1.0 || moving))
+        return; // shorter ways of bodies without mass push and are no jumps
+    CAPTURE(static_cast<int>(quality), scale, static_cast<int>(type), way, turn, moving);
+    Level level(quality, scale);
+    b2Body* crate = level.box(type, 0.0F, 0.0F);
+    const ShellHandle shell = level.strip(0.0, 0.12), second = level.strip(0.6, 0.12);
+    level.join(shell, 0.5, crate, JointKind::Weld);
+    level.join(shell, second); // the far one follows as well
+    if (moving) {
+        crate->SetLinearVelocity({0.5F * level.L, 0.2F * level.L});
+        level.shells.set_velocity(shell, {0.5, 0.2}).or_fail();
+        level.shells.set_velocity(second, {0.5, 0.2}).or_fail();
+    }
+    for (int i = 0; i < 3; ++i)
+        level.frame();
+    const std::array<double, 3> a = level.relative(shell, crate), b = level.relative(second, crate);
+    const double speed = level.fastest();
+    const EnergyBalance before = level.shells.energy_balance();
+    crate->SetTransform(crate->GetPosition() + b2Vec2(level.L * static_cast<float>(way), 0.0F),
+                        crate->GetAngle() + static_cast<float>(turn));
+    for (int i = 0; i < 3; ++i) {
+        level.frame();
+        // Box2D stores 100 m with 8 um in single precision.
+        const double margin = 1e-6 + 3e-7 * way;
+        for (std::size_t k = 0; k < 3; ++k) {
+            CHECK(level.relative(shell, crate)[k] == Approx(a[k]).margin(margin));
+            CHECK(level.relative(second, crate)[k] == Approx(b[k]).margin(margin));
+        }
+        CHECK(level.fastest() == Approx(speed).margin(1e-4 + 1e-4 * way));
+    }
+    const EnergyBalance after = level.shells.energy_balance();
+    // A rounded place is off by 1e-7 of its distance, which is a speed over a frame.
+    CHECK(after.injected - before.injected < 1e-9 + 1e-9 * way);
+    CHECK(after.kinetic == Approx(before.kinetic).margin(1e-8 + 3e-6 * way));
+    CHECK(std::abs(after.residual) < 1e-9);
+}
+
+TEST_CASE("a shell that something else holds too does not go along", "[box2d][carry]") {
+    const int tie = GENERATE(0, 1, 2); // a hold, another body, a hold on its neighbour
+    Level level(Quality::Game, 1.0);
+    b2Body *crate = level.box(b2_dynamicBody, 0.0F, 0.0F), *other = level.box(b2_staticBody, 0.0F, 0.5F);
+    const ShellHandle shell = level.strip(0.0, 0.12), second = level.strip(0.6, 0.12);
+    level.join(shell, 0.5, crate, JointKind::Pin);
+    level.join(shell, second);
+    if (tie == 1)
+        level.join(second, 0.5, other, JointKind::Tether);
+    else
+        level.shells.create_pin(tie == 0 ? shell : second, 1.0).or_fail();
+    for (int i = 0; i < 3; ++i)
+        level.frame();
+    const double x = level.shells.section(shell, 0.5).value().position.x;
+    crate->SetTransform({0.3F, 0.0F}, 0.0F);
+    level.frame();
+    CAPTURE(tie);
+    CHECK(std::abs(level.shells.section(shell, 0.5).value().position.x - x) < 0.05); // the gap closes slowly
+}
+
+TEST_CASE("a joint made after the body was moved carries nobody", "[box2d][carry]") {
+    const b2BodyType type = GENERATE(b2_dynamicBody, b2_staticBody);
+    Level level(Quality::Game, 1.0);
+    b2Body* crate = level.box(type, 0.0F, 0.0F);
+    const ShellHandle shell = level.strip(3.0, 0.12), guest = level.strip(0.0, 0.3);
+    level.frame();
+    level.join(guest, 0.5, crate, JointKind::Tether); // so that the shells know the crate
+    level.frame();
+    crate->SetTransform({3.0F, 0.0F}, 0.0F);
+    level.join(shell, 0.5, crate, JointKind::Weld);
+    level.frame();
+    CHECK(level.shells.section(shell, 0.5).value().position.x == Approx(3.0).margin(0.05)); // carried, it were at 6
+}
+
+TEST_CASE("a carried shell is not drawn on its way", "[box2d][carry]") {
+    Level level(Quality::Game, 1.0);
+    b2Body* crate = level.box(b2_dynamicBody, 0.0F, 0.0F);
+    const ShellHandle shell = level.strip(0.0, 0.12);
+    level.join(shell, 0.5, crate, JointKind::Weld); // before the first frame
+    crate->SetTransform({50.0F, 0.0F}, 0.0F);
+    level.frame();
+    CHECK(level.shells.section(shell, 0.5).value().position.x == Approx(50.0).margin(1e-5));
+    CHECK(level.shells.pose(shell, 0.0).value().start.x == level.shells.pose(shell).value().start.x);
+}

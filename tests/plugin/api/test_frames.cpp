@@ -139,21 +139,23 @@ TEST_CASE("a clamp driven into the floor stops, with an event", "[plugin][frames
     const auto shell = shells.create(shellAt(0.0, 1.2, M_PI, 1.0, 2.0));
     const HoldHandle hold = *shells.create_clamp(*shell, 0.5);
     const double top = shells.target(hold)->position.y;
-    std::size_t crushed = 0;
+    std::size_t stopped = 0;
     for (int i = 0; i < 240; ++i) {
         TargetDef to;
         to.position = {0.0, top - 7.0 * std::min(1.0, (i + 1) / 60.0)}; // 5 m below the floor
         to.angle = M_PI;
         REQUIRE(shells.set_target(hold, to));
         (void)frame(shells, *host);
-        for (const CrushedEvent& e : shells.events().crushed) {
+        for (const HoldBlockedEvent& e : shells.events().hold_blocked) {
             CHECK(e.hold == hold);
             CHECK(e.body == 1);
+            CHECK(e.stopped);
         }
-        crushed += shells.events().crushed.size();
+        stopped += shells.events().hold_blocked.size();
+        CHECK(shells.events().crushed.empty());
         CHECK(crossings(shells) == 0);
     }
-    CHECK(crushed > 0);
+    CHECK(stopped > 0);
     CHECK(shells.section(*shell, 0.5)->position.y > 0.0);
     CHECK(shells.valid(hold));
 }

@@ -180,10 +180,7 @@ struct Box2dPort::Impl {
             o.fixture = fixtureNumber(*p.fixture);
             out.push_back(std::move(o));
         }
-        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                  [](const BodyOutline& a, const BodyOutline& b) {
-                      return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
-                  });
+        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), step::before);
     }
 };
 

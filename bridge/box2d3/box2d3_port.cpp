@@ -147,10 +147,7 @@ struct Box2d3Port::Impl {
             o.friction = static_cast<double>(b2Shape_GetFriction(shape));
             out.push_back(std::move(o));
         }
-        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                  [](const BodyOutline& a, const BodyOutline& b) {
-                      return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
-                  });
+        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), step::before);
     }
 
     static BodyId idOf(b2BodyId b) { return static_cast<BodyId>(b.index1) << 16 | b.generation; }

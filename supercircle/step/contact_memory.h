@@ -8,6 +8,8 @@ namespace supercircle::step {
 /// Entry of contact `id` in a list sorted by id, nullptr if there is none.
 const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::uint64_t id);
 
+void sortById(std::vector<ContactImpulse>& list);
+
 /// Ids of candidates in rising order; `ids` is overwritten.
 void sortedIds(const std::vector<contact::Candidate>& candidates, std::vector<std::uint64_t>& ids);
 

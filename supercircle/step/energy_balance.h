@@ -83,4 +83,6 @@ struct EnergyBalance {
     }
 };
 
+static_assert(sizeof(EnergyBalance) == 16 * sizeof(double), "a new term is added up, too (operator+=)");
+
 } // namespace supercircle::step

@@ -43,6 +43,11 @@ struct BodyOutline {
     bool operator==(const BodyOutline&) const = default;
 };
 
+/// The order of outlines: by body, then by key.
+inline bool before(const BodyOutline& a, const BodyOutline& b) {
+    return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
+}
+
 struct Box {
     Vec2 lower = Vec2::Zero(); ///< m
     Vec2 upper = Vec2::Zero(); ///< m

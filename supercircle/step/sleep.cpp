@@ -2,6 +2,7 @@
 
 #include "supercircle/contact/feature_id.h"
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/islands/reach.h"
 #include "supercircle/step/stages/join_outlines.h"
 #include "supercircle/support/invariants.h"
 
@@ -13,10 +14,6 @@
 namespace supercircle::step {
 
 namespace {
-
-void sortById(std::vector<ContactImpulse>& list) {
-    std::sort(list.begin(), list.end(), [](const ContactImpulse& a, const ContactImpulse& b) { return a.id < b.id; });
-}
 
 /// Moves the entries whose first rod is asleep (or awake) from one list to the other.
 void moveImpulses(const World& world, bool asleep, std::vector<ContactImpulse>& from, std::vector<ContactImpulse>& to) {
@@ -238,24 +235,17 @@ Box reachOf(const BodyOutline& o, const Body& b, double frame) {
     for (const Vec2& p : o.local.points)
         size = std::max(size, p.norm() + o.local.radius);
     const double way = frame * (b.state.velocity.norm() + std::abs(b.state.spin) * size) + o.local.radius;
-    Box box;
-    box.lower.setConstant(std::numeric_limits<double>::infinity());
-    box.upper.setConstant(-std::numeric_limits<double>::infinity());
-    for (const Vec2& p : now.points) {
-        box.lower = box.lower.cwiseMin(p - Vec2::Constant(way));
-        box.upper = box.upper.cwiseMax(p + Vec2::Constant(way));
-    }
+    Box box = emptyBox();
+    for (const Vec2& p : now.points)
+        widen(box, p, way);
     return box;
 }
 
 bool near(const Rod& rod, const Box& box) {
-    const double pad = rod.model.definition().thickness + rod.model.longestElement();
-    Vec2 lower = Vec2::Constant(std::numeric_limits<double>::infinity()), upper = -lower;
-    for (int i = 0; i <= rod.model.elements(); ++i) {
-        lower = lower.cwiseMin(rod.kin.node(i));
-        upper = upper.cwiseMax(rod.kin.node(i));
-    }
-    return ((lower.array() - pad) <= box.upper.array()).all() && ((upper.array() + pad) >= box.lower.array()).all();
+    Box own = emptyBox();
+    for (int i = 0; i <= rod.model.elements(); ++i)
+        widen(own, rod.kin.node(i), rod.model.definition().thickness + rod.model.longestElement());
+    return meet(own, box);
 }
 
 const Body* find(const std::vector<Body>& bodies, BodyId id) {
@@ -277,9 +267,6 @@ void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector
         for (std::size_t i = 0; i < world.rods.size(); ++i)
             if (world.rods[i].asleep() && near(world.rods[i], box))
                 wake(world, i);
-    };
-    const auto before = [](const BodyOutline& a, const BodyOutline& b) {
-        return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
     };
     // Both lists are sorted by (body, key): walk them together.
     const std::vector<BodyOutline>& old = world.outlines;

@@ -197,7 +197,7 @@ Result<Description> describeFree(const Imported& all, const TemplateOptions& opt
     }
     Json json = {{"schema", "rod-recordings/1"},
                  {"protocol", "free_scene"},
-                 {"description", "TODO: describe the set-up"},
+                 {"description", "(describe the set-up)"},
                  {"gravity_m_s2", {0.0, -9.81}},
                  {"uncertainty_meaning", "half-width of a uniform interval"},
                  {"scene", nullptr},

@@ -93,7 +93,7 @@ Json runOf(const ImportedRun& run) {
                  {"drive_time_s", times},
                  {"drive_displacement_mm", ways},
                  {"sampling_hz", rounded(run.rate)},
-                 {"specimen_state_at_start", "TODO: fresh or used, rested or not"}};
+                 {"specimen_state_at_start", "(fresh or used, rested or not)"}};
     if (!run.markersFile.empty()) {
         const std::vector<double>& t = *run.markers.find(Quantity::Time);
         json["markers_file"] = run.markersFile;
@@ -120,7 +120,7 @@ Json frameOf(const Imported& all, const std::string& protocol) {
     Json json = {
         {"schema", "rod-recordings/1"},
         {"protocol", protocol.empty() ? kNull : Json(protocol)},
-        {"description", "TODO: describe the set-up"},
+        {"description", "(describe the set-up)"},
         {"gravity_m_s2", {0.0, -9.81}},
         {"uncertainty_meaning", "half-width of a uniform interval"},
         {"specimens", specimens},

@@ -8,6 +8,7 @@
 #include "supercircle/contact/detection.h"
 #include "supercircle/contact/detection/reference_shape.h"
 #include "supercircle/contact/detection/sound_candidate.h"
+#include "supercircle/contact/filter.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -20,23 +21,6 @@
 namespace supercircle::contact {
 
 namespace {
-
-struct Filter {
-    std::uint32_t category = 0;
-    std::uint32_t mask = 0;
-    std::int32_t group = 0;
-    bool operator==(const Filter&) const = default;
-};
-
-bool mayTouchItself(const Filter& a) {
-    return (a.category & a.mask) != 0;
-}
-
-bool mayTouch(const Filter& a, const Filter& b) {
-    if (a.group != 0 && a.group == b.group)
-        return a.group > 0;
-    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
-}
 
 struct RodState {
     RodShape shape;

@@ -12,6 +12,10 @@ const ContactImpulse* findImpulse(const std::vector<ContactImpulse>& list, std::
     return it != list.end() && it->id == id ? &*it : nullptr;
 }
 
+void sortById(std::vector<ContactImpulse>& list) {
+    std::sort(list.begin(), list.end(), [](const ContactImpulse& a, const ContactImpulse& b) { return a.id < b.id; });
+}
+
 void sortedIds(const std::vector<contact::Candidate>& candidates, std::vector<std::uint64_t>& ids) {
     ids.clear();
     for (const contact::Candidate& c : candidates)

@@ -1,6 +1,7 @@
 #include "supercircle/step/islands/island.h"
 
 #include "supercircle/contact/feature_id.h"
+#include "supercircle/step/contact_memory.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -31,69 +32,6 @@ void takeAll(const std::vector<T>& from, const std::vector<std::size_t>& indices
     shrink(to, indices.size());
 }
 
-bool inGroup(const World& world, const Partition& p, int group, BodyId id) {
-    const int body = bodyIndex(world, id);
-    return body >= 0 && world.bodies[static_cast<std::size_t>(body)].dynamic &&
-           p.groupOf[world.rods.size() + static_cast<std::size_t>(body)] == group;
-}
-
-/// Rods, links, the host's constraints, outlines and bodies of a group.
-void choose(const World& world, const Partition& p, std::vector<char>& wanted, Island& island) {
-    for (std::vector<std::size_t>* list :
-         {&island.rods, &island.bodies, &island.outlines, &island.contacts, &island.rows, &island.links})
-        list->clear();
-    for (std::size_t i = 0; i < world.rods.size(); ++i)
-        if (p.groupOf[i] == island.group)
-            island.rods.push_back(i);
-    wanted.assign(world.bodies.size(), 0);
-    const auto want = [&](BodyId id) {
-        if (const int body = bodyIndex(world, id); body >= 0)
-            wanted[static_cast<std::size_t>(body)] = 1;
-    };
-    for (std::size_t i = 0; i < world.links.size(); ++i)
-        if (const int rod = rodIndex(world, world.links[i].rodA);
-            rod >= 0 && p.groupOf[static_cast<std::size_t>(rod)] == island.group) {
-            island.links.push_back(i);
-            if (world.links[i].end == LinkEnd::Body)
-                want(world.links[i].body);
-        }
-    const auto constrain = [&](const auto& constraints, std::vector<std::size_t>& out) {
-        for (std::size_t i = 0; i < constraints.size(); ++i)
-            if (inGroup(world, p, island.group, constraints[i].a) ||
-                inGroup(world, p, island.group, constraints[i].b)) {
-                out.push_back(i);
-                want(constraints[i].a);
-                want(constraints[i].b);
-            }
-    };
-    constrain(world.constraints.contacts, island.contacts);
-    constrain(world.constraints.rows, island.rows);
-    for (std::size_t i = 0; i < world.outlines.size(); ++i) {
-        const BodyOutline& o = world.outlines[i];
-        const Body& b = world.bodies[static_cast<std::size_t>(bodyIndex(world, o.body))];
-        const bool near = b.dynamic ? inGroup(world, p, island.group, o.body)
-                                    : std::any_of(island.rods.begin(), island.rods.end(),
-                                                  [&](std::size_t rod) { return meet(p.rods[rod], p.pieces[i]); });
-        if (!near)
-            continue;
-        island.outlines.push_back(i);
-        want(o.body);
-    }
-    for (std::size_t i = 0; i < world.bodies.size(); ++i)
-        if (wanted[i] || inGroup(world, p, island.group, world.bodies[i].id))
-            island.bodies.push_back(i);
-}
-
-/// Bodies that no shell may meet, and all that are not dynamic.
-void chooseRest(const World& world, const Partition& p, Island& rest) {
-    for (std::vector<std::size_t>* list :
-         {&rest.rods, &rest.bodies, &rest.outlines, &rest.contacts, &rest.rows, &rest.links})
-        list->clear();
-    for (std::size_t i = 0; i < world.bodies.size(); ++i)
-        if (p.groupOf[world.rods.size() + i] < 0)
-            rest.bodies.push_back(i);
-}
-
 using KeyIndex = std::vector<std::pair<std::uint32_t, int>>;
 
 void sortByKey(const World& world, KeyIndex& index) {
@@ -103,14 +41,95 @@ void sortByKey(const World& world, KeyIndex& index) {
     std::sort(index.begin(), index.end());
 }
 
-/// Index of the first rod of a contact, -1: it is gone.
-int firstRodOf(const KeyIndex& index, const ContactImpulse& c) {
-    const std::uint32_t key = contact::keyAOf(c.id);
+/// Index of a rod, -1: it is gone.
+int indexOf(const KeyIndex& index, std::uint32_t key) {
     const auto it = std::lower_bound(index.begin(), index.end(), std::pair{key, -1});
     return it != index.end() && it->first == key ? it->second : -1;
 }
 
+// Key of the rod that an entry goes with.
+std::uint32_t rodOf(const ContactImpulse& c) {
+    return contact::keyAOf(c.id);
+}
+std::uint32_t rodOf(const Link& l) {
+    return l.rodA;
+}
+std::uint32_t rodOf(const VetoedPair& v) {
+    return v.rod;
+}
+std::uint32_t rodOf(const Overlap& o) {
+    return o.rodA;
+}
+std::uint32_t rodOf(const Passage& p) {
+    return p.rod;
+}
+
+/// The island of a node; null: it has none.
+Island* islandOf(const Partition& p, const Islands& islands, Node node) {
+    const int group = p.groupOf[node];
+    return group >= 0 ? islands.ofGroup[static_cast<std::size_t>(group)] : nullptr;
+}
+
+template <class T>
+Island* islandOf(const Partition& p, const Islands& islands, const T& entry) {
+    const int rod = indexOf(islands.byKey, rodOf(entry));
+    return rod >= 0 ? islandOf(p, islands, static_cast<Node>(rod)) : nullptr;
+}
+
+/// Which rods, bodies, outlines, links and constraints of the host each island takes. `rest`: bodies that no shell may
+/// meet, and all that are not dynamic.
+void choose(const World& world, const Partition& p, Islands& islands, Island& rest) {
+    const std::size_t rods = world.rods.size();
+    const auto takeBody = [](Island& island, int body) {
+        if (body >= 0)
+            island.bodies.push_back(static_cast<std::size_t>(body));
+    };
+    for (std::size_t i = 0; i < rods; ++i)
+        if (Island* island = islandOf(p, islands, i))
+            island->rods.push_back(i);
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        Island* island = islandOf(p, islands, rods + i);
+        (island ? *island : rest).bodies.push_back(i);
+    }
+    for (std::size_t i = 0; i < world.links.size(); ++i)
+        if (Island* island = islandOf(p, islands, world.links[i])) {
+            island->links.push_back(i);
+            if (world.links[i].end == LinkEnd::Body)
+                takeBody(*island, bodyIndex(world, world.links[i].body));
+        }
+    const auto constrain = [&](const auto& constraints, std::vector<std::size_t> Island::*out) {
+        for (std::size_t i = 0; i < constraints.size(); ++i) {
+            const int a = bodyIndex(world, constraints[i].a), b = bodyIndex(world, constraints[i].b);
+            for (const int body : {a, b})
+                if (Island* island =
+                        body >= 0 ? islandOf(p, islands, rods + static_cast<std::size_t>(body)) : nullptr) {
+                    (island->*out).push_back(i);
+                    takeBody(*island, a);
+                    takeBody(*island, b);
+                    break; // both are in one group, or the other is immovable
+                }
+        }
+    };
+    constrain(world.constraints.contacts, &Island::contacts);
+    constrain(world.constraints.rows, &Island::rows);
+    for (std::size_t i = 0; i < world.outlines.size(); ++i) {
+        const int body = bodyIndex(world, world.outlines[i].body);
+        if (Island* island = islandOf(p, islands, rods + static_cast<std::size_t>(body)))
+            island->outlines.push_back(i);
+        if (world.bodies[static_cast<std::size_t>(body)].dynamic)
+            continue;
+        for (std::size_t k = 0; k < rods; ++k)
+            if (Island* island = islandOf(p, islands, k);
+                island && (island->outlines.empty() || island->outlines.back() != i) && meet(p.rods[k], p.pieces[i])) {
+                island->outlines.push_back(i);
+                takeBody(*island, body);
+            }
+    }
+}
+
 void fill(const World& world, const Partition& p, Island& island) {
+    std::sort(island.bodies.begin(), island.bodies.end());
+    island.bodies.erase(std::unique(island.bodies.begin(), island.bodies.end()), island.bodies.end());
     World& w = island.world;
     takeAll(world.rods, island.rods, w.rods);
     takeAll(world.bodies, island.bodies, w.bodies);
@@ -126,44 +145,48 @@ void fill(const World& world, const Partition& p, Island& island) {
     w.counters = {};
     w.candidates.clear();
     w.range.clear();
-    w.impulses.clear();
-    w.sleepingImpulses.clear();
     w.dt = world.dt;
     w.dtNext = firstStepOf(w);
     w.pairFriction = world.pairFriction;
     w.bodyMaterials = world.bodyMaterials;
     w.surfaceSpeeds = world.surfaceSpeeds;
-    w.vetoes.clear();
-    for (const VetoedPair& v : world.vetoes)
-        if (rodIndex(w, v.rod) >= 0)
-            w.vetoes.push_back(v);
-    w.overlaps.clear();
-    for (const Overlap& o : world.overlaps)
-        if (rodIndex(w, o.rodA) >= 0)
-            w.overlaps.push_back(o);
-    w.passages.clear();
-    for (const Passage& passage : world.passages)
-        if (rodIndex(w, passage.rod) >= 0)
-            w.passages.push_back(passage);
     island.reading.regions.clear();
     for (const std::size_t rod : island.rods)
         island.reading.regions.push_back(p.rods[rod]);
     island.end = {};
 }
 
-/// Gives each island the forces of its contacts.
-void distribute(const Partition& p, const Islands& islands, const std::vector<ContactImpulse>& list,
-                std::vector<ContactImpulse> World::*to) {
-    for (const ContactImpulse& c : list)
-        if (const int rod = firstRodOf(islands.byKey, c); rod >= 0)
-            if (Island* island = islands.ofGroup[static_cast<std::size_t>(p.groupOf[static_cast<std::size_t>(rod)])])
-                (island->world.*to).push_back(c);
+/// Gives each island its entries of a list.
+template <class T>
+void distribute(const World& world, const Partition& p, const Islands& islands, std::vector<T> World::*list) {
+    for (std::size_t k = 0; k < islands.count; ++k)
+        (islands.slots[k]->world.*list).clear();
+    for (const T& entry : world.*list)
+        if (Island* island = islandOf(p, islands, entry))
+            (island->world.*list).push_back(entry);
+}
+
+/// Takes the entries of the islands' rods back from them.
+template <class T>
+void collect(World& world, const Islands& islands, std::vector<T> World::*list) {
+    std::erase_if(world.*list, [&](const T& entry) {
+        const int rod = indexOf(islands.byKey, rodOf(entry));
+        return rod < 0 || islands.marked[static_cast<std::size_t>(rod)];
+    });
+    for (std::size_t k = 0; k < islands.count; ++k)
+        (world.*list)
+            .insert((world.*list).end(), (islands.slots[k]->world.*list).begin(),
+                    (islands.slots[k]->world.*list).end());
 }
 
 Island& nextSlot(Islands& islands) {
     if (islands.count == islands.slots.size())
         islands.slots.push_back(std::make_unique<Island>());
-    return *islands.slots[islands.count++];
+    Island& island = *islands.slots[islands.count++];
+    for (std::vector<std::size_t>* list :
+         {&island.rods, &island.bodies, &island.outlines, &island.contacts, &island.rows, &island.links})
+        list->clear();
+    return island;
 }
 
 void sortByWeight(Islands& islands) {
@@ -176,11 +199,8 @@ void sortByWeight(Islands& islands) {
 }
 
 std::size_t outlineIndex(const World& world, const BodyOutline& piece) {
-    const auto order = [](const BodyOutline& a, const BodyOutline& b) {
-        return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
-    };
-    const auto it = std::lower_bound(world.outlines.begin(), world.outlines.end(), piece, order);
-    SC_ASSERT(it != world.outlines.end() && !order(piece, *it), "an outline of the world");
+    const auto it = std::lower_bound(world.outlines.begin(), world.outlines.end(), piece, before);
+    SC_ASSERT(it != world.outlines.end() && !before(piece, *it), "an outline of the world");
     return static_cast<std::size_t>(it - world.outlines.begin());
 }
 
@@ -190,48 +210,30 @@ void addNewcomers(World& world, const Island& island) {
     if (w.bodies.size() == island.bodies.size() && w.outlines.size() == island.outlines.size())
         return;
     for (const Body& b : w.bodies)
-        if (bodyIndex(world, b.id) < 0)
-            world.bodies.insert(std::upper_bound(world.bodies.begin(), world.bodies.end(), b,
-                                                 [](const Body& x, const Body& y) { return x.id < y.id; }),
-                                b);
-    const auto order = [](const BodyOutline& x, const BodyOutline& y) {
-        return x.body != y.body ? x.body < y.body : x.local.key < y.local.key;
-    };
+        if (bodyIndex(world, b.id) < 0) {
+            const auto at = std::upper_bound(world.bodies.begin(), world.bodies.end(), b,
+                                             [](const Body& x, const Body& y) { return x.id < y.id; });
+            Body& added = *world.bodies.insert(at, b);
+            added.force = added.impulse = Vec2::Zero(); // islands bring theirs (returnBodies)
+            added.angularImpulse = 0.0;
+        }
     for (const BodyOutline& o : w.outlines)
-        if (!std::binary_search(world.outlines.begin(), world.outlines.end(), o, order))
-            world.outlines.insert(std::upper_bound(world.outlines.begin(), world.outlines.end(), o, order), o);
+        if (!std::binary_search(world.outlines.begin(), world.outlines.end(), o, before))
+            world.outlines.insert(std::upper_bound(world.outlines.begin(), world.outlines.end(), o, before), o);
 }
 
 void returnBodies(World& world, const Island& island) {
     for (const Body& b : island.world.bodies) {
         Body& to = world.bodies[static_cast<std::size_t>(bodyIndex(world, b.id))];
-        if (b.dynamic || island.group < 0) {
-            const Vec2 force = to.force, impulse = to.impulse;
-            const double turn = to.angularImpulse;
+        if (b.dynamic) {
             to = b;
-            if (!b.dynamic) {
-                to.force += force;
-                to.impulse += impulse;
-                to.angularImpulse += turn;
-            }
-        } else {
-            to.force += b.force;
-            to.impulse += b.impulse;
-            to.angularImpulse += b.angularImpulse;
+            continue;
         }
-    }
-}
-
-/// Links with their forces. The key of one that broke becomes 0, until all islands are back.
-void returnLinks(World& world, const Island& island) {
-    for (const std::size_t i : island.links) {
-        Link& to = world.links[i];
-        const auto it = std::find_if(island.world.links.begin(), island.world.links.end(),
-                                     [&](const Link& l) { return l.key == to.key; });
-        if (it != island.world.links.end())
-            to = *it;
-        else
-            to.key = 0;
+        if (island.group < 0) // immovable bodies may be in several islands, and move in one go here
+            to.state = b.state;
+        to.force += b.force;
+        to.impulse += b.impulse;
+        to.angularImpulse += b.angularImpulse;
     }
 }
 
@@ -250,29 +252,6 @@ void returnCandidates(World& world, const Island& island) {
     }
 }
 
-/// Pairs that cross, sorted.
-void returnOverlaps(World& world, const Islands& islands) {
-    std::erase_if(world.overlaps, [&](const Overlap& o) {
-        const int rod = rodIndex(world, o.rodA);
-        return rod < 0 || islands.marked[static_cast<std::size_t>(rod)];
-    });
-    for (std::size_t k = 0; k < islands.count; ++k)
-        world.overlaps.insert(world.overlaps.end(), islands.slots[k]->world.overlaps.begin(),
-                              islands.slots[k]->world.overlaps.end());
-    std::sort(world.overlaps.begin(), world.overlaps.end(),
-              [](const Overlap& a, const Overlap& b) { return a.pair() < b.pair(); });
-}
-
-void returnForces(const Islands& islands, std::vector<ContactImpulse> World::*list, std::vector<ContactImpulse>& to) {
-    std::erase_if(to, [&](const ContactImpulse& c) {
-        const int rod = firstRodOf(islands.byKey, c);
-        return rod < 0 || islands.marked[static_cast<std::size_t>(rod)];
-    });
-    for (std::size_t k = 0; k < islands.count; ++k)
-        to.insert(to.end(), (islands.slots[k]->world.*list).begin(), (islands.slots[k]->world.*list).end());
-    std::sort(to.begin(), to.end(), [](const ContactImpulse& a, const ContactImpulse& b) { return a.id < b.id; });
-}
-
 } // namespace
 
 double firstStepOf(const World& world) {
@@ -288,21 +267,22 @@ void takeIslands(const World& world, const Partition& p, Islands& islands) {
     islands.ofGroup.assign(static_cast<std::size_t>(p.groups), nullptr);
     for (int group = 0; group < p.groups; ++group)
         if (!p.still[static_cast<std::size_t>(group)]) {
-            Island& island = nextSlot(islands);
-            island.group = group;
-            choose(world, p, islands.marked, island);
-            fill(world, p, island);
-            islands.ofGroup[static_cast<std::size_t>(group)] = &island;
+            islands.ofGroup[static_cast<std::size_t>(group)] = &nextSlot(islands);
+            islands.ofGroup[static_cast<std::size_t>(group)]->group = group;
         }
+    Island& rest = nextSlot(islands);
+    rest.group = -1;
     sortByKey(world, islands.byKey);
-    distribute(p, islands, world.impulses, &World::impulses);
-    distribute(p, islands, world.sleepingImpulses, &World::sleepingImpulses);
-    if (!world.bodies.empty()) {
-        Island& rest = nextSlot(islands);
-        rest.group = -1;
-        chooseRest(world, p, rest);
-        fill(world, p, rest);
-    }
+    choose(world, p, islands, rest);
+    if (rest.bodies.empty())
+        --islands.count;
+    for (std::size_t k = 0; k < islands.count; ++k)
+        fill(world, p, *islands.slots[k]);
+    distribute(world, p, islands, &World::impulses);
+    distribute(world, p, islands, &World::sleepingImpulses);
+    distribute(world, p, islands, &World::overlaps);
+    distribute(world, p, islands, &World::passages);
+    distribute(world, p, islands, &World::vetoes);
     sortByWeight(islands);
 }
 
@@ -334,14 +314,12 @@ void returnIslands(World& world, Islands& islands) {
             std::swap(world.rods[island.rods[i]], island.world.rods[i]);
             taken[island.rods[i]] = 1;
         }
-        returnLinks(world, island);
+        for (std::size_t i = 0; i < island.links.size(); ++i)
+            std::swap(world.links[island.links[i]], island.world.links[i]);
         for (std::size_t i = 0; i < island.contacts.size(); ++i)
             world.constraints.contacts[island.contacts[i]] = island.world.constraints.contacts[i];
         for (std::size_t i = 0; i < island.rows.size(); ++i)
             world.constraints.rows[island.rows[i]] = island.world.constraints.rows[i];
-        for (const Passage& passage : island.world.passages)
-            if (std::find(world.passages.begin(), world.passages.end(), passage) == world.passages.end())
-                world.passages.push_back(passage);
         world.energyBalance += island.world.energyBalance;
         if (island.group < 0)
             continue; // nobody's step
@@ -353,11 +331,15 @@ void returnIslands(World& world, Islands& islands) {
         world.dt = least;
         world.dtNext = leastNext;
     }
-    std::erase_if(world.links, [](const Link& l) { return l.key == 0; });
-    returnOverlaps(world, islands);
     sortByKey(world, islands.byKey);
-    returnForces(islands, &World::impulses, world.impulses);
-    returnForces(islands, &World::sleepingImpulses, world.sleepingImpulses);
+    collect(world, islands, &World::impulses);
+    collect(world, islands, &World::sleepingImpulses);
+    collect(world, islands, &World::overlaps);
+    collect(world, islands, &World::passages);
+    sortById(world.impulses);
+    sortById(world.sleepingImpulses);
+    std::sort(world.overlaps.begin(), world.overlaps.end(),
+              [](const Overlap& a, const Overlap& b) { return a.pair() < b.pair(); });
 }
 
 } // namespace supercircle::step

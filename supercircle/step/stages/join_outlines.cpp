@@ -62,10 +62,6 @@ void toBody(const BodyState& body, contact::Outline& outline, const contact::Joi
     }
 }
 
-bool before(const BodyOutline& a, const BodyOutline& b) {
-    return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
-}
-
 bool inside(const Vec2& p, const Box& box) {
     return (p.array() >= box.lower.array()).all() && (p.array() <= box.upper.array()).all();
 }

@@ -268,14 +268,11 @@ bool leavesRegions(const World& world, const TrialStep& t, double left, HostRead
 
 bool readAgain(World& world, const Port& port, const Settings& settings, double frame, double elapsed,
                HostReading& reading) {
-    const auto order = [](const BodyOutline& a, const BodyOutline& b) {
-        return a.body != b.body ? a.body < b.body : a.local.key < b.local.key;
-    };
     reading.outlines.clear();
     const Box read = hull(reading.regions);
     port.queryAhead(std::span<const Box>(&read, 1), frame, reading.outlines);
     std::erase_if(reading.outlines, [&](const BodyOutline& o) {
-        return std::binary_search(world.outlines.begin(), world.outlines.end(), o, order);
+        return std::binary_search(world.outlines.begin(), world.outlines.end(), o, before);
     });
     if (reading.outlines.empty())
         return false;
@@ -298,7 +295,7 @@ bool readAgain(World& world, const Port& port, const Settings& settings, double 
     for (BodyOutline& o : reading.outlines)
         if (bodyIndex(world, o.body) >= 0)
             world.outlines.push_back(std::move(o));
-    std::sort(world.outlines.begin(), world.outlines.end(), order);
+    std::sort(world.outlines.begin(), world.outlines.end(), before);
     world.range.clear(); // candidates refer to outlines by index
     return true;
 }

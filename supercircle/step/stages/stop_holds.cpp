@@ -3,6 +3,7 @@
 // point is followed against the outlines of static and kinematic bodies as these move (conservative advancement: with
 // the gap g and the relative speed c nothing meets before g / c).
 
+#include "supercircle/contact/filter.h"
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/support/invariants.h"
@@ -75,14 +76,9 @@ double distance(const Vec2& p, const contact::Outline& o) {
 
 bool filtered(const World& world, const Rod& rod, const BodyOutline& piece) {
     const contact::Outline& o = piece.local;
-    if (vetoed(world, rod, piece))
+    if (vetoed(world, rod, piece) ||
+        !contact::mayTouch({rod.category, rod.mask, rod.group}, {o.category, o.mask, o.group}))
         return true;
-    if (rod.group == o.group && rod.group != 0) {
-        if (rod.group < 0)
-            return true;
-    } else if ((rod.category & o.mask) == 0 || (o.category & rod.mask) == 0) {
-        return true;
-    }
     return std::any_of(world.links.begin(), world.links.end(), [&](const Link& l) {
         return !l.collide && l.end == LinkEnd::Body && l.body == piece.body && l.rodA == rod.key;
     });

@@ -1,0 +1,347 @@
+#pragma once
+// The fields of the saved world (private to plugin/api); see snapshot_fields.h.
+
+#include "plugin/api/shells_impl.h"
+#include "plugin/api/snapshot_archive.h"
+#include "plugin/api/snapshot_effects.h"
+
+#include <algorithm>
+
+namespace supercircle::archive {
+
+template <class Ar>
+void io(Ar& ar, Is<rod::RodDefinition> auto& d) {
+    auto& [length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength] = d;
+    ar(length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<rod::RodModel> auto& model) {
+    if constexpr (Ar::kLoads) {
+        rod::RodDefinition d;
+        ar(d);
+        if (!ar.fault().empty())
+            return;
+        if (const std::string why = d.naturalCurvature.size() <= 4096 ? rod::validate(d) : "too many elements";
+            !why.empty())
+            ar.fail("a shell in it is impossible: " + why);
+        else
+            model = rod::RodModel(std::move(d));
+    } else {
+        ar(model.definition());
+    }
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Path> auto& p) {
+    auto& [active, start, end, from, to, fromVelocity, toVelocity, fromAngle, toAngle, fromSpin, toSpin] = p;
+    ar(active, start, end, from, to, fromVelocity, toVelocity, fromAngle, toAngle, fromSpin, toSpin);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Target> auto& t) {
+    auto& [point, angle, velocity, spin, path, pending] = t;
+    ar(point, angle, velocity, spin, path, pending);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Hold> auto& h) {
+    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key, stop] = h;
+    auto& [time, body, since, driven] = stop;
+    ar(s, clamped, onCrosshead, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
+       target.path, target.pending, key);
+    ioUnless(ar, !(maxForce > 0), maxForce);
+    ar.unhashed(time, body, since, driven); // found anew in every frame, but for the events
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::AppliedForce> auto& f) {
+    auto& [s, force, torque, once, key] = f;
+    ar(s, force, torque, once, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::MouseJoint> auto& g) {
+    auto& [s, target, stiffness, damping, maxForce, force, key] = g;
+    ar(s, target, stiffness, damping, maxForce, force, key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Link> auto& l) {
+    auto& [key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque,
+           maxForce, broken] = l;
+    (void)broken; // within a frame only
+    ar(key, kind, end, collide, rodA, sA, rodB, sB, body, local, target, angle, length, goal, reel, force, torque);
+    ioUnless(ar, !(maxForce > 0), maxForce);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::PairFriction> auto& f) {
+    auto& [a, b, mu] = f;
+    ar(a, b, mu);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
+    auto& [body, material] = m;
+    ar(body, material);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Passage> auto& p) {
+    auto& [rod, body, until] = p;
+    ar(rod, body, until);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::SurfaceSpeed> auto& s) {
+    auto& [body, fixture, speed] = s;
+    ar(body, fixture, speed);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::VetoedPair> auto& v) {
+    auto& [rod, body, outline] = v;
+    ar(rod, body, outline);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::Push> auto& p) {
+    auto& [sA, sB, direction] = p;
+    ar(sA, sB, direction);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Overlap> auto& o) {
+    auto& [rodA, rodB, body, outline, passing, contact, free, pushes, way, blocked, from, tried] = o;
+    ar(rodA, rodB, body, outline, passing, contact, free, pushes, way, blocked, from, tried);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Rod> auto& r) {
+    auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
+           mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext, cuts,
+           quarantineReason, quarantinedAt] = r;
+    ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, mouseJoints, width,
+       material, group, island, stillTime, stillReference, dtNext);
+    ioUnless(ar, !(cuts > 0), cuts);
+    ioEffects(ar, model, effects);
+    ar.unhashed(quarantineReason, quarantinedAt);
+    if constexpr (Ar::kLoads) { // kin and gauss are functions of q
+        const auto n = model.dofs();
+        if (q.size() != n || v.size() != n || lastAccepted.size() != n ||
+            static_cast<int>(u.size()) != model.gaussPoints() || !q.allFinite() || !lastAccepted.allFinite()) {
+            ar.fail("a shell in it has the wrong number of coordinates, or some that are not finite");
+            q.setZero(n);
+        }
+        const double length = model.definition().length;
+        const auto outside = [length](const auto& c) { return !(c.s >= 0.0 && c.s <= length); };
+        if (std::any_of(holds.begin(), holds.end(), outside) || std::any_of(forces.begin(), forces.end(), outside) ||
+            std::any_of(mouseJoints.begin(), mouseJoints.end(), outside))
+            ar.fail("a hold, force or mouse joint in it lies outside its shell");
+        kin.evaluate(model, q);
+        rod::evaluateGauss(model, kin, gauss);
+    }
+}
+
+inline void io(Loader& ar, std::vector<step::Rod>& rods) {
+    rod::RodDefinition least;
+    least.naturalCurvature = {0.0};
+    rods.clear();
+    for (std::size_t left = ar.count(); left > 0 && ar.fault().empty(); --left) {
+        rods.push_back(
+            step::Rod{rod::RodModel(least), {}, {}, {}, {}, {}, 0.0, 0, 1, 0xffff, false, 0.0, {}, {}, {}, {}});
+        ar(rods.back());
+    }
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::BodyState> auto& b) {
+    auto& [centre, angle, velocity, spin, mass, inertia, gravityScale, linearDamping, angularDamping, awake, enabled,
+           moving] = b;
+    ar(centre, angle, velocity, spin, mass, inertia, gravityScale, linearDamping, angularDamping, awake, enabled,
+       moving);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostAcceleration> auto& p) {
+    auto& [linear, angular, expectedLinear, expectedAngular, lastFrame, frame] = p;
+    ar(linear, angular, expectedLinear, expectedAngular);
+    ar.unhashed(lastFrame, frame);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostCoupling> auto& h) {
+    auto& [coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
+           unexplained, all, known, seen] = h;
+    ar(coupled, coupledTime, travel, turn, hostImpulse, hostTurnImpulse, handed, handedSpin, drift, driftSpin,
+       unexplained, all, known, seen);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostContact> auto& c) {
+    auto& [a, b, armA, armB, normal, friction, tangentSpeed, restitutionVelocity, normalForce, tangentForce, key, point,
+           sumNormal, sumTangent, hostNormal, hostTangent, impulseKnown, impulseUnknown, clearance] = c;
+    ar(a, b, armA, armB, normal, friction, tangentSpeed, restitutionVelocity, normalForce, tangentForce, point,
+       sumNormal, sumTangent, hostNormal, hostTangent, impulseKnown, impulseUnknown, clearance);
+    ar.unhashed(key); // an address in the host
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostRow> auto& r) {
+    auto& [a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, clearance, last, key, sum, host,
+           impulseKnown, saturated] = r;
+    ar(a, b, kind, axisA, axisB, turnA, turnB, speed, strength, force, damping, clearance, last, sum, host,
+       impulseKnown, saturated);
+    ar.unhashed(key);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::HostConstraints> auto& c) {
+    auto& [contacts, rows, farthest, mostTurn] = c;
+    ar(contacts, rows, farthest, mostTurn);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Body> auto& b) {
+    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, thicknessNear, hostCoupling] = b;
+    ar(id, state, driven, dynamic, impulse, angularImpulse, force, hostCoupling);
+    ar.unhashed(thicknessNear);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::VertexSeam> auto& v) {
+    auto& [role, c1, c2] = v;
+    ar(role, c1, c2);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::HiddenSpan> auto& s) {
+    auto& [face, from, to] = s;
+    ar(face, from, to);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::OutlineSeams> auto& s) {
+    auto& [vertices, hidden] = s;
+    ar(vertices, hidden);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::Outline> auto& o) {
+    auto& [kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category,
+           mask, group, seams] = o;
+    ar(kind, points, radius, joinedStart, joinedEnd, neighbourStart, neighbourEnd, body, key, motion, category, mask,
+       group);
+    ar.unhashed(seams); // found anew in every frame
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::BodyOutline> auto& o) {
+    auto& [local, body, friction, fixture] = o;
+    ar(local, body, friction);
+    ar.unhashed(fixture); // follows from the piece
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::ContactImpulse> auto& c) {
+    auto& [id, normal, tangent, tangentialDeflection] = c;
+    ar(id, normal, tangent, tangentialDeflection);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::RodPoint> auto& p) {
+    auto& [rod, element, s] = p;
+    ar(rod, element, s);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<contact::Candidate> auto& c) {
+    auto& [a, b, outline, normal, pointA, pointB, gap, id] = c;
+    ar(a, b, outline, normal, pointA, pointB, gap, id);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::EnergyBalance> auto& l) {
+    auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, injected, effects,
+           toBodies] = l;
+    auto& [contact, link, hold, drift, rolling] = injected;
+    ar(kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, effects, toBodies);
+    ar.unhashed(contact, link, hold, drift, rolling); // parts of positionCorrection
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Counters> auto& c) {
+    auto& [steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
+           contactResidualMax, contactsMax, activeContactsMax, penetrationMax] = c;
+    ar(steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
+       contactResidualMax, contactsMax, activeContactsMax, penetrationMax);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
+    auto& [method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots, giveUpEarly, maxWork] = o;
+    (void)giveUpEarly; // of one solve
+    (void)maxWork;
+    ar(method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots);
+}
+
+/// A value that does not count in the hash while it changes nothing.
+template <class Ar>
+void ioUnless(Ar& ar, bool neutral, auto& value) {
+    if (neutral)
+        ar.unhashed(value);
+    else
+        ar(value);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::Settings> auto& s) {
+    auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
+           maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, giveUpEarly,
+           autoSleep, sleepDrift, sleepAfter, crush, recoverAfter, crossingCheck] = s;
+    (void)threads; // of this computer
+    (void)length;  // the thickness, in every quality
+    ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
+       contact, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, autoSleep, sleepDrift, sleepAfter,
+       crossingCheck);
+    ioUnless(ar, std::isinf(recoverAfter), recoverAfter);
+    if (giveUpEarly || crush != step::CrushPolicy::Wait)
+        ar(giveUpEarly, crush);
+    else
+        ar.unhashed(giveUpEarly, crush); // settings of the laboratory keep their hash
+    if constexpr (Ar::kLoads) {          // steps without length would never end
+        constexpr double shortest = 1e-9;
+        if (!(dtMin >= shortest && dtMax >= dtMin && (fixedDt <= 0.0 || fixedDt >= shortest) && localError > 1e-3 &&
+              motionLimit > 1e-3))
+            ar.fail("its settings make steps without length");
+        if (crush > step::CrushPolicy::Freeze)
+            ar.fail("its policy for crushed shells is unknown");
+    }
+}
+
+/// A list that most states do not use: empty, it does not count in the hash.
+template <class Ar>
+void ioIfAny(Ar& ar, auto& list) {
+    ioUnless(ar, list.empty(), list);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::World> auto& w) {
+    auto& [time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
+           crossheadBodies, energyBalance, counters, candidates, range, dt, dtNext, nextKey, links, nextPart,
+           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes, passages,
+           overlaps] = w;
+    ar(time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
+       crossheadBodies, energyBalance);
+    ar.unhashed(counters);
+    ar.unhashed(nextPart); // handles only
+    ar(candidates, range, dt, dtNext, nextKey, links, pairFriction, bodyMaterials, sleepingImpulses, nextIsland,
+       effectsGone);
+    ioIfAny(ar, surfaceSpeeds);
+    ioIfAny(ar, vetoes);
+    ioIfAny(ar, passages);
+    ioIfAny(ar, overlaps);
+}
+
+} // namespace supercircle::archive

@@ -1,36 +1,26 @@
 #pragma once
 // Floors cut in pieces, with shells on them.
 
-#include "bridge/box2d/include/supercircle/box2d.hpp"
-#include "plugin/api/include/supercircle/shells.hpp"
+#include "tests/bridge/box2d/game_world.h"
 
-#include <algorithm>
-#include <box2d/box2d.h>
-#include <catch2/catch.hpp>
-#include <cmath>
 #include <limits>
 #include <string>
-#include <vector>
 
 namespace supercircle::seam_test {
 
-class CutWorld {
+class CutWorld : public bridge_test::GameWorld {
 public:
     CutWorld(Quality quality, double friction, double unitsPerMetre = 1.0)
-        : world(b2Vec2(0.0f, static_cast<float>(-9.81 * unitsPerMetre))), units(unitsPerMetre), shells(attached()),
-          mu(friction) {
-        shells.set_quality(quality).or_fail();
+        : GameWorld(quality, {.scale = unitsPerMetre, .density = 100.0F, .friction = static_cast<float>(friction)}),
+          units(unitsPerMetre), mu(friction) {
+        world.SetGravity(at(0.0, -9.81 * units)); // rounded once
     }
 
-    b2Body* body(b2BodyType type = b2_staticBody) {
-        b2BodyDef def;
-        def.type = type;
-        return world.CreateBody(&def);
-    }
+    b2Body* body(b2BodyType type = b2_staticBody) { return GameWorld::body(type, 0.0F, 0.0F); }
     void polygon(const std::vector<b2Vec2>& points, b2Body* on = nullptr) {
         b2PolygonShape shape;
         shape.Set(points.data(), static_cast<int>(points.size()));
-        fixture(shape, on);
+        fixture(on != nullptr ? on : body(), shape);
     }
     void box(double x0, double y0, double x1, double y1, b2Body* on = nullptr) {
         const double u = units;
@@ -39,7 +29,7 @@ public:
     void edge(const b2Vec2& a, const b2Vec2& b) {
         b2EdgeShape shape;
         shape.SetTwoSided(a, b);
-        fixture(shape, nullptr);
+        fixture(body(), shape);
     }
     /// From left to right; the solid is below.
     void chain(std::vector<b2Vec2> points) {
@@ -48,7 +38,7 @@ public:
         const b2Vec2 before = points.front() + (points.front() - points[1]);
         const b2Vec2 beyond = points.back() + (points.back() - points[points.size() - 2]);
         shape.CreateChain(points.data(), static_cast<int>(points.size()), before, beyond);
-        fixture(shape, nullptr);
+        fixture(body(), shape);
     }
     static b2Vec2 at(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
 
@@ -77,11 +67,8 @@ public:
     void run(double seconds) {
         const int frames = static_cast<int>(std::lround(seconds * 60.0));
         for (int i = 0; i < frames; ++i) {
-            const FrameReport r = shells.pre_step(1.0 / 60.0);
-            INFO(r.failure);
-            REQUIRE(r.failure.empty());
-            world.Step(static_cast<float>(r.advanced), 8, 3);
-            REQUIRE(shells.post_step());
+            const FrameReport r = begin();
+            REQUIRE(end(r));
         }
     }
     [[nodiscard]] Point velocity(ShellHandle shell) const {
@@ -91,19 +78,9 @@ public:
     [[nodiscard]] double speed(ShellHandle shell) const { return std::hypot(velocity(shell).x, velocity(shell).y); }
     [[nodiscard]] Point centre(ShellHandle shell) const { return shells.state(shell)->centre; }
 
-    b2World world;
     double units; ///< a metre
-    Shells shells;
 
 private:
-    bridge::Attachment attached() { return bridge::attach(world, {units}); }
-    void fixture(const b2Shape& shape, b2Body* on) {
-        b2FixtureDef def;
-        def.shape = &shape;
-        def.friction = static_cast<float>(mu);
-        def.density = static_cast<float>(100.0 / (units * units)); // 100 kg/m^2
-        (on != nullptr ? on : body())->CreateFixture(&def);
-    }
     double mu;
 };
 

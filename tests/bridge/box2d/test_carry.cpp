@@ -1,51 +1,19 @@
 // What is joined to a body alone goes with it when its user puts the body somewhere else.
 
-#include "bridge/box2d/include/supercircle/box2d.hpp"
-#include "plugin/api/include/supercircle/shells.hpp"
-#include "supercircle/step/world.h"
+#include "tests/bridge/box2d/game_world.h"
 
-#include <algorithm>
 #include <array>
-#include <box2d/box2d.h>
-#include <catch2/catch.hpp>
-#include <cmath>
 
 using namespace supercircle;
+using namespace supercircle::bridge_test;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0;
-
-struct Level {
-    Level(Quality quality, double scale)
-        : L(static_cast<float>(scale)), world({0.0F, 0.0F}), port(bridge::attach(world, {scale})), shells(port) {
-        shells.set_quality(quality).or_fail();
-    }
-    b2Body* box(b2BodyType type, float x, float y) {
-        b2BodyDef d;
-        d.type = type;
-        d.position.Set(L * x, L * y);
-        b2Body* b = world.CreateBody(&d);
-        b2PolygonShape s;
-        s.SetAsBox(L * 0.2F, L * 0.1F);
-        b->CreateFixture(&s, 100.0F / (L * L));
-        return b;
-    }
-    ShellHandle strip(double x, double y) {
-        ShellDef d = scaled_shell(0.35, 0.4, 0.5, 60.0);
-        d.elements = 10;
-        d.natural_curvature.assign(10, 0.0);
-        d.position = {x, y};
-        return shells.create(d).value();
-    }
-    void join(ShellHandle shell, double fraction, const b2Body* body, JointKind kind) {
-        JointDef j;
-        j.kind = kind;
-        j.shell = shell;
-        j.arc_fraction = fraction;
-        j.body = port.body_id(*body);
-        j.point = {static_cast<double>(body->GetPosition().x / L), static_cast<double>(body->GetPosition().y / L)};
-        shells.create_joint(j).or_fail();
+struct Level : GameWorld {
+    Level(Quality quality, double scale) : GameWorld(quality, {.scale = scale, .gravity = 0.0F, .density = 100.0F}) {}
+    b2Body* box(b2BodyType type, float x, float y) { return GameWorld::box(x, y, 0.2F, 0.1F, type); }
+    void join(ShellHandle shell, double fraction, const b2Body* to, JointKind kind) {
+        GameWorld::join(shell, fraction, *to, kind).or_fail();
     }
     void join(ShellHandle a, ShellHandle b) {
         JointDef j;
@@ -57,11 +25,7 @@ struct Level {
         shells.create_joint(j).or_fail();
     }
     void frame() {
-        const FrameReport r = shells.pre_step(kFrame);
-        INFO(r.failure);
-        REQUIRE(r.failure.empty());
-        world.Step(static_cast<float>(r.advanced), 8, 3);
-        shells.post_step().or_fail();
+        GameWorld::frame();
         REQUIRE(shells.events().quarantined.empty());
     }
     /// Of a shell's middle in the frame of the body, m and rad; x, y, angle.
@@ -72,17 +36,6 @@ struct Level {
         const double y = s.position.y - static_cast<double>(body->GetPosition().y) / static_cast<double>(L);
         return {c * x + n * y, c * y - n * x, s.angle - a};
     }
-    [[nodiscard]] double fastest() const {
-        double v = 0.0;
-        for (const step::Rod& r : shells.world().rods)
-            v = std::max(v, r.speed);
-        return v;
-    }
-
-    float L;
-    b2World world;
-    bridge::Attachment port;
-    Shells shells;
 };
 
 } // namespace
@@ -110,7 +63,7 @@ TEST_CASE("a shell joined to a crate goes along when the crate is moved", "[box2
     for (int i = 0; i < 3; ++i)
         level.frame();
     const std::array<double, 3> a = level.relative(shell, crate), b = level.relative(second, crate);
-    const double speed = level.fastest();
+    const double speed = level.speed();
     const EnergyBalance before = level.shells.energy_balance();
     crate->SetTransform(crate->GetPosition() + b2Vec2(level.L * static_cast<float>(way), 0.0F),
                         crate->GetAngle() + static_cast<float>(turn));
@@ -122,7 +75,7 @@ TEST_CASE("a shell joined to a crate goes along when the crate is moved", "[box2
             CHECK(level.relative(shell, crate)[k] == Approx(a[k]).margin(margin));
             CHECK(level.relative(second, crate)[k] == Approx(b[k]).margin(margin));
         }
-        CHECK(level.fastest() == Approx(speed).margin(1e-4 + 1e-4 * way));
+        CHECK(level.speed() == Approx(speed).margin(1e-4 + 1e-4 * way));
     }
     const EnergyBalance after = level.shells.energy_balance();
     // A rounded place is off by 1e-7 of its distance, which is a speed over a frame.

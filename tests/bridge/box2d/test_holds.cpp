@@ -1,68 +1,38 @@
 // Held points against walls of a Box2D world: they stop at first contact and say so.
 
-#include "bridge/box2d/include/supercircle/box2d.hpp"
-#include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
+#include "tests/bridge/box2d/game_world.h"
 
 #include <algorithm>
-#include <box2d/box2d.h>
-#include <catch2/catch.hpp>
-#include <cmath>
 
 using namespace supercircle;
+using namespace supercircle::bridge_test;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0;
-
-struct Level {
-    Level(Quality quality, double scale)
-        : L(static_cast<float>(scale)), world({0.0F, -9.81F * L}), port(bridge::attach(world, {scale})), shells(port) {
-        shells.set_quality(quality).or_fail();
-    }
-    b2Body* body(b2BodyType type, const b2Shape& shape, float x, float y) {
-        b2BodyDef d;
-        d.type = type;
-        d.position.Set(L * x, L * y);
-        b2Body* b = world.CreateBody(&d);
-        b->CreateFixture(&shape, 30.0F / (L * L));
-        return b;
-    }
-    b2Body* box(b2BodyType type, float x, float y, float halfX, float halfY) {
-        b2PolygonShape s;
-        s.SetAsBox(L * halfX, L * halfY);
-        return body(type, s, x, y);
+struct Level : GameWorld {
+    Level(Quality quality, double scale) : GameWorld(quality, {.scale = scale, .density = 30.0F}) {}
+    b2Body* made(const b2Shape& shape, float x = 0.0F, float y = 0.0F) {
+        return fixture(body(b2_staticBody, x, y), shape)->GetBody();
     }
     b2Body* edge(float x0, float x1, float y) {
         b2EdgeShape s;
         s.SetTwoSided({L * x0, L * y}, {L * x1, L * y});
-        return body(b2_staticBody, s, 0.0F, 0.0F);
+        return made(s);
     }
     b2Body* chain(float x0, float x1, float y) { // carries from above
         const b2Vec2 v[] = {{L * x1, L * y}, {0.5F * L * (x0 + x1), L * y}, {L * x0, L * y}};
         b2ChainShape s;
         s.CreateChain(v, 3, {L * (x1 + 1.0F), L * y}, {L * (x0 - 1.0F), L * y});
-        return body(b2_staticBody, s, 0.0F, 0.0F);
+        return made(s);
     }
     b2Body* disc(float x, float y, float radius) {
         b2CircleShape s;
         s.m_radius = L * radius;
-        return body(b2_staticBody, s, x, y);
-    }
-    /// A strip that lies flat, 0.4 m long.
-    ShellHandle strip(double x, double y) {
-        ShellDef d = scaled_shell(0.35, 0.4, 0.5, 60.0);
-        d.elements = 10;
-        d.natural_curvature.assign(10, 0.0);
-        d.position = {x, y};
-        return shells.create(d).value();
+        return made(s, x, y);
     }
     void frame(double dt = kFrame) {
-        const FrameReport r = shells.pre_step(dt);
-        INFO(r.failure);
-        REQUIRE(r.failure.empty());
-        world.Step(static_cast<float>(r.advanced), 8, 3);
-        shells.post_step().or_fail();
+        GameWorld::frame(dt);
         for (const HoldBlockedEvent& e : shells.events().hold_blocked)
             blocked.push_back(e);
         quarantined += shells.events().quarantined.size();
@@ -79,10 +49,6 @@ struct Level {
                shells.world().counters.crossings;
     }
 
-    float L;
-    b2World world;
-    bridge::Attachment port;
-    Shells shells;
     std::vector<HoldBlockedEvent> blocked;
     std::size_t quarantined = 0;
 };
@@ -106,7 +72,7 @@ TEST_CASE("a held point driven into a wall stops at first contact", "[box2d][hol
     const HoldKind kind = GENERATE(HoldKind::Clamp, HoldKind::Pin);
     CAPTURE(static_cast<int>(quality), scale, wall, pace, static_cast<int>(kind));
     Level level(quality, scale);
-    b2Body* body = wall == 0   ? level.box(b2_staticBody, 0.0F, -0.5F, 20.0F, 0.5F)
+    b2Body* body = wall == 0   ? level.box(0.0F, -0.5F, 20.0F, 0.5F)
                    : wall == 1 ? level.edge(-20.0F, 20.0F, 0.0F)
                    : wall == 2 ? level.chain(-20.0F, 20.0F, 0.0F)
                                : level.disc(0.0F, -2.0F, 2.0F);
@@ -148,7 +114,7 @@ TEST_CASE("a held point and a wall that come to each other meet once and say so"
     const bool holdMoves = GENERATE(true, false);
     CAPTURE(static_cast<int>(quality), holdMoves);
     Level level(quality, 1.0);
-    b2Body* wall = level.box(b2_kinematicBody, 0.0F, -0.5F, 2.0F, 0.5F); // its face is y = 0
+    b2Body* wall = level.box(0.0F, -0.5F, 2.0F, 0.5F, b2_kinematicBody); // its face is y = 0
     const ShellHandle shell = level.strip(0.0, 0.2);
     const HoldHandle hold = level.shells.create_clamp(shell, 0.5).value();
     const double h = level.thickness(shell);
@@ -181,7 +147,7 @@ TEST_CASE("a held point slides along what it touches and leaves it", "[box2d][ho
     const double press = GENERATE(0.0, -0.005); // thicknesses in a frame
     CAPTURE(static_cast<int>(quality), wall, press);
     Level level(quality, 1.0);
-    wall == 0   ? level.box(b2_staticBody, 0.0F, -0.5F, 20.0F, 0.5F)
+    wall == 0   ? level.box(0.0F, -0.5F, 20.0F, 0.5F)
     : wall == 1 ? level.edge(-20.0F, 20.0F, 0.0F)
                 : level.chain(-20.0F, 20.0F, 0.0F);
     ShellHandle shell = level.strip(0.0, 1.0);
@@ -203,22 +169,15 @@ TEST_CASE("a held point passes what its shell does not touch", "[box2d][holds]")
     const int why = GENERATE(0, 1, 2, 3); // mask, veto, tether (it does touch), from below
     CAPTURE(why);
     Level level(Quality::Game, 1.0);
-    b2Body* wall = why == 3 ? level.chain(-20.0F, 20.0F, 0.0F) : level.box(b2_staticBody, 0.0F, 0.0F, 20.0F, 0.05F);
+    b2Body* wall = why == 3 ? level.chain(-20.0F, 20.0F, 0.0F) : level.box(0.0F, 0.0F, 20.0F, 0.05F);
     const double side = why == 3 ? -1.0 : 1.0;
     const ShellHandle shell = level.strip(0.0, 0.5 * side);
     if (why == 0)
         level.shells.set_filter(shell, {1, 0, 0}).or_fail();
     if (why == 1)
         level.shells.set_pair_filter([](const PairQuery&) { return false; }).or_fail();
-    if (why == 2) {
-        JointDef j;
-        j.kind = JointKind::Tether;
-        j.shell = shell;
-        j.body = level.port.body_id(*wall);
-        j.point = {0.0, 0.0};
-        j.length = 5.0;
-        level.shells.create_joint(j).or_fail();
-    }
+    if (why == 2)
+        level.join(shell, 0.5, *wall, JointKind::Tether, 5.0).or_fail();
     const HoldHandle hold = level.shells.create_clamp(shell, 0.5).value();
     for (int i = 0; i < 20; ++i) {
         put(level, hold, {0.0, -0.05 * side});

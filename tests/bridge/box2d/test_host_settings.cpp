@@ -1,62 +1,42 @@
 // What a user of Box2D sets on bodies, fixtures and the world, as shells take it.
 
-#include "bridge/box2d/include/supercircle/box2d.hpp"
-#include "plugin/api/include/supercircle/shells.hpp"
+#include "tests/bridge/box2d/game_world.h"
 
 #include <array>
-#include <box2d/box2d.h>
-#include <catch2/catch.hpp>
-#include <cmath>
 #include <limits>
 #include <map>
-#include <vector>
 
 using namespace supercircle;
+using namespace supercircle::bridge_test;
 using Catch::Contains;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0; ///< s
 const float kNan = std::numeric_limits<float>::quiet_NaN();
 
-struct Game {
+struct Game : GameWorld {
     explicit Game(double scale = 1.0, b2Vec2 origin = {0.0F, 0.0F})
-        : L(static_cast<float>(scale)), at(origin), world(L * b2Vec2(0.0F, -9.81F)),
-          port(bridge::attach(world, {scale})), shells(port) {}
+        : GameWorld(Quality::Laboratory, {.scale = scale, .density = 10.0F, .friction = 0.5F}), at(origin) {}
 
-    b2Body* box(float x, float y, float halfX, float halfY, b2BodyType type, float friction = 0.5F,
-                float restitution = 0.0F) {
-        b2BodyDef d;
-        d.type = type;
-        d.position = L * (at + b2Vec2(x, y));
-        b2Body* b = world.CreateBody(&d);
-        b2PolygonShape s;
-        s.SetAsBox(L * halfX, L * halfY);
-        b2FixtureDef f;
-        f.shape = &s;
-        f.density = 10.0F / (L * L);
-        f.friction = friction;
-        f.restitution = restitution;
-        b->CreateFixture(&f);
+    b2Body* box(float x, float y, float halfX, float halfY, b2BodyType type) {
+        return GameWorld::box(at.x + x, at.y + y, halfX, halfY, type);
+    }
+    b2Body* floor(float restitution = 0.0F) {
+        b2Body* b = box(0.0F, -0.5F, 20.0F, 0.5F, b2_staticBody);
+        b->GetFixtureList()->SetRestitution(restitution);
         return b;
     }
-    b2Body* floor(float restitution = 0.0F) { return box(0.0F, -0.5F, 20.0F, 0.5F, b2_staticBody, 0.5F, restitution); }
     /// A game's shell of radius 0.5 m that opens downwards, above the floor.
     ShellHandle dome(double x, double height = 0.02) {
-        ShellDef d = scaled_shell(0.5, 1.0, 0.5);
+        ShellDef d = GameWorld::dome(0.5, {static_cast<double>(at.x) + x, static_cast<double>(at.y) + 0.5 + height});
         d.mu = 0.5;
-        d.angle = M_PI;
-        d.position = {static_cast<double>(at.x) + x, static_cast<double>(at.y) + 0.5 + height};
         const auto made = shells.create(d);
         REQUIRE(made);
         return *made;
     }
     FrameReport frame(double dt = kFrame) {
-        const FrameReport r = shells.pre_step(dt);
-        INFO(r.failure);
-        REQUIRE(r.failure.empty());
-        world.Step(static_cast<float>(r.advanced), 8, 3);
-        REQUIRE(shells.post_step());
+        const FrameReport r = begin(dt);
+        REQUIRE(end(r));
         return r;
     }
     void frames(int n) {
@@ -65,11 +45,7 @@ struct Game {
     }
     [[nodiscard]] Point centre(ShellHandle s) const { return shells.state(s)->centre; }
 
-    float L;   ///< units per metre
     b2Vec2 at; ///< m, where the game is
-    b2World world;
-    bridge::Attachment port;
-    Shells shells;
 };
 
 /// A belt as Box2D's users make it.
@@ -294,8 +270,7 @@ TEST_CASE("numbers that are not finite in a Box2D body are refused for that fram
             b->SetTransform(position, 0.0F);
             b->SetLinearVelocity(velocity);
             spoilt.world.SetGravity(gravity);
-            spoilt.world.Step(static_cast<float>(r.advanced), 8, 3);
-            REQUIRE(spoilt.shells.post_step());
+            REQUIRE(spoilt.end(r));
             plain.frame();
         }
         CHECK(spoilt.port.body_id(*b) == id);
@@ -319,8 +294,7 @@ TEST_CASE("a crate on a shell survives a frame with bad numbers", "[bridge]") {
     CHECK(r.failure.empty());
     CHECK_THAT(r.refused, Contains("body") && Contains("not finite"));
     crate->SetLinearVelocity({0.0F, 0.0F});
-    g.world.Step(static_cast<float>(r.advanced), 8, 3);
-    REQUIRE(g.shells.post_step());
+    REQUIRE(g.end(r));
     g.frames(60);
     CHECK((crate->GetPosition() - position).Length() < 0.3F);
     CHECK(g.shells.state(shell));

@@ -1,69 +1,20 @@
 // Corrections of joints, holds, contacts and copies add no motion, and nothing fast passes unseen.
 
-#include "bridge/box2d/include/supercircle/box2d.hpp"
-#include "plugin/api/include/supercircle/shells.hpp"
-
-#include <algorithm>
-#include <box2d/box2d.h>
-#include <catch2/catch.hpp>
-#include <cmath>
+#include "tests/bridge/box2d/game_world.h"
 
 using namespace supercircle;
+using namespace supercircle::bridge_test;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0; ///< s
-
-struct Game {
-    explicit Game(Quality quality, float gravity = -9.81F, double scale = 1.0)
-        : L(static_cast<float>(scale)), world({0.0F, L * gravity}), port(bridge::attach(world, {scale})), shells(port) {
-        shells.set_quality(quality).or_fail();
-    }
-    b2Body* box(float x, float y, float halfX, float halfY, b2BodyType type, float density) {
-        b2BodyDef d;
-        d.type = type;
-        d.position.Set(L * x, L * y);
-        b2Body* b = world.CreateBody(&d);
-        b2PolygonShape s;
-        s.SetAsBox(L * halfX, L * halfY);
-        b2FixtureDef f;
-        f.shape = &s;
-        f.density = density / (L * L);
-        f.friction = 0.6F;
-        b->CreateFixture(&f);
-        return b;
-    }
-    FrameReport frame(double dt = kFrame) {
-        const FrameReport r = shells.pre_step(dt);
-        REQUIRE(r.failure.empty());
+struct Game : GameWorld {
+    explicit Game(Quality quality, float gravity = -9.81F, double scale = 1.0, float density = 20.0F)
+        : GameWorld(quality, {.scale = scale, .gravity = gravity, .density = density, .friction = 0.6F}) {}
+    void frame(double dt = kFrame) {
+        GameWorld::frame(dt);
         CHECK(shells.events().quarantined.empty());
-        world.Step(static_cast<float>(r.advanced), 8, 3);
-        shells.post_step().or_fail();
-        return r;
     }
-
-    float L;
-    b2World world;
-    bridge::Attachment port;
-    Shells shells;
 };
-
-ShellHandle bumper(Game& g, Point at) {
-    ShellDef d = scaled_shell(0.35, 0.4, 0.5, 60.0);
-    d.elements = 10;
-    d.angle = M_PI / 2.0;
-    d.position = at;
-    return g.shells.create(d).value();
-}
-
-void join(Game& g, ShellHandle shell, JointKind kind, double fraction, const b2Body& body) {
-    JointDef d;
-    d.kind = kind;
-    d.shell = shell;
-    d.arc_fraction = fraction;
-    d.body = g.port.body_id(body);
-    REQUIRE(g.shells.create_joint(d));
-}
 
 } // namespace
 
@@ -73,11 +24,11 @@ TEST_CASE("a crate with a welded shell lands and stays", "[box2d][injected]") {
         for (const double units : {1.0, 50.0})
             for (const int tips : {1, 2}) {
                 Game g(quality, -9.81F, units);
-                g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
-                b2Body* crate = g.box(0.0F, 1.8F, 0.5F, 0.5F, b2_dynamicBody, 20.0F);
-                const ShellHandle shell = bumper(g, {0.87, 1.8});
+                g.floor();
+                b2Body* crate = g.box(0.0F, 1.8F, 0.5F, 0.5F, b2_dynamicBody);
+                const ShellHandle shell = g.bumper({0.87, 1.8});
                 for (int i = 0; i < tips; ++i)
-                    join(g, shell, JointKind::Weld, static_cast<double>(i), *crate);
+                    REQUIRE(g.join(shell, static_cast<double>(i), *crate, JointKind::Weld));
                 double highest = 0.0;
                 bool landed = false;
                 for (int i = 0; i < 90; ++i) {
@@ -96,10 +47,10 @@ TEST_CASE("a short frame is no blow", "[box2d][injected]") {
     for (const Quality quality : {Quality::Game, Quality::Laboratory})
         for (const JointKind kind : {JointKind::Weld, JointKind::Pin})
             for (const double dt : {1e-3, 1e-5, 1e-7}) {
-                Game g(quality);
-                g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
-                b2Body* crate = g.box(0.0F, 1.5F, 1.4F, 0.2F, b2_dynamicBody, 40.0F);
-                join(g, bumper(g, {1.77, 1.5}), kind, 0.0, *crate);
+                Game g(quality, -9.81F, 1.0, 40.0F);
+                g.floor();
+                b2Body* crate = g.box(0.0F, 1.5F, 1.4F, 0.2F, b2_dynamicBody);
+                REQUIRE(g.join(g.bumper({1.77, 1.5}), 0.0, *crate, kind));
                 double fastest = 0.0;
                 for (int i = 0; i < 45; ++i) {
                     g.frame(i == 30 ? dt : kFrame);
@@ -116,10 +67,7 @@ TEST_CASE("no body passes a shell unseen, at any speed and phase", "[box2d][inje
             for (const double speed : {5.0, 20.0, 60.0, 110.0}) // Box2D stops at 2 m a step: 120 m/s at 60 Hz
                 for (int phase = 0; phase < 5; ++phase) {
                     Game g(quality, 0.0F);
-                    ShellDef d = scaled_shell(1.0, 2.0, 0.5);
-                    d.position = {0.0, 1.0};
-                    d.angle = M_PI;
-                    const ShellHandle dome = g.shells.create(d).value();
+                    const ShellHandle dome = g.shells.create(Game::dome(1.0, {0.0, 1.0})).value();
                     REQUIRE(g.shells.create_clamp(dome, 0.0));
                     REQUIRE(g.shells.create_clamp(dome, 1.0));
                     b2BodyDef def;
@@ -145,9 +93,9 @@ TEST_CASE("a joint to a body that its user has moved closes without a blow", "[b
     for (const Quality quality : {Quality::Game, Quality::Laboratory})
         for (const double way : {0.001, 0.007, 0.05}) {
             Game g(quality);
-            g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
-            b2Body* crate = g.box(0.0F, 0.5F, 0.5F, 0.5F, b2_dynamicBody, 20.0F);
-            join(g, bumper(g, {0.9, 0.5}), JointKind::Weld, 0.0, *crate);
+            g.floor();
+            b2Body* crate = g.box(0.0F, 0.5F, 0.5F, 0.5F, b2_dynamicBody);
+            REQUIRE(g.join(g.bumper({0.9, 0.5}), 0.0, *crate, JointKind::Weld));
             for (int i = 0; i < 30; ++i)
                 g.frame();
             crate->SetTransform(crate->GetPosition() + b2Vec2(static_cast<float>(-way), 0.0F), crate->GetAngle());
@@ -163,12 +111,10 @@ TEST_CASE("a joint to a body that its user has moved closes without a blow", "[b
 TEST_CASE("a platform that is put forward every frame carries what stands on its way", "[box2d][injected]") {
     for (const Quality quality : {Quality::Game, Quality::Laboratory}) {
         Game g(quality);
-        g.box(0.0F, -0.5F, 40.0F, 0.5F, b2_staticBody, 0.0F);
-        b2Body* pusher = g.box(-2.0F, 0.5F, 0.5F, 0.5F, b2_kinematicBody, 1.0F);
-        ShellDef d = scaled_shell(0.5, 1.0, 0.5);
+        g.floor();
+        b2Body* pusher = g.box(-2.0F, 0.5F, 0.5F, 0.5F, b2_kinematicBody);
+        ShellDef d = Game::dome(0.5, {0.0, 0.52});
         d.mu = 0.1;
-        d.angle = M_PI;
-        d.position = {0.0, 0.52};
         const ShellHandle dome = g.shells.create(d).value();
         for (int i = 0; i < 180; ++i) { // 1 m/s by SetTransform, its velocity stays zero
             pusher->SetTransform({-2.0F + static_cast<float>(i) / 60.0F, 0.5F}, 0.0F);

@@ -1,78 +1,35 @@
 // Pairs that cross when made, teleported, restored or covered by a body part gently: none is quarantined, no step is
 // cut for them, none is faster than 20 thicknesses a second, and in the end nothing crosses.
 
-#include "bridge/box2d/include/supercircle/box2d.hpp"
-#include "plugin/api/include/supercircle/shells.hpp"
-#include "supercircle/contact/crossing.h"
-#include "supercircle/step/world.h"
-
-#include <algorithm>
-#include <box2d/box2d.h>
-#include <catch2/catch.hpp>
-#include <cmath>
+#include "tests/bridge/box2d/game_world.h"
+#include "tests/support/crossings.h"
 
 using namespace supercircle;
+using namespace supercircle::bridge_test;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0;  ///< s
 constexpr double kThickness = 0.02604; ///< m, of scaled_shell(1, 2, 0.5)
 constexpr double kPush = 20.0 * kThickness;
 
-struct Game {
+struct Game : GameWorld {
     explicit Game(Quality quality, double units = 1.0, float gravity = -9.81F)
-        : L(static_cast<float>(units)), world({0.0F, L * gravity}), shells(bridge::attach(world, {units})) {
-        shells.set_quality(quality).or_fail();
-    }
-    b2Body* box(float x, float y, float halfX, float halfY, b2BodyType type = b2_staticBody, float density = 0.0F) {
-        b2BodyDef d;
-        d.type = type;
-        d.position.Set(L * x, L * y);
-        b2Body* b = world.CreateBody(&d);
-        b2PolygonShape s;
-        s.SetAsBox(L * halfX, L * halfY);
-        b->CreateFixture(&s, density / (L * L))->SetFriction(0.5F);
-        return b;
-    }
-    void floor() { box(0.0F, -0.5F, 40.0F, 0.5F); }
-    static ShellDef dome(double x, double y, double angle = M_PI) {
-        ShellDef d = scaled_shell(1.0, 2.0, 0.5);
-        d.position = {x, y};
-        d.angle = angle;
-        return d;
-    }
+        : GameWorld(quality, {.scale = units, .gravity = gravity, .density = 20.0F, .friction = 0.5F}) {}
+    static ShellDef dome(double x, double y, double angle = M_PI) { return GameWorld::dome(1.0, {x, y}, angle); }
     ShellHandle shell(double x, double y, double angle = M_PI) { return shells.create(dome(x, y, angle)).value(); }
     void frame() {
-        const FrameReport r = shells.pre_step(kFrame);
-        REQUIRE(r.failure.empty());
+        const FrameReport r = GameWorld::frame();
         CHECK(r.advanced == Approx(kFrame));
         CHECK(r.quarantined.empty());
         overlapping += shells.events().overlapping.size();
         mostSteps = std::max(mostSteps, r.steps);
-        for (const step::Rod& rod : shells.world().rods)
-            fastest = std::max(fastest, rod.speed);
-        world.Step(static_cast<float>(r.advanced), 8, 3);
-        shells.post_step().or_fail();
+        fastest = std::max(fastest, speed());
     }
     void run(double seconds) {
         for (int i = 0; i < static_cast<int>(std::lround(seconds / kFrame)); ++i)
             frame();
     }
-    /// By the crossing check in the present configuration, whatever the overlaps say.
-    [[nodiscard]] std::size_t crossings() {
-        const step::World& w = shells.world();
-        std::vector<contact::RodCurve> curves(w.rods.size());
-        for (std::size_t i = 0; i < curves.size(); ++i)
-            step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
-        std::vector<contact::Outline> outlines;
-        for (const step::BodyOutline& o : w.outlines) {
-            const step::BodyState& s = w.bodies[static_cast<std::size_t>(step::bodyIndex(w, o.body))].state;
-            outlines.push_back(step::placed(o, s.centre, s.angle));
-        }
-        std::vector<contact::Crossing> found;
-        contact::findCrossings(curves, outlines, found);
-        return found.size();
-    }
+    [[nodiscard]] std::size_t crossings() const { return test::crossings(shells); }
     void checkApart() {
         CHECK(crossings() == 0);
         CHECK(shells.world().overlaps.empty());
@@ -81,9 +38,6 @@ struct Game {
         CHECK(std::abs(shells.energy_balance().residual) < 1e-9);
     }
 
-    float L;
-    b2World world;
-    Shells shells;
     std::size_t overlapping = 0; ///< events
     std::uint64_t mostSteps = 0; ///< of one frame
     double fastest = 0.0;        ///< m/s
@@ -215,7 +169,7 @@ TEST_CASE("a crate put onto a shell and the shell part", "[box2d][overlap]") {
         g.floor();
         const ShellHandle s = g.shell(0.0, 1.02);
         g.run(1.0);
-        b2Body* crate = g.box(0.1F, 0.9F, 0.3F, 0.3F, b2_dynamicBody, 20.0F);
+        b2Body* crate = g.box(0.1F, 0.9F, 0.3F, 0.3F, b2_dynamicBody);
         double fastest = 0.0;
         for (int i = 0; i < 120; ++i) {
             g.frame();

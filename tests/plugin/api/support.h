@@ -101,5 +101,11 @@ inline std::shared_ptr<FakeHost> emptyHost(double gravity = 0.0) {
     host->g = {0.0, -gravity};
     return host;
 }
+/// With gravity and a ground, body 1, whose face is y = 0.
+inline std::shared_ptr<FakeHost> groundHost(double friction = 0.35) {
+    auto host = emptyHost(kG);
+    host->addGround(1, friction);
+    return host;
+}
 
 } // namespace supercircle::test

@@ -10,12 +10,6 @@ using Catch::Contains;
 
 namespace {
 
-std::shared_ptr<FakeHost> ground() {
-    auto host = emptyHost(kG);
-    host->addGround(1, 0.5);
-    return host;
-}
-
 /// A dome that falls onto the ground.
 ShellDef falling() {
     ShellDef d = dome();
@@ -55,7 +49,7 @@ TEST_CASE("the catalogue of effects is complete and its defaults switch each eff
             on = on || (p.is_switch && p.default_value != p.neutral_value);
         }
         CHECK(on);
-        Shells shells(ground());
+        Shells shells(groundHost(0.5));
         const ShellHandle shell = *shells.create(falling());
         const Status set = shells.set_effects(shell, e.key);
         CHECK(static_cast<bool>(set) == e.acts_on_shells);
@@ -68,7 +62,7 @@ TEST_CASE("the catalogue of effects is complete and its defaults switch each eff
 }
 
 TEST_CASE("an effect changes the motion, and its values can be read back", "[plugin]") {
-    auto host = ground(), other = ground();
+    auto host = groundHost(0.5), other = groundHost(0.5);
     Shells with(host), without(other);
     const ShellHandle shell = *with.create(falling());
     REQUIRE(without.create(falling()));
@@ -87,7 +81,7 @@ TEST_CASE("an effect changes the motion, and its values can be read back", "[plu
 }
 
 TEST_CASE("an effect without a switch among its parameters is on", "[plugin]") {
-    Shells shells(ground());
+    Shells shells(groundHost(0.5));
     const ShellHandle shell = *shells.create(falling());
     REQUIRE(shells.set_effects(shell, "plasticity", {{"hardening", "kinematic"}}));
     REQUIRE(shells.set_effects(shell, "viscoelastic_bending", {{"law", "standard_linear_solid"}}));
@@ -100,7 +94,7 @@ TEST_CASE("an effect without a switch among its parameters is on", "[plugin]") {
 }
 
 TEST_CASE("a wrong key or parameter of an effect is answered with the nearest one", "[plugin]") {
-    Shells shells(ground());
+    Shells shells(groundHost(0.5));
     const ShellHandle shell = *shells.create(falling());
     const std::uint64_t before = shells.hash();
     const auto why = [&](const std::string& key, const std::vector<EffectValue>& values = {}) {
@@ -127,7 +121,7 @@ TEST_CASE("a wrong key or parameter of an effect is answered with the nearest on
 
 TEST_CASE("an effect that is off or removed is bitwise identical to an absent one", "[plugin]") {
     for (const bool atRest : {false, true}) {
-        auto host = ground(), other = ground();
+        auto host = groundHost(0.5), other = groundHost(0.5);
         Shells touched(host), plain(other);
         for (Shells* s : {&touched, &plain})
             for (const double x : {0.0, 0.3}) {
@@ -157,7 +151,7 @@ TEST_CASE("an effect that is off or removed is bitwise identical to an absent on
 }
 
 TEST_CASE("an effect given while the world runs leaves the state of other slots alone", "[plugin]") {
-    auto host = ground();
+    auto host = groundHost(0.5);
     Shells shells(host);
     const ShellHandle shell = *shells.create(falling());
     REQUIRE(shells.set_effects(shell, "plasticity", {{"My_over_B_1_m", 0.01}}));
@@ -187,13 +181,13 @@ TEST_CASE("an effect given while the world runs leaves the state of other slots 
 }
 
 TEST_CASE("effects of all shells are given to those created later", "[plugin]") {
-    Shells shells(ground());
+    Shells shells(groundHost(0.5));
     const ShellHandle first = *shells.create(falling());
     REQUIRE(shells.set_effects(all_shells, "wear", {{"change", 0.5}}));
     const ShellHandle second = *shells.create(falling());
     for (const ShellHandle s : {first, second})
         CHECK(shells.effects(s)->size() == 1);
-    Shells copy(ground());
+    Shells copy(groundHost(0.5));
     REQUIRE(copy.restore(shells.save()));
     const ShellHandle third = *copy.create(falling());
     CHECK(copy.effects(third)->size() == 1);
@@ -204,7 +198,7 @@ TEST_CASE("effects of all shells are given to those created later", "[plugin]") 
 }
 
 TEST_CASE("the state of effects survives saving and restoring", "[plugin]") {
-    auto host = ground(), other = ground();
+    auto host = groundHost(0.5), other = groundHost(0.5);
     Shells shells(host), fresh(other);
     REQUIRE(shells.replace_effects(
         all_shells,
@@ -230,7 +224,7 @@ TEST_CASE("the state of effects survives saving and restoring", "[plugin]") {
 }
 
 TEST_CASE("calls about effects are replayed from the log", "[plugin]") {
-    auto host = ground(), other = ground();
+    auto host = groundHost(0.5), other = groundHost(0.5);
     Shells shells(host), replayed(other);
     REQUIRE(shells.start_log());
     const ShellHandle shell = *shells.create(falling());

@@ -1,11 +1,7 @@
 // Events of a frame: contacts, impulses, snaps, quarantine.
 
-#include "plugin/api/include/supercircle/shells.hpp"
-#include "supercircle/step/stepper.h"
+#include "tests/plugin/api/support.h"
 #include "tests/support/tumble.h"
-
-#include <catch2/catch.hpp>
-#include <limits>
 
 using namespace supercircle;
 using namespace supercircle::test;
@@ -37,13 +33,6 @@ FrameEvents run(Shells& shells, FakeHost* host, double seconds, double dt = 2e-3
     return all;
 }
 
-std::shared_ptr<FakeHost> ground() {
-    auto host = std::make_shared<FakeHost>();
-    host->g = {0.0, -9.81};
-    host->addGround(1, 0.35);
-    return host;
-}
-
 /// A stiff small cup, middle down.
 ShellDef cup(double x, double y) {
     ShellDef d;
@@ -58,7 +47,7 @@ ShellDef cup(double x, double y) {
 } // namespace
 
 TEST_CASE("a falling shell has one contact event, at the right place and speed", "[plugin][events]") {
-    auto host = ground();
+    auto host = groundHost();
     Shells shells(host);
     const double height = 0.02;
     const ShellHandle shell = *shells.create(cup(0.0, 0.0005 + height));
@@ -160,7 +149,7 @@ TEST_CASE("vibration, impacts and slow unloading are no snap-fits", "[plugin][ev
     const FrameEvents vibration = run(shells, nullptr, 0.4, 4e-3);
     CHECK(vibration.snap_begin.empty());
     CHECK(vibration.snap_end.empty());
-    auto host = ground();
+    auto host = groundHost();
     Shells bouncing(host);
     d = ShellDef{};
     d.position = {0.0, 0.5};
@@ -216,7 +205,7 @@ TEST_CASE("a buckled strip pushed through has one snap event with the released e
 }
 
 TEST_CASE("bad numbers quarantine a shell, with one event", "[plugin][events]") {
-    auto host = ground();
+    auto host = groundHost();
     Shells shells(host);
     const ShellHandle good = *shells.create(cup(0.0, 0.05));
     const ShellHandle sick = *shells.create(cup(0.1, 0.05));
@@ -234,7 +223,7 @@ TEST_CASE("bad numbers quarantine a shell, with one event", "[plugin][events]") 
     CHECK(shells.state(sick)->centre.x == stays.x);
     CHECK(shells.state(sick)->centre.y == stays.y);
     CHECK(shells.state(good)->centre.y < stays.y); // the others go on
-    Shells fresh(ground());
+    Shells fresh(groundHost());
     REQUIRE(fresh.restore(then));
     CHECK(run(fresh, nullptr, 4e-3).quarantined.empty());
 }

@@ -1,29 +1,18 @@
 // Frames of Quality::Game have an end: the work they take, contradictions between given motions, joints that break. No
 // test measures a time; work is counted.
 
-#include "plugin/api/include/supercircle/shells.hpp"
-#include "supercircle/contact/crossing.h"
-#include "supercircle/step/stepper.h"
-#include "tests/support/fake_host.h"
+#include "tests/plugin/api/support.h"
+#include "tests/support/crossings.h"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
 
 using namespace supercircle;
-using supercircle::test::FakeHost;
+using namespace supercircle::test;
 
 namespace {
 
 constexpr double kFrame = 1.0 / 60.0; // s
 constexpr double kBudget = 8333.0;    // the default
-
-std::shared_ptr<FakeHost> floorHost() {
-    auto host = std::make_shared<FakeHost>();
-    host->g = {0.0, -9.81};
-    host->addGround(1, 0.35);
-    return host;
-}
 
 /// A plate of 10 x 0.4 m whose lower side starts at `height`, and comes down.
 void addPlate(FakeHost& host, double height, double speed) {
@@ -39,22 +28,6 @@ ShellDef shellAt(double x, double y, double angle, double radius, double mass) {
     d.position = {x + radius * std::sin(angle), y - radius * std::cos(angle)};
     d.angle = angle;
     return d;
-}
-
-/// Pairs that cross now by the independent check; those of a body are left out on request.
-std::size_t crossings(const Shells& shells, step::BodyId without = 0) {
-    const step::World& w = shells.world();
-    std::vector<contact::RodCurve> curves(w.rods.size());
-    for (std::size_t i = 0; i < curves.size(); ++i)
-        step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
-    std::vector<contact::Outline> outlines;
-    for (const step::BodyOutline& o : w.outlines)
-        for (const step::Body& b : w.bodies)
-            if (b.id == o.body && b.id != without)
-                outlines.push_back(step::placed(o, b.state.centre, b.state.angle));
-    std::vector<contact::Crossing> found;
-    contact::findCrossings(curves, outlines, found);
-    return found.size();
 }
 
 FrameReport frame(Shells& shells, FakeHost& host) {
@@ -75,7 +48,7 @@ FrameReport frame(Shells& shells, FakeHost& host) {
 
 TEST_CASE("a press that closes crushes a shell, says so and lets it go", "[plugin][frames]") {
     const double speed = GENERATE(0.5, 2.0);
-    const auto host = floorHost();
+    const auto host = groundHost();
     addPlate(*host, 1.1, speed);
     Shells shells(host);
     REQUIRE(shells.set_quality(Quality::Game));
@@ -114,7 +87,7 @@ TEST_CASE("a press that closes crushes a shell, says so and lets it go", "[plugi
 }
 
 TEST_CASE("crushed shells freeze on request", "[plugin][frames]") {
-    const auto host = floorHost();
+    const auto host = groundHost();
     addPlate(*host, 1.1, 2.0);
     Shells shells(host);
     REQUIRE(shells.set_quality(Quality::Game));
@@ -133,7 +106,7 @@ TEST_CASE("crushed shells freeze on request", "[plugin][frames]") {
 }
 
 TEST_CASE("a clamp driven into the floor stops, with an event", "[plugin][frames]") {
-    const auto host = floorHost();
+    const auto host = groundHost();
     Shells shells(host);
     REQUIRE(shells.set_quality(Quality::Game));
     const auto shell = shells.create(shellAt(0.0, 1.2, M_PI, 1.0, 2.0));
@@ -163,7 +136,7 @@ TEST_CASE("a clamp driven into the floor stops, with an event", "[plugin][frames
 TEST_CASE("a blow is a frame as others", "[plugin][frames]") {
     // The crossing check followed such a motion in steps of a thousandth of the thickness: millions of samples.
     const double impulse = GENERATE(100.0, 500.0, 700.0);
-    const auto host = floorHost();
+    const auto host = groundHost();
     Shells shells(host);
     REQUIRE(shells.set_quality(Quality::Game));
     const auto shell = shells.create(shellAt(0.0, 1.0, M_PI, 1.0, 2.0));
@@ -177,7 +150,7 @@ TEST_CASE("a blow is a frame as others", "[plugin][frames]") {
 
 TEST_CASE("what a frame took is counted alike on every run and for any number of threads", "[plugin][frames]") {
     const auto run = [](int threads) {
-        const auto host = floorHost();
+        const auto host = groundHost();
         addPlate(*host, 8.0, 1.0);
         Shells shells(host);
         REQUIRE(shells.set_quality(Quality::Game));
@@ -218,7 +191,7 @@ TEST_CASE("holds and joints break beyond their largest force", "[plugin][frames]
     const Quality quality = GENERATE(Quality::Laboratory, Quality::Game);
     const bool joint = GENERATE(false, true);
     const double share = GENERATE(0.5, 2.0);
-    const auto host = floorHost();
+    const auto host = groundHost();
     Shells shells(host);
     REQUIRE(shells.set_quality(quality));
     const ShellDef d = shellAt(0.0, 4.0, 0.0, 1.0, 2.0);

@@ -1,50 +1,28 @@
 // Quality::Game with shells of radius 1 m at 60 frames a second: contact laws, the force of a snap for any number of
 // arcs, and frames that run out of budget.
 
-#include "plugin/api/include/supercircle/shells.hpp"
 #include "plugin/scene/player/dropper.h"
-#include "supercircle/contact/crossing.h"
-#include "supercircle/step/stepper.h"
 #include "supercircle/support/order_statistics.h"
+#include "tests/plugin/api/support.h"
 #include "tests/support/allocations.h"
-#include "tests/support/fake_host.h"
+#include "tests/support/crossings.h"
 
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
 
 using namespace supercircle;
-using supercircle::test::FakeHost;
+using namespace supercircle::test;
 
 namespace {
 
 constexpr double kFrame = 1.0 / 60.0; // s
 
 std::shared_ptr<FakeHost> boxHost(double width) {
-    auto host = std::make_shared<FakeHost>();
-    host->g = {0.0, -9.81};
-    host->addGround(1, 0.35);
+    auto host = groundHost();
     for (const int side : {-1, 1})
         host->add(static_cast<step::BodyId>(side + 3), "wall", {side * (0.5 * width + 0.5), 40.0})
             .outlines.push_back(FakeHost::box(static_cast<step::BodyId>(side + 3), 0.5, 41.0, 0.35));
     return host;
-}
-
-/// Number of crossings in the present configuration by the independent check.
-std::size_t crossings(const Shells& shells) {
-    const step::World& w = shells.world();
-    std::vector<contact::RodCurve> curves(w.rods.size());
-    for (std::size_t i = 0; i < curves.size(); ++i)
-        step::toCurve(w.rods[i], w.rods[i].kin, curves[i]);
-    std::vector<contact::Outline> outlines;
-    for (const step::BodyOutline& o : w.outlines)
-        for (const step::Body& b : w.bodies)
-            if (b.id == o.body)
-                outlines.push_back(step::placed(o, b.state.centre, b.state.angle));
-    std::vector<contact::Crossing> found;
-    contact::findCrossings(curves, outlines, found);
-    return found.size();
 }
 
 double energy(const Shells& shells) {

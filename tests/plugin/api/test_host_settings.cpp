@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kFrame = 1.0 / 60.0; ///< s
 
-std::shared_ptr<FakeHost> ground() {
-    auto host = emptyHost(kG);
-    host->addGround(1, 0.5);
-    return host;
-}
-
 ShellDef falling(double height = 0.02) {
     ShellDef d = dome();
     d.position.y += height;
@@ -37,7 +31,7 @@ struct Points : DebugDraw {
 } // namespace
 
 TEST_CASE("Shells that were moved from answer every call with an error", "[plugin]") {
-    auto host = ground();
+    auto host = groundHost(0.5);
     Shells source(host);
     const ShellHandle shell = *source.create(falling());
     const HoldHandle hold = *source.create_clamp(shell, 0.5);
@@ -131,7 +125,7 @@ TEST_CASE("Shells that were moved from answer every call with an error", "[plugi
 }
 
 TEST_CASE("pre_step(0) is a pause: nothing advances, and no bit changes", "[plugin]") {
-    auto host = ground(), other = ground();
+    auto host = groundHost(0.5), other = groundHost(0.5);
     Shells paused(host), straight(other);
     for (Shells* s : {&paused, &straight})
         REQUIRE(s->create(falling()));
@@ -172,7 +166,7 @@ TEST_CASE("a force applied before a pause acts in the frame after it", "[plugin]
 }
 
 TEST_CASE("a pause is replayed from the log", "[plugin]") {
-    auto host = ground(), other = ground();
+    auto host = groundHost(0.5), other = groundHost(0.5);
     Shells shells(host), replayed(other);
     REQUIRE(shells.start_log());
     REQUIRE(shells.create(falling()));
@@ -243,7 +237,7 @@ TEST_CASE("no pose smears over a creation, a teleport or a restored state", "[pl
 }
 
 TEST_CASE("a pair filter keeps a shell and a body apart while it says so", "[plugin]") {
-    auto host = ground();
+    auto host = groundHost(0.5);
     Shells shells(host);
     const ShellHandle shell = *shells.create(falling());
     bool veto = true;
@@ -295,7 +289,7 @@ TEST_CASE("a pair filter makes a one-way platform in both qualities", "[plugin]"
 }
 
 TEST_CASE("a pair filter that throws ends the frame with its message", "[plugin]") {
-    auto host = ground();
+    auto host = groundHost(0.5);
     Shells shells(host);
     REQUIRE(shells.create(falling()));
     REQUIRE(shells.set_pair_filter([](const PairQuery&) -> bool { throw std::runtime_error("my filter"); }));
@@ -305,7 +299,7 @@ TEST_CASE("a pair filter that throws ends the frame with its message", "[plugin]
 }
 
 TEST_CASE("a sleeping shell wakes when its pair filter changes its mind", "[plugin]") {
-    auto host = ground();
+    auto host = groundHost(0.5);
     Shells shells(host);
     const ShellHandle shell = *shells.create(falling());
     bool veto = false;
@@ -320,7 +314,7 @@ TEST_CASE("a sleeping shell wakes when its pair filter changes its mind", "[plug
 }
 
 TEST_CASE("a belt carries a shell at its speed, is saved and ends", "[plugin]") {
-    auto host = ground(), other = ground();
+    auto host = groundHost(0.5), other = groundHost(0.5);
     Shells shells(host), fresh(other);
     const ShellHandle shell = *shells.create(falling(0.002));
     settle(shells, host.get());
@@ -371,7 +365,7 @@ TEST_CASE("a belt of one fixture leaves the rest of its body at rest", "[plugin]
 TEST_CASE("bad numbers of a host body or of gravity are refused for that frame", "[plugin]") {
     for (int what = 0; what < 6; ++what) {
         CAPTURE(what);
-        auto host = ground(), other = ground();
+        auto host = groundHost(0.5), other = groundHost(0.5);
         host->add(2, "crate", {3.0, 3.0}, 0.0).outlines.push_back(FakeHost::box(2, 0.1, 0.1, 0.5));
         host->bodies.at(2).state.mass = 1.0;
         host->bodies.at(2).state.inertia = 1.0;
@@ -420,7 +414,7 @@ TEST_CASE("bad numbers of a host body or of gravity are refused for that frame",
 }
 
 TEST_CASE("a joint outlives a frame in which its body has bad numbers", "[plugin]") {
-    auto host = ground();
+    auto host = groundHost(0.5);
     host->add(2, "hook", {0.0, 1.0}, 0.0);
     host->bodies.at(2).state.mass = 1e6;
     host->bodies.at(2).state.gravityScale = 0.0;

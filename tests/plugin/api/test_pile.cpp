@@ -28,8 +28,7 @@ ShellDef gameShell(double x, double y, double angle) {
 
 /// A box of 10 m x 20 m, open at its top.
 std::shared_ptr<FakeHost> box() {
-    auto host = emptyHost(kG);
-    host->addGround(1, 0.5);
+    auto host = groundHost(0.5);
     host->add(2, "left", {-5.5, 10.0}).outlines.push_back(FakeHost::box(2, 0.5, 10.0, 0.5));
     host->add(3, "right", {5.5, 10.0}).outlines.push_back(FakeHost::box(3, 0.5, 10.0, 0.5));
     return host;

@@ -11,8 +11,7 @@ namespace {
 
 /// Three shells that fall on each other; their coordinates at the end.
 std::vector<double> story(double seconds) {
-    auto host = emptyHost(kG);
-    host->addGround(1, 0.4);
+    auto host = groundHost(0.4);
     Shells shells(host);
     std::vector<double> coordinates;
     for (int i = 0; i < 3; ++i) {
@@ -52,8 +51,7 @@ TEST_CASE("worlds on several threads do not influence each other", "[plugin]") {
 }
 
 TEST_CASE("a million shells may be created and destroyed", "[plugin]") {
-    auto host = emptyHost(kG);
-    host->addGround(1, 0.4);
+    auto host = groundHost(0.4);
     Shells shells(host);
     const auto low = [&](double x) {
         ShellDef d = strip(0.05, {x, 0.00025 + 1e-6}, 0.0, 100.0, 2);

@@ -148,6 +148,10 @@ bool indivisible(const World& world, const Settings& settings) {
 
 } // namespace
 
+bool Stepper::Part::isSmallest(const Settings& s) const {
+    return trial.dt <= 2.0 * s.dtMin || ticks == 1 || cuts >= kGiveUp;
+}
+
 Stepper::Stepper(Settings settings) : settings_(settings), work_(std::make_unique<Work>()) {}
 Stepper::~Stepper() = default;
 
@@ -182,6 +186,61 @@ Reason Stepper::rejection(const TrialStep& t, int cuts, bool inAHurry) const {
     return t.stage.report.converged || asItIs || settings_.fixedDt > 0.0 ? Reason::None : Reason::Unconverged;
 }
 
+/// What becomes of a trial that was made.
+enum class Stepper::Verdict : std::uint8_t {
+    Accept, ///< it is the next state
+    Repeat, ///< another one is made
+    End     ///< the frame ends here
+};
+
+/// Takes over what the trial returns, and judges it. `elapsed`: of the frame before the trial, s.
+Stepper::Verdict Stepper::judge(Part& part, double elapsed, Port* port, FrameBudget& budget, FrameResult& out) {
+    World& world = part.world;
+    TrialStep& trial = part.trial;
+    adopt(world, trial.result);
+    const double spent = trial.result.work.units();
+    const Reason reason = rejection(trial, part.cuts, budget.hurries(spent));
+    budget.spend(spent);
+    out.budgetExhausted = trial.result.outOfWork || budget.exhausted();
+    if (trial.result.outOfWork)
+        return Verdict::End;
+    if ((port || part.partition) && trial.result.judged &&
+        leavesRegions(world, trial, part.frame - elapsed, part.reading)) {
+        if (part.rodsMeetOthers())
+            return Verdict::End;
+        if (port && readAgain(world, *port, settings_, part.frame, elapsed, part.reading)) {
+            updateVetoes(world, part.frame, pairFilter);
+            countRejection(world, Reason::OutsideRegion);
+            return Verdict::Repeat;
+        }
+    }
+    if (reason == Reason::SleeperPressed || !trial.result.overlaps.empty()) {
+        countRejection(world, reason);
+        return Verdict::Repeat;
+    }
+    if (endedContradiction(world, settings_, trial, reason, part.cuts, out)) {
+        countRejection(world, reason == Reason::None ? Reason::Unconverged : reason);
+        part.cuts = part.unsolved = 0;
+        return Verdict::Repeat;
+    }
+    if (reason != Reason::None && !part.isSmallest(settings_)) {
+        countRejection(world, reason);
+        ++part.cuts;
+        part.unsolved += reason == Reason::Unconverged ? 1 : 0;
+        world.dtNext = 0.5 * trial.dt;
+        return Verdict::Repeat;
+    }
+    if (settings_.fixedDt <= 0.0 && takeOutHopeless(world, trial.result)) {
+        part.cuts = part.unsolved = 0;
+        return Verdict::Repeat;
+    }
+    out.failure = whyNot(trial);
+    if (out.failure.empty())
+        return Verdict::Accept;
+    world.counters.crossings += trial.result.crossings.size();
+    return Verdict::End;
+}
+
 /// Steps a part through the frame.
 FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObserver& observer) {
     FrameResult out;
@@ -195,85 +254,47 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
     observer.begin(world);
     const double start = world.time;
     FrameBudget budget(settings_, world, part.budget, part.budgeted);
-    int cuts = cutsOf(world), unsolved = 0; // in a row; of them those for a contact problem that was given up
+    part.frame = frame;
+    part.cuts = cutsOf(world);
     std::int64_t left = kTicks;
     while (left > 0 && out.failure.empty() && !out.stopped && !out.budgetExhausted) {
-        const std::int64_t ticks = ticksFor(wantedSize(world, settings_, frame, cuts), frame, left);
-        trial.dt = frame * static_cast<double>(ticks) / kTicks;
+        part.ticks = ticksFor(wantedSize(world, settings_, frame, part.cuts), frame, left);
+        trial.dt = frame * static_cast<double>(part.ticks) / kTicks;
         const Settings& settings = budget.settings();
         trial.workLimit = budget.trialLimit();
         trial.solveLimit = budget.solveLimit();
         trial.hurryAt = budget.hurryAt();
-        trial.fullEffort = !settings_.giveUpEarly || unsolved >= kCutsToFullEffort;
+        trial.fullEffort = !settings_.giveUpEarly || part.unsolved >= kCutsToFullEffort;
         SC_ASSERT(trial.dt > 0.0 && trial.dt <= frame, "a step is a part of the frame");
         const std::uint64_t before = invariants::kExpensive ? fingerprint(world) : 0;
         tryStep(world, settings, trial, times_, onSolve);
         SC_ASSERT_EXPENSIVE(before == fingerprint(world), "a trial changes nothing of the world");
         (void)before;
-        adopt(world, trial.result);
-        const double spent = trial.result.work.units();
-        const Reason reason = rejection(trial, cuts, budget.hurries(spent));
-        budget.spend(spent);
-        out.budgetExhausted = trial.result.outOfWork || budget.exhausted();
-        if (trial.result.outOfWork)
+        const Verdict verdict = judge(part, world.time - start, port, budget, out);
+        if (verdict == Verdict::Repeat)
+            continue;
+        if (verdict == Verdict::End)
             break;
-        const double elapsed = world.time - start;
-        if ((port || part.partition) && trial.result.judged &&
-            leavesRegions(world, trial, frame - elapsed, part.reading)) {
-            if (part.rodsMeetOthers())
-                break;
-            if (port && readAgain(world, *port, settings_, frame, elapsed, part.reading)) {
-                updateVetoes(world, frame, pairFilter);
-                countRejection(world, Reason::OutsideRegion);
-                continue;
-            }
-        }
-        if (reason == Reason::SleeperPressed || !trial.result.overlaps.empty()) {
-            countRejection(world, reason);
-            continue;
-        }
-        if (endedContradiction(world, settings_, trial, reason, cuts, out)) {
-            countRejection(world, reason == Reason::None ? Reason::Unconverged : reason);
-            cuts = unsolved = 0;
-            continue;
-        }
-        const bool smallest = trial.dt <= 2.0 * settings_.dtMin || ticks == 1 || cuts >= kGiveUp;
-        if (reason != Reason::None && !smallest) {
-            countRejection(world, reason);
-            ++cuts;
-            unsolved += reason == Reason::Unconverged ? 1 : 0;
-            world.dtNext = 0.5 * trial.dt;
-            continue;
-        }
-        if (settings_.fixedDt <= 0.0 && takeOutHopeless(world, trial.result)) {
-            cuts = unsolved = 0;
-            continue;
-        }
-        out.failure = whyNot(trial);
-        if (!out.failure.empty()) {
-            world.counters.crossings += trial.result.crossings.size();
-            break;
-        }
         acceptStep(world, trial, times_);
         budget.accept();
         breakOverloaded(world, out.broken);
         if (settings_.autoSleep)
             measureRest(world, settings_, trial.dt);
         work_->lastDt = trial.dt;
-        world.dtNext = nextSize(settings, trial, cuts > 0 ? 1.0 : budget.growth(trial.dt, world.dtNext));
-        cuts = unsolved = 0;
+        world.dtNext = nextSize(settings, trial, part.cuts > 0 ? 1.0 : budget.growth(trial.dt, world.dtNext));
+        part.cuts = part.unsolved = 0;
         SC_ASSERT(!(world.dtNext <= 0.0), "the next step takes time");
-        left -= ticks;
+        left -= part.ticks;
         world.time = start + frame * static_cast<double>(kTicks - left) / kTicks;
         if (part.bodiesMeetOthers(frame - (world.time - start)))
             break;
         out.stopped = observer.afterStep(world);
         out.budgetExhausted = left > 0 && budget.exhausted();
     }
-    part.used = out.work = budget.used();
+    out.work = budget.used();
     for (Rod& r : world.rods) {
         r.dtNext = world.dtNext;
-        r.cuts = out.budgetExhausted ? cuts : 0;
+        r.cuts = out.budgetExhausted ? part.cuts : 0;
     }
     out.advanced = frame * static_cast<double>(kTicks - left) / kTicks;
     SC_ASSERT(!(out.advanced < 0.0) && !(out.advanced > frame + 1e-9 * (frame + std::abs(start))),

@@ -72,6 +72,7 @@ struct StageTimes : std::array<double, static_cast<std::size_t>(Stage::Count)> {
 };
 
 struct TrialStep;
+class FrameBudget;
 
 /// Called with every contact problem after it was solved.
 using SolveObserver = std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)>;
@@ -136,6 +137,8 @@ public:
 
 private:
     struct Part;
+    enum class Verdict : std::uint8_t;
+    Verdict judge(Part& part, double elapsed, Port* port, FrameBudget& budget, FrameResult& out);
     [[nodiscard]] Reason rejection(const TrialStep& trial, int cuts, bool inAHurry) const;
     FrameResult advancePart(Part& part, double frame, Port* port, FrameObserver& observer);
     FrameResult advanceWhole(World& world, double frame, Port* port, FrameObserver& observer);

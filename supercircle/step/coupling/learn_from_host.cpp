@@ -30,8 +30,9 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
         const Vec2 change = now.velocity - h.handed - unsolved[i].velocity;
         const double turn = now.spin - h.handedSpin - unsolved[i].spin;
         const BodyState& s = b.state;
-        const Vec2 expected = h.hostImpulse / s.mass;
-        const double expectedTurn = s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
+        // `handed` holds what was expected of the host for coupled copies only; of others all of it is in `change`.
+        const Vec2 expected = h.coupled ? Vec2(h.hostImpulse / s.mass) : Vec2(Vec2::Zero());
+        const double expectedTurn = h.coupled && s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
         h.all.learn((expected + change) / advanced, (expectedTurn + turn) / advanced, advanced);
         h.unexplained.learn(h.coupled ? Vec2(change / advanced + h.unexplained.expectedLinear) : Vec2(Vec2::Zero()),
                             h.coupled ? turn / advanced + h.unexplained.expectedAngular : 0.0, advanced);

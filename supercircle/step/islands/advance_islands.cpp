@@ -90,8 +90,8 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
             weights -= weight;
             part.budgeted = late <= kMostLate;
             island.end = target > 0.0 ? advancePart(part, target, port, observer) : FrameResult{};
-            left = left > 0.0 ? std::max(left - part.used, 1.0) : 0.0;
-            out.work += part.used;
+            left = left > 0.0 ? std::max(left - island.end.work, 1.0) : 0.0;
+            out.work += island.end.work;
             if (island.end.advanced <= 0.0 && island.end.budgetExhausted)
                 keepStep(world, island); // the frame stands still: the next one goes on from here
             if (part.meets) {

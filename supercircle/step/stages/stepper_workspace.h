@@ -18,9 +18,14 @@ struct Stepper::Part {
     Partition* partition = nullptr; ///< of that world
     const Island* island = nullptr;
     double budget = 0.0;                          ///< units; 0: no limit
-    double used = 0.0;                            ///< by this part
     bool budgeted = true;                         ///< it ends early where the budget is used up
     std::optional<std::pair<Node, Node>> meets{}; ///< nodes that must be joined, and the frame begun again
+    // While it is stepped:
+    double frame = 0.0;         ///< s
+    int cuts = 0, unsolved = 0; ///< in a row; of them those for a contact problem that was given up
+    std::int64_t ticks = 0;     ///< of the frame, that the trial takes
+    /// Whether no shorter step is tried than the trial's.
+    [[nodiscard]] bool isSmallest(const Settings& settings) const;
 
     /// Whether rods of the island have left the reach it was made with and come into that of another one.
     [[nodiscard]] bool rodsMeetOthers();

@@ -28,7 +28,9 @@ Style usual(const b2Body& body) {
 
 std::string number(double value, int digits) {
     char buffer[64];
-    std::snprintf(buffer, sizeof buffer, "%.*f", digits, value);
+    const double unit = std::pow(10.0, -digits);
+    const double shown = std::abs(value) < 0.5 * unit ? 0.0 : value; // no "-0.0"
+    std::snprintf(buffer, sizeof buffer, "%.*f", digits, shown);
     return buffer;
 }
 

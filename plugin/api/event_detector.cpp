@@ -355,8 +355,7 @@ void EventDetector::updateOverlaps(const step::World& world, const HandleOf& han
     std::vector<ContactPair>& now = overlappingNow_;
     now.clear();
     for (const step::Overlap& o : world.overlaps)
-        if (!o.passing)
-            now.push_back({o.rodA, o.rodB, o.body});
+        now.push_back({o.rodA, o.rodB, o.body});
     std::sort(now.begin(), now.end());
     now.erase(std::unique(now.begin(), now.end()), now.end());
     for (const ContactPair& p : now)

@@ -113,18 +113,25 @@ void io(Ar& ar, Is<contact::Push> auto& p) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Overlap> auto& o) {
-    auto& [rodA, rodB, body, outline, passing, contact, free, pushes, way, blocked, from, tried] = o;
-    ar(rodA, rodB, body, outline, passing, contact, free, pushes, way, blocked, from, tried);
+    auto& [rodA, rodB, body, outline, contact, free, pushes, way, blocked, from, tried] = o;
+    ar(rodA, rodB, body, outline, contact, free, pushes, way, blocked, from, tried);
+}
+
+template <class Ar>
+void io(Ar& ar, Is<step::PieceId> auto& p) {
+    auto& [body, outline] = p;
+    ar(body, outline);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
            mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext, cuts,
-           quarantineReason, quarantinedAt] = r;
+           quarantineReason, quarantinedAt, passing] = r;
     ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, mouseJoints, width,
        material, group, island, stillTime, stillReference, dtNext);
     ioUnless(ar, !(cuts > 0), cuts);
+    ioUnless(ar, passing.empty(), passing);
     ioEffects(ar, model, effects);
     ar.unhashed(quarantineReason, quarantinedAt);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q

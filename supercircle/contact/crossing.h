@@ -45,7 +45,8 @@ struct CheckEffort {
 /// Crossings during the motion from one configuration to the next (same rods and outlines, same order). Each pair is
 /// sub-sampled finely enough that nothing thicker than half a thickness can pass through unnoticed.
 /// Pairs whose boxes do not overlap are skipped. So are pairs of resting rods (RodCurve::resting in both
-/// configurations, bitwise unchanged), and pairs of a resting rod and an outline that does not move.
+/// configurations, bitwise unchanged), and pairs of a resting rod and an outline that does not move. At one-sided edges
+/// what crosses at the start counts, and what comes from the front.
 /// What `effort` leaves out or does not finish is not known to be free of crossings.
 void findCrossingsSwept(const std::vector<RodCurve>& before, const std::vector<RodCurve>& after,
                         const std::vector<Outline>& outlinesBefore, const std::vector<Outline>& outlinesAfter,

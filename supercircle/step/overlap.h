@@ -16,7 +16,6 @@ struct Overlap {
     std::uint32_t rodB = 0;                          ///< key; 0: an outline
     BodyId body = 0;                                 ///< 0: a rod
     std::uint32_t outline = 0;                       ///< contact::Outline::key of the piece
-    bool passing = false;                            ///< through a one-sided edge from behind, which is lawful
     bool contact = false;                            ///< contacts act: they do not cross now, or contacts lead out
     bool free = false;                               ///< at the end of the last step they did not cross, by a margin
     std::vector<contact::Push> pushes;               ///< at the start of the next step

@@ -1,6 +1,7 @@
 // One step of the shells, stage by stage, in the order of the enum Stage. The size of the step is chosen in
 // stepper.cpp; each stage is in stages/, in the file of its name. Symbols: docs/theory/time_step.md.
 
+#include "supercircle/step/contacts/one_sided.h"
 #include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/stages/stage_timer.h"
 #include "supercircle/step/stages/stages.h"
@@ -54,6 +55,7 @@ void tryStep(const World& world, const Settings& s, TrialStep& t, StageTimes& ti
 void acceptStep(World& world, TrialStep& t, StageTimes& times) {
     timed(times, Stage::Accept, [&] { accept(world, t); }); // new state, energy balance, forces kept
     reviewOverlaps(world, false);                           // pairs that cross, after their push
+    findPassing(world, t.stage);                            // and those that pass one-sided edges from behind
 }
 
 void endFrame(World& world, double advanced, Port* port, StageTimes& times) {

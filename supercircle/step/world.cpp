@@ -139,6 +139,9 @@ void forgetContacts(World& world, std::uint32_t key) {
     const auto of = [key](const ContactImpulse& c) { return contact::concernsRod(c.id, key); };
     std::erase_if(world.impulses, of);
     std::erase_if(world.sleepingImpulses, of);
+    for (Rod& rod : world.rods)
+        if (rod.key == key)
+            rod.passing.clear();
     world.range.clear();
     world.candidates.clear();
 }

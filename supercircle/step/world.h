@@ -30,6 +30,13 @@ enum class QuarantineReason : std::uint8_t {
     Crushed    ///< given motions left it no room (CrushPolicy::Freeze)
 };
 
+/// A piece of a host body, by contact::Outline::key.
+struct PieceId {
+    BodyId body = 0;
+    std::uint32_t outline = 0;
+    bool operator==(const PieceId&) const = default;
+};
+
 /// One shell: constant model, state, and what others need to know about it.
 struct Rod {
     rod::RodModel model;
@@ -62,7 +69,8 @@ struct Rod {
     double dtNext = 0.0;           ///< size of the step that its island wants next, s; 0: not known
     int cuts = 0;                  ///< of its island's step in a row, where a frame ended with them
     QuarantineReason quarantineReason = QuarantineReason::None;
-    double quarantinedAt = 0.0; ///< World::time, s
+    double quarantinedAt = 0.0;     ///< World::time, s
+    std::vector<PieceId> passing{}; ///< one-sided edges that its centre line crosses, having come from behind
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
 };

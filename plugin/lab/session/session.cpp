@@ -283,11 +283,8 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
         message_ = failure + " (at t = " + std::to_string(shells_.time()) + " s)";
         return false;
     }
-    // A game continues without a quarantined shell and with shells that cross each other, an experiment cannot. Through
-    // a one-sided edge a shell may come from behind.
-    const std::vector<step::Overlap>& overlaps = shells_.world().overlaps;
-    const bool cross = shells_.world().counters.crossings > 0 ||
-                       std::any_of(overlaps.begin(), overlaps.end(), [](const step::Overlap& o) { return !o.passing; });
+    // A game continues without a quarantined shell and with shells that cross each other, an experiment cannot.
+    const bool cross = shells_.world().counters.crossings > 0 || !shells_.world().overlaps.empty();
     if (cross || shells_.world().counters.quarantined > 0) {
         status_ = RunStatus::Failed;
         message_ = std::string(

@@ -12,7 +12,8 @@
 
 #include "supercircle/contact/crossing.h"
 
-#include "supercircle/contact/crossing/swept_motion.h"
+#include "supercircle/contact/crossing/points_inside.h"
+#include "supercircle/contact/one_sided.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -27,7 +28,9 @@ namespace {
 using crossing_check::AlignedBox;
 using crossing_check::CircularArc;
 using crossing_check::ElementBoxes;
+using crossing_check::findInside;
 using crossing_check::Intersection;
+using crossing_check::mayTouch;
 using crossing_check::MovingArc;
 using crossing_check::MovingArcs;
 using crossing_check::RodMotion;
@@ -35,13 +38,6 @@ using crossing_check::SweptMotion;
 
 bool mayTouchItself(const RodCurve& c) {
     return (c.category & c.mask) != 0;
-}
-
-template <class A, class B>
-bool mayTouch(const A& a, const B& b) {
-    if (a.group == b.group && a.group != 0)
-        return a.group > 0;
-    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
 bool neighbours(std::size_t a, std::size_t b, const RodCurve& c) {
@@ -251,8 +247,67 @@ Crossing crossingOf(const MovingArc& a, const MovingArc& b, double s, const Vec2
 /// more steps of shells that whip against each other; twice as much lets such a step cost twice as much.
 constexpr int kMostSamples = 400;
 
-/// Follows the motion of a pair, both ends included. True if the centre lines intersect; `out` says where.
-bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, CheckEffort& effort, Crossing& out) {
+/// Outlines before and after a motion.
+struct OutlineMotion {
+    const std::vector<Outline>& before;
+    const std::vector<Outline>& after;
+    [[nodiscard]] bool isOneSided(std::int32_t o) const {
+        return o >= 0 && before[static_cast<std::size_t>(o)].kind == OutlineKind::OneSided;
+    }
+};
+
+/// Whether a joint of a chain is a corner, which belongs to the edge that starts there.
+bool startsAtRidge(const Outline& edge) {
+    const Vec2 before = edge.points[0] - edge.neighbourStart, along = edge.points[1] - edge.points[0];
+    constexpr double kTurn = 1e-6; // sine of the angle; as detection's
+    return rod::cross(before, along) < -kTurn * before.norm() * along.norm();
+}
+
+/// Whether a rod is in front of a one-sided edge where it is beside a place of it, x m from the edge's middle. As for
+/// contact, the nearest point of the rod decides: past a free end of the edge it may be another one than comes there.
+/// Past a joined end the neighbour's front counts; if there is none, the end is open as in Box2D.
+bool isInFrontAt(const CircularArc& rod, const CircularArc& edge, double x, double near, const Outline& outline) {
+    const Vec2 place = edge.at(x), q = place - rod.mid;
+    const double along = q.dot(rod.tangent), c = 1.0 - rod.curvature * rod::cross(rod.tangent, q);
+    const double s = rod.curvature != 0.0 ? std::atan2(rod.curvature * along, c) / rod.curvature : along;
+    const Vec2 p = rod.at(std::clamp(s, -rod.half, rod.half));
+    const double past = (p - place).dot(edge.tangent);
+    if (past < 0.0 && x <= near - edge.half && outline.joinedStart && !startsAtRidge(outline))
+        return false;
+    if (past > 0.0 && x >= edge.half - near && outline.joinedEnd)
+        return false;
+    return isInFront(p, outline);
+}
+
+double placeOn(const CircularArc& edge, const Vec2& p) {
+    return std::clamp((p - edge.mid).dot(edge.tangent), -edge.half, edge.half);
+}
+
+/// The place of an edge that is nearest to a rod, if both ends, the middle of the rod or an end of the edge are.
+double nearestPlace(const CircularArc& rod, const CircularArc& edge) {
+    double nearest = INFINITY, place = 0.0;
+    for (const double x :
+         {-edge.half, edge.half, placeOn(edge, rod.start), placeOn(edge, rod.mid), placeOn(edge, rod.end)})
+        if (const double d = crossing_check::distance(edge.at(x), rod); d < nearest) {
+            nearest = d;
+            place = x;
+        }
+    return place;
+}
+
+/// Follows the motion of a pair, both ends included. True if the centre lines intersect; `out` says where. At one-sided
+/// edges only if they do so at the start, or if what intersects comes from the front.
+bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, const OutlineMotion& outlines, CheckEffort& effort,
+                           Crossing& out) {
+    const bool oneSided = outlines.isOneSided(b.outline);
+    const double near = std::max(1e-3 * (a.halfThickness + b.halfThickness), 1e-9 * (a.before.half + b.before.half));
+    const auto comesFromFront = [&](double x) {
+        return isInFrontAt(a.before, b.before, x, near, outlines.before[static_cast<std::size_t>(b.outline)]);
+    };
+    const auto goesToBack = [&](double x) {
+        return comesFromFront(x) &&
+               !isInFrontAt(a.at(1.0), b.at(1.0), x, near, outlines.after[static_cast<std::size_t>(b.outline)]);
+    };
     const double path = (a.shift - b.shift).norm() + a.pathBound + b.pathBound;
     const double slack = a.endMismatch + b.endMismatch;
     effort.pairs += 1.0;
@@ -264,7 +319,6 @@ bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, CheckEffort& 
     };
     if (effort.bounded && slack > a.halfThickness + b.halfThickness)
         return leaveOut();
-    const double near = std::max(1e-3 * (a.halfThickness + b.halfThickness), 1e-9 * (a.before.half + b.before.half));
     double lambda = 0.0;
     for (int sample = 0; !effort.bounded || sample < kMostSamples; ++sample) {
         effort.samples += 1.0;
@@ -274,10 +328,10 @@ bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, CheckEffort& 
         std::array<Intersection, 2> intersections;
         if (crossing_check::intersect(pa, pb, extra, intersections) > 0) {
             out = crossingOf(a, b, intersections[0].sA, intersections[0].where);
-            return true;
+            return !oneSided || lambda == 0.0 || comesFromFront(placeOn(pb, intersections[0].where));
         }
         const double d = crossing_check::distance(pa, pb);
-        if (d < near && path > 0.0) {
+        if (d < near && path > 0.0 && (!oneSided || goesToBack(nearestPlace(pa, pb)))) {
             out = crossingOf(a, b, 0.0, pa.mid);
             return true;
         }
@@ -288,77 +342,6 @@ bool intersectDuringMotion(const MovingArc& a, const MovingArc& b, CheckEffort& 
         lambda = std::min(1.0, lambda + std::max(clear, near) / path);
     }
     return leaveOut();
-}
-
-bool inside(const Vec2& p, const Outline& o) {
-    if (o.kind == OutlineKind::Circle)
-        return (p - o.points[0]).norm() < o.radius;
-    for (std::size_t i = 0; i < o.points.size(); ++i) {
-        const Vec2& a = o.points[i];
-        if (!(rod::cross(o.points[(i + 1) % o.points.size()] - a, p - a) > 0.0))
-            return false;
-    }
-    return true;
-}
-
-bool behind(const Vec2& p, const Outline& o, double depth) {
-    const Vec2 edge = o.points[1] - o.points[0];
-    const Vec2 q = p - o.points[0];
-    const double length = edge.norm();
-    const double side = rod::cross(edge, q) / length; // positive on the left, the free side
-    const double along = edge.dot(q) / length;
-    return side < 0.0 && side > -depth && along >= 0.0 && along <= length;
-}
-
-AlignedBox boxOf(const Outline& o, double pad) {
-    AlignedBox box;
-    for (const Vec2& p : o.points)
-        box.include(p);
-    const Vec2 margin = Vec2::Constant(pad + (o.kind == OutlineKind::Circle ? o.radius : 0.0));
-    box.lower -= margin;
-    box.upper += margin;
-    return box;
-}
-
-/// Ends and middles of elements inside solids or just behind one-sided edges; one report per rod and outline.
-/// Rods at rest and outlines at rest are left out if `skipStill`.
-void findInside(const std::vector<RodCurve>& curves, const SweptMotion& motion, const std::vector<Outline>& outlines,
-                const std::vector<char>& outlineMoves, bool skipStill, std::vector<Crossing>& out) {
-    for (std::size_t o = 0; o < outlines.size(); ++o) {
-        const Outline& outline = outlines[o];
-        if (outline.kind == OutlineKind::Segment)
-            continue;
-        const bool atRest = skipStill && outlineMoves[o] == 0;
-        const AlignedBox narrow = boxOf(outline, 0.0);
-        for (std::size_t r = 0; r < motion.rods.size(); ++r) {
-            const RodCurve& c = curves[r];
-            const RodMotion& rod = motion.rods[r];
-            const double depth = 2.0 * c.halfThickness;
-            AlignedBox box = narrow;
-            box.enlarge(depth);
-            if (rod.count == 0 || (atRest && rod.still) || !mayTouch(c, outline) || !rod.box.overlaps(box))
-                continue;
-            const auto report = [&](double s, const Vec2& p) {
-                const bool hit = outline.kind == OutlineKind::OneSided ? behind(p, outline, depth) : inside(p, outline);
-                if (hit)
-                    out.push_back({static_cast<std::int32_t>(r), -1, static_cast<std::int32_t>(o), s, p});
-                return hit;
-            };
-            bool found = false;
-            for (std::size_t e = 0; e < c.arcs.size() && !found; ++e) {
-                const std::size_t i = rod.first + e;
-                const ElementBoxes& all = motion.boxes;
-                if (all.lowX[i] > box.upper.x() || all.highX[i] < box.lower.x() || all.lowY[i] > box.upper.y() ||
-                    all.highY[i] < box.lower.y())
-                    continue;
-                const Arc& arc = c.arcs[e];
-                const double s = e < c.nodeS.size() ? c.nodeS[e] : 0.0;
-                found = report(s, arc.start) || report(s + 0.5 * arc.length, arc.pointAt(0.5 * arc.length));
-                if (!found && e + 1 == c.arcs.size())
-                    found = report(s + arc.length, arc.pointAt(arc.length));
-            }
-        }
-    }
 }
 
 void findFullTurns(const std::vector<RodCurve>& curves, std::vector<Crossing>& out) {
@@ -433,7 +416,7 @@ void findCrossings(const std::vector<RodCurve>& curves, const std::vector<Outlin
     };
     search.rodPairs(k.sorted, 0, k.sorted.items.size(), test);
     search.outlinePairs(outlines, moves, test);
-    findInside(curves, k.motion, outlines, moves, false, out);
+    findInside(curves, k.motion, outlines, outlines, moves, false, out);
     findFullTurns(curves, out);
     keepFirst(out, [&](const Crossing& c) { // entering a solid counts once, even if several faces are crossed
         return c.outline >= 0 && outlines[static_cast<std::size_t>(c.outline)].kind != OutlineKind::Segment;
@@ -454,10 +437,11 @@ void findCrossingsSwept(const std::vector<RodCurve>& before, const std::vector<R
         k.moves.push_back(o >= outlinesBefore.size() || outlinesBefore[o].points != outlinesAfter[o].points ? 1 : 0);
     // Whether the work exceeds its limit does not depend on the threads: a part that exceeds it alone ends early, and
     // the sum does then as well.
-    const auto into = [](std::vector<Crossing>& found, CheckEffort& mine) {
-        return [&found, &mine](const MovingArc& a, const MovingArc& b) {
+    const OutlineMotion outlines{outlinesBefore, outlinesAfter};
+    const auto into = [&outlines](std::vector<Crossing>& found, CheckEffort& mine) {
+        return [&outlines, &found, &mine](const MovingArc& a, const MovingArc& b) {
             Crossing c;
-            if (!mine.unfinished() && intersectDuringMotion(a, b, mine, c))
+            if (!mine.unfinished() && intersectDuringMotion(a, b, outlines, mine, c))
                 found.push_back(c);
         };
     };
@@ -476,7 +460,7 @@ void findCrossingsSwept(const std::vector<RodCurve>& before, const std::vector<R
         all.add(e);
     const parallel::Pool<Scratch>::Lease scratch(k.scratch);
     PairSearch(k.motion, before, true, *scratch).outlinePairs(outlinesBefore, k.moves, into(out, all));
-    findInside(after, k.motion, outlinesAfter, k.moves, true, out);
+    findInside(after, k.motion, outlinesBefore, outlinesAfter, k.moves, true, out);
     findFullTurns(after, out);
     keepFirst(out, [](const Crossing&) { return true; });
     for (const Crossing& c : out) {

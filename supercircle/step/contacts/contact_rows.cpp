@@ -3,6 +3,7 @@
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/contacts/one_sided.h"
 #include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/support/invariants.h"
@@ -342,6 +343,8 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
     });
     stage.detector.detect(stage.curves, stage.outlines, {margin}, out, stage.loop);
     collectExcluded(world, stage);
+    collectPassing(world, stage.passing);
+    stage.behind = std::erase_if(out, [&](const contact::Candidate& c) { return comesFromBehind(world, c); }) > 0;
     std::erase_if(out,
                   [&](const contact::Candidate& c) { return excluded(world, stage, c.a.rod, c.b.rod, c.outline); });
 }

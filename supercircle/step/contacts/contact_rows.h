@@ -78,12 +78,14 @@ struct ContactStage {
     std::vector<PushRow> pushes; ///< storage; the first pushCount belong to this attempt
     std::size_t pushCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
-    double h = 0.0;           ///< thinnest shell, which the next three are given for, m
-    double length = 0.0;      ///< Settings::length
-    double overlap = 0.0;     ///< deeper overlaps are not closed at once, m
-    double closes = 0.0;      ///< of others, so much is closed at once, m
-    double recovery = 0.0;    ///< the rest at this speed, m/s
-    coulomb::Problem problem; ///< contacts: of the candidates, of linkRows, of the host, of pushes
+    std::vector<std::pair<int, int>> passing; ///< rods, and outlines that they pass from behind, sorted
+    bool behind = false;                      ///< detection last found contacts of what comes from behind
+    double h = 0.0;                           ///< thinnest shell, which the next three are given for, m
+    double length = 0.0;                      ///< Settings::length
+    double overlap = 0.0;                     ///< deeper overlaps are not closed at once, m
+    double closes = 0.0;                      ///< of others, so much is closed at once, m
+    double recovery = 0.0;                    ///< the rest at this speed, m/s
+    coulomb::Problem problem;                 ///< contacts: of the candidates, of linkRows, of the host, of pushes
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;

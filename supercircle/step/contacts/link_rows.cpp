@@ -478,7 +478,8 @@ bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB,
     if (rodB < 0 &&
         vetoed(world, world.rods[static_cast<std::size_t>(rodA)], world.outlines[static_cast<std::size_t>(outline)]))
         return true;
-    if (isOverlap(world, rodA, rodB, outline, true))
+    if (isOverlap(world, rodA, rodB, outline, true) ||
+        (rodB < 0 && std::binary_search(stage.passing.begin(), stage.passing.end(), std::pair(rodA, outline))))
         return true;
     if (stage.excluded.empty())
         return false;

@@ -265,15 +265,6 @@ bool withinJoined(const World& world, int rod, int outline) {
            });
 }
 
-bool comesFromBehind(const World& world, int index, double s, int outline) {
-    if (outline < 0 || world.outlines[static_cast<std::size_t>(outline)].local.kind != contact::OutlineKind::OneSided)
-        return false;
-    const contact::Outline edge = outlineOf(world, outline);
-    const Rod& r = rodOf(world, index);
-    const Vec2 at = r.kin.point(rod::locate(r.model, s)) - edge.points[0];
-    return rod::cross(edge.points[1] - edge.points[0], at) < 0.0;
-}
-
 void addOverlaps(World& world, const std::vector<Overlap>& pairs) {
     for (const Overlap& o : pairs) {
         const auto at = std::lower_bound(world.overlaps.begin(), world.overlaps.end(), o,

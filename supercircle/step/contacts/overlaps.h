@@ -22,10 +22,6 @@ bool isOverlap(const World& world, int rodA, int rodB, int outline, bool apart);
 /// no contacts, so that the rod may come out deep in this one.
 bool withinJoined(const World& world, int rod, int outline);
 
-/// Whether a point of a rod lies behind a one-sided edge at the start of the step: only the way from the front is
-/// barred.
-bool comesFromBehind(const World& world, int rod, double s, int outline);
-
 /// Adds pairs; their shells wake.
 void addOverlaps(World& world, const std::vector<Overlap>& pairs);
 /// Finds the way out of each overlap from where things are. `frameBegins`: those that are free leave the list.

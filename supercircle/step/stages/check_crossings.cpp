@@ -7,7 +7,6 @@
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace supercircle::step {
 
@@ -78,12 +77,9 @@ void checkCrossings(const World& world, TrialStep& t) {
     std::erase_if(crossings, permitted);
     std::erase_if(effort.unjudged, permitted);
     for (const contact::Crossing& c : crossings) {
-        Overlap pair = overlapOf(world, c);
-        if (testAtStart(world, pair, t.result.overlaps))
-            continue;
-        pair.passing = comesFromBehind(world, c.rodA, c.sA, c.outline);
-        if (pair.passing || withinJoined(world, c.rodA, c.outline))
-            t.result.overlaps.push_back(std::move(pair));
+        const Overlap pair = overlapOf(world, c);
+        if (!testAtStart(world, pair, t.result.overlaps) && withinJoined(world, c.rodA, c.outline))
+            t.result.overlaps.push_back(pair);
     }
     if (!crossings.empty() || !effort.unjudged.empty())
         t.result.reason = Reason::Crossing;

@@ -62,6 +62,7 @@ void addRod(const Rod& r, Hash& h) {
         h.point(f.force);
     for (const MouseJoint& m : r.mouseJoints)
         h.point(m.force);
+    h.word(r.passing.size());
     for (const effects::EffectEnergy& e : r.effects.energies) {
         h.number(e.stored);
         h.number(e.dissipated);

@@ -33,9 +33,6 @@ GapErrors gapErrors(const World& world, const TrialStep& t, const std::vector<Co
     for (const contact::Candidate& c : t.stage.after) {
         if (isOverlap(world, c.a.rod, c.b.rod, c.outline, false) || withinJoined(world, c.a.rod, c.outline))
             continue; // it is deep already, or comes to be when its contacts act again
-        const double thickness = world.rods[static_cast<std::size_t>(c.a.rod)].model.definition().thickness;
-        if (c.b.rod < 0 && c.gap < -0.5 * thickness && comesFromBehind(world, c.a.rod, c.a.s, c.outline))
-            continue;
         const double relative = t.relative(lengthOf(world, t.stage.length, c));
         const ContactImpulse* force = findImpulse(loaded, c.id);
         const double give = force != nullptr ? complianceOf(world, c).x() * force->normal : 0.0;

@@ -5,6 +5,7 @@
 
 #include "supercircle/contact/filter.h"
 #include "supercircle/step/applied_forces.h"
+#include "supercircle/step/contacts/one_sided.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/support/invariants.h"
 
@@ -119,8 +120,7 @@ struct Approach {
 
 double Approach::meets(double frame) const {
     const double h = thickness, first = gap(0.0), fastest = speed(frame);
-    const bool behind = outline.kind == contact::OutlineKind::OneSided && first < -0.5 * h - outline.radius;
-    if (!(fastest > 0.0) || first < -kInside * h || behind || !(first <= fastest * frame))
+    if (!(fastest > 0.0) || first < -kInside * h || !(first <= fastest * frame))
         return kInfinity;
     const double rest = std::min(kRest * h, first), in = std::min(-kTouch * h, first - 1e-6 * h);
     double out = 0.0, entered = kInfinity;
@@ -169,7 +169,7 @@ void stopHold(const World& world, double frame, const Rod& rod, Hold& hold) {
         if (piece.body == stop.body && way.gap(0.0) <= kLeft * thickness)
             leaves = false;
         const double at = way.meets(frame);
-        if (!(at < kInfinity))
+        if (!(at < kInfinity) || passes(world, rod, piece))
             continue;
         const bool own = isDriven(way, at, frame);
         if (own)

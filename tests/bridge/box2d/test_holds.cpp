@@ -186,4 +186,26 @@ TEST_CASE("a held point passes what its shell does not touch", "[box2d][holds]")
     const double end = level.shells.target(hold).value().position.y;
     CHECK(end == Approx(why == 2 ? 0.05 + 0.501 * level.thickness(shell) : -0.5 * side).margin(1e-5));
     CHECK(level.blocked.size() == (why == 2 ? 1U : 0U));
+    CHECK(level.quarantined == 0);
+    CHECK(level.crossings() == 0);
+}
+
+TEST_CASE("a held point of a shell half way through a one-sided edge goes either way", "[box2d][holds]") {
+    const double turn = GENERATE(0.1, -0.1); // where the held middle turns round, in front of the edge or behind it, m
+    CAPTURE(turn);
+    Level level(Quality::Game, 1.0);
+    level.chain(-20.0F, 20.0F, 0.0F);
+    const ShellHandle shell = level.strip(0.03, -0.8);
+    level.shells.teleport(shell, {0.03, -0.8}, 0.5 * M_PI).or_fail(); // upright
+    const HoldHandle hold = level.shells.create_clamp(shell, 0.5).value();
+    const int frames = static_cast<int>(std::lround((turn + 0.8) / 0.02));
+    for (const double way : {0.02, -0.02})
+        for (int i = 0; i < frames; ++i) {
+            put(level, hold, {0.0, way});
+            level.frame();
+        }
+    CHECK(level.blocked.empty());
+    CHECK(level.shells.target(hold).value().position.y == Approx(-0.8).margin(1e-9));
+    CHECK(level.crossings() == 0);
+    CHECK(level.quarantined == 0);
 }

@@ -249,7 +249,7 @@ TEST_CASE("fits tells whether a shell would cross something", "[box2d][overlap]"
     }
 }
 
-TEST_CASE("a shell passes a one-sided edge from behind and lands on its front", "[box2d][overlap]") {
+TEST_CASE("a shell passes a one-sided edge from behind and lands on its front if it gets through", "[box2d][overlap]") {
     inAll([](Quality quality, double units) {
         for (const double speed : {6.0, 7.0})
             for (const double angle : {0.0, M_PI}) {
@@ -265,12 +265,18 @@ TEST_CASE("a shell passes a one-sided edge from behind and lands on its front", 
                 d.angle = angle;
                 d.velocity = {0.0, speed};
                 const ShellHandle s = g.shells.create(d).value();
+                const double highest = g.shells.state(s)->box.lower.y + speed * speed / (2.0 * 9.81);
                 g.run(3.0);
                 CHECK(g.overlapping == 0); // it moved there
                 CHECK(g.shells.world().counters.crossings == 0);
                 CHECK(g.mostSteps <= 40);
-                CHECK(g.fastest <= speed + 1e-9); // it is not shot through
-                CHECK(g.shells.state(s)->box.lower.y > 2.0 - 0.02 * d.thickness);
+                CHECK(g.shells.world().counters.rejected <= 1); // the impact may be too much for the step before it
+                if (highest > 2.0) {
+                    CHECK(g.fastest <= speed + 1e-9); // it is not shot through
+                    CHECK(g.shells.state(s)->box.lower.y > 2.0 - 0.02 * d.thickness);
+                } else { // half through it falls back
+                    CHECK(g.shells.state(s)->box.upper.y < 0.0);
+                }
             }
     });
 }

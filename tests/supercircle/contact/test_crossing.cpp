@@ -369,6 +369,58 @@ TEST_CASE("centre lines across walls and inside solids are found", "[crossing]")
         CHECK(find({moved(rod, Vec2(0.0, -0.01))}, {floor}).empty());       // well behind the floor
         CHECK(sweptCrossings({rod}, {moved(rod, Vec2(0.0, -0.01))}, {floor}).size() == 1);
     }
+    SECTION("only passage from front to back counts at one-sided edges") {
+        const Outline floor = segment({-0.1, 0.0}, {0.1, 0.0}, OutlineKind::OneSided);
+        const RodCurve under = moved(rod, Vec2(0.0, -0.01)), close = moved(rod, Vec2(0.0, -0.0012));
+        CHECK(sweptCrossings({under}, {rod}, {floor}).empty()); // from behind
+        CHECK(sweptCrossings({close}, {rod}, {floor}).empty());
+        CHECK(sweptCrossings({close}, {close}, {floor}).empty()); // it stays behind
+        CHECK(sweptCrossings({under}, {close}, {floor}).empty());
+        CHECK(sweptCrossings({rod}, {close}, {floor}).size() == 1);
+        // What crosses at the start counts: who calls knows whether it was on its way or put there.
+        const RodCurve upright = uniform({0.0, -0.005}, 0.5 * M_PI, 0.01, 0.0);
+        CHECK(sweptCrossings({upright}, {moved(upright, Vec2(0.0, 0.02))}, {floor}).size() == 1);
+    }
+}
+
+TEST_CASE("a rod bent round the free end of a one-sided edge does not sink into it", "[crossing]") {
+    // An arc of one element whose tip is above the edge, and whose middle hangs below its line beyond its end.
+    const Outline ledge = segment({-0.1, 0.0}, {0.1, 0.0}, OutlineKind::OneSided);
+    const RodCurve round = uniform({0.098, 1e-7}, 0.5, 0.03, -100.0, 1); // closer than what counts as touching
+    CHECK(sweptCrossings({round}, {moved(round, Vec2(0.0, -1e-4))}, {ledge}).size() == 1);
+    CHECK(sweptCrossings({round}, {moved(round, Vec2(0.0, 1e-4))}, {ledge}).empty());
+}
+
+TEST_CASE("a rod comes sideways over the free end of a one-sided edge from below, not from above", "[crossing]") {
+    const Outline ledge = segment({0.0, 0.0}, {0.1, 0.0}, OutlineKind::OneSided);
+    for (const double lean : {0.2, -0.2}) { // its nearest point to the end is below the edge's line, or above
+        const RodCurve rod = moved(uniform({0.0, -0.04}, 0.5 * M_PI, 0.1, 0.0, 2), Vec2(-1e-3, 0.0), lean);
+        CHECK(sweptCrossings({rod}, {moved(rod, Vec2(2e-3, -1e-4))}, {ledge}).size() == (lean > 0.0 ? 0 : 1));
+    }
+}
+
+TEST_CASE("what is beside one flank of a ridge is not behind the other one", "[crossing]") {
+    Outline left = segment({-0.1, -0.4}, {0.0, 0.0}, OutlineKind::OneSided); // solid between the flanks
+    Outline right = segment({0.0, 0.0}, {0.1, -0.4}, OutlineKind::OneSided);
+    left.joinedEnd = right.joinedStart = true;
+    left.neighbourEnd = right.points[1];
+    right.neighbourStart = left.points[0];
+    const Vec2 out = Vec2(0.4, 0.1).normalized(); // of the right flank
+    const RodCurve rod = uniform(Vec2(0.0, 0.0) + 2e-3 * out, std::atan2(-0.4, 0.1), 0.02, 0.0, 2);
+    CHECK(sweptCrossings({rod}, {moved(rod, -1.9e-3 * out)}, {left, right}).empty()); // less behind the left than h
+    CHECK_FALSE(sweptCrossings({rod}, {moved(rod, -2.1e-3 * out)}, {left, right}).empty());
+}
+
+TEST_CASE("a rod comes out of a valley of one-sided edges from behind", "[crossing]") {
+    Outline floor = segment({-0.1, 0.0}, {0.0, 0.0}, OutlineKind::OneSided);
+    Outline wall = segment({0.0, 0.0}, {0.0, 0.1}, OutlineKind::OneSided); // its front is on the left
+    floor.joinedEnd = wall.joinedStart = true;
+    floor.neighbourEnd = wall.points[1];
+    wall.neighbourStart = floor.points[0];
+    for (const double y : {2e-4, -5e-3}) { // beside the wall, or half below the line of the floor
+        const RodCurve rod = uniform({2e-3, y}, 0.5 * M_PI, 0.01, 0.0);
+        CHECK(sweptCrossings({rod}, {moved(rod, Vec2(-4e-3, 0.0))}, {floor, wall}).empty());
+    }
 }
 
 TEST_CASE("the crossing check does not depend on the order of the rods", "[crossing]") {

@@ -128,3 +128,23 @@ TEST_CASE("a carried shell is not drawn on its way", "[box2d][carry]") {
     CHECK(level.shells.section(shell, 0.5).value().position.x == Approx(50.0).margin(1e-5));
     CHECK(level.shells.pose(shell, 0.0).value().start.x == level.shells.pose(shell).value().start.x);
 }
+
+TEST_CASE("a sleeping shell goes along with its body", "[box2d][carry]") {
+    const JointKind kind = GENERATE(JointKind::Pin, JointKind::Weld, JointKind::Tether);
+    const double way = GENERATE(2.0, 40.0);
+    CAPTURE(static_cast<int>(kind), way);
+    Level level(Quality::Game, 1.0);
+    b2Body* block = level.box(b2_staticBody, 0.0F, 0.0F);
+    const ShellHandle shell = level.strip(0.0, 0.12);
+    level.join(shell, 0.5, block, kind);
+    for (int i = 0; i < 3; ++i)
+        level.frame();
+    level.shells.sleep(shell).or_fail();
+    level.frame();
+    REQUIRE(level.shells.asleep(shell).value());
+    const std::array<double, 3> before = level.relative(shell, block);
+    block->SetTransform({static_cast<float>(way), 1.0F}, 0.5F);
+    level.frame();
+    for (std::size_t k = 0; k < 3; ++k)
+        CHECK(level.relative(shell, block)[k] == Approx(before[k]).margin(1e-6 + 3e-7 * way));
+}

@@ -104,6 +104,15 @@ struct Box2dPort::Impl {
         }
     }
 
+    /// Null, with an error, unless it can be changed.
+    b2Body* dynamicBody(BodyId id, const char* call) {
+        b2Body* b = registry.body(id);
+        if (b != nullptr && b->GetType() == b2_dynamicBody && !world->IsLocked())
+            return b;
+        recordError(std::string(call) + ": the body is not dynamic, no longer exists, or the world is locked");
+        return nullptr;
+    }
+
     void applyImpulse(BodyId id, const Vec2& impulse, double angular) {
         b2Body* b = registry.body(id);
         if (b == nullptr) {
@@ -247,6 +256,7 @@ bool Box2dPort::state(BodyId body, BodyState& out) const {
     out.awake = b->IsAwake();
     out.enabled = b->IsEnabled();
     out.moving = b->GetType() != b2_staticBody;
+    out.maySleep = b->IsSleepingAllowed() && impl_->world->GetAllowSleeping();
     impl_->reportExactMotion(body, *b, out);
     return true;
 }
@@ -272,11 +282,7 @@ void Box2dPort::applyImpulse(BodyId body, const Vec2& impulse, double angularImp
         return;
     }
     if (impl_->world->IsLocked()) {
-        Deferred d;
-        d.body = body;
-        d.linear = impulse;
-        d.angular = angularImpulse;
-        impl_->deferred.push_back(d);
+        impl_->deferred.push_back({.body = body, .linear = impulse, .angular = angularImpulse});
         return;
     }
     impl_->applyImpulse(body, impulse, angularImpulse);
@@ -288,15 +294,17 @@ void Box2dPort::setVelocity(BodyId body, const Vec2& velocity, double spin) {
         impl_->recordError("setVelocity: the velocity is not finite or too large");
         return;
     }
-    b2Body* b = impl_->registry.body(body);
-    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
-        impl_->recordError("setVelocity: the body is not dynamic, no longer exists, or the world is locked");
-        return;
-    }
-    if (!b->IsAwake())
+    b2Body* b = impl_->dynamicBody(body, "setVelocity");
+    if (b == nullptr || !b->IsAwake())
         return;
     b->SetLinearVelocity(toHost(velocity, impl_->scale));
     b->SetAngularVelocity(static_cast<float>(spin));
+}
+
+void Box2dPort::setAwake(BodyId body, bool awake) {
+    impl_->sync(false);
+    if (b2Body* b = impl_->registry.body(body); b != nullptr && b->IsAwake() != awake)
+        b->SetAwake(awake);
 }
 
 void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
@@ -305,11 +313,9 @@ void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
         impl_->recordError("place: the pose is not finite or too far away");
         return;
     }
-    b2Body* b = impl_->registry.body(body);
-    if (b == nullptr || b->GetType() != b2_dynamicBody || impl_->world->IsLocked()) {
-        impl_->recordError("place: the body is not dynamic, no longer exists, or the world is locked");
+    b2Body* b = impl_->dynamicBody(body, "place");
+    if (b == nullptr)
         return;
-    }
     b2Vec2 displacement = toHost(centre, impl_->scale) - b->GetWorldCenter();
     bool blocked = false;
     for (const b2ContactEdge* e = b->GetContactList(); e != nullptr; e = e->next) {

@@ -51,6 +51,7 @@ public:
     void impulses(double dt, step::HostConstraints& io) const override;
     void applyImpulse(step::BodyId body, const step::Vec2& impulse, double angularImpulse) override;
     void setVelocity(step::BodyId body, const step::Vec2& velocity, double spin) override;
+    void setAwake(step::BodyId body, bool awake) override;
     void place(step::BodyId body, const step::Vec2& centre, double angle) override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;

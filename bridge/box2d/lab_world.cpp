@@ -44,6 +44,7 @@ public:
     void setVelocity(BodyId body, const Vec2& velocity, double spin) override {
         port_.setVelocity(body, velocity, spin);
     }
+    void setAwake(BodyId body, bool awake) override { port_.setAwake(body, awake); }
     void place(BodyId body, const Vec2& centre, double angle) override { port_.place(body, centre, angle); }
     void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) override {
         port_.drive(body, centre, angle, velocity, spin);

@@ -54,6 +54,18 @@ bool collect(b2ShapeId shape, void* context) {
     return true;
 }
 
+/// Whether no other dynamic body touches it or is joined to it.
+bool standsAlone(b2BodyId b) {
+    if (b2Body_GetJointCount(b) > 0)
+        return false;
+    std::vector<b2ContactData> touching(static_cast<std::size_t>(b2Body_GetContactCapacity(b)));
+    const int count = b2Body_GetContactData(b, touching.data(), static_cast<int>(touching.size()));
+    return std::all_of(touching.begin(), touching.begin() + count, [&](const b2ContactData& c) {
+        const b2BodyId first = b2Shape_GetBody(c.shapeIdA), second = b2Shape_GetBody(c.shapeIdB);
+        return b2Body_GetType(B2_ID_EQUALS(first, b) ? second : first) != b2_dynamicBody;
+    });
+}
+
 /// Effect of n substeps on a start velocity v: mean = keepMean v + addMean a, end = keepEnd v + addEnd a.
 struct Substeps {
     double keepMean = 0.0, addMean = 0.0, keepEnd = 1.0, addEnd = 0.0;
@@ -228,6 +240,8 @@ bool Box2d3Port::state(BodyId body, BodyState& out) const {
     out.awake = b2Body_IsAwake(b);
     out.enabled = b2Body_IsEnabled(b);
     out.moving = type != b2_staticBody;
+    out.maySleep =
+        type == b2_dynamicBody && b2World_IsSleepingEnabled(impl_->world) && b2Body_IsSleepEnabled(b) && standsAlone(b);
     return true;
 }
 
@@ -299,6 +313,12 @@ void Box2d3Port::setVelocity(BodyId body, const Vec2& velocity, double spin) {
         return;
     b2Body_SetLinearVelocity(b, toHost(velocity, impl_->scale));
     b2Body_SetAngularVelocity(b, static_cast<float>(spin));
+}
+
+void Box2d3Port::setAwake(BodyId body, bool awake) {
+    const b2BodyId b = impl_->dynamic(body, "setAwake");
+    if (B2_IS_NON_NULL(b) && b2Body_IsEnabled(b) && b2Body_IsAwake(b) != awake)
+        b2Body_SetAwake(b, awake);
 }
 
 void Box2d3Port::place(BodyId body, const Vec2& centre, double angle) {

@@ -165,9 +165,10 @@ inline void io(Loader& ar, std::vector<step::Rod>& rods) {
 template <class Ar>
 void io(Ar& ar, Is<step::BodyState> auto& b) {
     auto& [centre, angle, velocity, spin, mass, inertia, gravityScale, linearDamping, angularDamping, awake, enabled,
-           moving] = b;
+           moving, maySleep] = b;
     ar(centre, angle, velocity, spin, mass, inertia, gravityScale, linearDamping, angularDamping, awake, enabled,
        moving);
+    ar.unhashed(maySleep); // read in every frame
 }
 
 template <class Ar>
@@ -211,9 +212,14 @@ void io(Ar& ar, Is<step::HostConstraints> auto& c) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Body> auto& b) {
-    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, thicknessNear, hostCoupling] = b;
+    auto& [id, state, driven, dynamic, impulse, angularImpulse, force, thicknessNear, hostCoupling, island, woken,
+           stillTime, stillCentre, stillAngle] = b;
     ar(id, state, driven, dynamic, impulse, angularImpulse, force, hostCoupling);
     ar.unhashed(thicknessNear);
+    if (island != 0 || woken || stillTime > 0.0)
+        ar(island, woken, stillTime, stillCentre, stillAngle);
+    else
+        ar.unhashed(island, woken, stillTime, stillCentre, stillAngle); // bodies that never sleep keep their hash
 }
 
 template <class Ar>

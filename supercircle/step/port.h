@@ -28,7 +28,8 @@ struct BodyState {
     double angularDamping = 0.0;  ///< 1/s
     bool awake = true;
     bool enabled = true;
-    bool moving = false; ///< kinematic or dynamic
+    bool moving = false;   ///< kinematic or dynamic
+    bool maySleep = false; ///< the host lets it sleep when setAwake asks for it
 };
 
 /// Stands for every fixture of a body.
@@ -77,6 +78,9 @@ public:
     /// Sets the velocity of the centre of mass and the spin of a dynamic body after a host step, m/s and rad/s; wakes
     /// nobody.
     virtual void setVelocity(BodyId body, const Vec2& velocity, double spin) = 0;
+    /// Puts a body to sleep, at rest, or wakes it; between steps of the host. Hosts that leave BodyState::maySleep
+    /// false need not know how.
+    virtual void setAwake(BodyId /*body*/, bool /*awake*/) {}
     /// Moves a dynamic body after a host step without a change of velocity, as far as immovable bodies it touches let
     /// it.
     virtual void place(BodyId body, const Vec2& centre, double angle) = 0;

@@ -34,6 +34,7 @@ void shiftOrigin(World& world, const Vec2& by) {
     for (Body& b : world.bodies) {
         shift(b.state.centre);
         shift(b.hostCoupling.seen.centre);
+        shift(b.stillCentre);
     }
     world.candidates.clear();
     world.range.clear();

@@ -2,6 +2,7 @@
 
 #include "supercircle/contact/feature_id.h"
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/coupling/sleeping_bodies.h"
 #include "supercircle/step/islands/reach.h"
 #include "supercircle/step/stages/join_outlines.h"
 #include "supercircle/support/invariants.h"
@@ -31,13 +32,34 @@ void moveImpulses(const World& world, bool asleep, std::vector<ContactImpulse>& 
     SC_ASSERT(from.size() + to.size() == all, "no contact force is lost or doubled");
 }
 
+/// Box of an outline from where it is to where its body takes it.
+Box reachOf(const BodyOutline& o, const Body& b, double frame, const Vec2& gravity) {
+    const contact::Outline now = placed(o, b.state.centre, b.state.angle);
+    double size = 0.0;
+    for (const Vec2& p : o.local.points)
+        size = std::max(size, p.norm() + o.local.radius);
+    const double fall = b.dynamic ? frame * std::abs(b.state.gravityScale) * gravity.norm() : 0.0;
+    const double way = frame * (b.state.velocity.norm() + fall + std::abs(b.state.spin) * size) + o.local.radius;
+    Box box = emptyBox();
+    for (const Vec2& p : now.points)
+        widen(box, p, way);
+    return box;
+}
+
+Box boxOf(const Rod& rod) {
+    Box own = emptyBox();
+    for (int i = 0; i <= rod.model.elements(); ++i)
+        widen(own, rod.kin.node(i), rod.model.definition().thickness + rod.model.longestElement());
+    return own;
+}
+
 /// What hangs together, and what keeps it awake.
 struct Islands {
-    std::vector<std::size_t> parent;
-    std::vector<const char*> busy; ///< per root: why it cannot sleep, or null
+    std::vector<std::size_t> parent; ///< of the rods, then of the bodies
+    std::vector<const char*> busy;   ///< per root: why it cannot sleep, or null
 
     std::size_t root(std::size_t i) {
-        SC_ASSERT(i < parent.size(), "a rod of the world");
+        SC_ASSERT(i < parent.size(), "a rod or body of the world");
         while (parent[i] != i)
             i = parent[i] = parent[parent[i]];
         return i;
@@ -68,9 +90,28 @@ void addBody(const World& world, int rod, BodyId id, Islands& islands) {
         return;
     const Body& b = world.bodies[static_cast<std::size_t>(i)];
     if (b.dynamic)
-        islands.keepAwake(static_cast<std::size_t>(rod), "it carries or is joined to a dynamic body");
+        islands.join(static_cast<std::size_t>(rod), world.rods.size() + static_cast<std::size_t>(i));
     else if (moves(b))
         islands.keepAwake(static_cast<std::size_t>(rod), "it touches or is joined to a moving body");
+}
+
+/// What the host's own contacts and joints hang together.
+void addHostConstraints(const World& world, Islands& islands) {
+    const auto add = [&](BodyId idA, BodyId idB) {
+        const int a = bodyIndex(world, idA), b = bodyIndex(world, idB);
+        if (a < 0 || b < 0)
+            return;
+        const auto ia = static_cast<std::size_t>(a), ib = static_cast<std::size_t>(b), rods = world.rods.size();
+        const Body &bodyA = world.bodies[ia], &bodyB = world.bodies[ib];
+        if (bodyA.dynamic && bodyB.dynamic)
+            islands.join(rods + ia, rods + ib);
+        else if (bodyA.dynamic ? moves(bodyB) : bodyB.dynamic && moves(bodyA))
+            islands.keepAwake(rods + (bodyA.dynamic ? ia : ib), "a body on it touches or is joined to a moving one");
+    };
+    for (const HostContact& c : world.constraints.contacts)
+        add(c.a, c.b);
+    for (const HostRow& r : world.constraints.rows)
+        add(r.a, r.b);
 }
 
 void addLinks(const World& world, Islands& islands) {
@@ -90,9 +131,9 @@ void addLinks(const World& world, Islands& islands) {
 
 Islands findIslands(const World& world) {
     Islands islands;
-    islands.parent.resize(world.rods.size());
+    islands.parent.resize(world.rods.size() + world.bodies.size());
     std::iota(islands.parent.begin(), islands.parent.end(), std::size_t{0});
-    islands.busy.assign(world.rods.size(), nullptr);
+    islands.busy.assign(islands.parent.size(), nullptr);
     for (const contact::Candidate& c : world.candidates) {
         if (!findImpulse(world.impulses, c.id))
             continue;
@@ -102,6 +143,7 @@ Islands findIslands(const World& world) {
             addBody(world, c.a.rod, world.outlines[static_cast<std::size_t>(c.outline)].body, islands);
     }
     addLinks(world, islands);
+    addHostConstraints(world, islands);
     for (const Overlap& o : world.overlaps) {
         const int a = rodIndex(world, o.rodA), b = o.rodB != 0 ? rodIndex(world, o.rodB) : -1;
         if (a >= 0 && b >= 0)
@@ -115,6 +157,26 @@ Islands findIslands(const World& world) {
                 islands.keepAwake(i, "one of its holds moves");
         }
     return islands;
+}
+
+/// Bodies that would wake a rod beside them (wakeByHost) as they tremble: of two neighbours that rest, each would wake
+/// the other one for ever.
+void addNeighbours(const World& world, double frame, Islands& islands) {
+    std::vector<Box> boxes;
+    for (const BodyOutline& o : world.outlines) {
+        const int i = bodyIndex(world, o.body);
+        SC_ASSERT(i >= 0, "an outline belongs to a body");
+        const Body& b = world.bodies[static_cast<std::size_t>(i)];
+        if (!b.dynamic)
+            continue;
+        if (boxes.empty())
+            for (const Rod& r : world.rods)
+                boxes.push_back(boxOf(r));
+        const Box reach = reachOf(o, b, frame, world.gravity);
+        for (std::size_t rod = 0; rod < boxes.size(); ++rod)
+            if (!world.rods[rod].frozen() && meet(boxes[rod], reach))
+                islands.join(rod, world.rods.size() + static_cast<std::size_t>(i));
+    }
 }
 
 /// Stops a rod; its kinetic energy leaves the energy balance for `account`.
@@ -143,6 +205,9 @@ void wakeIsland(World& world, std::uint32_t island) {
             r.island = 0;
             r.stillTime = 0.0;
         }
+    for (Body& b : world.bodies)
+        if (b.island == island)
+            wakeBody(b);
     moveImpulses(world, false, world.sleepingImpulses, world.impulses);
     world.range.clear();
 }
@@ -168,6 +233,9 @@ std::string putToSleep(World& world, std::size_t rod) {
     const std::size_t root = islands.root(rod);
     if (islands.busy[root])
         return islands.busy[root];
+    for (std::size_t i = world.rods.size(); i < islands.parent.size(); ++i)
+        if (islands.root(i) == root)
+            return "it carries or is joined to a dynamic body";
     const std::uint32_t island = world.nextIsland++;
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (islands.root(i) == root && !world.rods[i].frozen()) {
@@ -192,18 +260,22 @@ void measureRest(World& world, const Settings& settings, double dt) {
     }
 }
 
-void sleepAtRest(World& world, const Settings& settings) {
+void sleepAtRest(World& world, const Settings& settings, double frame) {
     const auto tired = [&](const Rod& r) { return !r.frozen() && r.stillTime >= settings.sleepAfter; };
     if (world.range.size() != world.rods.size() || std::none_of(world.rods.begin(), world.rods.end(), tired))
         return;
     Islands islands = findIslands(world);
+    addNeighbours(world, frame, islands);
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (!world.rods[i].frozen() && !tired(world.rods[i]))
             islands.keepAwake(i, "it moves");
     for (const Overlap& o : world.overlaps)
         if (const int rod = rodIndex(world, o.rodA); rod >= 0)
             islands.keepAwake(static_cast<std::size_t>(rod), "it overlaps something");
-    std::vector<std::uint32_t> number(world.rods.size(), 0);
+    for (std::size_t i = 0; i < world.bodies.size(); ++i)
+        if (const Body& b = world.bodies[i]; b.dynamic && !(b.state.maySleep && b.stillTime >= settings.sleepAfter))
+            islands.keepAwake(world.rods.size() + i, "a body on it moves or may not sleep");
+    std::vector<std::uint32_t> number(islands.parent.size(), 0);
     bool any = false;
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
         Rod& r = world.rods[i];
@@ -216,6 +288,9 @@ void sleepAtRest(World& world, const Settings& settings) {
         r.island = number[root];
         any = true;
     }
+    for (std::size_t i = 0; i < world.bodies.size(); ++i)
+        if (Body& b = world.bodies[i]; b.dynamic)
+            b.island = number[islands.root(world.rods.size() + i)];
     if (any)
         settle(world);
     SC_ASSERT_EXPENSIVE(std::all_of(world.rods.begin(), world.rods.end(),
@@ -227,26 +302,6 @@ void sleepAtRest(World& world, const Settings& settings) {
 }
 
 namespace {
-
-/// Box of an outline from where it is to where its body takes it.
-Box reachOf(const BodyOutline& o, const Body& b, double frame) {
-    const contact::Outline now = placed(o, b.state.centre, b.state.angle);
-    double size = 0.0;
-    for (const Vec2& p : o.local.points)
-        size = std::max(size, p.norm() + o.local.radius);
-    const double way = frame * (b.state.velocity.norm() + std::abs(b.state.spin) * size) + o.local.radius;
-    Box box = emptyBox();
-    for (const Vec2& p : now.points)
-        widen(box, p, way);
-    return box;
-}
-
-bool near(const Rod& rod, const Box& box) {
-    Box own = emptyBox();
-    for (int i = 0; i <= rod.model.elements(); ++i)
-        widen(own, rod.kin.node(i), rod.model.definition().thickness + rod.model.longestElement());
-    return meet(own, box);
-}
 
 const Body* find(const std::vector<Body>& bodies, BodyId id) {
     const auto it =
@@ -265,7 +320,7 @@ void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector
         return;
     const auto wakeIn = [&](const Box& box) {
         for (std::size_t i = 0; i < world.rods.size(); ++i)
-            if (world.rods[i].asleep() && near(world.rods[i], box))
+            if (world.rods[i].asleep() && meet(boxOf(world.rods[i]), box))
                 wake(world, i);
     };
     // Both lists are sorted by (body, key): walk them together.
@@ -279,9 +334,9 @@ void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector
         const bool still = was && is && samePose(*was, *is) && !moves(*is) && sameButSeams(old[i], outlines[j]);
         if (!still) {
             if (was)
-                wakeIn(reachOf(old[i], *was, frame));
+                wakeIn(reachOf(old[i], *was, frame, world.gravity));
             if (is)
-                wakeIn(reachOf(outlines[j], *is, frame));
+                wakeIn(reachOf(outlines[j], *is, frame, world.gravity));
         }
         i += fresh ? 0 : 1;
         j += gone ? 0 : 1;

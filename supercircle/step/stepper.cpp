@@ -173,7 +173,7 @@ void Stepper::readHost(World& world, const Port& port, double frame) const {
 }
 
 void Stepper::learnFromHost(World& world, Port& port, double advanced) const {
-    step::learnFromHost(world, port, advanced, work_->coupling);
+    step::learnFromHost(world, settings_, port, advanced, work_->coupling);
 }
 
 /// Why the trial must not become the next state; `cuts` in a row so far. An unconverged contact problem is tried at
@@ -345,7 +345,7 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
         out.carried = work_->reading.carried;
     endOfFrame(world);
     if (settings_.autoSleep)
-        sleepAtRest(world, settings_);
+        sleepAtRest(world, settings_, frame);
     return out;
 }
 

@@ -113,12 +113,21 @@ struct Body {
     BodyId id = 0;
     BodyState state;
     bool driven = false;         ///< moved by the machine: our pose rules, the host follows
-    bool dynamic = false;        ///< takes part in the contact problem
+    bool dynamic = false;        ///< takes part in the contact problem; not while it sleeps
     Vec2 impulse = Vec2::Zero(); ///< of the shells, gathered in this frame, N s: for who measures, no step reads it
     double angularImpulse = 0.0; ///< the same about the centre of mass, N m s
     Vec2 force = Vec2::Zero();   ///< from the shells in the last step, N
     double thicknessNear = 0.0;  ///< of the thinnest shell that may come near in this frame, m
     HostCoupling hostCoupling;
+    /// Number of the sleeping island it is in, 0: awake. It stays dynamic until the host's step is over.
+    std::uint32_t island = 0;
+    bool woken = false;              ///< its island woke; the host is told before its next step
+    double stillTime = 0.0;          ///< how long it has stayed within Settings::sleepDrift of the pose below, s
+    Vec2 stillCentre = Vec2::Zero(); ///< m
+    double stillAngle = 0.0;         ///< rad
+    [[nodiscard]] bool asleep() const { return island != 0 && !dynamic; }
+    /// Shells can push it, though it may have to be woken first.
+    [[nodiscard]] bool yields() const { return dynamic || island != 0; }
 };
 
 /// Impulse remembered for warm starting and for pictures.

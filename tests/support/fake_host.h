@@ -32,7 +32,7 @@ public:
         b.state.angle = angle;
         b.state.mass = mass;
         b.state.inertia = inertia;
-        b.state.moving = mass > 0.0;
+        b.state.moving = b.state.maySleep = mass > 0.0;
         return b;
     }
     static step::BodyOutline box(step::BodyId id, double halfWidth, double halfHeight, double friction,
@@ -70,6 +70,15 @@ public:
         s.velocity += impulse / s.mass;
         if (s.inertia > 0.0)
             s.spin += angularImpulse / s.inertia;
+        s.awake = true;
+    }
+    void setAwake(step::BodyId id, bool awake) override {
+        step::BodyState& s = bodies.at(id).state;
+        s.awake = awake;
+        if (!awake) {
+            s.velocity.setZero();
+            s.spin = 0.0;
+        }
     }
     void setVelocity(step::BodyId id, const Vec2& velocity, double spin) override {
         bodies.at(id).state.velocity = velocity;
@@ -99,6 +108,8 @@ public:
     }
     void step(double dt) override {
         for (auto& [id, b] : bodies) {
+            if (!b.state.awake)
+                continue;
             if (b.state.mass > 0.0)
                 b.state.velocity += dt * b.state.gravityScale * g;
             b.state.centre += dt * b.state.velocity;

@@ -118,6 +118,10 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
         add(r.a, f * r.axisA, f * r.turnA);
         add(r.b, f * r.axisB, f * r.turnB);
     }
+    for (const int i : work.woken) { // it fell without the shells' support
+        const BodyState& s = world.bodies[static_cast<std::size_t>(i)].state;
+        out[static_cast<std::size_t>(i)].velocity += advanced * s.gravityScale * world.gravity;
+    }
     const HostConstraints& c = world.constraints;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         const Body& b = world.bodies[i];
@@ -139,7 +143,7 @@ void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork&
     suspects.clear();
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
-        if (!b.hostCoupling.known)
+        if (!b.hostCoupling.known || b.asleep())
             continue;
         const double h = b.thicknessNear;
         const Vec2 astray = advanced * unsolved[i].velocity;

@@ -44,6 +44,8 @@ namespace supercircle::step {
 struct HostCouplingWork {
     std::vector<BodyMotion> unsolved; ///< per World::bodies
     std::vector<BodyId> impulseUnknown;
+    std::vector<int> woken;            ///< sleepers that the host woke within its step, indices into World::bodies
+    std::vector<std::uint32_t> struck; ///< islands that must not fall asleep after all
     std::vector<int> suspects, intruding, owner;
     std::vector<contact::RodCurve> curves;
     std::vector<contact::Outline> copies, originals;
@@ -66,6 +68,6 @@ void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork&
 
 /// After the host's own step of `advanced` seconds: gives the bodies the velocities they have at the end of the frame
 /// and learns what the host's constraints did to them.
-void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& work);
+void learnFromHost(World& world, const Settings& settings, Port& port, double advanced, HostCouplingWork& work);
 
 } // namespace supercircle::step

@@ -1,6 +1,6 @@
 // After the host's own step: what its constraints did to the bodies.
 
-#include "supercircle/step/coupling/host_coupling.h"
+#include "supercircle/step/coupling/sleeping_bodies.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace supercircle::step {
 
-void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& work) {
+void learnFromHost(World& world, const Settings& settings, Port& port, double advanced, HostCouplingWork& work) {
     if (!(advanced > 0.0))
         return;
     port.impulses(advanced, world.constraints);
@@ -16,6 +16,7 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
     std::erase_if(world.constraints.contacts,
                   [](const HostContact& c) { return !std::isfinite(c.hostNormal) || !std::isfinite(c.hostTangent); });
     std::erase_if(world.constraints.rows, [](const HostRow& r) { return !std::isfinite(r.host); });
+    wakeWoken(world, port, advanced, work);
     unsolvedByHost(world, port, advanced, work);
     const std::vector<BodyMotion>& unsolved = work.unsolved;
     SC_ASSERT(unsolved.size() == world.bodies.size(), "one motion a body");
@@ -23,13 +24,29 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
         Body& b = world.bodies[i];
         HostCoupling& h = b.hostCoupling;
         BodyState now;
+        if (b.asleep())
+            continue;
         h.known = b.dynamic && port.state(b.id, now) && now.centre.allFinite() && now.velocity.allFinite() &&
                   std::isfinite(now.angle) && std::isfinite(now.spin);
-        if (!h.known)
+        if (!h.known) {
+            if (b.island != 0)
+                work.struck.push_back(b.island);
             continue;
+        }
+        if (h.coupled && !now.awake && isStruck(world, settings, b, h.handed, h.handedSpin, advanced)) {
+            // The host takes it for resting, but its shells move.
+            now.velocity = h.handed + unsolved[i].velocity;
+            now.spin = h.handedSpin + unsolved[i].spin;
+            port.setAwake(b.id, true);
+        }
         const Vec2 change = now.velocity - h.handed - unsolved[i].velocity;
         const double turn = now.spin - h.handedSpin - unsolved[i].spin;
         const BodyState& s = b.state;
+        if (b.island != 0) { // copies in no contact problem were told what to expect by `all`
+            const Vec2 surprise = h.coupled ? change : Vec2(now.velocity - s.velocity);
+            if (isStruck(world, settings, b, surprise, h.coupled ? turn : now.spin - s.spin, advanced))
+                work.struck.push_back(b.island);
+        }
         // `handed` holds what was expected of the host for coupled copies only; of others all of it is in `change`.
         const Vec2 expected = h.coupled ? Vec2(h.hostImpulse / s.mass) : Vec2(Vec2::Zero());
         const double expectedTurn = h.coupled && s.inertia > 0.0 ? h.hostTurnImpulse / s.inertia : 0.0;
@@ -47,6 +64,7 @@ void learnFromHost(World& world, Port& port, double advanced, HostCouplingWork& 
         (void)port.state(b.id, h.seen); // it answered above
     }
     reconcilePoses(world, port, advanced, work);
+    settleBodies(world, settings, port, advanced, work);
     world.constraints.clear(); // names the host's addresses: nothing to keep between frames
 }
 

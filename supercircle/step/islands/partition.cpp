@@ -31,8 +31,8 @@ private:
     std::vector<Node>& roots_;
 };
 
-bool isDynamic(const World& world, int body) {
-    return body >= 0 && world.bodies[static_cast<std::size_t>(body)].dynamic;
+bool yields(const World& world, int body) {
+    return body >= 0 && world.bodies[static_cast<std::size_t>(body)].yields();
 }
 
 void joinRods(const World& world, Partition& p, Joiner& joiner) {
@@ -50,6 +50,9 @@ void joinRods(const World& world, Partition& p, Joiner& joiner) {
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (world.rods[i].asleep())
             sleepers.emplace_back(world.rods[i].island, i);
+    for (std::size_t i = 0; i < world.bodies.size(); ++i)
+        if (world.bodies[i].island != 0)
+            sleepers.emplace_back(world.bodies[i].island, world.rods.size() + i);
     std::sort(sleepers.begin(), sleepers.end());
     for (std::size_t i = 1; i < sleepers.size(); ++i)
         if (sleepers[i].first == sleepers[i - 1].first)
@@ -60,7 +63,7 @@ void joinBodies(const World& world, const Partition& p, Joiner& joiner) {
     const std::size_t rods = world.rods.size();
     for (std::size_t o = 0; o < world.outlines.size(); ++o) {
         const int body = bodyIndex(world, world.outlines[o].body);
-        if (!isDynamic(world, body))
+        if (!yields(world, body))
             continue;
         for (std::size_t i = 0; i < rods; ++i)
             if (meet(p.rods[i], p.pieces[o]))
@@ -68,7 +71,7 @@ void joinBodies(const World& world, const Partition& p, Joiner& joiner) {
     }
     const auto join = [&](const auto& constraint) {
         const int a = bodyIndex(world, constraint.a), b = bodyIndex(world, constraint.b);
-        if (isDynamic(world, a) && isDynamic(world, b))
+        if (yields(world, a) && yields(world, b))
             joiner.join(rods + static_cast<std::size_t>(a), rods + static_cast<std::size_t>(b));
     };
     std::for_each(world.constraints.contacts.begin(), world.constraints.contacts.end(), join);
@@ -82,7 +85,7 @@ void joinLinks(const World& world, Joiner& joiner) {
             continue;
         if (const int b = l.end == LinkEnd::Rod ? rodIndex(world, l.rodB) : -1; b >= 0)
             joiner.join(static_cast<Node>(a), static_cast<Node>(b));
-        if (const int b = l.end == LinkEnd::Body ? bodyIndex(world, l.body) : -1; isDynamic(world, b))
+        if (const int b = l.end == LinkEnd::Body ? bodyIndex(world, l.body) : -1; yields(world, b))
             joiner.join(static_cast<Node>(a), world.rods.size() + static_cast<Node>(b));
     }
 }
@@ -114,7 +117,8 @@ void makePartition(const World& world, double frame, const std::vector<std::pair
         }
         if (root < rods)
             p.groupOf[i] = p.groupOf[root];
-        if (p.groupOf[i] >= 0 && (i >= rods || !world.rods[i].frozen()))
+        const bool moves = i < rods ? !world.rods[i].frozen() : !world.bodies[i - rods].asleep();
+        if (p.groupOf[i] >= 0 && moves)
             p.still[static_cast<std::size_t>(p.groupOf[i])] = 0;
     }
     SC_ASSERT(p.groups <= static_cast<int>(rods), "a group has a rod");
@@ -135,7 +139,7 @@ std::ptrdiff_t Partition::meetsRod(const World& world, int group, const Box& box
     for (std::size_t o = 0; o < pieces.size(); ++o) {
         const int body = bodyIndex(world, world.outlines[o].body);
         const std::size_t node = rods.size() + static_cast<std::size_t>(body);
-        if (isDynamic(world, body) && groupOf[node] != group && meet(pieces[o], box))
+        if (yields(world, body) && groupOf[node] != group && meet(pieces[o], box))
             return static_cast<std::ptrdiff_t>(node);
     }
     return -1;

@@ -3,7 +3,7 @@
 // steps of its own size, so that what happens in one changes no bit of another.
 //
 // Two rods, or a rod and a dynamic body, belong together where their reaches in the frame meet (reach.h); rods that a
-// link joins; bodies that a constraint of the host joins; rods of one sleeping island. Immovable bodies join nobody.
+// link joins; bodies that a constraint of the host joins; what is in one sleeping island. Immovable bodies join nobody.
 // What moves farther than its reach and comes near another island is joined with it, and the frame begins again.
 
 #include "supercircle/step/islands/reach.h"
@@ -21,7 +21,7 @@ struct Partition {
     std::vector<Box> pieces;        ///< reach of each outline
     std::vector<int> groupOf;       ///< per node; -1: an immovable body, or one that no shell may meet
     int groups = 0;                 ///< numbered by their first rods
-    std::vector<char> still;        ///< per group: all its rods are frozen, and no body may touch them
+    std::vector<char> still;        ///< per group: all its rods are frozen, and only sleeping bodies may touch them
     std::vector<Node> roots, order; ///< storage
     std::vector<std::pair<std::uint32_t, Node>> sleepers;
 

@@ -6,6 +6,7 @@
 #include "supercircle/step/contacts/link_rows.h"
 #include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/coupling/host_rows.h"
+#include "supercircle/step/coupling/sleeping_bodies.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rods/rod_system.h"
 #include "supercircle/step/stages/fingerprint.h"
@@ -127,6 +128,8 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         const BodyMotion& m = stage.motion[i];
         b.state.centre += dt * m.velocity;
         b.state.angle += dt * m.spin;
+        if (b.asleep())
+            keepHostImpulse(b, dt);
         if (!b.dynamic)
             continue;
         HostCoupling& h = b.hostCoupling;

@@ -18,7 +18,7 @@ bool samePlace(const BodyState& a, const BodyState& b) {
 /// Whether its user has put the body somewhere else, so that it is there at once.
 bool isMoved(const World& world, const Body& old, const BodyState& now) {
     if (now.mass > 0.0 && now.enabled)
-        return old.dynamic && old.hostCoupling.known && !samePlace(now, old.hostCoupling.seen);
+        return old.yields() && old.hostCoupling.known && !samePlace(now, old.hostCoupling.seen);
     return !old.dynamic && isJump(old.state, now, thinnest(world), farthestPoint(world.outlines, old.id));
 }
 

@@ -81,6 +81,8 @@ void addBody(const Body& b, Hash& h) {
     h.number(b.hostCoupling.coupledTime);
     h.point(b.hostCoupling.travel);
     h.point(b.hostCoupling.hostImpulse);
+    h.word(b.island);
+    h.word(b.dynamic ? 1 : 0);
 }
 
 void addEnergies(const EnergyBalance& e, Hash& h) {

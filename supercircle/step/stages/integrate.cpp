@@ -54,13 +54,20 @@ bool measure(const World& world, const Settings& settings, TrialStep& t) {
     return outOfRange;
 }
 
-/// Sleeping rods that somebody pressed on.
+/// Sleeping rods that somebody pressed on, or of whose island a body was pressed on.
 void findPressedSleepers(const World& world, TrialStep& t) {
     t.result.sleepers.clear();
     for (std::size_t i = 0; i < t.stage.candidates.size(); ++i) {
         const contact::Candidate& c = t.stage.candidates[i];
-        if (c.b.rod < 0 || !(t.stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0))
+        if (!(t.stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0))
             continue;
+        if (c.b.rod < 0) {
+            const Body& b = world.bodies[static_cast<std::size_t>(t.stage.work[i].bodyB)];
+            for (std::size_t rod = 0; b.asleep() && rod < world.rods.size(); ++rod)
+                if (world.rods[rod].island == b.island)
+                    t.result.sleepers.push_back(rod);
+            continue;
+        }
         for (const std::int32_t side : {c.a.rod, c.b.rod})
             if (const auto rod = static_cast<std::size_t>(side); world.rods[rod].asleep())
                 t.result.sleepers.push_back(rod);

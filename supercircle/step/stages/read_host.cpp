@@ -1,6 +1,7 @@
 // Stage ReadHost: gravity, bodies near the shells, their outlines and constraints, before the first step of a frame.
 
 #include "supercircle/step/carry_along.h"
+#include "supercircle/step/coupling/sleeping_bodies.h"
 #include "supercircle/step/islands/reach.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/stages.h"
@@ -146,7 +147,13 @@ void readBodies(const World& world, const Port& port, const Settings& settings, 
             else if (!b.driven && !b.dynamic && !old.driven && !old.dynamic && !isIn(reading.jumped, id))
                 followPlacement(old, frame, b.thicknessNear, reach, b);
             b.force = old.force;
-            if (b.dynamic && !refused && old.hostCoupling.known)
+            b.woken = old.woken;
+            b.stillTime = old.stillTime;
+            b.stillCentre = old.stillCentre;
+            b.stillAngle = old.stillAngle;
+            if (old.asleep())
+                sleepOn(old, frame, b);
+            else if (b.dynamic && !refused && old.hostCoupling.known)
                 carryOver(old, frame, {settings.recovery * b.thicknessNear}, reach, b);
         }
         SC_ASSERT(!b.dynamic || b.state.mass > 0.0, "a dynamic body has a mass");
@@ -203,6 +210,7 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
         world.gravity = g;
         wakeAll(world);
     }
+    wakeChanged(world, port);
     carryAlong(world, port, reading);
     std::vector<BodyOutline>& outlines = reading.outlines;
     std::vector<BodyId>& ids = reading.ids;
@@ -221,6 +229,9 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
     for (const Link& l : world.links)
         if (l.end == LinkEnd::Body)
             ids.push_back(l.body);
+    for (const Body& b : world.bodies)
+        if (b.asleep() || b.woken)
+            ids.push_back(b.id);
     unique(ids);
     world.constraints.clear();
     port.constraints(ids, frame, world.constraints);
@@ -235,6 +246,7 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
         return isIn(reading.refused, o.body) ||
                std::none_of(bodies.begin(), bodies.end(), [&](const Body& b) { return b.id == o.body; });
     });
+    wakeTouched(world, bodies, outlines, reading.regions);
     joinOutlines(world, port, read, bodies, frame, reading.joining, outlines);
     wakeByHost(world, bodies, outlines, frame);
     if (!std::equal(outlines.begin(), outlines.end(), world.outlines.begin(), world.outlines.end(), sameButSeams) ||
@@ -242,6 +254,7 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
         world.range.clear();             // candidates refer to outlines by index and to poses
     std::swap(world.outlines, outlines); // the storage of the last frame serves the next one
     std::swap(world.bodies, bodies);
+    wakeAsBefore(bodies, world.bodies);
     std::erase_if(world.links, [&](const Link& l) { // as in Box2D: a body takes its joints with it
         const bool gone = l.end == LinkEnd::Body && bodyIndex(world, l.body) < 0;
         if (gone)

@@ -163,7 +163,7 @@ void stopHold(const World& world, double frame, const Rod& rod, Hold& hold) {
         const int index = bodyIndex(world, piece.body);
         SC_ASSERT(index >= 0, "an outline belongs to a body");
         const Body& body = world.bodies[static_cast<std::size_t>(index)];
-        if (body.dynamic || body.driven || filtered(world, rod, piece))
+        if (body.yields() || body.driven || filtered(world, rod, piece))
             continue;
         const Approach way{world, hold, body, piece.local, thickness};
         if (piece.body == stop.body && way.gap(0.0) <= kLeft * thickness)

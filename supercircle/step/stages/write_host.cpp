@@ -19,6 +19,9 @@ void writeHost(World& world, Port& port, double advanced) {
         BodyState now;
         if (!port.state(b.id, now))
             continue;
+        if (b.woken && !now.awake)
+            port.setAwake(b.id, true);
+        b.woken = false;
         const double slow = 1.0 + advanced * now.linearDamping, slowSpin = 1.0 + advanced * now.angularDamping;
         const Vec2 fall = advanced * now.gravityScale * world.gravity;
         HostCoupling& h = b.hostCoupling;

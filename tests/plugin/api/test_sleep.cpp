@@ -2,6 +2,8 @@
 
 #include "tests/plugin/api/support.h"
 
+#include <functional>
+
 using namespace supercircle;
 using namespace supercircle::test;
 
@@ -154,19 +156,121 @@ TEST_CASE("calls, gravity and bodies of the host wake", "[plugin]") {
     CHECK(momentum(s).y() < 0.0);
 }
 
-TEST_CASE("a shell that carries a dynamic body stays awake", "[plugin]") {
-    Level level;
-    REQUIRE(level.shells->set_sleep(level.automatic()));
-    level.add(0.0);
-    level.host->add(3, "crate", {0.0, kRise + 0.00025 + 0.004 + 1e-5}, 0.0, 0.02)
-        .outlines.push_back(FakeHost::box(3, 0.02, 0.004, 0.5));
-    for (int i = 0; i < 240 * 2; ++i)
-        test::advance(*level.shells, level.host.get(), 1.0 / 240.0, 1);
-    CHECK_FALSE(level.asleep(0));
-    const Status asked = level.shells->sleep(level.domes[0]);
+namespace {
+
+/// A dome with a crate on it.
+struct Carrier : Level {
+    Carrier() {
+        REQUIRE(shells->set_sleep(automatic()));
+        add(0.0);
+        host->add(3, "crate", {0.0, kRise + 0.00025 + 0.004 + 1e-5}, 0.0, 0.02, 2e-6)
+            .outlines.push_back(FakeHost::box(3, 0.02, 0.004, 0.5));
+    }
+    [[nodiscard]] FakeHost::Body& crate() const { return host->bodies.at(3); }
+    void sleep() {
+        for (int i = 0; i < 240 * 4 && !asleep(0); ++i)
+            frame();
+        REQUIRE(asleep(0));
+        REQUIRE_FALSE(crate().state.awake);
+    }
+    void frame() { test::advance(*shells, host.get(), 1.0 / 240.0, 1); }
+};
+
+} // namespace
+
+TEST_CASE("a shell that carries a dynamic body sleeps with it", "[plugin][sleep]") {
+    Carrier level;
+    for (int i = 0; i < 24; ++i)
+        level.frame();
+    const Status asked = level.shells->sleep(level.domes[0]); // by a call: only without bodies
     CHECK_FALSE(asked);
     CHECK(asked.error().find("dynamic") != std::string::npos);
-    CHECK(level.host->bodies.at(3).state.centre.y() > 0.01); // it still stands
+    level.sleep();
+    const Vec2 place = level.crate().state.centre;
+    const std::uint64_t steps = level.shells->world().counters.steps;
+    for (int i = 0; i < 240; ++i)
+        level.frame();
+    CHECK(level.crate().state.centre == place);
+    CHECK(level.shells->world().counters.steps == steps);
+    REQUIRE(level.shells->wake(level.domes[0]));
+    for (int i = 0; i < 24; ++i) {
+        level.frame();
+        CHECK((level.crate().state.centre - place).norm() < 1e-3 * 0.0005);
+    }
+    CHECK(level.crate().state.awake);
+    CHECK(level.asleep(0) == false);
+}
+
+TEST_CASE("what happens to a sleeping crate wakes its shell before the step", "[plugin][sleep]") {
+    Carrier level;
+    const auto wakes = [&](const char* what, const std::function<void(step::BodyState&)>& hand) {
+        INFO(what);
+        level.sleep();
+        hand(level.crate().state);
+        level.frame();
+        CHECK_FALSE(level.asleep(0));
+        CHECK(level.crate().state.awake);
+    };
+    wakes("the host wakes it", [](step::BodyState& s) { s.awake = true; });
+    wakes("it is given a velocity", [](step::BodyState& s) { s.velocity = {0.0, 0.02}; });
+    wakes("it is moved", [](step::BodyState& s) { s.centre.y() += 1e-4; });
+    wakes("it gets heavier", [](step::BodyState& s) { s.mass *= 1.5; });
+    wakes("it may not sleep", [](step::BodyState& s) { s.maySleep = false; });
+    for (int i = 0; i < 240; ++i)
+        level.frame();
+    CHECK_FALSE(level.asleep(0));
+    level.crate().state.maySleep = true;
+    level.sleep();
+    level.host->bodies.erase(3);
+    level.frame();
+    CHECK_FALSE(level.asleep(0));
+}
+
+TEST_CASE("a hold that drives a shell into a sleeping crate pushes it", "[plugin][sleep]") {
+    Carrier level;
+    level.sleep();
+    ShellDef d = strip(0.02, {0.06, 0.012});
+    const ShellHandle hand = *level.shells->create(d);
+    const HoldHandle hold = *level.shells->create_clamp(hand, 0.5);
+    TargetDef target;
+    target.position = {0.06, 0.012};
+    target.angle = level.shells->target(hold)->angle;
+    target.velocity = {-0.1, 0.0};
+    for (int i = 0; i < 84; ++i) { // 35 mm: the last 5 with the crate
+        REQUIRE(level.shells->set_target(hold, target));
+        level.frame();
+        target.position.x += target.velocity.x / 240.0;
+    }
+    CHECK(level.shells->world().counters.crossings == 0);
+    CHECK(level.crate().state.centre.x() < -0.004);
+}
+
+TEST_CASE("a host that takes a crate for resting does not stop it while its shell moves", "[plugin][sleep]") {
+    // The hand sinks by 10 mm/s; the host puts the crate to sleep in every third of its steps.
+    Level level;
+    const ShellHandle carrier = *level.shells->create(strip(0.04, {0.0, 0.1}, 0.0, 1e4));
+    const HoldHandle hold = *level.shells->create_clamp(carrier, 0.5);
+    level.host->add(3, "crate", {0.0, 0.1 + 0.00025 + 0.004}, 0.0, 0.02, 2e-6)
+        .outlines.push_back(FakeHost::box(3, 0.01, 0.004, 0.5));
+    TargetDef target;
+    target.position = {0.0, 0.1};
+    target.velocity = {0.0, -0.01};
+    const double before = level.host->bodies.at(3).state.centre.y();
+    for (int i = 0; i < 240; ++i) {
+        REQUIRE(level.shells->set_target(hold, target));
+        const FrameReport r = level.shells->pre_step(1.0 / 240.0);
+        REQUIRE(r.failure.empty());
+        level.host->step(r.advanced);
+        if (i % 3 == 0)
+            level.host->setAwake(3, false);
+        REQUIRE(level.shells->post_step());
+        target.position.y += target.velocity.y / 240.0;
+        if (i > 24) {
+            CHECK(level.host->bodies.at(3).state.awake);
+            CHECK(level.host->bodies.at(3).state.velocity.y() == Approx(-0.01).epsilon(0.02));
+        }
+    }
+    CHECK(level.host->bodies.at(3).state.centre.y() - before == Approx(-0.01).epsilon(0.01));
 }
 
 TEST_CASE("sleep() takes the whole island and its motion", "[plugin]") {

@@ -113,12 +113,12 @@ struct FilterDef {
     std::int16_t group = 0;
 };
 
-/// When shells at rest fall asleep. Off by default: while a pile is being dropped the impacts wake it again and again,
-/// which costs more than sleep saves. Switch it on for levels in which most things rest.
+/// When shells at rest fall asleep, with the bodies on them. Off by default: while a pile is being dropped the impacts
+/// wake it again and again, which costs more than sleep saves. Switch it on for levels in which most things rest.
 struct SleepSettings {
     bool automatic = false;
-    double drift = 0.1; ///< largest displacement of any tip or middle of the island within `delay`, in thicknesses of
-                        ///< its thinnest shell, 1
+    double drift = 0.1; ///< largest displacement of any tip, middle or body of the island within `delay`, in
+                        ///< thicknesses of its thinnest shell, 1
     double delay = 0.5; ///< s
 };
 

@@ -240,12 +240,14 @@ public:
     /// The host's body of that name.
     [[nodiscard]] Result<BodyId> body(const std::string& name) const;
 
-    /// Sleep. An island is a set of shells that touch or are joined. It sleeps and wakes as a whole, does not move and
-    /// costs no time. It wakes when an awake shell presses on it, when a body of the host moves near it, when gravity
-    /// changes, or when a call changes one of its shells. An island that touches or is joined to a dynamic or moving
-    /// body does not sleep.
+    /// Sleep. An island is a set of shells and dynamic bodies of the host that touch or are joined. It sleeps and wakes
+    /// as a whole, does not move and costs no time. It wakes when an awake shell presses on it, when a body of the host
+    /// moves near its shells or touches its bodies, when gravity changes, when the host or your program wakes, moves or
+    /// changes one of its bodies, or when a call changes one of its shells. An island does not sleep while the host
+    /// does not let one of its bodies sleep, or while it touches or is joined to a moving kinematic body.
     Status set_sleep(const SleepSettings& settings);
     [[nodiscard]] SleepSettings sleep_settings() const;
+    /// At once, whatever the island's speed. Fails for islands with dynamic bodies, which fall asleep by themselves.
     Status sleep(ShellHandle shell);
     Status wake(ShellHandle shell);
     [[nodiscard]] Result<bool> asleep(ShellHandle shell) const;

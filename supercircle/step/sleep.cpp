@@ -46,10 +46,12 @@ Box reachOf(const BodyOutline& o, const Body& b, double frame, const Vec2& gravi
     return box;
 }
 
+/// Where bodies wake a rod: its arcs lie within half an element of their nodes.
 Box boxOf(const Rod& rod) {
+    const double pad = 0.5 * rod.model.longestElement() + rod.model.definition().thickness;
     Box own = emptyBox();
     for (int i = 0; i <= rod.model.elements(); ++i)
-        widen(own, rod.kin.node(i), rod.model.definition().thickness + rod.model.longestElement());
+        widen(own, rod.kin.node(i), pad);
     return own;
 }
 
@@ -331,7 +333,9 @@ void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector
         const bool fresh = !gone && (i == old.size() || before(outlines[j], old[i]));
         const Body* was = i < old.size() && !fresh ? find(world.bodies, old[i].body) : nullptr;
         const Body* is = !gone ? find(bodies, outlines[j].body) : nullptr;
-        const bool still = was && is && samePose(*was, *is) && !moves(*is) && sameButSeams(old[i], outlines[j]);
+        // Vertices are joined anew where bodies have moved against each other in the frame before.
+        const bool still = was && is && samePose(*was, *is) && !moves(*is) &&
+                           sameButSeams(old[i], outlines[j], contact::kSeamTolerance * is->thicknessNear);
         if (!still) {
             if (was)
                 wakeIn(reachOf(old[i], *was, frame, world.gravity));

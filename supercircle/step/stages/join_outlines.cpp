@@ -198,9 +198,11 @@ void clearJoined(OutlineJoining& joining, std::vector<BodyOutline>& outlines) {
     outlines.clear();
 }
 
-bool sameButSeams(const BodyOutline& a, const BodyOutline& b) {
+bool sameButSeams(const BodyOutline& a, const BodyOutline& b, double joined) {
     const contact::Outline &x = a.local, &y = b.local;
-    return a.body == b.body && a.friction == b.friction && x.kind == y.kind && x.points == y.points &&
+    const auto near = [joined](const Vec2& p, const Vec2& q) { return p == q || (p - q).norm() <= joined; };
+    return a.body == b.body && a.friction == b.friction && x.kind == y.kind &&
+           std::equal(x.points.begin(), x.points.end(), y.points.begin(), y.points.end(), near) &&
            x.radius == y.radius && x.joinedStart == y.joinedStart && x.joinedEnd == y.joinedEnd &&
            x.neighbourStart == y.neighbourStart && x.neighbourEnd == y.neighbourEnd && x.body == y.body &&
            x.key == y.key && x.motion == y.motion && x.category == y.category && x.mask == y.mask && x.group == y.group;

@@ -34,7 +34,8 @@ void joinOutlines(const World& world, const Port& port, const Box& read, const s
 void clearJoined(OutlineJoining& joining, std::vector<BodyOutline>& outlines);
 
 /// True if two outlines are equal but for their seams. Seams follow from the outlines and from where shells are; they
-/// change before a shell is near, so that no known contact depends on the change.
-bool sameButSeams(const BodyOutline& a, const BodyOutline& b);
+/// change before a shell is near, so that no known contact depends on the change. Points that lie no farther apart than
+/// `joined` are the same.
+bool sameButSeams(const BodyOutline& a, const BodyOutline& b, double joined = 0.0);
 
 } // namespace supercircle::step

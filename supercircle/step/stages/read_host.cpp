@@ -249,7 +249,8 @@ void readHost(World& world, const Port& port, const Settings& settings, double f
     wakeTouched(world, bodies, outlines, reading.regions);
     joinOutlines(world, port, read, bodies, frame, reading.joining, outlines);
     wakeByHost(world, bodies, outlines, frame);
-    if (!std::equal(outlines.begin(), outlines.end(), world.outlines.begin(), world.outlines.end(), sameButSeams) ||
+    if (!std::equal(outlines.begin(), outlines.end(), world.outlines.begin(), world.outlines.end(),
+                    [](const BodyOutline& a, const BodyOutline& b) { return sameButSeams(a, b); }) ||
         !samePoses(bodies, world.bodies))
         world.range.clear();             // candidates refer to outlines by index and to poses
     std::swap(world.outlines, outlines); // the storage of the last frame serves the next one

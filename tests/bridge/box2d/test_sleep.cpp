@@ -103,6 +103,19 @@ TEST_CASE("a shell under a crate sleeps within seconds, and its crate too", "[bo
     CHECK_FALSE(g.shells.world().sleepingImpulses.empty());
 }
 
+TEST_CASE("a crate that rocks on a dome sleeps when its damping has stopped it", "[box2d][sleep]") {
+    const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
+    const double scale = GENERATE(1.0, 50.0);
+    CAPTURE(static_cast<int>(quality), scale);
+    Level g(quality, scale);
+    const ShellHandle shell = g.dome(0.0);
+    b2Body* const crate = g.crate(0.02F, 0.76F);
+    crate->SetAngularDamping(2.0F);
+    g.frames(kSecond, [&] { CHECK_FALSE((g.asleep(shell) || !crate->IsAwake())); });
+    g.rest(9);
+    CHECK_FALSE(crate->IsAwake());
+}
+
 TEST_CASE("a crate that sleeps and wakes for ten seconds stays where it is", "[box2d][sleep]") {
     const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
     const double scale = GENERATE(1.0, 50.0);
@@ -461,7 +474,7 @@ TEST_CASE("a crate beside a shell and the shell sleep, and wake each by itself",
     const double scale = GENERATE(1.0, 50.0);
     Level g(Quality::Game, scale);
     const ShellHandle shell = g.dome(0.0);
-    b2Body* const beside = g.box(0.77F, 0.2F, 0.2F, 0.2F, b2_dynamicBody);
+    b2Body* const beside = g.box(0.75F, 0.2F, 0.2F, 0.2F, b2_dynamicBody); // 5 cm away
     g.rest();
     CHECK_FALSE(beside->IsAwake());
     const b2Vec2 place = g.at(beside);
@@ -472,7 +485,7 @@ TEST_CASE("a crate beside a shell and the shell sleep, and wake each by itself",
     CHECK_FALSE(g.asleep(shell));
     CHECK(distance(g.at(beside), place) < 1e-5); // nobody touches it
     g.rest();
-    beside->ApplyLinearImpulseToCenter({0.1F * g.L * beside->GetMass(), 0.0F}, true);
+    beside->ApplyLinearImpulseToCenter({-0.1F * g.L * beside->GetMass(), 0.0F}, true);
     g.frame();
     CHECK_FALSE(g.asleep(shell));
     g.rest();
@@ -492,4 +505,25 @@ TEST_CASE("neighbours that do not touch do not keep each other awake", "[box2d][
     for (const b2Body* b : planks)
         CHECK_FALSE(b->IsAwake());
     g.frames(2 * kSecond, [&] { CHECK_FALSE(planks[1]->IsAwake()); });
+}
+
+TEST_CASE("bodies whose vertices shells see joined stay asleep", "[box2d][sleep]") {
+    // Planks on planks, side by side: where vertices are joined depends on how the bodies lie in that frame.
+    const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
+    const double scale = GENERATE(1.0, 50.0);
+    CAPTURE(static_cast<int>(quality), scale);
+    Level g(quality, scale);
+    for (const double x : {-0.9, 0.0, 0.9})
+        g.dome(x);
+    std::vector<b2Body*> planks;
+    for (const float y : {0.6F, 0.71F})
+        for (const float x : {-0.501F, 0.501F}) {
+            planks.push_back(g.box(x, y, 0.5F, 0.05F, b2_dynamicBody));
+            planks.back()->SetAngularDamping(4.0F);
+        }
+    g.rest(15);
+    g.frames(2 * kSecond, [&] {
+        for (const b2Body* b : planks)
+            CHECK_FALSE(b->IsAwake());
+    });
 }

@@ -278,8 +278,9 @@ void EventDetector::sampleEnergy(SnapState& s, const step::Rod& rod, double time
     const double place = std::floor(time / width);
     if (!std::isfinite(energy) || !(std::abs(place) < 9e15))
         return;
-    const auto bucket = static_cast<std::int64_t>(place);
-    if (s.filled == 0 || bucket < s.bucket || bucket - s.bucket > 2 * SnapState::kBuckets) {
+    const auto bucket = static_cast<std::int64_t>(place), from = s.bucket;
+    const bool follows = s.filled > 0 && bucket >= from && bucket - from <= 2 * SnapState::kBuckets;
+    if (!follows) {
         s.filled = s.filled == 0 ? 1 : SnapState::kBuckets; // after one long step the past is a straight line
         if (s.filled > 1)
             s.lowest.fill(std::min(s.energy, energy));
@@ -295,6 +296,11 @@ void EventDetector::sampleEnergy(SnapState& s, const step::Rod& rod, double time
     }
     auto& current = s.lowest[static_cast<std::size_t>(bucket % SnapState::kBuckets)];
     current = s.filled == 1 ? energy : std::min(current, energy);
+    if (follows && rod.leastBending < std::min(s.energy, energy)) // it swung between the two samples
+        for (std::int64_t b = std::max(from, bucket - SnapState::kBuckets + 1); b <= bucket; ++b) {
+            auto& lowest = s.lowest[static_cast<std::size_t>(b % SnapState::kBuckets)];
+            lowest = std::min(lowest, rod.leastBending);
+        }
     s.bucket = bucket;
     s.time = time;
     s.energy = energy;

@@ -21,6 +21,8 @@ Status checkNumbers(const ShellDef& d) {
         return Status::failure("thickness, width, density and young_modulus must be positive and finite");
     if (!limits::friction(d.mu))
         return Status::failure(limits::kBadFriction);
+    if (!limits::damping(d.damping_ratio))
+        return Status::failure(limits::kBadDamping);
     if (d.length == 0.0 && !(positive(d.phi_bar) && d.phi_bar <= 1.0 && positive(d.radius)))
         return Status::failure("without a length, radius must be positive and phi_bar lie in (0, 1]");
     if (std::isnan(d.radius) || d.radius == 0.0)

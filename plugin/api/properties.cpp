@@ -22,6 +22,8 @@ Status checkMaterial(const MaterialDef& m, int elements) {
         return refused("young_modulus and density must be positive and finite");
     if (m.mu && !limits::friction(*m.mu))
         return refused(limits::kBadFriction);
+    if (m.damping_ratio && !limits::damping(*m.damping_ratio))
+        return refused(limits::kBadDamping);
     if (!m.natural_curvature)
         return {};
     const std::size_t n = m.natural_curvature->size();
@@ -102,6 +104,8 @@ Status Shells::set_material(ShellHandle shell, const MaterialDef& change) {
                 return refused(std::move(why));
         if (change.mu)
             rod.mu = *change.mu;
+        if (change.damping_ratio)
+            rod.dampingRatio = *change.damping_ratio;
         step::changeRod(impl_->world, static_cast<std::size_t>(i), d);
         impl_->recorder.record(Call::SetMaterial, shell, change);
         return done();

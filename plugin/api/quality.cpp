@@ -25,6 +25,10 @@ step::Settings settingsFor(Quality quality, const step::Settings& before) {
     s.cappedSweeps = 40;
     s.acceptUnconverged = true;
     s.cull = true;
+    s.dampingRatio = 0.05;
+    s.freeError = 0.05;
+    s.freeLeast = 1e-4;
+    s.freeSteps = 8;
     s.frameWork = 8333; // half a frame of 60 Hz
     s.giveUpEarly = true;
     s.crush = step::CrushPolicy::LetThrough;

@@ -98,6 +98,7 @@ Result<ShellHandle> Shells::create(const ShellDef& definition) {
         added.group = definition.group;
         added.material = definition.friction_material;
         added.width = definition.width;
+        added.dampingRatio = definition.damping_ratio;
         step::setEffectSettings(w, w.rods.size() - 1, impl_->effectsOfNew);
         const ShellHandle made = impl_->assignSlot(added.key, definition.name, definition.user_data);
         impl_->recorder.record(Call::Create, definition, made);
@@ -408,6 +409,7 @@ EnergyBalance Shells::energy_balance() const {
     e.position_correction = l.positionCorrection;
     e.injected = l.injected.sum();
     e.effects = l.effects;
+    e.damping = l.damping;
     e.to_bodies = l.toBodies;
     e.residual = l.residual();
     return e;

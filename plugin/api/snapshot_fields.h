@@ -69,17 +69,18 @@ void io(Ar& ar, Is<RecoverySettings> auto& s) {
 
 template <class Ar>
 void io(Ar& ar, Is<MaterialDef> auto& d) {
-    auto& [mu, youngModulus, density, naturalCurvature] = d;
-    ar(mu, youngModulus, density, naturalCurvature);
+    auto& [mu, youngModulus, density, naturalCurvature, dampingRatio] = d;
+    ar(mu, youngModulus, density, naturalCurvature, dampingRatio);
 }
 
 template <class Ar>
 void io(Ar& ar, Is<ShellDef> auto& d) {
     auto& [position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density,
-           youngModulus, mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, frictionMaterial,
-           userData, name] = d;
+           youngModulus, mu, dampingRatio, elements, tipRefinement, closed, velocity, spin, category, mask, group,
+           frictionMaterial, userData, name] = d;
     ar(position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density, youngModulus,
-       mu, elements, tipRefinement, closed, velocity, spin, category, mask, group, frictionMaterial, userData, name);
+       mu, dampingRatio, elements, tipRefinement, closed, velocity, spin, category, mask, group, frictionMaterial,
+       userData, name);
 }
 
 template <class Ar>

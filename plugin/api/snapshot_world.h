@@ -127,13 +127,21 @@ template <class Ar>
 void io(Ar& ar, Is<step::Rod> auto& r) {
     auto& [model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, kin, gauss, forces,
            mouseJoints, width, material, group, island, stillTime, stillReference, effects, dtNext, cuts,
-           quarantineReason, quarantinedAt, passing] = r;
+           quarantineReason, quarantinedAt, dampingRatio, dampingTime, dampingOf, freeStep, leastBending, vibration,
+           passing] = r;
     ar(model, q, v, lastAccepted, u, holds, mu, key, category, mask, quarantined, speed, forces, mouseJoints, width,
        material, group, island, stillTime, stillReference, dtNext);
     ioUnless(ar, !(cuts > 0), cuts);
     ioUnless(ar, passing.empty(), passing);
     ioEffects(ar, model, effects);
     ar.unhashed(quarantineReason, quarantinedAt);
+    ioUnless(ar, dampingRatio < 0.0, dampingRatio);
+    ioUnless(ar, !(dampingTime > 0.0), dampingTime);
+    ar.unhashed(dampingOf, leastBending);
+    if (freeStep > 0.0 || vibration > 0.0)
+        ar(freeStep, vibration);
+    else
+        ar.unhashed(freeStep, vibration);
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || lastAccepted.size() != n ||
@@ -277,9 +285,10 @@ void io(Ar& ar, Is<contact::Candidate> auto& c) {
 template <class Ar>
 void io(Ar& ar, Is<step::EnergyBalance> auto& l) {
     auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, injected, effects,
-           toBodies] = l;
+           damping, toBodies] = l;
     auto& [contact, link, hold, drift, rolling] = injected;
     ar(kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, effects, toBodies);
+    ioUnless(ar, !(damping > 0.0), damping);
     ar.unhashed(contact, link, hold, drift, rolling); // parts of positionCorrection
 }
 
@@ -312,13 +321,19 @@ template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
            maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, giveUpEarly,
-           autoSleep, sleepDrift, sleepAfter, crush, recoverAfter, crossingCheck] = s;
+           autoSleep, sleepDrift, sleepAfter, crush, recoverAfter, dampingRatio, secondOrder, freeError, freeLeast,
+           freeSteps, crossingCheck] = s;
     (void)threads; // of this computer
     (void)length;  // the thickness, in every quality
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
        contact, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, autoSleep, sleepDrift, sleepAfter,
        crossingCheck);
     ioUnless(ar, std::isinf(recoverAfter), recoverAfter);
+    ioUnless(ar, !(dampingRatio > 0.0), dampingRatio);
+    if (secondOrder)
+        ar(secondOrder, freeError, freeLeast, freeSteps);
+    else
+        ar.unhashed(secondOrder, freeError, freeLeast, freeSteps);
     if (giveUpEarly || crush != step::CrushPolicy::Wait)
         ar(giveUpEarly, crush);
     else
@@ -328,6 +343,8 @@ void io(Ar& ar, Is<step::Settings> auto& s) {
         if (!(dtMin >= shortest && dtMax >= dtMin && (fixedDt <= 0.0 || fixedDt >= shortest) && localError > 1e-3 &&
               motionLimit > 1e-3))
             ar.fail("its settings make steps without length");
+        if (!(freeError > 0.0 && freeLeast >= 0.0 && freeSteps >= 1 && freeSteps <= 1 << 20))
+            ar.fail("its settings make free motion without end");
         if (crush > step::CrushPolicy::Freeze)
             ar.fail("its policy for crushed shells is unknown");
     }

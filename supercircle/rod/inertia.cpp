@@ -46,6 +46,20 @@ void fieldAtNodes(double length, double turn, NodeField& field) {
     }
 }
 
+/// Second derivative by the curvature of the vector from a segment's inner end to its nodes, along tangent and normal
+/// there, m^3.
+void bendingOfField(double length, double turn, double* along, double* across) {
+    for (int i = 0; i < RodModel::kGauss; ++i) {
+        const double s = length * kNode[i], x = turn * kNode[i], z = x * x;
+        const TurnFactors f = TurnFactors::of(x);
+        constexpr double kSmall = 1e-2; // of z, where the difference loses two digits; the series is exact to 1e-16
+        const double rest =
+            z < kSmall ? 1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z / 3628800.0)) : (0.5 - f.versine) / z;
+        along[i] = -s * s * s * (1.0 - z * f.deficit - 2.0 * (f.versine - f.deficit));
+        across[i] = -s * s * s * x * (2.0 * rest + f.versine - 2.0 * f.deficit);
+    }
+}
+
 /// Mass moments of everything beyond a section, about the rod's middle.
 struct Moments {
     double mass = 0.0;
@@ -203,6 +217,41 @@ void velocityField(const RodModel& model, const Kinematics& kin, const GaussFiel
             turn += rotation;
         }
     }
+}
+
+void inertialForce(const RodModel& model, const Kinematics& kin, const GaussField& field, const Eigen::VectorXd& v,
+                   const std::vector<Vec2>& u, Eigen::VectorXd& force) {
+    force.setZero(model.dofs());
+    Vec2 total = Vec2::Zero();
+    for (int side = 0; side < 2; ++side) {
+        const int count = static_cast<int>(model.side(side).size());
+        double turn = v[model.dofTheta()]; // of the tangent at the outer end of the segment
+        for (const Segment& seg : model.side(side))
+            turn += seg.signedLength * v[seg.dof];
+        Vec2 push = Vec2::Zero(); // of everything beyond
+        for (int k = count - 1; k >= 0; --k) {
+            const SegmentView s = view(model, kin, side, k);
+            const double rate = v[s.seg->dof], length = s.seg->signedLength;
+            turn -= length * rate; // at the inner end
+            const Vec2 t = kin.segmentTangent(side, k), normal = perp(t);
+            double along[RodModel::kGauss], across[RodModel::kGauss];
+            bendingOfField(length, kin.segmentArc(side, k).curvature * length, along, across);
+            Vec2 pushInside = Vec2::Zero();
+            double mass = 0.0, ownPower = 0.0;
+            for (int i = 0; i < RodModel::kGauss; ++i) {
+                const auto g = static_cast<std::size_t>(s.base + i);
+                const Vec2 mu = field.mass[g] * u[g];
+                mass += field.mass[g];
+                pushInside += mu;
+                ownPower += mu.dot(turn * perp(field.own[g]) + rate * (along[i] * t + across[i] * normal));
+            }
+            // The arm of all beyond is measured from the centroid of the segment, which moves as its mass does.
+            force[s.seg->dof] += length * cross(push, pushInside) / mass + ownPower;
+            push += pushInside;
+        }
+        total += push;
+    }
+    force[model.dofTheta()] = cross(total, Vec2(v[model.dofX()], v[model.dofY()]));
 }
 
 void uniformForce(const RodModel& model, const Kinematics& kin, const GaussField& field, const Vec2& acceleration,

@@ -36,6 +36,11 @@ void velocityField(const RodModel& model, const Kinematics& kin, const GaussFiel
 void uniformForce(const RodModel& model, const Kinematics& kin, const GaussField& field, const Vec2& acceleration,
                   Eigen::VectorXd& force);
 
+/// dT/dq at fixed v of the kinetic energy T = 1/2 v . M(q) v, whose velocityField is `u`: centrifugal and Coriolis
+/// forces, n entries, overwritten. With `u` less its mean, of the energy of motion about the centre of mass.
+void inertialForce(const RodModel& model, const Kinematics& kin, const GaussField& field, const Eigen::VectorXd& v,
+                   const std::vector<Vec2>& u, Eigen::VectorXd& force);
+
 /// 1/2 int lambda |u|^2 ds, J.
 double kineticEnergy(const GaussField& field, const std::vector<Vec2>& u);
 

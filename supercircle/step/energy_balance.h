@@ -2,7 +2,7 @@
 // The energy balance: energy recorded per cause, and the residual that should vanish.
 //
 //   (kinetic + bending + gravity) - added = work - friction - impact - numerical - positionCorrection - effects -
-//   toBodies + residual
+//   damping - toBodies + residual
 //
 // How a step is split (all from the implicit step itself, nothing is inferred from the residual). With v the new
 // velocity, u and u_old the new and old material velocities, the discrete balance multiplied by v gives exactly
@@ -51,6 +51,7 @@ struct EnergyBalance {
     double positionCorrection = 0.0; ///< lost by moving along normals less what closing gaps injected, J
     InjectedEnergy injected;         ///< that part of it, by cause
     double effects = 0.0;            ///< dissipated or stored by effects, J
+    double damping = 0.0;            ///< dissipated by the shells' own damping, J
     double toBodies = 0.0;           ///< given to dynamic host bodies, J
 
     /// Books what a body's way to its original did; it is nobody's work.
@@ -71,6 +72,7 @@ struct EnergyBalance {
         positionCorrection += o.positionCorrection;
         injected += o.injected;
         effects += o.effects;
+        damping += o.damping;
         toBodies += o.toBodies;
         return *this;
     }
@@ -79,10 +81,11 @@ struct EnergyBalance {
     [[nodiscard]] double stored() const { return kinetic + bending + gravity; }
     /// What does not close, J.
     [[nodiscard]] double residual() const {
-        return stored() - added - (work - friction - impact - numerical - positionCorrection - effects - toBodies);
+        return stored() - added -
+               (work - friction - impact - numerical - positionCorrection - effects - damping - toBodies);
     }
 };
 
-static_assert(sizeof(EnergyBalance) == 16 * sizeof(double), "a new term is added up, too (operator+=)");
+static_assert(sizeof(EnergyBalance) == 17 * sizeof(double), "a new term is added up, too (operator+=)");
 
 } // namespace supercircle::step

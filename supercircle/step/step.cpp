@@ -3,6 +3,7 @@
 
 #include "supercircle/step/contacts/one_sided.h"
 #include "supercircle/step/contacts/overlaps.h"
+#include "supercircle/step/damping.h"
 #include "supercircle/step/stages/stage_timer.h"
 #include "supercircle/step/stages/stages.h"
 
@@ -15,6 +16,7 @@ void beginFrame(World& world, const Settings& s, double frame, Port* port, bool 
         timed(times, Stage::ReadHost,
               [&] { readHost(world, *port, s, frame, nearOnly, reading); }); // bodies and outlines near by
     timed(times, Stage::Drive, [&] { drive(world, frame); });                // velocities and paths that are given
+    refreshDamping(world, s);
     reviewOverlaps(world, true); // pairs that cross, as the host has put things
 }
 

@@ -79,6 +79,7 @@ void refreshRod(Rod& rod) {
     SC_ASSERT(rod.q.size() == rod.model.dofs() && rod.v.size() == rod.model.dofs(), "state sizes are the rod's");
     rod.kin.evaluate(rod.model, rod.q);
     rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
+    rod.leastBending = rod::bendingEnergy(rod.model, rod.q);
     rod::velocityField(rod.model, rod.kin, rod.gauss, rod.v, rod.u);
     rod.speed = 0.0;
     for (const Vec2& u : rod.u)

@@ -70,6 +70,12 @@ struct Rod {
     int cuts = 0;                  ///< of its island's step in a row, where a frame ended with them
     QuarantineReason quarantineReason = QuarantineReason::None;
     double quarantinedAt = 0.0;     ///< World::time, s
+    double dampingRatio = -1.0;     ///< of its first mode, 1; negative: Settings::dampingRatio
+    double dampingTime = 0.0;       ///< of that: damping moment over B and the rate of curvature, s (rods/damping.h)
+    std::uint64_t dampingOf = 0;    ///< what that time was found for
+    double freeStep = 0.0;          ///< size of its own steps in free motion (free_motion.h), s; 0: not known
+    double leastBending = 0.0;      ///< bending energy in the last step, J
+    double vibration = 0.0;         ///< largest kinetic energy of vibration in free motion lately, J
     std::vector<PieceId> passing{}; ///< one-sided edges that its centre line crosses, having come from behind
     /// Does not move in a step, whatever acts on it.
     [[nodiscard]] bool frozen() const { return quarantined || asleep(); }
@@ -172,6 +178,11 @@ struct Settings {
     CrushPolicy crush = CrushPolicy::Wait;
     double recoverAfter =
         std::numeric_limits<double>::infinity(); ///< s, after which quarantined rods move again; infinite: never
+    double dampingRatio = 0.0;                   ///< of the first mode of rods that have none of their own, 1
+    bool secondOrder = true;                     ///< rods that touch nothing move as free_motion.h says
+    double freeError = 0.005;                    ///< error of their own steps, of the amplitude: 40 a period
+    double freeLeast = 1e-5;                     ///< h, smaller errors are no reason to cut them
+    int freeSteps = 1024;                        ///< most of them in a step
     bool crossingCheck = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 

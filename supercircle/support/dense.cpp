@@ -19,6 +19,10 @@ VectorXd symmetricEigenvalues(const MatrixXd& A) {
     return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+VectorXd generalisedEigenvalues(const MatrixXd& A, const MatrixXd& M) {
+    return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(A, M, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 VectorXd solveLdlt(const MatrixXd& A, const VectorXd& b) {
     return A.ldlt().solve(b);
 }

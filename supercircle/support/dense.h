@@ -17,6 +17,9 @@ struct SymmetricEigen {
 /// Eigenvalues alone.
 [[nodiscard]] Eigen::VectorXd symmetricEigenvalues(const Eigen::MatrixXd& A);
 
+/// Of A x = lambda M x with symmetric A and positive definite M; only lower triangles are read.
+[[nodiscard]] Eigen::VectorXd generalisedEigenvalues(const Eigen::MatrixXd& A, const Eigen::MatrixXd& M);
+
 /// Symmetric A: x of A x = b by L D L'.
 [[nodiscard]] Eigen::VectorXd solveLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 /// Symmetric A: its inverse by L D L'.

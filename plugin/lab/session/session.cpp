@@ -2,6 +2,7 @@
 
 #include "plugin/scene/player/dropper.h"
 #include "supercircle/contact/crossing.h"
+#include "supercircle/step/damping.h"
 
 #include <algorithm>
 #include <chrono>
@@ -69,6 +70,7 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     s.contact.absoluteImpulse *= sizeRatio_ * sizeRatio_ * sizeRatio_;
     fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
+    s.secondOrder = !scene.numerics.quasi_static.value_or(scene.protocol.has_value());
     double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
     for (const ShellDef& d : scene.shells)
         thickness = std::min(thickness, d.thickness);
@@ -270,6 +272,7 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
     const FrameReport r = shells_.pre_step(dt, [&] {
         sample();
         keepFrame(false);
+        watchVibration();
         return (options_.interrupt && options_.interrupt->load()) || (stop && stop());
     });
     std::string failure = r.failure;
@@ -296,6 +299,20 @@ bool Session::frame(double dt, const std::function<bool()>& stop) {
         return false;
     }
     return true;
+}
+
+/// What a damping of the first mode would take at a ratio of 1, as the energies of vibration of this step say.
+void Session::watchVibration() {
+    const step::World& w = shells_.world();
+    if (!shells_.stepper().settings().secondOrder)
+        return;
+    if (firstFrequencies_.size() != w.rods.size()) {
+        firstFrequencies_.clear();
+        for (const step::Rod& r : w.rods)
+            firstFrequencies_.push_back(step::firstFrequency(r));
+    }
+    for (std::size_t i = 0; i < w.rods.size(); ++i)
+        unitDamping_ += 2.0 * firstFrequencies_[i] * w.rods[i].vibration * w.dt;
 }
 
 void Session::sample() {

@@ -44,6 +44,7 @@ private:
     /// m/s along the protocol's direction; false after a refusal, which is the end of the run.
     [[nodiscard]] bool setCrossheadSpeed(double speed);
     void runSegment(const scene::ProtocolSegment& segment, std::size_t number);
+    void watchVibration();
     void sample();
     void keepFrame(bool always); ///< for the player
     void addShellInfo(std::size_t rod);
@@ -86,14 +87,16 @@ private:
     double pileHeight_ = 0.0; ///< H0, m
     double nextFrameTime_ = 0.0;
     double nextSampleTime_ = 0.0;
-    double fixedDt_ = 0.0;                ///< s, wanted by options or scene
-    double sizeRatio_ = 1.0;              ///< of the shells, over the size that the absolute settings are for
-    double frame_ = 4e-3;                 ///< s, one call of pre_step
-    step::EnergyBalance energyAtStart_{}; ///< when the protocol began
-    std::vector<Rows> segmentRows_;       ///< by finished segment
-    std::vector<int> segmentIndex_;       ///< its place in the protocol
-    double largestForceDrop_ = 0.0;       ///< N
-    double creepStart_ = -1.0;            ///< s
+    double fixedDt_ = 0.0;                 ///< s, wanted by options or scene
+    double sizeRatio_ = 1.0;               ///< of the shells, over the size that the absolute settings are for
+    double frame_ = 4e-3;                  ///< s, one call of pre_step
+    step::EnergyBalance energyAtStart_{};  ///< when the protocol began
+    std::vector<Rows> segmentRows_;        ///< by finished segment
+    std::vector<int> segmentIndex_;        ///< its place in the protocol
+    double largestForceDrop_ = 0.0;        ///< N
+    double creepStart_ = -1.0;             ///< s
+    std::vector<double> firstFrequencies_; ///< of the rods, rad/s
+    double unitDamping_ = 0.0;             ///< what damping ratios of 1 would have taken, J
     std::vector<rod::Vec2> creepFrom_;
     double wallStart_ = 0.0;
     double cpuStart_ = 0.0;               ///< s of CPU time when the session began ...

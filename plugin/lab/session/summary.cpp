@@ -183,6 +183,10 @@ void Session::summariseEnergy() {
                    {"position_correction_J", l.positionCorrection - s.positionCorrection},
                    {"to_bodies_J", l.toBodies - s.toBodies},
                    {"residual_J", residual}};
+    if (l.damping > s.damping)
+        out_.energy.emplace_back("damping_J", l.damping - s.damping);
+    if (unitDamping_ > 0.0)
+        put("numerical_damping_ratio", std::max(0.0, l.numerical - s.numerical) / unitDamping_);
     double plateWork = 0.0; // done on the specimen while it resists, without what it returns
     if (scene_.protocol)
         for (std::size_t i = 1; i < out_.series.rows(); ++i)

@@ -204,6 +204,8 @@ void readNumerics(Context& context, ObjectReader& top, Numerics& out) {
     ObjectReader reader(context, *node, "/numerics");
     out.dt_max = reader.number("dt_max", out.dt_max, positive);
     out.dt_min = reader.number("dt_min", out.dt_min, positive);
+    if (reader.find("quasi_static") != nullptr)
+        out.quasi_static = reader.boolean("quasi_static", false);
     out.fixed_dt = reader.number("fixed_dt", out.fixed_dt, notNegative);
     out.tolerance = reader.number("tolerance", out.tolerance, positive);
     out.position_tolerance = reader.number("position_tolerance", out.position_tolerance, positive);

@@ -115,6 +115,7 @@ void readMaterial(ObjectReader& reader, ShellDef& d) {
     d.density = reader.number("density", d.density, positive);
     d.young_modulus = reader.number("young_modulus", d.young_modulus, positive);
     d.mu = reader.number("mu", d.mu, notNegative);
+    d.damping_ratio = reader.number("damping_ratio", d.damping_ratio, notNegative);
 }
 
 void readPose(Context& context, ObjectReader& reader, ShellDef& d) {

@@ -70,11 +70,12 @@ struct Protocol {
 
 /// Settings of the numerics; the defaults are those of Quality::Laboratory.
 struct Numerics {
-    double dt_max = 0.0;             ///< s; 0: from the crosshead's speed (R / 500 of travel), 4 ms without a crosshead
-    double dt_min = 0.0;             ///< s; 0: 1 us for shells of radius 19.2 mm, in proportion
-    double fixed_dt = 0.0;           ///< s; > 0: constant steps
-    double tolerance = 1e-8;         ///< contact residual, 1
-    double position_tolerance = 0.0; ///< m, local error per step; 0: 5 um for a radius of 19.2 mm, in proportion
+    double dt_max = 0.0;     ///< s; 0: from the crosshead's speed (R / 500 of travel), 4 ms without a crosshead
+    double dt_min = 0.0;     ///< s; 0: 1 us for shells of radius 19.2 mm, in proportion
+    double fixed_dt = 0.0;   ///< s; > 0: constant steps
+    double tolerance = 1e-8; ///< contact residual, 1
+    std::optional<bool> quasi_static; ///< only rest matters, vibration is damped; empty: with a protocol
+    double position_tolerance = 0.0;  ///< m, local error per step; 0: 5 um for a radius of 19.2 mm, in proportion
 };
 
 /// Selects the numbers of the summary.

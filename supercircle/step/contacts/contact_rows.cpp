@@ -363,7 +363,9 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         sortedIds(start, stage.ids);
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (c.gap > stage.addBelow || std::binary_search(stage.ids.begin(), stage.ids.end(), c.id))
+            if (c.gap > stage.addBelow || rods[static_cast<std::size_t>(c.a.rod)].isFree ||
+                (c.b.rod >= 0 && rods[static_cast<std::size_t>(c.b.rod)].isFree) ||
+                std::binary_search(stage.ids.begin(), stage.ids.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -435,6 +437,8 @@ void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb
         SC_ASSERT(w.body < static_cast<int>(stage.problem.bodies.size()), "a rod's block is one of the problem");
         const Eigen::VectorXd& x = w.body >= 0 && any ? stage.velocity[static_cast<std::size_t>(w.body)] : w.vFree;
         const Eigen::Index own = w.vFree.size(); // behind it stand those of springs and pushes
+        if (w.isFree)
+            continue;
         if (w.frozen)
             w.v.setZero(world.rods[i].model.dofs());
         else if (w.C.rows() == 0 && x.size() == own)

@@ -111,7 +111,7 @@ void placeAt(const Rod& rod, RodWork& w) {
 }
 
 void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w) {
-    w.frozen = false;
+    w.frozen = w.isFree = false;
     const double share = std::min(1.0, farthest / std::max(0.5 * dt * rod.speed, 1e-300));
     SC_ASSERT(!(share < 0.0) && !(share > 1.0), "a prediction goes a part of the way");
     w.qk = rod.q + (0.5 * dt * share) * rod.v;
@@ -125,7 +125,7 @@ void relineariseInMiddle(const Rod& rod, RodWork& w) {
 
 void freezeRod(const Rod& rod, RodWork& w) {
     w.body = -1;
-    w.touching = w.loaded = false;
+    w.touching = w.loaded = w.isFree = false;
     w.rollingCount = 0;
     w.C.resize(0, rod.model.dofs());
     w.moved = w.shift = w.error = 0.0;
@@ -153,7 +153,7 @@ void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodW
                                            }),
                         "the diagonal of the mass matrix is positive");
     for (int i = 0; i < rod.model.elements(); ++i)
-        w.A(i, i) += dt * dt * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i));
+        w.A(i, i) += dt * (dt + rod.dampingTime) * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i));
     rod::momentum(rod.model, w.kin, w.gauss, w.u0, w.p);
     rod::uniformForce(rod.model, w.kin, w.gauss, world.gravity, w.gravityForce);
     w.rhs = w.gravityForce;
@@ -254,6 +254,10 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         const double step = w.q1[i] - rod.q[i];
         energies.secondOrder += 0.5 * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * step * step;
     }
+    if (rod.dampingTime > 0.0)
+        for (int i = 0; i < rod.model.elements(); ++i)
+            energies.damping +=
+                dt * rod.dampingTime * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * w.v[i] * w.v[i];
     for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
         const double rate = roll.tau.dot(w.v);
         energies.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lagAngle);
@@ -296,6 +300,7 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     energies.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
     energies.secondOrder -= dt * w.v.dot(w.gravityForce) + energies.gravityChange;
     rod.speed = w.moved / dt;
+    rod.leastBending = rod::bendingEnergy(rod.model, rod.q);
     rod.lastAccepted = rod.q;
     SC_ASSERT(!(rod.speed < 0.0) && rod.u.size() == rod.gauss.mass.size(), "the new state is complete");
     return energies;

@@ -27,6 +27,7 @@ struct RodEnergies {
     double secondOrder = 0.0;  ///< of implicit bending and of gravity
     double holdWork = 0.0;     ///< work of holds
     double holdInjected = 0.0; ///< part of it that closing gaps of holds and of the ring brought in
+    double damping = 0.0;      ///< taken by the shell's own damping
     double loadWork = 0.0;     ///< work of forces and mouse joints
     double effects = 0.0;      ///< taken by effects
     double rollingWork = 0.0;  ///< of contact forces while their points roll and turn (contact_stiffness.h)

@@ -8,6 +8,7 @@
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/step/coupling/sleeping_bodies.h"
 #include "supercircle/step/parallel.h"
+#include "supercircle/step/rods/free_motion.h"
 #include "supercircle/step/rods/rod_system.h"
 #include "supercircle/step/stages/fingerprint.h"
 #include "supercircle/step/stages/stages.h"
@@ -201,7 +202,8 @@ void accept(World& world, TrialStep& t) {
     energies.assign(rods.size(), RodEnergies{});
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
         if (!world.rods[i].frozen())
-            energies[i] = acceptRod(world, world.rods[i], dt, rods[i]);
+            energies[i] = rods[i].isFree ? acceptFreeMotion(world, world.rods[i], dt, rods[i])
+                                         : acceptRod(world, world.rods[i], dt, rods[i]);
     });
     for (std::size_t i = 0; i < rods.size(); ++i) {
         if (world.rods[i].frozen())
@@ -221,6 +223,7 @@ void accept(World& world, TrialStep& t) {
         l.injected.hold += b.holdInjected;
         l.injected.rolling += std::max(0.0, b.rollingWork);
         l.effects += b.effects;
+        l.damping += b.damping;
     }
     acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);

@@ -42,6 +42,8 @@ void addMotion(const Rod& r, Hash& h) {
     for (const Vec2& u : r.u)
         h.point(u);
     h.number(r.speed);
+    h.number(r.freeStep);
+    h.number(r.vibration);
     h.word(r.island);
     h.word(r.quarantined ? 1 : 0);
 }
@@ -87,7 +89,7 @@ void addBody(const Body& b, Hash& h) {
 
 void addEnergies(const EnergyBalance& e, Hash& h) {
     for (const double x : {e.kinetic, e.bending, e.gravity, e.added, e.work, e.friction, e.impact, e.numerical,
-                           e.positionCorrection, e.effects, e.toBodies})
+                           e.positionCorrection, e.effects, e.damping, e.toBodies})
         h.number(x);
 }
 

@@ -46,9 +46,16 @@ GapErrors gapErrors(const World& world, const TrialStep& t, const std::vector<Co
 /// What a step starts from: all candidates known, or those of them that matter.
 const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings, TrialStep& t) {
     t.stage.addBelow = settings.cull ? settings.margin * t.h : std::numeric_limits<double>::infinity();
-    if (!settings.cull)
+    if (!t.selects(settings))
         return t.candidates(world);
-    cull(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
+    if (settings.cull)
+        cull(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
+    else
+        t.kept = t.candidates(world);
+    std::erase_if(t.kept, [&](const contact::Candidate& c) {
+        return t.rods[static_cast<std::size_t>(c.a.rod)].isFree ||
+               (c.b.rod >= 0 && t.rods[static_cast<std::size_t>(c.b.rod)].isFree);
+    });
     return t.kept;
 }
 
@@ -58,8 +65,9 @@ bool jointsOrEffectsOff(const World& world, double tolerance, const TrialStep& t
     const ContactStage& stage = t.stage;
     const double dt = t.dt;
     for (std::size_t i = 0; i < rods.size(); ++i)
-        if (!rods[i].frozen && (mouseJointsOff(world.rods[i], dt, rods[i]) ||
-                                (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
+        if (!rods[i].frozen && !rods[i].isFree &&
+            (mouseJointsOff(world.rods[i], dt, rods[i]) ||
+             (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
             return true;
     return frictionError(world, rods, dt, stage) > 1.0 || adhesionError(world, rods, dt, stage) > 1.0 ||
            linkError(world, rods, dt, tolerance, stage) > 1.0;
@@ -72,6 +80,8 @@ bool jointsOrEffectsOff(const World& world, double tolerance, const TrialStep& t
 void linearise(const World& world, const Settings& settings, TrialStep& t) {
     t.enter(Stage::Linearise, Stage::Detect);
     ContactStage& stage = t.stage;
+    predictMotion(world, stage);
+    moveFreeRods(world, settings, t);
     std::vector<char>& near = stage.marked;
     near.assign(world.rods.size(), 0);
     for (const contact::Candidate& c : t.candidates(world)) {
@@ -86,10 +96,11 @@ void linearise(const World& world, const Settings& settings, TrialStep& t) {
             freezeRod(world.rods[i], t.rods[i]);
             return;
         }
+        if (t.rods[i].isFree)
+            return;
         const double farthest = near[i] ? 0.25 * t.lengths[i] : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], t.dt, farthest, t.rods[i]);
     });
-    predictMotion(world, stage);
     findLinkEnds(world, stage);
     beginHostRows(world, stage);
     frameInMiddle(world, t.rods, startCandidates(world, settings, t), false, t.dt, stage);
@@ -110,10 +121,10 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
     if ((deeper || off || jointsOrEffectsOff(world, tolerance, t)) && !inAHurry &&
         ++t.linearisations < settings.maxIterations) {
         forEachRod(t.stage.loop, t.rods.size(), [&](std::size_t i) {
-            if (!t.rods[i].frozen)
+            if (!t.rods[i].frozen && !t.rods[i].isFree)
                 relineariseInMiddle(world.rods[i], t.rods[i]);
         });
-        frameInMiddle(world, t.rods, settings.cull ? t.kept : t.candidates(world), true, t.dt, t.stage);
+        frameInMiddle(world, t.rods, t.selects(settings) ? t.kept : t.candidates(world), true, t.dt, t.stage);
         for (std::size_t i = 0; i < t.rods.size(); ++i)
             t.result.range[i] = std::max(t.result.range[i], t.nextRange[i]);
         return true;

@@ -52,6 +52,9 @@ void detectAtEnd(const World& world, const Settings& settings, TrialStep& t);
 /// Deepest overlap of a list of candidates, m.
 double deepest(const std::vector<contact::Candidate>& list);
 
+/// Before Linearise: moves the rods that touch nothing within the step (rods/free_motion.h). The further stages leave
+/// them out.
+void moveFreeRods(const World& world, const Settings& settings, TrialStep& t);
 /// Linearise: rows of contacts and joints in the predicted middle of the step.
 void linearise(const World& world, const Settings& settings, TrialStep& t);
 /// Whether the nonlinear balance holds at the end of the trial. If not, and another linearisation is allowed, takes it

@@ -46,7 +46,8 @@ struct TrialStep {
     std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
     std::vector<ContactImpulse> impulses; ///< of the last solve
     std::vector<RodEnergies> energies;    ///< of the accepted trial, per rod
-    std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs (Settings::cull)
+    std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs
+    bool anyFree = false;                 ///< some rods have moved freely
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::RodCurve> curvesBefore;
     std::vector<contact::Outline> outlinesBefore;
@@ -72,6 +73,8 @@ struct TrialStep {
         const double left = workLimit - result.work.units();
         return std::isfinite(left) ? std::max(1.0, left / WorkCount::kCheckUnit) : 0.0;
     }
+    /// Whether `kept` are not all candidates.
+    [[nodiscard]] bool selects(const Settings& settings) const { return settings.cull || anyFree; }
     [[nodiscard]] bool first() const { return linearisations == 0; }
     /// Begins a stage, which reads what `before` has left.
     void enter(Stage entered, Stage before) {

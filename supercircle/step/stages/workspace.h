@@ -75,6 +75,43 @@ struct HoldWork {
     Eigen::RowVectorXd turn, otherTurn;
 };
 
+/// Two points of one rod that are near each other.
+struct SelfPair {
+    std::array<double, 2> s{}; ///< m
+    double gap = 0.0;          ///< at the start, m
+    double distance = 0.0;     ///< of the points, at the start, m
+};
+
+/// A stage of a rod's free motion (free_motion.h).
+struct FreeStage {
+    Eigen::VectorXd q0, p0;  ///< where it starts
+    Eigen::VectorXd q, p, v; ///< what it finds
+    Eigen::VectorXd impulse; ///< of the holds, N s
+    Eigen::VectorXd change;  ///< scratch
+};
+
+/// Free motion of a rod within a step: state and storage. q, p, v have the centre of mass in place of the middle.
+struct FreeWork {
+    Eigen::VectorXd q, p, v;
+    std::array<FreeStage, 2> stages;
+    Vec2 middle = Vec2::Zero(), middleVelocity = Vec2::Zero(); ///< at the geometry evaluated last
+    double tau = 0.0;                                          ///< of the last stage, s
+    double size = 0.0;                                         ///< of the next step of its own, s; 0: not known
+    double vibration = 0.0;                                    ///< see Rod::vibration
+    double least = 0.0;                                        ///< see Rod::leastBending
+    double holdWork = 0.0, damped = 0.0;                       ///< J
+    int steps = 0, iterations = 0;                             ///< of its own
+    Vec2 centre = Vec2::Zero(), carried = Vec2::Zero();        ///< centre of mass at the start, its way so far, m
+    double about = 0.0;                                        ///< farthest way of its points about it, m
+    std::vector<SelfPair> selfPairs;
+    double closest = 0.0; ///< smallest gap of those so far, m
+    bool hasHolds = false;
+    Eigen::MatrixXd C, solved, schur; ///< rows of the holds, A^-1 C^T, C A^-1 C^T
+    Eigen::LDLT<Eigen::MatrixXd> schurFactor;
+    Eigen::VectorXd mean[2], rates, missing, impulse, shape, rate, force, product, change;
+    std::vector<Vec2> u;
+};
+
 /// One rod inside an attempt.
 struct RodWork {
     rod::Kinematics kin;   ///< at the linearisation point, the (predicted) middle of the step
@@ -110,7 +147,9 @@ struct RodWork {
     double error = 0.0;             ///< local error of backward Euler, m
     double impactShare = 0.0;       ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
     GapClosing closing;             ///< of its joints and holds
-    int body = -1;                  ///< index into the contact problem, -1: no candidates
+    bool isFree = false;            ///< touches nothing in this attempt and moves as free_motion.h says
+    FreeWork free;
+    int body = -1; ///< index into the contact problem, -1: no candidates
     bool touching = false;
     Eigen::VectorXd vFree;
     EffectWork effects;

@@ -171,7 +171,7 @@ TEST_CASE("a held point passes what its shell does not touch", "[box2d][holds]")
     Level level(Quality::Game, 1.0);
     b2Body* wall = why == 3 ? level.chain(-20.0F, 20.0F, 0.0F) : level.box(0.0F, 0.0F, 20.0F, 0.05F);
     const double side = why == 3 ? -1.0 : 1.0;
-    const ShellHandle shell = level.strip(0.0, 0.5 * side);
+    const ShellHandle shell = level.strip(0.0, 0.51 * side); // so that no frame ends with it right on the edge
     if (why == 0)
         level.shells.set_filter(shell, {1, 0, 0}).or_fail();
     if (why == 1)
@@ -184,7 +184,7 @@ TEST_CASE("a held point passes what its shell does not touch", "[box2d][holds]")
         level.frame();
     }
     const double end = level.shells.target(hold).value().position.y;
-    CHECK(end == Approx(why == 2 ? 0.05 + 0.501 * level.thickness(shell) : -0.5 * side).margin(1e-5));
+    CHECK(end == Approx(why == 2 ? 0.05 + 0.501 * level.thickness(shell) : -0.49 * side).margin(1e-5));
     CHECK(level.blocked.size() == (why == 2 ? 1U : 0U));
     CHECK(level.quarantined == 0);
     CHECK(level.crossings() == 0);

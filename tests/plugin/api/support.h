@@ -62,6 +62,7 @@ inline void settle(Shells& shells, FakeHost* host, int frames = 400) {
     s.dtMax = 0.02;
     s.localError = 10.0;
     s.motionLimit = 100.0;
+    s.dampingRatio = 1.0;
     advance(shells, host, 0.02, frames);
     s = before;
 }

@@ -213,3 +213,40 @@ TEST_CASE("the mass centre of a uniform ring is its centre", "[inertia]") {
     CHECK((massCentre(kin, field) - centre).norm() < 1e-14);
     CHECK((kin.node(0) - kin.node(15)).norm() < 1e-14); // and the ring closes
 }
+
+TEST_CASE("the inertial force is the derivative of the kinetic energy by the coordinates", "[inertia]") {
+    for (const bool relative : {false, true}) // to the centre of mass
+        for (const RodModel& model : models())
+            for (const Shape& shape : shapesOf(model)) {
+                INFO("N = " << model.elements() << ", " << shape.name << ", relative " << relative);
+                const Eigen::VectorXd v = velocity(model);
+                GaussField field;
+                std::vector<Vec2> u;
+                const auto evaluate = [&](const Eigen::VectorXd& q) {
+                    const Kinematics kin = at(model, q);
+                    evaluateGauss(model, kin, field);
+                    velocityField(model, kin, field, v, u);
+                    Vec2 mean = Vec2::Zero();
+                    for (std::size_t g = 0; g < u.size(); ++g)
+                        mean += field.mass[g] / model.mass() * u[g];
+                    for (Vec2& x : u)
+                        x -= relative ? mean : Vec2(Vec2::Zero());
+                    return kineticEnergy(field, u);
+                };
+                const double scale = evaluate(shape.q);
+                Eigen::VectorXd force;
+                inertialForce(model, at(model, shape.q), field, v, u, force);
+                for (int i = 0; i < model.dofs(); ++i) {
+                    // Central differences of fourth order: the truncation and the round-off are both near 1e-10.
+                    const double step = 2e-3;
+                    const auto energy = [&](double factor) {
+                        Eigen::VectorXd q = shape.q;
+                        q[i] += factor * step;
+                        return evaluate(q);
+                    };
+                    const double difference =
+                        (8.0 * (energy(1.0) - energy(-1.0)) - (energy(2.0) - energy(-2.0))) / (12.0 * step);
+                    CHECK(std::abs(force[i] - difference) < 1e-8 * (scale + std::abs(difference)));
+                }
+            }
+}

@@ -79,7 +79,7 @@ TEST_CASE("a hold at rest keeps its place to the last digits", "[step]") {
     }
 }
 
-TEST_CASE("holds keep their place to a tenth of a nanometre in any motion", "[step][!mayfail]") {
+TEST_CASE("holds keep their place to a tenth of a nanometre in any motion", "[step]") {
     step::World w;
     w.gravity = {0.0, -kG};
     put(w, paperShell(), {0.01, -0.02}, 0.7, 0.35);
@@ -108,7 +108,7 @@ TEST_CASE("a hold on the machine follows its travel exactly", "[step]") {
     CHECK((w.crossheadTravel - travel).norm() < 1e-14); // round-off of 1000 sums
     CHECK((w.rods[0].holds[0].target.point - from - travel).norm() < 1e-14);
     CHECK((placeOf(w.rods[0], w.rods[0].holds[0]) - from - travel).norm() < 1e-10);
-    // afterwards the shell travels along as a whole: all work went into kinetic energy and what implicit Euler took
+    // all work is in kinetic energy and vibration, or was taken by the scheme
     CHECK(w.energyBalance.work ==
           Approx(w.energyBalance.stored() - w.energyBalance.added + w.energyBalance.numerical).epsilon(1e-9));
 }
@@ -121,9 +121,8 @@ TEST_CASE("the reaction of a clamp carries weight and moment of what hangs from 
         put(w, paperShell(), {0.0, 0.0}, 0.4, 0.35);
         w.rods[0].holds.push_back(holdAt(w.rods[0], fraction, true));
         step::Settings settings;
-        settings.dtMax = 0.02; // long implicit steps come to rest fast
-        settings.localError = 10.0;
-        settings.motionLimit = 100.0;
+        settings.dtMax = 0.02;
+        w.rods[0].dampingRatio = 1.0;
         step::Stepper s(settings);
         for (int i = 0; i < 400; ++i)
             REQUIRE(s.advance(w, 0.02, nullptr, {}).failure.empty());

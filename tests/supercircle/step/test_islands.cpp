@@ -37,15 +37,15 @@ void addNear(Scene& s) {
 
 /// Shells far away, with bodies and joints of their own.
 void addFar(Scene& s) {
-    put(s.world, paperShell(0.6, 9), {3.0, 0.03}, M_PI, 0.4, {0.0, -2.0}, 20.0);
-    put(s.world, strip(0.1, 0.2), {3.05, 0.08}, 0.3, 0.4);
+    put(s.world, paperShell(0.6, 9), {30.0, 0.03}, M_PI, 0.4, {0.0, -2.0}, 20.0);
+    put(s.world, strip(0.1, 0.2), {30.05, 0.08}, 0.3, 0.4);
     step::Link pin;
     pin.key = s.world.nextPart++;
     pin.rodA = s.world.rods[s.world.rods.size() - 1].key;
     pin.end = step::LinkEnd::World;
     pin.target.point = s.world.rods.back().kin.node(0);
     s.world.links.push_back(pin);
-    FakeHost::Body& crate = s.host.add(9, "far crate", {3.0, 0.3}, 0.0, 0.02, 2e-6);
+    FakeHost::Body& crate = s.host.add(9, "far crate", {30.0, 0.3}, 0.0, 0.02, 2e-6);
     crate.outlines.push_back(FakeHost::box(9, 0.02, 0.01, 0.4));
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("a far island changes no bit of the others", "[step][islands]") {
         if (i % 7 == 3)
             step::applyImpulse(crowded.world, 2, 0.01, {0.002 * (i % 5 - 2), 0.004}, 0.0);
         if (i == 40) // another shell, in no way of anybody
-            put(crowded.world, paperShell(0.5, 7), {-4.0, 0.1}, 1.0, 0.4);
+            put(crowded.world, paperShell(0.5, 7), {-40.0, 0.1}, 1.0, 0.4);
         if (i == 60)
             step::removeRod(crowded.world, 2);
     };

@@ -28,7 +28,7 @@ double angularMomentum(const step::Rod& r) {
 
 } // namespace
 
-TEST_CASE("a spinning shell opens by the centrifugal force", "[step][!mayfail]") {
+TEST_CASE("a spinning shell opens by the centrifugal force", "[step]") {
     // At steady spin w the curvatures balance grad(w^2 I / 2): bending energy sum (w^2 / 2 dI/dkappa_i)^2 / (2 B l),
     // linear because the shell opens by less than a per cent of kappa at 50 rad/s.
     const double spin = 50.0;
@@ -48,36 +48,40 @@ TEST_CASE("a spinning shell opens by the centrifugal force", "[step][!mayfail]")
         const double force = 0.5 * spin * spin * (inertiaAt(r, more) - inertiaAt(r, less)) / 2e-3;
         expected += 0.5 * force * force / rod::bendingStiffness(r.model, r.model.elementOfDof(i));
     }
-    step::Settings settings;
-    settings.fixedDt = 4e-4;
-    step::Stepper s(settings);
-    double mean = 0.0;
-    for (int i = 0; i < 2500; ++i) {
-        REQUIRE(s.advance(w, 4e-4, nullptr, {}).failure.empty());
-        mean += i < 1250 ? 0.0 : rod::bendingEnergy(r.model, r.q) / 1250.0;
-    }
-    CHECK(mean / expected ==
-          Approx(1.0).epsilon(0.1)); // opening lowers the spin a little, which the estimate leaves out
+    r.dampingRatio = 0.3; // the swing that the sudden start makes dies; a rigid spin is not damped
+    const double momentum = angularMomentum(r);
+    step::Stepper s({});
+    for (int i = 0; i < 250; ++i)
+        REQUIRE(s.advance(w, 4e-3, nullptr, {}).failure.empty());
+    // Opening lowers the spin, w = L / I, and the force by its square.
+    const double factor = momentum / (inertiaAt(r, r.q) * spin);
+    CHECK(rod::bendingEnergy(r.model, r.q) / (expected * std::pow(factor, 4)) ==
+          Approx(1.0).epsilon(0.02)); // the gradient of I is that of the shape before it opened
+    CHECK(angularMomentum(r) == Approx(momentum).epsilon(1e-9));
 }
 
-TEST_CASE("a free shell that swings and spins keeps its angular momentum", "[step][!mayfail]") {
-    double drift[2];
-    for (int fine = 0; fine < 2; ++fine) {
+TEST_CASE("a free shell that swings and spins keeps its angular momentum over a hundred turns", "[step]") {
+    for (const bool game : {false, true}) {
+        INFO("game " << game);
         step::World w;
-        put(w, paperShell(), {0.0, 0.0}, 0.5, 0.35, {0.5, 0.0}, 3.0);
+        const double spin = 50.0;
+        put(w, paperShell(), {0.0, 0.0}, 0.5, 0.35, {0.5, 0.0}, spin);
         step::Rod& r = w.rods[0];
         for (int i = 0; i < r.model.elements(); ++i)
             r.q[r.model.dofOfElement(i)] *= 1.0 + 0.3 * std::sin(0.7 * i);
         step::refreshRod(r);
         const double before = angularMomentum(r);
         step::Settings settings;
-        settings.fixedDt = fine == 0 ? 1e-4 : 2.5e-5;
+        if (game) {
+            settings.freeError = 0.05;
+            settings.freeSteps = 8;
+            settings.contact.tolerance = 1e-6;
+        }
         step::Stepper s(settings);
-        while (w.time < 0.06)
-            REQUIRE(s.advance(w, settings.fixedDt, nullptr, {}).failure.empty());
-        drift[fine] = std::abs(angularMomentum(r) - before) / (r.model.mass() * 0.5 * kR);
+        const double dt = game ? 1.0 / 60.0 : 4e-3;
+        while (w.time < 100.0 * 2.0 * M_PI / spin)
+            REQUIRE(s.advance(w, dt, nullptr, {}).failure.empty());
+        // No stage has a torque about the centre of mass. What is left is the tolerance of the stages.
+        CHECK(angularMomentum(r) == Approx(before).epsilon(game ? 1e-6 : 1e-9));
     }
-    CAPTURE(drift[0], drift[1]);
-    CHECK(drift[0] < 1e-3);
-    CHECK(drift[1] < 0.5 * drift[0] + 1e-12); // vanishes with the step
 }

@@ -102,6 +102,7 @@ struct MaterialDef {
     std::optional<double> young_modulus;                  ///< Pa
     std::optional<double> density;                        ///< kg/m^3
     std::optional<std::vector<double>> natural_curvature; ///< 1/m, one for all elements or one each
+    std::optional<double> damping_ratio{};                ///< as ShellDef::damping_ratio, 1
 };
 
 /// Collision filter as in Box2D. Two members of the same group other than 0 always collide (positive group) or never

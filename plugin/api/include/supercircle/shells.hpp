@@ -94,6 +94,7 @@ struct EnergyBalance {
     };
     double injected = 0.0;  ///< part of position_correction that closing gaps brought in; grows only
     double effects = 0.0;   ///< dissipated by effects
+    double damping = 0.0;   ///< dissipated by ShellDef::damping_ratio
     double to_bodies = 0.0; ///< passed to dynamic bodies of the host
     double residual = 0.0;  ///< what the terms above leave unexplained; rounding
 };

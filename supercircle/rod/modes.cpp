@@ -1,0 +1,52 @@
+#include "supercircle/rod/modes.h"
+
+#include "supercircle/rod/elasticity.h"
+#include "supercircle/rod/inertia.h"
+#include "supercircle/support/dense.h"
+#include "supercircle/support/invariants.h"
+
+#include <cmath>
+
+namespace supercircle::rod {
+
+Eigen::VectorXd circularFrequencies(const RodModel& model, const Eigen::VectorXd& q, const Eigen::MatrixXd& held) {
+    SC_ASSERT(held.rows() == 0 || held.cols() == model.dofs(), "one column for each degree of freedom");
+    Kinematics kin;
+    kin.evaluate(model, q);
+    GaussField field;
+    evaluateGauss(model, kin, field);
+    Eigen::MatrixXd M, K = Eigen::MatrixXd::Zero(model.dofs(), model.dofs());
+    massMatrix(model, kin, field, M);
+    for (int i = 0; i < model.elements(); ++i)
+        K(model.dofOfElement(i), model.dofOfElement(i)) = bendingStiffness(model, i);
+    const Eigen::MatrixXd Z =
+        held.rows() > 0 ? dense::nullSpaceBasis(held) : Eigen::MatrixXd(Eigen::MatrixXd::Identity(M.rows(), M.cols()));
+    if (Z.cols() == 0)
+        return {};
+    const Eigen::VectorXd squares = dense::generalisedEigenvalues(Z.transpose() * K * Z, Z.transpose() * M * Z);
+    // The slowest mode that any hold leaves a rod is far above this, and round-off far below.
+    const double L = model.definition().length;
+    const double rigid = 1e-3 * model.definition().bendingModulus / (model.definition().linearMass * L * L * L * L);
+    Eigen::Index first = 0;
+    while (first < squares.size() && !(squares[first] > rigid))
+        ++first;
+    return squares.tail(squares.size() - first).cwiseSqrt();
+}
+
+Eigen::MatrixXd closureRows(const RodModel& model, const Kinematics& kin) {
+    const MaterialPoint ends[2] = {locate(model, 0, 0.0),
+                                   locate(model, model.elements() - 1, model.definition().length)};
+    Eigen::Matrix<double, 2, Eigen::Dynamic> pair(2, model.dofs());
+    Eigen::RowVectorXd turn(model.dofs());
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, model.dofs());
+    for (int end = 0; end < 2; ++end) {
+        const double sign = end == 0 ? -1.0 : 1.0;
+        kin.pointRows(model, ends[end], Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
+        kin.angleRow(model, ends[end], turn);
+        rows.topRows(2) += sign * pair;
+        rows.row(2) += sign * turn;
+    }
+    return rows;
+}
+
+} // namespace supercircle::rod

@@ -1,0 +1,26 @@
+#pragma once
+// The motion of a rod that touches nothing, to second order, in steps of its own within the step (private to step/).
+//
+// Scheme: SDIRK2, two stages with the factor gamma = 1 - 1/sqrt(2), of second order and L-stable (R. Alexander, SIAM J.
+// Numer. Anal. 14, 1006, 1977). Each stage is an implicit Euler step of gamma dt from an extrapolated start:
+//     M(q) v = P + gamma dt (dT/dq + F(q) - D v) + C^T (hold impulses),   C v = velocity of the holds,   q = Q + gamma
+//     dt v.
+// Unknowns are q and the generalised momentum p = int lambda J^T u in the inertial frame. With the centre of mass in
+// place of the middle, translation and spin of a free rod have no force in any stage: momentum, angular momentum and
+// rigid motion are exact, and what spins feels the centrifugal force.
+//
+// Its own steps are chosen by the embedded estimate gamma dt (k2 - k1), in the norm of energy, against the energy of
+// vibration. That resolves the modes that hold energy; all others decay as an L-stable scheme lets them.
+
+#include "supercircle/step/rods/rod_system.h"
+
+namespace supercircle::step {
+
+/// Whether gravity, holds to places and forces are all that acts on the rod, contacts left aside.
+[[nodiscard]] bool mayMoveFreely(const Rod& rod);
+/// The motion over `dt` s: w.q1, v, kin1, u1, moved. False: it was not found.
+[[nodiscard]] bool moveFreely(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w);
+/// Accepts that motion.
+RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w);
+
+} // namespace supercircle::step

@@ -18,11 +18,37 @@ constexpr double kRememberEnergy = 0.9;                     ///< of vibration, a
 constexpr double kShorterToSolve = 16.0;                    ///< than the error asks for, where stages do not converge
 constexpr double kLongestGrowth = 2.0, kShortestCut = 0.25; ///< of a step
 
+/// Whether the moment depends on curvature and its rate alone, not on what was before.
+bool isMemoryless(const effects::MaterialModel& m) {
+    return m.branches.empty() && m.softening == 0.0 && std::isinf(m.yield);
+}
+
+double viscosityOf(const Rod& rod) {
+    return rod.dampingTime + (rod.effects.material.on() ? rod.effects.material.model.viscosity : 0.0);
+}
+
+/// Moves the state of the rod's effects over a step, in which their viscosity took `damped` J. Returns what they took.
+double acceptMaterial(Rod& rod, double dt, double damped) {
+    effects::RodEffects& fx = rod.effects;
+    const auto total = [&] {
+        double sum = 0.0;
+        for (const effects::EffectEnergy& e : fx.energies)
+            sum += e.stored + e.dissipated;
+        return sum;
+    };
+    const double before = total();
+    fx.material.age += dt;
+    effects::storedEnergy(rod.model, fx.material, rod.q, fx.energies);
+    fx.energies[static_cast<std::size_t>(effects::Key::ViscoelasticBending)].dissipated += damped;
+    return total() - before;
+}
+
 /// One motion from the start of the step to its end. All of q, p, v have the centre of mass in place of the middle.
 class FreeMotion {
 public:
     FreeMotion(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w)
-        : world_(world), settings_(settings), rod_(rod), w_(w), f_(w.free), dt_(dt), n_(rod.model.dofs()) {}
+        : world_(world), settings_(settings), rod_(rod), w_(w), f_(w.free), dt_(dt), n_(rod.model.dofs()),
+          viscosity_(viscosityOf(rod)) {}
 
     bool run();
 
@@ -32,6 +58,8 @@ private:
     void begin();
     void evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
     void factor(double tau);
+    [[nodiscard]] double tangentOf(int element, double curvature) const;
+    void addBending(const FreeStage& s);
     void meanRows();
     void addForces();
     void holdRows();
@@ -54,6 +82,7 @@ private:
     FreeWork& f_;
     double dt_;
     Eigen::Index n_;
+    double viscosity_; ///< of all damping, over B, s
 };
 
 /// State at the start, from the material velocities.
@@ -121,9 +150,37 @@ void FreeMotion::factor(double tau) {
     for (Eigen::Index i = 0; i < n_; ++i)
         if (i < X || i == T)
             w_.A(X, i) = w_.A(i, X) = w_.A(Y, i) = w_.A(i, Y) = 0.0;
-    for (int i = 0; i < model.elements(); ++i)
-        w_.A(i, i) += tau * (tau + rod_.dampingTime) * rod::bendingStiffness(model, model.elementOfDof(i));
+    for (int i = 0; i < model.elements(); ++i) {
+        const int element = model.elementOfDof(i);
+        w_.A(i, i) += tau * (tau * tangentOf(element, f_.q[i]) + viscosity_ * rod::bendingStiffness(model, element));
+    }
     w_.llt.compute(w_.A);
+}
+
+/// Slope of the elastic moment of an element times its length, N m^3.
+double FreeMotion::tangentOf(int element, double curvature) const {
+    if (!rod_.effects.material.on())
+        return rod::bendingStiffness(rod_.model, element);
+    constexpr double kUnit = 1.0; // s: of a step without change, whose viscous part is known
+    const effects::Material& m = rod_.effects.material;
+    const double slope = effects::materialResponse(rod_.model, m, element, curvature, curvature, kUnit).tangent -
+                         m.model.viscosity / kUnit * rod_.model.definition().bendingModulus;
+    return std::max(0.0, slope) * rod_.model.elementLength(element);
+}
+
+/// Force of bending and damping at a stage.
+void FreeMotion::addBending(const FreeStage& s) {
+    const rod::RodModel& model = rod_.model;
+    const bool effects = rod_.effects.material.on();
+    if (!effects)
+        rod::addBendingForce(model, s.q, f_.force);
+    for (int k = 0; k < model.elements(); ++k) {
+        const int element = model.elementOfDof(k);
+        if (effects) // without a change there is no viscous moment
+            f_.force[k] -= model.elementLength(element) *
+                           effects::materialResponse(model, rod_.effects.material, element, s.q[k], s.q[k], 1.0).moment;
+        f_.force[k] -= viscosity_ * rod::bendingStiffness(model, element) * s.v[k];
+    }
 }
 
 /// Rows of the centre of mass, times the mass.
@@ -248,9 +305,7 @@ bool FreeMotion::stage(double tau, double ahead, FreeStage& s) {
         evaluate(s.q, s.v);
         rod::inertialForce(model, w_.kin, w_.gauss, f_.rate, f_.u, f_.force);
         f_.force[model.dofTheta()] = 0.0; // it is round-off: nothing turns a rod about its centre of mass
-        rod::addBendingForce(model, s.q, f_.force);
-        for (int k = 0; k < model.elements(); ++k)
-            f_.force[k] -= rod_.dampingTime * rod::bendingStiffness(model, model.elementOfDof(k)) * s.v[k];
+        addBending(s);
         f_.force.segment<2>(x()) = mass() * world_.gravity;
         addForces();
         rod::momentum(model, w_.kin, w_.gauss, f_.u, f_.product);
@@ -405,7 +460,7 @@ bool FreeMotion::tryStep(double start, double size) {
         }
         for (int k = 0; k < model.elements(); ++k)
             f_.damped +=
-                weight * tau * rod_.dampingTime * rod::bendingStiffness(model, model.elementOfDof(k)) * s.v[k] * s.v[k];
+                weight * tau * viscosity_ * rod::bendingStiffness(model, model.elementOfDof(k)) * s.v[k] * s.v[k];
     }
     f_.tau = tau;
     if (f_.hasHolds) {
@@ -488,7 +543,9 @@ bool FreeMotion::run() {
 } // namespace
 
 bool mayMoveFreely(const Rod& rod) {
-    return !rod.frozen() && rod.mouseJoints.empty() && !rod.effects.on() && !rod.effects.adhesion.model.on();
+    const effects::RodEffects& fx = rod.effects;
+    return !rod.frozen() && rod.mouseJoints.empty() && !fx.drag.on() && !fx.adhesion.model.on() &&
+           (!fx.material.on() || isMemoryless(fx.material.model));
 }
 
 bool moveFreely(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w) {
@@ -515,9 +572,11 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     energies.kineticChange += rod::kineticEnergy(rod.gauss, rod.u);
     energies.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
     energies.holdWork = f.holdWork;
-    energies.damping = f.damped;
+    energies.damping = f.damped > 0.0 ? f.damped * (rod.dampingTime / viscosityOf(rod)) : 0.0;
+    if (rod.effects.material.on())
+        energies.effects = acceptMaterial(rod, dt, f.damped - energies.damping);
     // What the scheme took, in total: its parts have no sign of their own.
-    energies.secondOrder = energies.holdWork + energies.loadWork - energies.damping -
+    energies.secondOrder = energies.holdWork + energies.loadWork - energies.damping - energies.effects -
                            (energies.kineticChange + energies.bendingChange + energies.gravityChange);
     const Eigen::VectorXd& impulse = f.stages[1].impulse;
     Eigen::Index row = 0;

@@ -253,6 +253,31 @@ TEST_CASE("a damping ratio gives its logarithmic decrement", "[step][vibration]"
             }
 }
 
+TEST_CASE("bending viscosity as an effect gives the decrement of the same damping ratio", "[step][vibration]") {
+    const double ratio = 0.03;
+    Vibrating v = vibrating(beam(), true, 0);
+    effects::Model model;
+    model.material.viscosity = 2.0 * ratio / v.frequency; // eta / B
+    effects::Profile stiffer;                             // and with a stiffness that changes the frequency
+    stiffer.shape = effects::Profile::Shape::Flat;
+    stiffer.width = 10.0;
+    stiffer.stiffness = 0.21;
+    model.material.profiles.push_back(stiffer);
+    step::setEffects(v.world, 0, model);
+    bend(v, 0.005);
+    const double stored = 1.21 * v.energy();
+    v.frequency *= 1.1; // the square root of the stiffness
+    const double periods = 5.0;
+    const Seen seen = watch(v, 8.0, periods, settingsOf(false));
+    CHECK(seen.frequency == Approx(v.frequency).epsilon(0.002));
+    // The viscosity stays while the stiffness grows, so the ratio falls with the frequency.
+    const double bent = rod::bendingEnergy(v.rod().model, v.rod().q), left = v.energy() + 0.21 * bent;
+    CHECK(-std::log(left / stored) / (4.0 * M_PI * periods) == Approx(ratio / 1.1).epsilon(0.02));
+    const auto& book = v.rod().effects.energies[static_cast<std::size_t>(effects::Key::ViscoelasticBending)];
+    CHECK(book.dissipated == Approx(stored - left).epsilon(0.01)); // the scheme takes less than a per cent of it
+    CHECK(v.world.energyBalance.damping == 0.0);
+}
+
 TEST_CASE("free motion is of second order", "[step][vibration]") {
     // Swings widely in its first mode, spins and falls: the place of its tip after half a period, against far shorter
     // steps. Other shapes hold modes that none of these steps resolves, and no order is seen.

@@ -16,7 +16,8 @@
 
 namespace supercircle::step {
 
-/// Whether gravity, holds to places, forces and effects without memory are all that acts on the rod, contacts left aside.
+/// Whether gravity, holds to places, forces and effects without memory are all that acts on the rod, contacts left
+/// aside.
 [[nodiscard]] bool mayMoveFreely(const Rod& rod);
 /// The motion over `dt` s: w.q1, v, kin1, u1, moved. False: it was not found.
 [[nodiscard]] bool moveFreely(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w);

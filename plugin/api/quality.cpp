@@ -6,32 +6,13 @@
 namespace supercircle {
 
 step::Settings settingsFor(Quality quality, const step::Settings& before) {
-    step::Settings s;
+    step::Settings s = quality == Quality::Game ? step::gameSettings() : step::Settings{};
     s.threads = before.threads;
     s.autoSleep = before.autoSleep;
     s.sleepDrift = before.sleepDrift;
     s.sleepAfter = before.sleepAfter;
     s.recoverAfter = before.recoverAfter;
     s.crossingCheck = true;
-    if (quality == Quality::Laboratory)
-        return s;
-    s.dtMax = 1.0 / 30.0;
-    s.localError = 1.0;
-    s.motionLimit = 5.0;
-    s.relinearise = 0.01;
-    s.maxIterations = 2;
-    s.contact.tolerance = 1e-6;
-    s.sweepAbove = 500;
-    s.cappedSweeps = 40;
-    s.acceptUnconverged = true;
-    s.cull = true;
-    s.dampingRatio = 0.05;
-    s.freeError = 0.05;
-    s.freeLeast = 1e-4;
-    s.freeSteps = 8;
-    s.frameWork = 8333; // half a frame of 60 Hz
-    s.giveUpEarly = true;
-    s.crush = step::CrushPolicy::LetThrough;
     return s;
 }
 

@@ -48,6 +48,13 @@ struct EffectEnergy {
     double dissipated = 0.0; ///< dissipated so far, J, never decreases
 };
 using EffectEnergies = std::array<EffectEnergy, kKeys>;
+/// All that effects have taken: stored and dissipated, J.
+[[nodiscard]] inline double taken(const EffectEnergies& energies) {
+    double sum = 0.0;
+    for (const EffectEnergy& e : energies)
+        sum += e.stored + e.dissipated;
+    return sum;
+}
 
 /// A change of the section along the rod.
 struct Profile {

@@ -81,11 +81,10 @@ Kinematics::PointWithDerivative Kinematics::pointOf(const MaterialPoint& at) con
             (s * s) * ((sine - f.versine) * normal - x * (f.versine - f.deficit) * tangent)};
 }
 
-void Kinematics::pointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
-                           const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const {
+void Kinematics::addPointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
+                              const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const {
     SC_ASSERT_EXPENSIVE(rows.cols() == model.dofs(), "one column for each degree of freedom");
     SC_ASSERT_EXPENSIVE(static_cast<std::size_t>(at.segment) < model.side(at.side).size(), "a segment of the rod");
-    rows.setZero();
     const auto& list = model.side(at.side);
     const PointWithDerivative own = pointOf(at);
     const Vec2 p = own.position + offset;
@@ -94,10 +93,10 @@ void Kinematics::pointRows(const RodModel& model, const MaterialPoint& at, const
         rows(0, dof) += first.dot(arm);
         rows(1, dof) += second.dot(arm);
     };
-    rows(0, model.dofX()) = first.x();
-    rows(1, model.dofX()) = second.x();
-    rows(0, model.dofY()) = first.y();
-    rows(1, model.dofY()) = second.y();
+    rows(0, model.dofX()) += first.x();
+    rows(1, model.dofX()) += second.x();
+    rows(0, model.dofY()) += first.y();
+    rows(1, model.dofY()) += second.y();
     rotation(model.dofTheta(), 1.0, middle_);
     for (int k = 0; k < at.segment; ++k) {
         const Segment& seg = list[static_cast<std::size_t>(k)];
@@ -109,14 +108,35 @@ void Kinematics::pointRows(const RodModel& model, const MaterialPoint& at, const
     rows(1, dof) += second.dot(e);
 }
 
-void Kinematics::angleRow(const RodModel& model, const MaterialPoint& at, Eigen::Ref<Eigen::RowVectorXd> row) const {
+void Kinematics::addAngleRow(const RodModel& model, const MaterialPoint& at, double sign, RowRef row) const {
     SC_ASSERT_EXPENSIVE(row.size() == model.dofs(), "one column for each degree of freedom");
-    row.setZero();
-    row[model.dofTheta()] = 1.0;
+    row[model.dofTheta()] += sign;
     const auto& list = model.side(at.side);
     for (int k = 0; k < at.segment; ++k)
-        row[list[static_cast<std::size_t>(k)].dof] += list[static_cast<std::size_t>(k)].signedLength;
-    row[list[static_cast<std::size_t>(at.segment)].dof] += at.local;
+        row[list[static_cast<std::size_t>(k)].dof] += sign * list[static_cast<std::size_t>(k)].signedLength;
+    row[list[static_cast<std::size_t>(at.segment)].dof] += sign * at.local;
+}
+
+void Kinematics::pointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
+                           const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const {
+    rows.setZero();
+    addPointRows(model, at, offset, first, second, rows);
+}
+
+void Kinematics::angleRow(const RodModel& model, const MaterialPoint& at, RowRef row) const {
+    row.setZero();
+    addAngleRow(model, at, 1.0, row);
+}
+
+void Kinematics::closureRows(const RodModel& model, Eigen::Ref<Eigen::Matrix<double, 3, Eigen::Dynamic>> rows) const {
+    rows.setZero();
+    const auto add = [&](int element, double s, double sign) {
+        const MaterialPoint at = locate(model, element, s);
+        addPointRows(model, at, Vec2::Zero(), sign * Vec2::UnitX(), sign * Vec2::UnitY(), rows.topRows<2>());
+        addAngleRow(model, at, sign, rows.row(2));
+    };
+    add(model.elements() - 1, model.definition().length, 1.0);
+    add(0, 0.0, -1.0);
 }
 
 } // namespace supercircle::rod

@@ -24,6 +24,9 @@ MaterialPoint locate(const RodModel& model, int element, double s);
 /// The same when the element is not known.
 MaterialPoint locate(const RodModel& model, double s);
 
+/// A row of any matrix, or a vector of its own.
+using RowRef = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
+
 /// The rod's curve at one q.
 class Kinematics {
 public:
@@ -53,7 +56,9 @@ public:
     void pointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
                    const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const;
     /// d theta(s) / dq, n entries, overwritten.
-    void angleRow(const RodModel& model, const MaterialPoint& at, Eigen::Ref<Eigen::RowVectorXd> row) const;
+    void angleRow(const RodModel& model, const MaterialPoint& at, RowRef row) const;
+    /// Place and angle of the last end less those of the first one, which a ring keeps together; 3 x n, overwritten.
+    void closureRows(const RodModel& model, Eigen::Ref<Eigen::Matrix<double, 3, Eigen::Dynamic>> rows) const;
 
 private:
     struct PointWithDerivative {
@@ -62,6 +67,9 @@ private:
     };
     /// From the tangent at the segment's inner end, without sines.
     [[nodiscard]] PointWithDerivative pointOf(const MaterialPoint& at) const;
+    void addPointRows(const RodModel& model, const MaterialPoint& at, const Vec2& offset, const Vec2& first,
+                      const Vec2& second, Eigen::Ref<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows) const;
+    void addAngleRow(const RodModel& model, const MaterialPoint& at, double sign, RowRef row) const;
 
     Vec2 middle_ = Vec2::Zero();
     Vec2 lastNode_ = Vec2::Zero();

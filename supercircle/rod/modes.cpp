@@ -33,20 +33,4 @@ Eigen::VectorXd circularFrequencies(const RodModel& model, const Eigen::VectorXd
     return squares.tail(squares.size() - first).cwiseSqrt();
 }
 
-Eigen::MatrixXd closureRows(const RodModel& model, const Kinematics& kin) {
-    const MaterialPoint ends[2] = {locate(model, 0, 0.0),
-                                   locate(model, model.elements() - 1, model.definition().length)};
-    Eigen::Matrix<double, 2, Eigen::Dynamic> pair(2, model.dofs());
-    Eigen::RowVectorXd turn(model.dofs());
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, model.dofs());
-    for (int end = 0; end < 2; ++end) {
-        const double sign = end == 0 ? -1.0 : 1.0;
-        kin.pointRows(model, ends[end], Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
-        kin.angleRow(model, ends[end], turn);
-        rows.topRows(2) += sign * pair;
-        rows.row(2) += sign * turn;
-    }
-    return rows;
-}
-
 } // namespace supercircle::rod

@@ -14,7 +14,4 @@ namespace supercircle::rod {
 [[nodiscard]] Eigen::VectorXd circularFrequencies(const RodModel& model, const Eigen::VectorXd& q,
                                                   const Eigen::MatrixXd& held);
 
-/// Rows of what keeps the two ends of a closed rod together, at `kin`: 3 x n.
-[[nodiscard]] Eigen::MatrixXd closureRows(const RodModel& model, const Kinematics& kin);
-
 } // namespace supercircle::rod

@@ -305,12 +305,6 @@ void sleepAtRest(World& world, const Settings& settings, double frame) {
 
 namespace {
 
-const Body* find(const std::vector<Body>& bodies, BodyId id) {
-    const auto it =
-        std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId want) { return b.id < want; });
-    return it != bodies.end() && it->id == id ? &*it : nullptr;
-}
-
 bool samePose(const Body& a, const Body& b) {
     return a.state.centre == b.state.centre && a.state.angle == b.state.angle;
 }
@@ -331,8 +325,8 @@ void wakeByHost(World& world, const std::vector<Body>& bodies, const std::vector
     while (i < old.size() || j < outlines.size()) {
         const bool gone = j == outlines.size() || (i < old.size() && before(old[i], outlines[j]));
         const bool fresh = !gone && (i == old.size() || before(outlines[j], old[i]));
-        const Body* was = i < old.size() && !fresh ? find(world.bodies, old[i].body) : nullptr;
-        const Body* is = !gone ? find(bodies, outlines[j].body) : nullptr;
+        const Body* was = i < old.size() && !fresh ? findBody(world.bodies, old[i].body) : nullptr;
+        const Body* is = !gone ? findBody(bodies, outlines[j].body) : nullptr;
         // Vertices are joined anew where bodies have moved against each other in the frame before.
         const bool still = was && is && samePose(*was, *is) && !moves(*is) &&
                            sameButSeams(old[i], outlines[j], contact::kSeamTolerance * is->thicknessNear);

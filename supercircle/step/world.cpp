@@ -228,10 +228,37 @@ double thinnest(const World& world) {
     return h;
 }
 
+Settings gameSettings() {
+    Settings s;
+    s.dtMax = 1.0 / 30.0;
+    s.localError = 1.0;
+    s.motionLimit = 5.0;
+    s.relinearise = 0.01;
+    s.maxIterations = 2;
+    s.contact.tolerance = 1e-6;
+    s.sweepAbove = 500;
+    s.cappedSweeps = 40;
+    s.acceptUnconverged = true;
+    s.cull = true;
+    s.dampingRatio = 0.05;
+    s.freeError = 0.05;
+    s.freeLeast = 1e-4;
+    s.freeSteps = 8;
+    s.frameWork = 8333; // half a frame of 60 Hz
+    s.giveUpEarly = true;
+    s.crush = CrushPolicy::LetThrough;
+    return s;
+}
+
+const Body* findBody(const std::vector<Body>& bodies, BodyId id) {
+    const auto it =
+        std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId want) { return b.id < want; });
+    return it != bodies.end() && it->id == id ? &*it : nullptr;
+}
+
 int bodyIndex(const World& world, BodyId id) {
-    const auto it = std::lower_bound(world.bodies.begin(), world.bodies.end(), id,
-                                     [](const Body& b, BodyId want) { return b.id < want; });
-    return it != world.bodies.end() && it->id == id ? static_cast<int>(it - world.bodies.begin()) : -1;
+    const Body* body = findBody(world.bodies, id);
+    return body != nullptr ? static_cast<int>(body - world.bodies.data()) : -1;
 }
 
 std::size_t addRod(World& world, const rod::RodDefinition& definition, const Eigen::VectorXd& q,

@@ -186,6 +186,10 @@ struct Settings {
     bool crossingCheck = false; ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
+/// Settings for games: coarse steps within a budget of work; the defaults are those of the laboratory. Neither checks
+/// crossings: that is up to who steps.
+[[nodiscard]] Settings gameSettings();
+
 /// Why a trial step must not become the next state.
 enum class Reason : std::uint8_t {
     None,             ///< it may
@@ -321,6 +325,8 @@ void shiftOrigin(World& world, const Vec2& by);
 [[nodiscard]] double lengthOf(const World& world, double given, const contact::Candidate& c);
 /// Thickness of the thinnest rod, m; infinite without rods.
 [[nodiscard]] double thinnest(const World& world);
+/// Of a list sorted by id; nullptr if it is not there.
+[[nodiscard]] const Body* findBody(const std::vector<Body>& bodies, BodyId id);
 /// Index of the body in World::bodies, -1 if it is not there.
 [[nodiscard]] int bodyIndex(const World& world, BodyId id);
 

@@ -363,8 +363,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         sortedIds(start, stage.ids);
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
-            if (c.gap > stage.addBelow || rods[static_cast<std::size_t>(c.a.rod)].isFree ||
-                (c.b.rod >= 0 && rods[static_cast<std::size_t>(c.b.rod)].isFree) ||
+            if (c.gap > stage.addBelow || isOfFreeRod(rods, c) ||
                 std::binary_search(stage.ids.begin(), stage.ids.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);

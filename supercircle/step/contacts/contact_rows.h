@@ -109,6 +109,12 @@ struct ContactStage {
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);
 
+/// Whether a rod of the pair has moved already: it does not touch in this attempt.
+[[nodiscard]] inline bool isOfFreeRod(const std::vector<RodWork>& rods, const contact::Candidate& c) {
+    return rods[static_cast<std::size_t>(c.a.rod)].isFree ||
+           (c.b.rod >= 0 && rods[static_cast<std::size_t>(c.b.rod)].isFree);
+}
+
 /// Outlines in the world frame; `ahead` seconds along `motion`. `keys` is scratch.
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,
                    std::vector<std::uint32_t>& keys, std::vector<contact::Outline>& outlines);

@@ -11,12 +11,6 @@ namespace supercircle::step {
 
 namespace {
 
-const Body* find(const std::vector<Body>& bodies, BodyId id) {
-    const auto it =
-        std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId want) { return b.id < want; });
-    return it != bodies.end() && it->id == id ? &*it : nullptr;
-}
-
 bool moves(const BodyState& s) {
     return !s.velocity.isZero(0.0) || s.spin != 0.0;
 }
@@ -76,28 +70,28 @@ void wakeTouched(World& world, const std::vector<Body>& bodies, const std::vecto
             wakeIsland(world, sleeper->island);
     };
     const auto meet = [&](const auto& constraint) {
-        const Body *a = find(bodies, constraint.a), *b = find(bodies, constraint.b);
+        const Body *a = findBody(bodies, constraint.a), *b = findBody(bodies, constraint.b);
         touches(a, b);
         touches(b, a);
     };
     std::for_each(world.constraints.contacts.begin(), world.constraints.contacts.end(), meet);
     std::for_each(world.constraints.rows.begin(), world.constraints.rows.end(), meet);
     for (const Link& l : world.links)
-        if (const Body* b = l.end == LinkEnd::Body ? find(bodies, l.body) : nullptr; b != nullptr && b->asleep())
+        if (const Body* b = l.end == LinkEnd::Body ? findBody(bodies, l.body) : nullptr; b != nullptr && b->asleep())
             if (const int rod = rodIndex(world, l.rodA);
                 rod >= 0 && world.rods[static_cast<std::size_t>(rod)].island != b->island)
                 wakeIsland(world, b->island);
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (!world.rods[i].frozen() && holdMoves(world, world.rods[i])) // what it meets cannot push it back
             for (const BodyOutline& o : outlines)
-                if (const Body* b = find(bodies, o.body);
+                if (const Body* b = findBody(bodies, o.body);
                     b != nullptr && b->asleep() && step::meet(regions[i], reachOf(world, b->state, o, 0.0)))
                     wakeIsland(world, b->island);
 }
 
 void wakeAsBefore(const std::vector<Body>& old, std::vector<Body>& bodies) {
     for (Body& b : bodies)
-        if (const Body* was = b.island != 0 ? find(old, b.id) : nullptr; was != nullptr && was->island == 0)
+        if (const Body* was = b.island != 0 ? findBody(old, b.id) : nullptr; was != nullptr && was->island == 0)
             wakeBody(b);
 }
 

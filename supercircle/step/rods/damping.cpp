@@ -1,6 +1,7 @@
 #include "supercircle/step/damping.h"
 
 #include "supercircle/rod/modes.h"
+#include "supercircle/step/rods/hold_rows.h"
 
 #include <bit>
 
@@ -47,34 +48,13 @@ Coarse coarse(const Rod& rod) {
     return c;
 }
 
-Eigen::MatrixXd heldRows(const Rod& held, const Coarse& rod) {
-    const Eigen::Index n = rod.model.dofs();
-    Eigen::MatrixXd rows(0, n);
-    const auto append = [&](const auto& more) {
-        rows.conservativeResize(rows.rows() + more.rows(), Eigen::NoChange);
-        rows.bottomRows(more.rows()) = more;
-    };
-    if (rod.model.definition().closed)
-        append(rod::closureRows(rod.model, rod.kin));
-    Eigen::Matrix<double, 2, Eigen::Dynamic> pair(2, n);
-    Eigen::RowVectorXd turn(n);
-    for (const Hold& h : held.holds) {
-        const rod::MaterialPoint at = rod::locate(rod.model, h.s);
-        rod.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
-        append(pair);
-        if (h.clamped) {
-            rod.kin.angleRow(rod.model, at, turn);
-            append(turn);
-        }
-    }
-    return rows;
-}
-
 } // namespace
 
 double firstFrequency(const Rod& rod) {
     const Coarse few = coarse(rod);
-    const Eigen::VectorXd frequencies = rod::circularFrequencies(few.model, few.q, heldRows(rod, few));
+    Eigen::MatrixXd held;
+    holdRows(few.model, rod.holds, few.kin, held);
+    const Eigen::VectorXd frequencies = rod::circularFrequencies(few.model, few.q, held);
     return frequencies.size() > 0 ? frequencies[0] : 0.0;
 }
 

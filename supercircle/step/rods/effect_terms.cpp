@@ -128,13 +128,7 @@ EffectEnergyChange acceptEffects(Rod& rod, double dt, const RodWork& w) {
     effects::RodEffects& fx = rod.effects;
     const EffectWork& work = w.effects;
     double given = 0.0; // work of the rod on the linearised effects
-    const auto total = [&] {
-        double sum = 0.0;
-        for (const effects::EffectEnergy& b : fx.energies)
-            sum += b.stored + b.dissipated;
-        return sum;
-    };
-    const double before = total();
+    const double before = effects::taken(fx.energies);
     if (fx.material.on()) {
         for (int e = 0; e < rod.model.elements(); ++e) {
             const auto k = static_cast<std::size_t>(e);
@@ -155,7 +149,7 @@ EffectEnergyChange acceptEffects(Rod& rod, double dt, const RodWork& w) {
         }
         book.stored = effects::storedEnergy(fx.drag);
     }
-    out.taken = total() - before;
+    out.taken = effects::taken(fx.energies) - before;
     out.secondOrder = given - out.taken;
     return out;
 }

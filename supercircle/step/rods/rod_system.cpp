@@ -2,6 +2,7 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/rods/effect_terms.h"
+#include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/support/invariants.h"
 
 #include <Eigen/QR>
@@ -14,62 +15,30 @@ namespace supercircle::step {
 namespace {
 
 /// Rows (in the middle of the step) and right-hand side of the holds: C v = (target at the end - place at the start) /
-/// dt.
+/// dt, as far as the speed of closing allows.
 void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
-    const bool closed = rod.model.definition().closed;
-    Eigen::Index rows = closed ? 3 : 0;
-    for (const Hold& h : rod.holds)
-        rows += h.clamped ? 3 : 2;
-    w.C.resize(rows, rod.model.dofs());
-    w.c.resize(rows);
-    w.held.closing.resize(rows);
-    if (rows == 0)
+    holdRows(rod.model, rod.holds, w.kin, w.C);
+    if (w.C.rows() == 0) {
+        w.c.resize(0);
         return;
-    Eigen::Matrix<double, 2, Eigen::Dynamic>&pair = w.held.pair, &other = w.held.otherPair;
-    Eigen::RowVectorXd &turn = w.held.turn, &otherTurn = w.held.otherTurn;
-    pair.resize(2, rod.model.dofs());
-    other.resize(2, rod.model.dofs());
-    turn.resize(rod.model.dofs());
-    otherTurn.resize(rod.model.dofs());
-    Eigen::Index row = 0;
-    const auto put = [&](const auto& line, double missing, double gap, double left) {
-        SC_ASSERT_EXPENSIVE(row < w.C.rows(), "as many rows as were counted");
-        w.C.row(row) = line;
-        w.held.closing[row] = (left - gap) / dt;
-        w.c[row++] = (missing + left) / dt;
-    };
+    }
+    holdGaps(world, rod, rod.kin, Vec2::Zero(), dt, w.c);
+    holdGaps(world, rod, rod.kin, Vec2::Zero(), 0.0, w.held.gaps);
+    w.held.closing.resize(w.c.size());
     const double lever = rod.model.longestElement(); // of angles
-    for (const Hold& h : rod.holds) {
-        const rod::MaterialPoint at = rod::locate(rod.model, h.s);
-        w.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
-        const Pose goal = poseAfter(world, h, dt), now = poseAfter(world, h, 0.0);
-        const Vec2 place = rod.kin.point(at), gap = place - now.point, left = w.closing.left(gap, dt);
-        const Vec2 missing = goal.point - place;
-        put(pair.row(0), missing.x(), gap.x(), left.x());
-        put(pair.row(1), missing.y(), gap.y(), left.y());
-        if (h.clamped) {
-            w.kin.angleRow(rod.model, at, turn);
-            const double angle = rod.kin.angle(at), off = angle - now.angle;
-            put(turn, goal.angle - angle, off, w.closing.left(lever * off, dt) / lever);
+    const auto close = [&](Eigen::Index row, double gap, double left) {
+        w.held.closing[row] = (left - gap) / dt;
+        w.c[row] = (w.c[row] + left) / dt;
+    };
+    forEachHeldPoint(rod.model, rod.holds, [&](Eigen::Index row, bool angle) {
+        const Vec2 gap = -w.held.gaps.segment<2>(row), left = w.closing.left(gap, dt);
+        close(row, gap.x(), left.x());
+        close(row + 1, gap.y(), left.y());
+        if (angle) {
+            const double off = -w.held.gaps[row + 2];
+            close(row + 2, off, w.closing.left(lever * off, dt) / lever);
         }
-    }
-    if (closed) { // both ends are one material point
-        const double L = rod.model.definition().length;
-        const rod::MaterialPoint first = rod::locate(rod.model, 0, 0.0);
-        const rod::MaterialPoint last = rod::locate(rod.model, rod.model.elements() - 1, L);
-        w.kin.pointRows(rod.model, last, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), pair);
-        w.kin.pointRows(rod.model, first, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), other);
-        const Vec2 missing = rod.kin.point(first) - rod.kin.point(last), left = w.closing.left(Vec2(-missing), dt);
-        put(pair.row(0) - other.row(0), missing.x(), -missing.x(), left.x());
-        put(pair.row(1) - other.row(1), missing.y(), -missing.y(), left.y());
-        w.kin.angleRow(rod.model, last, turn);
-        w.kin.angleRow(rod.model, first, otherTurn);
-        const double total = rod.kin.angle(last) - rod.kin.angle(first);
-        const double target =
-            2.0 * M_PI * std::round(total / (2.0 * M_PI)); // keeps the winding the ring was built with
-        put(turn - otherTurn, target - total, total - target, w.closing.left(lever * (total - target), dt) / lever);
-    }
-    SC_ASSERT(row == rows, "as many rows as were counted");
+    });
 }
 
 /// Mean tangent angle of the rod's material.

@@ -54,7 +54,7 @@ void assemble(const World& world, TrialStep& t) {
     t.enter(Stage::Assemble, Stage::Predict);
     couple(world, t.rods, t.dt, t.impulses, !t.first(), t.stage);
     for (const RodWork& w : t.rods)
-        if (!w.frozen && !w.isFree) {
+        if (w.solved()) {
             t.result.work.rods += 1.0;
             t.result.work.freedoms += static_cast<double>(w.vFree.size() * w.vFree.size());
         }

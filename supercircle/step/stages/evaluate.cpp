@@ -15,7 +15,7 @@ void evaluate(const World& world, TrialStep& t) {
     collectAxial(world, t.rods, t.impulses, t.stage);
     collectAdhesion(world, t.rods, t.dt, t.stage);
     forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
-        if (t.rods[i].frozen || t.rods[i].isFree)
+        if (!t.rods[i].solved())
             return;
         evaluateRod(world, world.rods[i], t.dt, t.first(), t.rods[i]);
         addAdhesion(t.stage, static_cast<int>(i), t.dt, t.rods[i]);

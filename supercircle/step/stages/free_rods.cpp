@@ -1,12 +1,12 @@
 // Before stage Linearise: rods that touch nothing in this step have moved, and are no more asked about.
 
-#include "supercircle/step/applied_forces.h"
-#include "supercircle/step/contacts/cull.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/step/rods/free_motion.h"
+#include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/step/stages/stages.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace supercircle::step {
 
@@ -52,31 +52,71 @@ bool mayMeet(const World& world, const Settings& settings, const TrialStep& t, c
 }
 
 /// Holds that are where they are to be: a gap is closed by the ordinary step, with a bounded speed.
-bool holdsAreClosed(const World& world, const Rod& rod) {
+bool holdsAreClosed(const World& world, const Rod& rod, RodWork& w) {
     constexpr double kClosed = 1e-7; // of the length; what free motion leaves is far less
-    const double small = kClosed * rod.model.definition().length;
-    return std::all_of(rod.holds.begin(), rod.holds.end(), [&](const Hold& h) {
-        const Pose goal = poseAfter(world, h, 0.0);
-        const rod::MaterialPoint at = rod::locate(rod.model, h.s);
-        return (rod.kin.point(at) - goal.point).norm() < small &&
-               (!h.clamped || std::abs(rod.kin.angle(at) - goal.angle) < kClosed);
+    holdGaps(world, rod, rod.kin, Vec2::Zero(), 0.0, w.held.gaps);
+    const double length = rod.model.definition().length;
+    bool closed = true;
+    forEachHeldPoint(rod.model, rod.holds, [&](Eigen::Index row, bool angle) {
+        closed = closed && w.held.gaps.segment<2>(row).norm() < kClosed * length &&
+                 (!angle || std::abs(w.held.gaps[row + 2]) < kClosed);
     });
+    return closed;
 }
 
-/// Takes out of `free` what a link, a push between overlapping rods or a contact may act on.
-void leaveOutJoined(const World& world, std::vector<char>& free) {
-    const auto out = [&](std::uint32_t key) {
-        const int i = key != 0 ? rodIndex(world, key) : -1;
-        if (i >= 0)
-            free[static_cast<std::size_t>(i)] = 0;
+/// Takes out of `free` what a link or a push between overlapping rods acts on.
+void leaveOutJoined(const World& world, const ContactStage& stage, std::vector<char>& free) {
+    const auto out = [&](int rod) {
+        if (rod >= 0)
+            free[static_cast<std::size_t>(rod)] = 0;
     };
-    for (const Link& l : world.links) {
-        out(l.rodA);
-        out(l.end == LinkEnd::Rod ? l.rodB : 0);
-    }
+    for (const LinkEnds& e : stage.linkEnds)
+        if (e.counts) {
+            out(e.rodA);
+            out(e.rodB);
+        }
     for (const Overlap& o : world.overlaps) {
-        out(o.rodA);
-        out(o.rodB);
+        out(rodIndex(world, o.rodA));
+        out(o.rodB != 0 ? rodIndex(world, o.rodB) : -1);
+    }
+}
+
+/// The points of rods that may touch themselves, to be watched on their ways.
+void listSelfPairs(const World& world, const std::vector<char>& free, TrialStep& t) {
+    for (RodWork& w : t.rods)
+        w.free.selfPairs.clear();
+    for (const contact::Candidate& c : t.candidates(world)) {
+        const auto i = static_cast<std::size_t>(c.a.rod);
+        if (c.a.rod != c.b.rod || free[i] == 0)
+            continue;
+        const Rod& r = world.rods[i];
+        const Vec2 apart = r.kin.point(rod::locate(r.model, c.a.s)) - r.kin.point(rod::locate(r.model, c.b.s));
+        t.rods[i].free.selfPairs.push_back({{c.a.s, c.b.s}, c.gap, apart.norm()});
+    }
+}
+
+/// Counts what the motions took. Two iterations of a stage are about one linearisation of a rod.
+void countWork(const std::vector<char>& free, TrialStep& t) {
+    for (std::size_t i = 0; i < t.rods.size(); ++i)
+        if (free[i] != 0) {
+            const FreeWork& f = t.rods[i].free;
+            t.result.work.rods += 0.5 * f.iterations;
+            t.result.work.freedoms += f.steps * static_cast<double>(f.q.size() * f.q.size());
+        }
+}
+
+/// One that came farther than foreseen may touch, and so may its neighbour.
+void takeBack(const World& world, const Settings& settings, TrialStep& t) {
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (const contact::Candidate& c : t.candidates(world)) {
+            if (!isOfFreeRod(t.rods, c) || !mayMeet(world, settings, t, c))
+                continue;
+            t.rods[static_cast<std::size_t>(c.a.rod)].isFree = false;
+            if (c.b.rod >= 0)
+                t.rods[static_cast<std::size_t>(c.b.rod)].isFree = false;
+            changed = true;
+        }
     }
 }
 
@@ -93,45 +133,21 @@ void moveFreeRods(const World& world, const Settings& settings, TrialStep& t) {
     free.assign(rods.size(), 0);
     for (std::size_t i = 0; i < rods.size(); ++i)
         free[i] = mayMoveFreely(world.rods[i]) ? 1 : 0;
-    leaveOutJoined(world, free);
-    const auto each = [&](const contact::Candidate& c, const auto& what) {
-        what(static_cast<std::size_t>(c.a.rod));
-        if (c.b.rod >= 0)
-            what(static_cast<std::size_t>(c.b.rod));
-    };
-    cull(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
+    leaveOutJoined(world, t.stage, free);
     for (const contact::Candidate& c : t.kept) // a spin seems to bring points of one rod together
-        if (c.a.rod != c.b.rod || c.gap <= settings.margin * t.h)
-            each(c, [&](std::size_t i) { free[i] = 0; });
-    for (RodWork& w : rods)
-        w.free.selfPairs.clear();
-    for (const contact::Candidate& c : t.candidates(world))
-        if (c.a.rod == c.b.rod) {
-            const Rod& r = world.rods[static_cast<std::size_t>(c.a.rod)];
-            const Vec2 apart = r.kin.point(rod::locate(r.model, c.a.s)) - r.kin.point(rod::locate(r.model, c.b.s));
-            rods[static_cast<std::size_t>(c.a.rod)].free.selfPairs.push_back({{c.a.s, c.b.s}, c.gap, apart.norm()});
+        if (c.a.rod != c.b.rod || c.gap <= settings.margin * t.h) {
+            free[static_cast<std::size_t>(c.a.rod)] = 0;
+            if (c.b.rod >= 0)
+                free[static_cast<std::size_t>(c.b.rod)] = 0;
         }
+    listSelfPairs(world, free, t);
     forEachRod(t.stage.loop, rods.size(), [&](std::size_t i) {
-        rods[i].isFree = free[i] != 0 && holdsAreClosed(world, world.rods[i]) &&
+        rods[i].free.steps = rods[i].free.iterations = 0;
+        rods[i].isFree = free[i] != 0 && holdsAreClosed(world, world.rods[i], rods[i]) &&
                          moveFreely(world, settings, world.rods[i], t.dt, rods[i]);
     });
-    for (std::size_t i = 0; i < rods.size(); ++i)
-        if (free[i] != 0) {
-            const FreeWork& f = rods[i].free;
-            t.result.work.rods += 0.5 * f.iterations;
-            t.result.work.freedoms += f.steps * static_cast<double>(f.q.size() * f.q.size());
-        }
-    for (bool changed = true; changed;) { // one that came farther than foreseen may touch, and so may its neighbour
-        changed = false;
-        for (const contact::Candidate& c : t.candidates(world)) {
-            bool any = false;
-            each(c, [&](std::size_t i) { any = any || rods[i].isFree; });
-            if (!any || !mayMeet(world, settings, t, c))
-                continue;
-            each(c, [&](std::size_t i) { rods[i].isFree = false; });
-            changed = true;
-        }
-    }
+    countWork(free, t);
+    takeBack(world, settings, t);
     t.anyFree = std::any_of(rods.begin(), rods.end(), [](const RodWork& w) { return w.isFree; });
 }
 

@@ -79,7 +79,7 @@ void findPressedSleepers(const World& world, TrialStep& t) {
 void integrate(const World& world, TrialStep& t) {
     t.enter(Stage::Integrate, Stage::Solve);
     forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
-        if (!t.rods[i].frozen && !t.rods[i].isFree)
+        if (t.rods[i].solved())
             advanceRod(world.rods[i], t.dt, t.rods[i]);
     });
     markTouching(t.rods, t.stage);

@@ -48,14 +48,9 @@ const std::vector<contact::Candidate>& startCandidates(const World& world, const
     t.stage.addBelow = settings.cull ? settings.margin * t.h : std::numeric_limits<double>::infinity();
     if (!t.selects(settings))
         return t.candidates(world);
-    if (settings.cull)
-        cull(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
-    else
+    if (!settings.cull)
         t.kept = t.candidates(world);
-    std::erase_if(t.kept, [&](const contact::Candidate& c) {
-        return t.rods[static_cast<std::size_t>(c.a.rod)].isFree ||
-               (c.b.rod >= 0 && t.rods[static_cast<std::size_t>(c.b.rod)].isFree);
-    });
+    std::erase_if(t.kept, [&](const contact::Candidate& c) { return isOfFreeRod(t.rods, c); });
     return t.kept;
 }
 
@@ -65,9 +60,8 @@ bool jointsOrEffectsOff(const World& world, double tolerance, const TrialStep& t
     const ContactStage& stage = t.stage;
     const double dt = t.dt;
     for (std::size_t i = 0; i < rods.size(); ++i)
-        if (!rods[i].frozen && !rods[i].isFree &&
-            (mouseJointsOff(world.rods[i], dt, rods[i]) ||
-             (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
+        if (rods[i].solved() && (mouseJointsOff(world.rods[i], dt, rods[i]) ||
+                                 (world.rods[i].effects.on() && effectError(world.rods[i], dt, rods[i]) > 1.0)))
             return true;
     return frictionError(world, rods, dt, stage) > 1.0 || adhesionError(world, rods, dt, stage) > 1.0 ||
            linkError(world, rods, dt, tolerance, stage) > 1.0;
@@ -81,6 +75,9 @@ void linearise(const World& world, const Settings& settings, TrialStep& t) {
     t.enter(Stage::Linearise, Stage::Detect);
     ContactStage& stage = t.stage;
     predictMotion(world, stage);
+    findLinkEnds(world, stage);
+    if (settings.cull || settings.secondOrder)
+        cull(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
     moveFreeRods(world, settings, t);
     std::vector<char>& near = stage.marked;
     near.assign(world.rods.size(), 0);
@@ -101,7 +98,6 @@ void linearise(const World& world, const Settings& settings, TrialStep& t) {
         const double farthest = near[i] ? 0.25 * t.lengths[i] : std::numeric_limits<double>::infinity();
         beginAtPredictedMiddle(world.rods[i], t.dt, farthest, t.rods[i]);
     });
-    findLinkEnds(world, stage);
     beginHostRows(world, stage);
     frameInMiddle(world, t.rods, startCandidates(world, settings, t), false, t.dt, stage);
     SC_ASSERT(stage.candidates.size() == stage.gapAtStart.size(), "one gap a candidate");
@@ -121,7 +117,7 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
     if ((deeper || off || jointsOrEffectsOff(world, tolerance, t)) && !inAHurry &&
         ++t.linearisations < settings.maxIterations) {
         forEachRod(t.stage.loop, t.rods.size(), [&](std::size_t i) {
-            if (!t.rods[i].frozen && !t.rods[i].isFree)
+            if (t.rods[i].solved())
                 relineariseInMiddle(world.rods[i], t.rods[i]);
         });
         frameInMiddle(world, t.rods, t.selects(settings) ? t.kept : t.candidates(world), true, t.dt, t.stage);

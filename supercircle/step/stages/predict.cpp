@@ -9,7 +9,7 @@ namespace supercircle::step {
 void predict(const World& world, TrialStep& t) {
     t.enter(Stage::Predict, Stage::Evaluate);
     forEachRod(t.stage.loop, world.rods.size(), [&](std::size_t i) {
-        if (!t.rods[i].frozen && !t.rods[i].isFree)
+        if (t.rods[i].solved())
             predictRod(world.rods[i], t.rods[i]);
     });
 }

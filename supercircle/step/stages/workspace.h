@@ -69,10 +69,8 @@ struct AdhesionWork {
 struct HoldWork {
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr; ///< of C^T
     Eigen::MatrixXd Ct, Q, turned, reduced;         ///< n x m, n x n, Q^T A Q: n x n, (n - k)^2
-    Eigen::VectorXd permuted, rhs, impulse, rate, scratch;
+    Eigen::VectorXd permuted, rhs, impulse, rate, scratch, gaps;
     Eigen::VectorXd closing; ///< per row: velocity at which the gap found at the start closes, m/s or rad/s
-    Eigen::Matrix<double, 2, Eigen::Dynamic> pair, otherPair;
-    Eigen::RowVectorXd turn, otherTurn;
 };
 
 /// Two points of one rod that are near each other.
@@ -108,7 +106,8 @@ struct FreeWork {
     bool hasHolds = false;
     Eigen::MatrixXd C, solved, schur; ///< rows of the holds, A^-1 C^T, C A^-1 C^T
     Eigen::LDLT<Eigen::MatrixXd> schurFactor;
-    Eigen::VectorXd mean[2], rates, missing, impulse, shape, rate, force, product, change;
+    Eigen::VectorXd mean[2], rates, impulse, shape, rate, force, product, change;
+    Eigen::RowVectorXd turn;
     std::vector<Vec2> u;
 };
 
@@ -148,6 +147,8 @@ struct RodWork {
     double impactShare = 0.0;       ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
     GapClosing closing;             ///< of its joints and holds
     bool isFree = false;            ///< touches nothing in this attempt and moves as free_motion.h says
+    /// Whether it takes part in the equations of the attempt.
+    [[nodiscard]] bool solved() const { return !frozen && !isFree; }
     FreeWork free;
     int body = -1; ///< index into the contact problem, -1: no candidates
     bool touching = false;

@@ -11,20 +11,10 @@ using namespace supercircle::test;
 
 namespace {
 
+/// Without the damping that games have by default.
 step::Settings settingsOf(bool game) {
-    step::Settings s;
-    if (game) { // as Quality::Game
-        s.dtMax = 1.0 / 30.0;
-        s.localError = 1.0;
-        s.motionLimit = 5.0;
-        s.relinearise = 0.01;
-        s.maxIterations = 2;
-        s.contact.tolerance = 1e-6;
-        s.cull = true;
-        s.freeError = 0.05;
-        s.freeLeast = 1e-4;
-        s.freeSteps = 8;
-    }
+    step::Settings s = game ? step::gameSettings() : step::Settings{};
+    s.dampingRatio = 0.0;
     return s;
 }
 
@@ -49,8 +39,10 @@ Vibrating vibrating(const rod::RodDefinition& d, bool clamped, int mode, bool lo
     const Eigen::Index n = r.model.dofs();
     v.natural = r.q;
     Eigen::MatrixXd held(0, n);
-    if (d.closed)
-        held = rod::closureRows(r.model, r.kin);
+    if (d.closed) {
+        held.resize(3, n);
+        r.kin.closureRows(r.model, held.topRows<3>());
+    }
     const rod::MaterialPoint root = rod::locate(r.model, 0, 0.0), tip = rod::locate(r.model, d.length);
     Eigen::Matrix<double, 2, Eigen::Dynamic> pair(2, n);
     Eigen::RowVectorXd turn(n);

@@ -113,7 +113,7 @@ public:
                     {"shells move", b.kinetic + b.gravity - balanceBefore_.kinetic - balanceBefore_.gravity},
                     {"friction", b.friction - balanceBefore_.friction},
                     {"impact", b.impact - balanceBefore_.impact},
-                    {"damping", b.numerical - balanceBefore_.numerical},
+                    {"damping", b.damping + b.numerical - balanceBefore_.damping - balanceBefore_.numerical},
                     {"snaps", snaps_}},
                    {look::looseEdge, look::accent, Colour::hex(0x6fb1d8), look::bad, look::muted, look::rule,
                     Colour::hex(0x8b5fbf)});

@@ -110,8 +110,7 @@ void drawScaleBar(Canvas& canvas, const SheetMap& map, const Rect& area) {
 
 /// Displacement and force of a frame; values below a thousandth of the run's largest are shown as 0.
 std::string caption(const Recording& recording, const Frame& frame) {
-    if (recording.series.find("force_N") == nullptr || !std::isfinite(frame.displacement) ||
-        !std::isfinite(frame.force))
+    if (!hasForceCurve(recording) || !std::isfinite(frame.displacement) || !std::isfinite(frame.force))
         return std::isfinite(frame.time) ? "t = " + significant(frame.time, 3) + " s" : std::string{};
     double force = 0.0, travel = 0.0;
     for (const Frame& other : recording.frames) {
@@ -123,21 +122,40 @@ std::string caption(const Recording& recording, const Frame& frame) {
            significant(rounded(frame.force, force), 3) + " N";
 }
 
+/// The frame with the largest bending energy of all shells.
+std::size_t mostBent(const Recording& recording) {
+    std::size_t best = 0;
+    double most = -1.0;
+    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+        double sum = 0.0;
+        for (const auto& shell : recording.frames[i].shells)
+            sum += std::isfinite(shell.bending_energy) ? shell.bending_energy : 0.0;
+        if (sum > most) {
+            most = sum;
+            best = i;
+        }
+    }
+    return best;
+}
+
 } // namespace
 
 std::vector<KeyView> keyViews(const Recording& recording) {
     static const std::array<std::pair<const char*, const char*>, 3> names{
         {{"before", "Before"}, {"peak", "At the peak"}, {"after", "After"}}};
     std::vector<KeyView> views;
-    for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t i = 0; i < names.size() && hasForceCurve(recording); ++i)
         if (const std::int32_t frame = recording.keyFrames[i];
             frame >= 0 && static_cast<std::size_t>(frame) < recording.frames.size())
             views.push_back({names[i].first, names[i].second, static_cast<std::size_t>(frame)});
     if (!views.empty() || recording.frames.empty())
         return views;
-    views.push_back({"start", recording.frames.size() == 1 ? "Configuration" : "Start", 0});
-    if (recording.frames.size() > 1)
-        views.push_back({"end", "End", recording.frames.size() - 1});
+    const std::size_t last = recording.frames.size() - 1, bent = mostBent(recording);
+    views.push_back({"start", last == 0 ? "Configuration" : "At the start", 0});
+    if (bent != 0 && bent != last)
+        views.push_back({"peak", "Bent most", bent});
+    if (last > 0)
+        views.push_back({"end", "At the end", last});
     return views;
 }
 

@@ -77,6 +77,16 @@ AxisRange rangeOf(const std::vector<EnergyTerm>& terms, bool residual) {
     return padded(range, 0.06);
 }
 
+constexpr double kLabelSize = 12.0, kLeader = 24.0;
+
+/// What the names beside the lines need, with leader and margin.
+double widestLabel(const std::vector<EnergyTerm>& terms) {
+    double widest = 0.0;
+    for (const EnergyTerm& term : terms)
+        widest = std::max(widest, textWidth(term.label, kLabelSize, true));
+    return kLeader + widest + 12.0;
+}
+
 /// Names of the lines at their right ends, moved apart where they overlap, with leader lines.
 void labelEnds(Canvas& canvas, const Plot& plot, const std::vector<double>& time,
                const std::vector<EnergyTerm>& terms) {
@@ -107,7 +117,7 @@ void labelEnds(Canvas& canvas, const Plot& plot, const std::vector<double>& time
     for (const End& end : ends) {
         canvas.path({{x, end.wanted}, {x + 6.0, end.wanted}, {x + 16.0, end.y}, {x + 20.0, end.y}}, false,
                     {.stroke = Stroke{end.term->colour.alpha(0.7), 1.0}});
-        canvas.text({x + 24.0, end.y + 4.0}, end.term->label, {12.0, end.term->colour, Anchor::Start, true});
+        canvas.text({x + kLeader, end.y + 4.0}, end.term->label, {kLabelSize, end.term->colour, Anchor::Start, true});
     }
 }
 
@@ -165,7 +175,8 @@ std::optional<PlotFrame> drawEnergy(Canvas& canvas, const Recording& recording, 
     const double top = sheet.y + head + 34.0;
     const double bottom = sheet.bottom() - 52.0;
     const double lower = residual ? std::max(70.0, 0.2 * (bottom - top)) : 0.0;
-    const Rect area{sheet.x + 70.0, top, sheet.width - 70.0 - 140.0, bottom - top - (residual ? lower + 26.0 : 0.0)};
+    const Rect area{sheet.x + 70.0, top, sheet.width - 70.0 - widestLabel(terms),
+                    bottom - top - (residual ? lower + 26.0 : 0.0)};
     const Plot plot(area, span, rangeOf(terms, false));
     const DisplayUnit unit = readableUnit(std::max(std::abs(plot.y.lo), std::abs(plot.y.hi)), "J");
     PlotStyle style;

@@ -18,8 +18,11 @@ struct PlotFrame {
     graphics::AxisRange x, y; ///< data units (m, s, N, J)
 };
 
+/// Whether anything was driven or measured: a force or displacement that is not the same all the time.
+[[nodiscard]] bool hasForceCurve(const record::Recording& recording);
+
 /// Force against displacement: loading warm, unloading cool, events marked, second axes in R and B/R^2.
-/// Needs non-empty columns displacement_m and force_N.
+/// Needs a curve (hasForceCurve).
 [[nodiscard]] std::optional<PlotFrame> drawForce(graphics::Canvas& canvas, const record::Recording& recording,
                                                  const graphics::Rect& sheet, const std::string& title = {});
 
@@ -34,7 +37,8 @@ struct KeyView {
     std::size_t frame = 0;
 };
 
-/// The key frames of a recording; first and last frame where it names none.
+/// The key frames of a recording. Where it names none, or has no force curve: its start, the frame with the largest
+/// bending energy, its end.
 [[nodiscard]] std::vector<KeyView> keyViews(const record::Recording& recording);
 
 /// Part of the plane, m, y upwards.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "plugin/graphics/decimate.h"
@@ -25,10 +26,10 @@ struct CurveData {
 
 /// Curve and its drawing range. Travel before first contact is cut off, where the force is still zero.
 std::optional<CurveData> curveOf(const Recording& recording) {
+    if (!hasForceCurve(recording))
+        return std::nullopt;
     const auto* displacement = recording.series.find("displacement_m");
     const auto* force = recording.series.find("force_N");
-    if (displacement == nullptr || force == nullptr)
-        return std::nullopt;
     const double huge = std::numeric_limits<double>::infinity();
     CurveData curve{*displacement, *force, {huge, -huge}, {0.0, 0.0}, 0};
     AxisRange all{huge, -huge};
@@ -203,6 +204,17 @@ void drawLegend(Canvas& canvas, Point at, int cycles, bool unloading, bool snaps
 }
 
 } // namespace
+
+bool hasForceCurve(const Recording& recording) {
+    const auto* displacement = recording.series.find("displacement_m");
+    const auto* force = recording.series.find("force_N");
+    if (displacement == nullptr || force == nullptr)
+        return false;
+    const auto varies = [](const std::vector<double>& values) {
+        return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) != values.end();
+    };
+    return varies(*displacement) || varies(*force);
+}
 
 std::optional<PlotFrame> drawForce(Canvas& canvas, const Recording& recording, const Rect& sheet,
                                    const std::string& title) {

@@ -74,9 +74,8 @@ void addOverview(std::vector<NamedText>& files, const Recording& recording, cons
                            ? 0.0
                            : std::clamp((each - 24.0) * views.view.y.span() / views.view.x.span(), 120.0, 620.0) + 72.0;
     const double bar = views.keys.empty() || views.scale <= 0.0 ? 0.0 : 58.0;
-    const bool curve =
-        recording.series.find("force_N") != nullptr && recording.series.find("displacement_m") != nullptr;
-    const double lower = curve ? 540.0 : 0.0;
+    const bool curve = hasForceCurve(recording), energy = recording.series.find("time_s") != nullptr;
+    const double lower = curve || energy ? 540.0 : 0.0;
     if (row + lower <= 0.0)
         return;
     addPicture(files, "overview.png", width, row + bar + lower + 12.0, 4.0 / 3.0, [&](Canvas& canvas) {
@@ -87,7 +86,9 @@ void addOverview(std::vector<NamedText>& files, const Recording& recording, cons
         }
         if (bar > 0.0)
             drawColourBar(canvas, views.scale, {300.0, row + 4.0, 600.0, 56.0});
-        const bool drawn = drawForce(canvas, recording, {40.0, row + bar + 8.0, width - 80.0, lower}).has_value();
+        const graphics::Rect sheet{40.0, row + bar + 8.0, width - 80.0, lower};
+        const bool drawn =
+            (curve ? drawForce(canvas, recording, sheet) : drawEnergy(canvas, recording, sheet)).has_value();
         return drawn || !views.keys.empty();
     });
 }

@@ -15,8 +15,10 @@ namespace {
 
 Status checkNumbers(const ShellDef& d) {
     const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
-    if (d.elements < 1 || d.elements > 4096)
-        return Status::failure("elements must lie between 1 and 4096");
+    if (d.elements < limits::kFewestElements || d.elements > limits::kMostElements)
+        return Status::failure("elements must lie between " + std::to_string(limits::kFewestElements) + " and " +
+                               std::to_string(limits::kMostElements) +
+                               ": one or two arcs cannot bend where they are pressed");
     if (!positive(d.thickness) || !positive(d.width) || !positive(d.density) || !positive(d.young_modulus))
         return Status::failure("thickness, width, density and young_modulus must be positive and finite");
     if (!limits::friction(d.mu))
@@ -79,8 +81,6 @@ Result<RodFromDefinition> fromDefinition(const ShellDef& d) {
     for (const auto* list : {&r.naturalCurvature, &curvature})
         if (const Status turned = limits::turns(model, *list); !turned)
             return Made::failure(turned.error());
-    if (const Status fine = limits::coarse(model); !fine)
-        return Made::failure(fine.error());
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {

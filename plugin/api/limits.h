@@ -19,7 +19,9 @@ constexpr double kFarthest = 1e12;   ///< m, coordinates and lengths; rad
 constexpr double kFastest = 1e9;     ///< m/s; rad/s and Hz
 constexpr double kMostEnergy = 1e30; ///< J
 constexpr double kMostTurn = 8.0 * M_PI;
-constexpr double kMostTurnOfTwo = 4.0 * M_PI / 3.0; ///< rad, of a new shell of one or two elements
+constexpr int kFewestElements = 3; ///< one or two arcs cannot bend where they are pressed: no contact problem under a
+                                   ///< load has a solution
+constexpr int kMostElements = 4096;
 constexpr double kMostFriction = 1e9;
 constexpr double kScale =
     1e30; ///< masses (kg) and B / length (N m): not larger than this, nor smaller than its inverse
@@ -79,18 +81,6 @@ inline Status turns(const rod::RodModel& model, const std::vector<double>& curva
                 "natural_curvature, curvature and radius may turn an element by 8 pi at most: element " +
                 std::to_string(i) + " would turn by " + std::to_string(turn) + " rad");
     return {};
-}
-
-/// One or two arcs of one curvature that turn by 267 degrees keep their height on their tips whatever the curvature:
-/// they resist as a solid does, and no contact problem under a load has a solution.
-inline Status coarse(const rod::RodModel& model) {
-    double turn = 0.0;
-    for (int i = 0; i < model.elements(); ++i)
-        turn += std::abs(model.definition().naturalCurvature[static_cast<std::size_t>(i)]) * model.elementLength(i);
-    if (model.elements() > 2 || turn <= kMostTurnOfTwo)
-        return {};
-    return Status::failure("a shell that turns by " + std::to_string(std::lround(turn * 180.0 / M_PI)) +
-                           " degrees needs at least 3 elements: one or two cannot bend where it is pressed");
 }
 
 } // namespace supercircle::limits

@@ -37,7 +37,7 @@ GamePart readPart(Context& context, const ArrayItem& place) {
     p.phi_bar = reader.number("phi_bar", p.phi_bar, {0.1, 0.99});
     p.stiffness = reader.number("stiffness", p.stiffness, positive);
     p.mu = reader.number("mu", p.mu, notNegative);
-    p.elements = static_cast<int>(reader.integer("elements", p.elements, 1, 200));
+    p.elements = static_cast<int>(reader.integer("elements", p.elements, 3, 200));
     p.cost = reader.number("cost", p.cost, notNegative);
     if (reader.find("at") != nullptr) {
         const Eigen::Vector2d at = reader.vector("at", Eigen::Vector2d::Zero());

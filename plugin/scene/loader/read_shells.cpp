@@ -9,7 +9,7 @@ namespace supercircle::scene {
 
 namespace {
 
-constexpr int maxElements = 1000;
+constexpr int minElements = 3, maxElements = 1000;
 
 /// One curvature for all elements, or one for each.
 std::vector<double> readCurvatures(Context& context, ObjectReader& reader, const std::string& key, int elements) {
@@ -78,23 +78,6 @@ void checkEnds(Context& context, const ObjectReader& reader, const ShellDef& d) 
                   "at least the thickness apart: a smaller phi_bar or thickness");
 }
 
-/// Refuses what Shells::create refuses: one or two elements that turn by more than 240 degrees.
-void checkTurn(Context& context, ObjectReader& reader, const ShellDef& d) {
-    if (d.elements > 2)
-        return;
-    double turn = 0.0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(d.elements); ++i)
-        turn += lengthOf(d) / static_cast<double>(d.elements) *
-                std::abs(d.natural_curvature.empty() ? 1.0 / d.radius : d.natural_curvature[i]);
-    if (turn <= 4.0 * M_PI / 3.0)
-        return;
-    const Node* elements = reader.find("elements");
-    context.error(elements != nullptr ? *elements : reader.node(), reader.pointerTo("elements"),
-                  "one or two elements cannot bend a shell that turns by " +
-                      std::to_string(std::lround(turn * 180.0 / M_PI)) + " degrees",
-                  "at least 3 elements");
-}
-
 /// A touching shell moves by about its thickness in a step.
 void noteThin(Context& context, ObjectReader& reader, const ShellDef& d) {
     constexpr double usual = 1e-3; // of the radius: below it, the thickness alone sets the number of steps
@@ -143,7 +126,7 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
     d.phi_bar = reader.number("phi_bar", d.closed ? 1.0 : d.phi_bar, {0.0, 1.0, true});
     d.radius = readRadius(context, reader, d.radius);
     readMaterial(reader, d);
-    d.elements = static_cast<int>(reader.integer("elements", d.elements, 1, maxElements));
+    d.elements = static_cast<int>(reader.integer("elements", d.elements, minElements, maxElements));
     d.tip_refinement = reader.number("tip_refinement", d.tip_refinement, {0.01, 100.0});
     d.natural_curvature = readCurvatures(context, reader, "natural_curvature", d.elements);
     d.curvature = readCurvatures(context, reader, "curvature", d.elements);
@@ -161,7 +144,6 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
     else if (d.thickness >= lengthOf(d))
         context.error(node, pointer, "the shell is thicker than it is long", "thickness < length");
     else {
-        checkTurn(context, reader, d);
         checkEnds(context, reader, d);
         noteThin(context, reader, d);
     }

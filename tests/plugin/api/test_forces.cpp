@@ -117,7 +117,7 @@ TEST_CASE("a mouse joint holds a shell where force and weight balance", "[plugin
 
 TEST_CASE("a mouse joint has its frequency and damping", "[plugin]") {
     Shells shells(nullptr);
-    const ShellHandle a = *shells.create(strip(0.02, {0.01, 0.0}, 0.0, 1.0, 2));
+    const ShellHandle a = *shells.create(strip(0.02, {0.01, 0.0}, 0.0, 1.0, 3));
     MouseJointDef g;
     g.frequency = 1.0;
     g.damping_ratio = 0.1;

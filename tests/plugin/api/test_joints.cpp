@@ -70,7 +70,7 @@ TEST_CASE("a tethered shell is a pendulum whose string never gets longer", "[plu
     Shells shells(host);
     // A straight strip tied at its middle: its centre of mass swings as a point does, whatever it does itself.
     const double theta = 0.5, L = 0.5;
-    const ShellHandle a = *shells.create(strip(0.02, {L * std::sin(theta), -L * std::cos(theta)}, 0.3, 1.0, 2));
+    const ShellHandle a = *shells.create(strip(0.02, {L * std::sin(theta), -L * std::cos(theta)}, 0.3, 1.0, 3));
     JointDef j;
     j.kind = JointKind::Tether;
     j.shell = a;

@@ -17,7 +17,7 @@ struct Ramp {
     explicit Ramp(double tilt, double muGround, double muShell) : angle(tilt) {
         host->addGround(1, muGround, Vec2::Zero(), tilt);
         shells = std::make_unique<Shells>(host);
-        ShellDef d = strip(0.05, {}, tilt, 100.0, 2);
+        ShellDef d = strip(0.05, {}, tilt, 100.0, 3);
         const double up = 0.5 * d.thickness;
         d.position = {-up * std::sin(tilt), up * std::cos(tilt)};
         d.mu = muShell;
@@ -79,8 +79,8 @@ TEST_CASE("filters and groups decide what collides", "[plugin]") {
     for (const Case& c : cases) {
         INFO("groups " << c.a.group << " and " << c.b.group << ", masks " << c.a.mask << " and " << c.b.mask);
         Shells shells(nullptr);
-        const ShellHandle a = *shells.create(strip(0.1, {0.0, 0.0}, 0.0, 100.0, 2));
-        ShellDef d = strip(0.1, {0.0, 0.005}, 0.0, 100.0, 2);
+        const ShellHandle a = *shells.create(strip(0.1, {0.0, 0.0}, 0.0, 100.0, 3));
+        ShellDef d = strip(0.1, {0.0, 0.005}, 0.0, 100.0, 3);
         d.velocity = {0.0, -0.1};
         const ShellHandle b = *shells.create(d);
         REQUIRE(shells.set_filter(a, c.a));
@@ -97,7 +97,7 @@ TEST_CASE("groups count against bodies too, and not between a shell and itself",
         host->addGround(1, 0.3);
         host->bodies.at(1).outlines[0].local.group = group;
         Shells shells(host);
-        ShellDef d = strip(0.1, {0.0, 0.001}, 0.0, 100.0, 2);
+        ShellDef d = strip(0.1, {0.0, 0.001}, 0.0, 100.0, 3);
         d.group = group;
         REQUIRE(shells.create(d));
         advance(shells, host.get(), 0.01, 10);

@@ -98,10 +98,8 @@ TEST_CASE("bad definitions fail with a reason and change nothing", "[plugin]") {
         refused("curvature", [&](ShellDef& d) { d.curvature.assign(15, bad); });
         refused("natural_curvature", [&](ShellDef& d) { d.natural_curvature.assign(15, bad); });
     }
-    for (const int bad : {0, -1, 5000})
+    for (const int bad : {2, 1, 0, -1, 5000})
         refused("elements", [&](ShellDef& d) { d.elements = bad; });
-    refused("one element of 270 degrees", [&](ShellDef& d) { d.elements = 1, d.phi_bar = 0.75; });
-    refused("two elements of 270 degrees", [&](ShellDef& d) { d.elements = 2, d.phi_bar = 0.75; });
     refused("too few curvatures", [](ShellDef& d) { d.curvature.assign(14, 0.0); });
     refused("too many natural curvatures", [](ShellDef& d) { d.natural_curvature.assign(16, 0.0); });
     refused("phi_bar beyond a circle", [](ShellDef& d) { d.phi_bar = 1.5; });

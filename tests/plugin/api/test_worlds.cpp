@@ -54,7 +54,7 @@ TEST_CASE("a million shells may be created and destroyed", "[plugin]") {
     auto host = groundHost(0.4);
     Shells shells(host);
     const auto low = [&](double x) {
-        ShellDef d = strip(0.05, {x, 0.00025 + 1e-6}, 0.0, 100.0, 2);
+        ShellDef d = strip(0.05, {x, 0.00025 + 1e-6}, 0.0, 100.0, 3);
         return *shells.create(d);
     };
     const ShellHandle first = low(0.0);

@@ -139,7 +139,7 @@ TEST_CASE("schema and loader accept the same files") {
         R"({"gravity": 0, "body": [{"position": 0, "angle": "3FC90FDB"}]})",
         R"({"parameters": {"about": "parameters", "a": {"value": {"expr": "1+1"}, "min": 0}}, "constants": {"b": {"value": 3}}})",
         R"({"shell": [{"radius": "infinite", "length": 0.1, "natural_curvature": 2, "curvature": 1}]})",
-        R"({"shell": [{"elements": 2, "natural_curvature": [1, {"expr": "2"}]}]})",
+        R"({"shell": [{"elements": 3, "natural_curvature": [1, 2, {"expr": "2"}]}]})",
         R"({"protocol": {"segments": [{"repeat": 2, "cycle": true, "segments": [{"settle": 1}, {"hold": 0}]}]}})",
         R"({"parameters": {"a": {"value": 1, "formerly": "b"}}})",
         R"({"shell": [{"name": "a"}], "hold": [{"shell": "a", "base": "moving"}, {"shell": "a", "arc_fraction": 0, "base": "fixed"}]})",

@@ -10,6 +10,11 @@
 
 namespace supercircle::contact {
 
+/// Extremal points inside elements count if the two sides separate by more than this fraction of the summed half
+/// thicknesses within half an element. Nearer to conformal their place is round-off. With a larger fraction contacts of
+/// stacks come and go at every step (decision 0054).
+constexpr double kConditionedShare = 0.0002;
+
 /// A point on the centre line of a rod.
 struct RodPoint {
     std::int32_t rod = -1;     ///< index into the curves

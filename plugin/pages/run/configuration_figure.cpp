@@ -266,7 +266,7 @@ void drawColourBar(Canvas& canvas, double energyScale, const Rect& sheet) {
         const double width = bar.width / pieces + (i + 1 < pieces ? 0.6 : 0.0);
         canvas.rectangle({x, bar.y, width, bar.height}, {.fill = energyColour((i + 0.5) / pieces)});
     }
-    const DisplayUnit unit = {1e3, "mJ"};
+    const DisplayUnit unit = readableUnit(energyScale, "J");
     canvas.text({bar.x, sheet.y + 14.0}, "bending energy stored in a shell (" + unit.text + ")", {12.0, theme::ink});
     const Ticks ticks = niceTicks({0.0, energyScale * unit.factor}, sheet.width > 500.0 ? 9 : 6);
     for (const double value : ticks.values) {

@@ -90,13 +90,48 @@ Vec2 inwardOf(const Sample& sample) {
     return sample.curvature < 0.0 ? Vec2(-rod::perp(sample.t)) : rod::perp(sample.t);
 }
 
+namespace {
+
+/// A sub-arc lies along an outline if its middle is less than this fraction of the half thickness behind its ends. It
+/// is five times the gap that a step in games may leave: a middle that it leaves out cannot be pressed in that step.
+/// Four times as much adds candidates that are never loaded; a fifth changes no creep of the capstan.
+constexpr double kLyingShare = 0.1;
+
+/// The middle of a sub-arc that lies along a face or disc. Such a sub-arc has no extremal point whose place is more
+/// than round-off, but it presses with its middle, too: nodes alone cannot balance the pressure that bends it between
+/// them, and the strip would slide while its elements give way in turn (decision 0185).
+bool middleOnOutline(const SubArc& arc, double halfThickness, const OutlineShape& shape, std::int32_t face,
+                     double maxGap, Candidate& c, double& s) {
+    const bool disc = shape.kind == OutlineKind::Circle;
+    const Vec2 from = arc.p0 - (disc ? shape.centre : shape.faces[static_cast<std::size_t>(face)].start);
+    const double away = disc ? from.norm() : from.dot(shape.faces[static_cast<std::size_t>(face)].normal);
+    if (away > halfThickness + shape.radius + maxGap + arc.length)
+        return false;
+    const Foot middle = pointOnSubArc(arc, 0.5 * arc.length);
+    const Vec2 inward = disc ? middle.normal : shape.faces[static_cast<std::size_t>(face)].normal;
+    OutlineHit hit;
+    if (!closestOnOutline(shape, middle.point, outlineDepth(halfThickness, shape), inward, hit))
+        return false;
+    if (disc ? !(hit.distance > 0.0) : hit.face != face)
+        return false;
+    const double relative = (disc ? 1.0 / hit.distance : 0.0) + arc.curvature * middle.normal.dot(hit.normal);
+    const double bulge = relative * arc.span * arc.span / 8.0;
+    if (bulge >= kConditionedShare * halfThickness || bulge < -kLyingShare * halfThickness)
+        return false;
+    setOutlineFrame(c, middle.point, halfThickness, shape, hit.point, hit.normal, hit.distance);
+    s = middle.s;
+    return c.gap <= maxGap;
+}
+
+} // namespace
+
 bool interiorOutline(const SubArc& arc, double halfThickness, const OutlineShape& shape, std::int32_t face,
                      double maxGap, Candidate& c, double& s) {
     const double depth = kConditionedShare * halfThickness;
     Foot foot;
     if (shape.kind == OutlineKind::Circle) {
         if (!footInSubArc(arc, shape.centre, shape.radius + halfThickness + maxGap, foot))
-            return false;
+            return middleOnOutline(arc, halfThickness, shape, face, maxGap, c, s);
         const double distance = std::abs(foot.distance);
         if (!(distance > 0.0))
             return false;
@@ -105,14 +140,16 @@ bool interiorOutline(const SubArc& arc, double halfThickness, const OutlineShape
         const double bend = foot.distance > 0.0 ? -arc.curvature : arc.curvature;
         const double relative = 1.0 / distance + bend;
         if (!(relative * arc.span * arc.span / 8.0 >= depth))
-            return false;
+            return middleOnOutline(arc, halfThickness, shape, face, maxGap, c, s);
         setOutlineFrame(c, foot.point, halfThickness, shape, shape.centre, normal, distance);
         s = foot.s;
         return c.gap <= maxGap;
     }
     const auto f = static_cast<std::size_t>(face);
-    if (f >= shape.faces.size() || !lowestPoint(arc, shape.faces[f].normal, depth, foot))
+    if (f >= shape.faces.size())
         return false;
+    if (!lowestPoint(arc, shape.faces[f].normal, depth, foot))
+        return middleOnOutline(arc, halfThickness, shape, face, maxGap, c, s);
     const double y = (foot.point - shape.faces[f].start).dot(shape.faces[f].normal);
     if (!(y - halfThickness - shape.radius <= maxGap))
         return false;

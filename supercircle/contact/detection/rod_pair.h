@@ -15,9 +15,6 @@
 namespace supercircle::contact {
 
 constexpr double kSelfThicknesses = 3.0;
-/// Interior minima count if the curves separate by more than this fraction of the summed half thicknesses within half
-/// an element (see arcArcMinimum). With a larger one contacts of stacks come and go at every step (decision 0124).
-constexpr double kConditionedShare = 0.0002;
 /// Candidates whose points agree to this fraction of the summed half thicknesses are the same one.
 constexpr double kSameShare = 1e-6;
 

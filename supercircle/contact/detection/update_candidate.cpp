@@ -162,6 +162,17 @@ bool updateInteriorOutline(Candidate& c, const RodCurve& rod, const OutlineShape
     const bool disc = shape.kind == OutlineKind::Circle;
     if (!disc && static_cast<std::size_t>(face) >= shape.faces.size())
         return false;
+    const auto found = [&] {
+        double s = 0.0;
+        Candidate moved = c;
+        if (!interiorOutline(tracker.arc(), rod.halfThickness, shape, face, kAnywhere, moved, s))
+            return false;
+        c = moved;
+        c.a = {c.a.rod, tracker.arc().element, tracker.arc().s0 + s};
+        return true;
+    };
+    if (found()) // its extremal point is on the same sub-arc, or the middle of that one stands for it
+        return true;
     if (disc) {
         if (trackClosest(tracker, shape.centre) != FootLocation::Interior)
             return false;
@@ -178,13 +189,7 @@ bool updateInteriorOutline(Candidate& c, const RodCurve& rod, const OutlineShape
         if (i == kMaxSteps)
             return false;
     }
-    double s = 0.0;
-    Candidate moved = c;
-    if (!interiorOutline(tracker.arc(), rod.halfThickness, shape, face, kAnywhere, moved, s))
-        return false;
-    c = moved;
-    c.a = {c.a.rod, tracker.arc().element, tracker.arc().s0 + s};
-    return true;
+    return found();
 }
 
 bool updateCorner(Candidate& c, const RodCurve& rod, const OutlineShape& shape) {

@@ -15,6 +15,11 @@ namespace {
 
 constexpr double kFlatness = 0.0025; ///< h, see collectRolling
 
+/// Part of an element's bending stiffness up to which tension may act on its own curvature explicitly. Twice as much is
+/// where a massless strip begins to flutter with a period of two steps; with half of it nothing becomes better, and
+/// shells that bend more than they hang change their digits.
+constexpr double kExplicitShare = 0.25;
+
 bool isBefore(const LoadedPoint& x, const LoadedPoint& y) {
     return std::tie(x.first, x.other, x.s) < std::tie(y.first, y.other, y.s);
 }
@@ -55,7 +60,8 @@ double forceAround(const std::vector<LoadedPoint>& samples, const contact::Candi
     return sum;
 }
 
-/// Relative curvature of the two surfaces at a candidate, 1/m.
+/// Relative curvature of the two surfaces at a candidate, 1/m; 0 where an element lies along an outline, because the
+/// contact is at its middle then and does not roll.
 double relativeCurvature(const World& world, const std::vector<RodWork>& rods, const contact::Candidate& c) {
     const auto side = [&](const contact::RodPoint& at, double outward) {
         const auto i = static_cast<std::size_t>(at.rod);
@@ -74,15 +80,20 @@ double relativeCurvature(const World& world, const std::vector<RodWork>& rods, c
         curvature += 1.0 / local.radius;
     // An element that is flat to within h/400 is carried by its end nodes as well: its point cannot run away further.
     const rod::RodModel& model = world.rods[static_cast<std::size_t>(c.a.rod)].model;
-    const double length = model.elementLength(c.a.element);
-    return std::max(curvature, 8.0 * kFlatness * model.definition().thickness / (length * length));
+    const double length = model.elementLength(c.a.element), thickness = model.definition().thickness;
+    if (c.b.rod < 0 && curvature * length * length / 8.0 < 0.5 * contact::kConditionedShare * thickness)
+        return 0.0;
+    return std::max(curvature, 8.0 * kFlatness * thickness / (length * length));
 }
 
 void rollingOf(const World& world, const std::vector<RodWork>& rods, double dt, double normal, bool firstIteration,
                const contact::Candidate& c, RollingPair& pair) {
     SC_ASSERT(normal > 0.0, "a contact that carried force");
-    pair.any = true;
-    const double strength = normal * dt / relativeCurvature(world, rods, c);
+    const double curvature = relativeCurvature(world, rods, c);
+    pair.any = curvature > 0.0;
+    if (!pair.any)
+        return;
+    const double strength = normal * dt / curvature;
     SC_ASSERT(!(strength < 0.0), "rolling is a stiffness");
     const auto turn = [&](const contact::RodPoint& at, Rolling& rolling) {
         const auto i = static_cast<std::size_t>(at.rod);
@@ -224,10 +235,13 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
 
 void axialStiffness(const rod::RodModel& model, const RodWork& w, Eigen::MatrixXd& out) {
     // A segment's middle turns with the frame (theta), with all curvatures on its inner side (by their lengths) and
-    // with half of its own: sums from the tip inwards give every entry once.
+    // with half of its own: sums from the tip inwards give every entry once. What the sections beside the middle add,
+    // tension times l^3 / 12 on the segment's own curvature, is left to the implicit bending stiffness as long as that
+    // is the larger one. In a slack strip it is not: there the rest would be an explicit stiffness.
     const int theta = model.dofTheta();
     SC_ASSERT(w.tension[0].size() == model.side(0).size() && w.tension[1].size() == model.side(1).size(),
               "one tension a segment");
+    const rod::RodDefinition& definition = model.definition();
     out.setZero(model.dofs(), model.dofs());
     const auto add = [&](int a, int b, double value) {
         out(a, b) += value;
@@ -241,6 +255,9 @@ void axialStiffness(const rod::RodModel& model, const RodWork& w, Eigen::MatrixX
             const double own = w.tension[side][j], lj = segments[j].signedLength;
             const double half = lj * (beyond + 0.5 * own);
             add(segments[j].dof, segments[j].dof, lj * lj * (beyond + 0.25 * own));
+            const double held = kExplicitShare * definition.bendingModulus * std::abs(lj);
+            if (const double aside = own * lj * lj / 12.0; aside > held)
+                add(segments[j].dof, segments[j].dof, aside - held);
             for (std::size_t i = 0; i < j; ++i)
                 add(segments[i].dof, segments[j].dof, segments[i].signedLength * half);
             add(theta, segments[j].dof, half);

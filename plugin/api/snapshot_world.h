@@ -9,6 +9,15 @@
 
 namespace supercircle::archive {
 
+/// A value that does not count in the hash while it changes nothing.
+template <class Ar>
+void ioUnless(Ar& ar, bool neutral, auto& value) {
+    if (neutral)
+        ar.unhashed(value);
+    else
+        ar(value);
+}
+
 template <class Ar>
 void io(Ar& ar, Is<rod::RodDefinition> auto& d) {
     auto& [length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength] = d;
@@ -296,8 +305,14 @@ template <class Ar>
 void io(Ar& ar, Is<step::Counters> auto& c) {
     auto& [steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
            contactResidualMax, contactsMax, activeContactsMax, penetrationMax] = c;
-    ar(steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
-       contactResidualMax, contactsMax, activeContactsMax, penetrationMax);
+    ar(steps, rejected);
+    for (std::size_t i = 0; i < rejectedFor.size(); ++i)
+        if (static_cast<step::Reason>(i) != step::Reason::StatusChange)
+            ar(rejectedFor[i]);
+    auto& statusChanges = rejectedFor[static_cast<std::size_t>(step::Reason::StatusChange)];
+    ioUnless(ar, statusChanges == 0, statusChanges); // quasi-static runs have none
+    ar(solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined, contactResidualMax, contactsMax,
+       activeContactsMax, penetrationMax);
 }
 
 template <class Ar>
@@ -308,21 +323,12 @@ void io(Ar& ar, Is<coulomb::SolverOptions> auto& o) {
     ar(method, tolerance, absoluteImpulse, maxSweeps, firstSweeps, maxPivots);
 }
 
-/// A value that does not count in the hash while it changes nothing.
-template <class Ar>
-void ioUnless(Ar& ar, bool neutral, auto& value) {
-    if (neutral)
-        ar.unhashed(value);
-    else
-        ar(value);
-}
-
 template <class Ar>
 void io(Ar& ar, Is<step::Settings> auto& s) {
     auto& [length, dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery,
            maxIterations, contact, threads, acceptUnconverged, sweepAbove, cappedSweeps, cull, frameWork, giveUpEarly,
            autoSleep, sleepDrift, sleepAfter, crush, recoverAfter, dampingRatio, secondOrder, freeError, freeLeast,
-           freeSteps, crossingCheck] = s;
+           freeSteps, secondOrderRods, secondOrderParts, crossingCheck] = s;
     (void)threads; // of this computer
     (void)length;  // the thickness, in every quality
     ar(dtMax, dtMin, fixedDt, localError, motionLimit, margin, relinearise, rejectPenetration, recovery, maxIterations,
@@ -331,9 +337,9 @@ void io(Ar& ar, Is<step::Settings> auto& s) {
     ioUnless(ar, std::isinf(recoverAfter), recoverAfter);
     ioUnless(ar, !(dampingRatio > 0.0), dampingRatio);
     if (secondOrder)
-        ar(secondOrder, freeError, freeLeast, freeSteps);
+        ar(secondOrder, freeError, freeLeast, freeSteps, secondOrderRods, secondOrderParts);
     else
-        ar.unhashed(secondOrder, freeError, freeLeast, freeSteps);
+        ar.unhashed(secondOrder, freeError, freeLeast, freeSteps, secondOrderRods, secondOrderParts);
     if (giveUpEarly || crush != step::CrushPolicy::Wait)
         ar(giveUpEarly, crush);
     else

@@ -7,6 +7,7 @@
 #include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/step/crush.h"
 #include "supercircle/step/islands/island.h"
+#include "supercircle/step/second_order.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/fingerprint.h"
 #include "supercircle/step/stages/frame_budget.h"
@@ -52,11 +53,15 @@ double nextSize(const Settings& s, const TrialStep& t, double growth) {
     return t.dt * std::clamp(std::min(byError, byMotion), 0.25, growth);
 }
 
+void addSolves(const TrialResult& r, Counters& counters) {
+    counters.solves += r.solves;
+    counters.gaussSeidelIterations += r.gaussSeidelIterations;
+    counters.pivots += r.pivots;
+}
+
 /// Takes over what a trial returns whether or not it is accepted: counters, reach of the candidates, sleepers to wake.
 void adopt(World& world, TrialResult& r) {
-    world.counters.solves += r.solves;
-    world.counters.gaussSeidelIterations += r.gaussSeidelIterations;
-    world.counters.pivots += r.pivots;
+    addSolves(r, world.counters);
     if (r.renewed)
         std::swap(world.candidates, r.candidates);
     r.renewed = false;
@@ -193,6 +198,20 @@ enum class Stepper::Verdict : std::uint8_t {
     End     ///< the frame ends here
 };
 
+/// Whether a motion of the part leaves the regions that were read.
+Stepper::Verdict Stepper::judgeRegions(Part& part, const TrialStep& moved, double elapsed, Port* port) {
+    World& world = part.world;
+    if ((!port && !part.partition) || !leavesRegions(world, moved, part.frame - elapsed, part.reading))
+        return Verdict::Accept;
+    if (part.rodsMeetOthers())
+        return Verdict::End;
+    if (!port || !readAgain(world, *port, settings_, part.frame, elapsed, part.reading))
+        return Verdict::Accept;
+    updateVetoes(world, part.frame, pairFilter);
+    countRejection(world, Reason::OutsideRegion);
+    return Verdict::Repeat;
+}
+
 /// Takes over what the trial returns, and judges it. `elapsed`: of the frame before the trial, s.
 Stepper::Verdict Stepper::judge(Part& part, double elapsed, Port* port, FrameBudget& budget, FrameResult& out) {
     World& world = part.world;
@@ -204,16 +223,9 @@ Stepper::Verdict Stepper::judge(Part& part, double elapsed, Port* port, FrameBud
     out.budgetExhausted = trial.result.outOfWork || budget.exhausted();
     if (trial.result.outOfWork)
         return Verdict::End;
-    if ((port || part.partition) && trial.result.judged &&
-        leavesRegions(world, trial, part.frame - elapsed, part.reading)) {
-        if (part.rodsMeetOthers())
-            return Verdict::End;
-        if (port && readAgain(world, *port, settings_, part.frame, elapsed, part.reading)) {
-            updateVetoes(world, part.frame, pairFilter);
-            countRejection(world, Reason::OutsideRegion);
-            return Verdict::Repeat;
-        }
-    }
+    if (trial.result.judged)
+        if (const Verdict v = judgeRegions(part, trial, elapsed, port); v != Verdict::Accept)
+            return v;
     if (reason == Reason::SleeperPressed || !trial.result.overlaps.empty()) {
         countRejection(world, reason);
         return Verdict::Repeat;
@@ -239,6 +251,34 @@ Stepper::Verdict Stepper::judge(Part& part, double elapsed, Port* port, FrameBud
         return Verdict::Accept;
     world.counters.crossings += trial.result.crossings.size();
     return Verdict::End;
+}
+
+/// Replaces a trial that may be accepted by a step of second order, where that is worth it and can be made. `made`: it
+/// has become the state.
+Stepper::Verdict Stepper::refine(Part& part, double elapsed, Port* port, FrameBudget& budget, bool& made) {
+    TrialStep& trial = part.trial;
+    made = false;
+    if (budget.hurries(2.0 * trial.result.work.units()))
+        return Verdict::Accept;
+    const double before = trial.result.work.units();
+    trial.result.solves = trial.result.gaussSeidelIterations = trial.result.pivots = 0; // counted already
+    const SecondOrder found = trySecondOrder(part.world, budget.settings(), trial, times_, onSolve);
+    addSolves(trial.result, part.world.counters);
+    if (found == SecondOrder::Made)
+        addSolves(trial.result, trial.secondOrder->world.counters);
+    budget.spend(trial.result.work.units() - before);
+    if (found == SecondOrder::Made) {
+        made = true;
+        return judgeRegions(part, trial.secondOrder->stages[1], elapsed, port);
+    }
+    if (found == SecondOrder::NotWorth)
+        return Verdict::Accept;
+    const bool shortest = trial.dt <= settings_.dtMax / settings_.secondOrderParts || part.isSmallest(settings_);
+    if (shortest || budget.exhausted())
+        return Verdict::Accept;
+    countRejection(part.world, found == SecondOrder::StatusChanged ? Reason::StatusChange : Reason::LocalError);
+    part.world.dtNext = 0.5 * trial.dt;
+    return Verdict::Repeat;
 }
 
 /// Steps a part through the frame.
@@ -270,18 +310,27 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
         tryStep(world, settings, trial, times_, onSolve);
         SC_ASSERT_EXPENSIVE(before == fingerprint(world), "a trial changes nothing of the world");
         (void)before;
-        const Verdict verdict = judge(part, world.time - start, port, budget, out);
+        Verdict verdict = judge(part, world.time - start, port, budget, out);
+        bool secondOrder = false;
+        if (verdict == Verdict::Accept)
+            verdict = refine(part, world.time - start, port, budget, secondOrder);
         if (verdict == Verdict::Repeat)
             continue;
         if (verdict == Verdict::End)
             break;
-        acceptStep(world, trial, times_);
+        if (secondOrder)
+            acceptSecondOrder(world, trial);
+        else
+            acceptStep(world, trial, times_);
         budget.accept();
         breakOverloaded(world, out.broken);
         if (settings_.autoSleep)
             measureRest(world, settings_, trial.dt);
         work_->lastDt = trial.dt;
-        world.dtNext = nextSize(settings, trial, part.cuts > 0 ? 1.0 : budget.growth(trial.dt, world.dtNext));
+        const double growth = part.cuts > 0 ? 1.0 : budget.growth(trial.dt, world.dtNext);
+        world.dtNext = nextSize(settings, trial, growth);
+        if (secondOrder)
+            world.dtNext = std::min(world.dtNext, nextSize(trial));
         part.cuts = part.unsolved = 0;
         SC_ASSERT(!(world.dtNext <= 0.0), "the next step takes time");
         left -= part.ticks;

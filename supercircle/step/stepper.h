@@ -139,6 +139,8 @@ private:
     struct Part;
     enum class Verdict : std::uint8_t;
     Verdict judge(Part& part, double elapsed, Port* port, FrameBudget& budget, FrameResult& out);
+    Verdict judgeRegions(Part& part, const TrialStep& moved, double elapsed, Port* port);
+    Verdict refine(Part& part, double elapsed, Port* port, FrameBudget& budget, bool& made);
     [[nodiscard]] Reason rejection(const TrialStep& trial, int cuts, bool inAHurry) const;
     FrameResult advancePart(Part& part, double frame, Port* port, FrameObserver& observer);
     FrameResult advanceWhole(World& world, double frame, Port* port, FrameObserver& observer);

@@ -20,9 +20,9 @@ const char* name(Stage stage) {
 
 const char* name(Reason reason) {
     static const char* const names[] = {
-        "none",        "not_finite",     "solver_failed",      "unconverged", "motion_too_large",
-        "local_error", "runaway",        "candidates_too_few", "penetration", "link_gap",
-        "crossing",    "outside_region", "sleeper_pressed",    "count"};
+        "none",        "not_finite",     "solver_failed",      "unconverged",   "motion_too_large",
+        "local_error", "runaway",        "candidates_too_few", "penetration",   "link_gap",
+        "crossing",    "outside_region", "sleeper_pressed",    "status_change", "count"};
     return names[static_cast<int>(reason)];
 }
 
@@ -244,6 +244,7 @@ Settings gameSettings() {
     s.freeError = 0.05;
     s.freeLeast = 1e-4;
     s.freeSteps = 8;
+    s.secondOrderRods = 8;
     s.frameWork = 8333; // half a frame of 60 Hz
     s.giveUpEarly = true;
     s.crush = CrushPolicy::LetThrough;

@@ -183,7 +183,9 @@ struct Settings {
     double freeError = 0.005;                    ///< error of their own steps, of the amplitude: 40 a period
     double freeLeast = 1e-5;                     ///< h, smaller errors are no reason to cut them
     int freeSteps = 1024;                        ///< most of them in a step
-    bool crossingCheck = false; ///< run the independent crossing check on each step; a step that crosses is cut
+    int secondOrderRods = 1 << 30; ///< most of an island that touch something and move so (second_order.h)
+    int secondOrderParts = 16;     ///< of dtMax: a step of so little is not cut for second order
+    bool crossingCheck = false;    ///< run the independent crossing check on each step; a step that crosses is cut
 };
 
 /// Settings for games: coarse steps within a budget of work; the defaults are those of the laboratory. Neither checks
@@ -205,6 +207,7 @@ enum class Reason : std::uint8_t {
     Crossing,         ///< the crossing check found one
     OutsideRegion,    ///< a rod left the region whose outlines were read
     SleeperPressed,   ///< somebody pressed on a sleeping island, which is woken
+    StatusChange,     ///< a contact of something in motion changed its status
     Count
 };
 /// As in the summary of a run: "not_finite" ...

@@ -277,6 +277,12 @@ bool moveFreely(const World& world, const Settings& settings, const Rod& rod, do
     return FreeMotion(world, settings, rod, dt, w).run();
 }
 
+void standAside(const Rod& rod, RodWork& w) {
+    freezeRod(rod, w);
+    w.frozen = false;
+    w.isFree = true;
+}
+
 RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w) {
     RodEnergies energies;
     FreeWork& f = w.free;

@@ -21,6 +21,8 @@ namespace supercircle::step {
 [[nodiscard]] bool mayMoveFreely(const Rod& rod);
 /// The motion over `dt` s: w.q1, v, kin1, u1, moved. False: it was not found.
 [[nodiscard]] bool moveFreely(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w);
+/// Leaves the rod out of a trial that makes a stage of the others' motion.
+void standAside(const Rod& rod, RodWork& w);
 /// Accepts that motion.
 RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w);
 

@@ -41,6 +41,8 @@ void evaluateHolds(const World& world, const Rod& rod, double dt, RodWork& w) {
     });
 }
 
+} // namespace
+
 /// Mean tangent angle of the rod's material.
 double meanAngle(const rod::RodModel& model, const rod::Kinematics& kin) {
     const double mean = model.definition().length / model.elements();
@@ -51,7 +53,7 @@ double meanAngle(const rod::RodModel& model, const rod::Kinematics& kin) {
 }
 
 /// Turns the velocities relative to the centre of mass by `angle`.
-void carryAlong(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u) {
+void turnAbout(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u) {
     SC_ASSERT(u.size() == gauss.mass.size(), "one velocity a Gauss point");
     Vec2 mean = Vec2::Zero();
     double mass = 0.0;
@@ -68,15 +70,13 @@ void carryAlong(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u
     }
 }
 
-} // namespace
-
 /// Evaluates everything at the linearisation point w.qk.
 void placeAt(const Rod& rod, RodWork& w) {
     SC_ASSERT(w.qk.size() == rod.model.dofs() && rod.v.size() == rod.model.dofs(), "state sizes are the rod's");
     w.kin.evaluate(rod.model, w.qk);
     rod::evaluateGauss(rod.model, w.kin, w.gauss);
     w.u0 = rod.u;
-    carryAlong(w.gauss, meanAngle(rod.model, w.kin) - meanAngle(rod.model, rod.kin), w.u0);
+    turnAbout(w.gauss, meanAngle(rod.model, w.kin) - meanAngle(rod.model, rod.kin), w.u0);
 }
 
 void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w) {
@@ -265,7 +265,7 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
     rod.v = w.v;
     rod.kin = w.kin1;
     rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
-    carryAlong(rod.gauss, turned, rod.u);
+    turnAbout(rod.gauss, turned, rod.u);
     energies.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
     energies.secondOrder -= dt * w.v.dot(w.gravityForce) + energies.gravityChange;
     rod.speed = w.moved / dt;

@@ -6,6 +6,11 @@
 
 namespace supercircle::step {
 
+/// Mean tangent angle of the rod, rad.
+[[nodiscard]] double meanAngle(const rod::RodModel& model, const rod::Kinematics& kin);
+/// Turns the velocities relative to the centre of mass by `angle`.
+void turnAbout(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u);
+
 /// Sets the linearisation point to the middle of the step as the present velocity predicts it, at most `farthest` (m)
 /// away.
 void beginAtPredictedMiddle(const Rod& rod, double dt, double farthest, RodWork& w);

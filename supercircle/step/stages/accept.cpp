@@ -201,7 +201,7 @@ void accept(World& world, TrialStep& t) {
     std::vector<RodEnergies>& energies = t.energies;
     energies.assign(rods.size(), RodEnergies{});
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
-        if (!world.rods[i].frozen())
+        if (!world.rods[i].frozen() && !(t.aside && rods[i].isFree))
             energies[i] = rods[i].isFree ? acceptFreeMotion(world, world.rods[i], dt, rods[i])
                                          : acceptRod(world, world.rods[i], dt, rods[i]);
     });

@@ -127,6 +127,14 @@ void moveFreeRods(const World& world, const Settings& settings, TrialStep& t) {
     for (RodWork& w : rods)
         w.isFree = false;
     t.anyFree = false;
+    if (t.aside) {
+        for (std::size_t i = 0; i < rods.size(); ++i)
+            if ((*t.aside)[i].isFree) {
+                standAside(world.rods[i], rods[i]);
+                t.anyFree = true;
+            }
+        return;
+    }
     if (!settings.secondOrder)
         return;
     std::vector<char>& free = t.stage.marked;

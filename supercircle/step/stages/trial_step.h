@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 namespace supercircle::step {
 
@@ -31,6 +32,8 @@ struct TrialResult {
     std::vector<Overlap> overlaps;            ///< pairs that cross at the start and are not known to
 };
 
+struct SecondOrderStep;
+
 /// Work space of trial steps; what it holds belongs to the last one.
 struct TrialStep {
     double dt = 0.0;                                            ///< s
@@ -43,11 +46,13 @@ struct TrialStep {
     TrialResult result;
     std::vector<RodWork> rods;
     ContactStage stage;
-    std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
-    std::vector<ContactImpulse> impulses; ///< of the last solve
-    std::vector<RodEnergies> energies;    ///< of the accepted trial, per rod
-    std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs
-    bool anyFree = false;                 ///< some rods have moved freely
+    std::vector<double> nextRange;                ///< how far candidates reach after the step, per rod, m
+    std::vector<ContactImpulse> impulses;         ///< of the last solve
+    std::vector<RodEnergies> energies;            ///< of the accepted trial, per rod
+    std::vector<contact::Candidate> kept;         ///< of the candidates those that this step needs
+    bool anyFree = false;                         ///< some rods have moved freely
+    const std::vector<RodWork>* aside = nullptr;  ///< stage of a step of second order: those free here stay aside
+    std::shared_ptr<SecondOrderStep> secondOrder; ///< storage of second_order.h
     std::vector<const rod::Kinematics*> kin;
     std::vector<contact::RodCurve> curvesBefore;
     std::vector<contact::Outline> outlinesBefore;

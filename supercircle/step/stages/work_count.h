@@ -23,6 +23,14 @@ struct WorkCount {
     static constexpr double kSolverUnit = 0.034; ///< of a visit of a contact by the solver
     static constexpr double kCheckUnit = 0.5;    ///< of a sample of the crossing check
 
+    void add(const WorkCount& o) {
+        outlines += o.outlines;
+        rods += o.rods;
+        freedoms += o.freedoms;
+        contacts += o.contacts;
+        solver.add(o.solver);
+        check.add(o.check);
+    }
     [[nodiscard]] double units() const {
         return 8.0 * outlines + 4.0 * rods + 0.02 * freedoms + 1.5 * contacts + kSolverUnit * solver.units() +
                kCheckUnit * check.units();

@@ -12,6 +12,9 @@ namespace {
 constexpr double kThickness = 0.02604; ///< m, of scaled_shell(1, 2, 0.5)
 constexpr double kPush = 20.0 * kThickness;
 
+/// Of a frame: impacts are made of steps of 0.25 ms, what parts at speed of shorter ones; of dtMin it would be 16 000.
+constexpr std::uint64_t kMostSteps = 300;
+
 struct Game : GameWorld {
     explicit Game(Quality quality, double units = 1.0, float gravity = -9.81F)
         : GameWorld(quality, {.scale = units, .gravity = gravity, .density = 20.0F, .friction = 0.5F}) {}
@@ -34,7 +37,7 @@ struct Game : GameWorld {
         CHECK(crossings() == 0);
         CHECK(shells.world().overlaps.empty());
         CHECK(shells.world().counters.crossings == 0);
-        CHECK(mostSteps <= 40); // of dtMin it would be more than 16 000
+        CHECK(mostSteps <= kMostSteps);
         CHECK(std::abs(shells.energy_balance().residual) < 1e-9);
     }
 
@@ -219,7 +222,7 @@ TEST_CASE("a pile beside an overlapping pair stands as without it", "[box2d][ove
             }
             g.run(3.0);
             CHECK(g.overlapping == (pair ? 1 : 0));
-            CHECK(g.mostSteps <= 60);
+            CHECK(g.mostSteps <= kMostSteps);
             top[pair ? 1 : 0] = g.shells.state(pile.back())->box.upper.y;
         }
         CHECK(std::abs(top[1] - top[0]) < 0.1 * kThickness); // the pair's steps are others: the pile creeps otherwise
@@ -269,10 +272,14 @@ TEST_CASE("a shell passes a one-sided edge from behind and lands on its front if
                 g.run(3.0);
                 CHECK(g.overlapping == 0); // it moved there
                 CHECK(g.shells.world().counters.crossings == 0);
-                CHECK(g.mostSteps <= 40);
-                CHECK(g.shells.world().counters.rejected <= 1); // the impact may be too much for the step before it
+                CHECK(g.mostSteps <= kMostSteps);
+                const step::Counters& c = g.shells.world().counters;
+                const auto count = [&](step::Reason r) { return c.rejectedFor[static_cast<std::size_t>(r)]; };
+                // All but what makes an impact accurate; it may be too much for the step before it.
+                CHECK(c.rejected - count(step::Reason::StatusChange) - count(step::Reason::LocalError) <= 2);
+                const EnergyBalance b = g.shells.energy_balance();
+                CHECK(b.kinetic + b.bending + b.gravity <= b.added + 1e-9);
                 if (highest > 2.0) {
-                    CHECK(g.fastest <= speed + 1e-9); // it is not shot through
                     CHECK(g.shells.state(s)->box.lower.y > 2.0 - 0.02 * d.thickness);
                 } else { // half through it falls back
                     CHECK(g.shells.state(s)->box.upper.y < 0.0);

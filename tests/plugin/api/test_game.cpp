@@ -247,7 +247,7 @@ TEST_CASE("a scaled shell has the proportions of the default shell", "[plugin][g
 TEST_CASE("a frame at rest allocates nothing", "[plugin][game]") {
     // At rest the set of contacts is constant and all workspaces are large enough. Allocations of the host for its
     // outlines are not counted. While the pile settles, new contacts allocate at most 35 times a frame in Game quality
-    // and 24 times in Laboratory.
+    // and 24 times in Laboratory, and three times as often where a step is made of two stages.
     if (!test::countsAllocations())
         return;
     struct CountingHost : FakeHost {
@@ -284,6 +284,6 @@ TEST_CASE("a frame at rest allocates nothing", "[plugin][game]") {
         CHECK(atRest == 180);
         CHECK(shells.world().impulses.size() >= 6);
         CHECK(constant == 0);
-        CHECK(settling <= 50); // an upper bound, not physics
+        CHECK(settling <= 150); // an upper bound, not physics
     }
 }

@@ -48,6 +48,9 @@ struct ImportArguments {
     std::string scene;              ///< of a mechanism that moves by itself; empty: none
     int fromTurningPoint = 0;       ///< angles: from this turning point on; 0: from the start
     int average = 1;                ///< angles: means of so many rows
+    std::string units;              ///< of columns without one, separated by commas
+    std::string forceZero;          ///< none, T0..T1 in s, or a value in N; empty: from the specimen file or the data
+    std::vector<std::string> accept, cut, keep;
     bool quiet = false;
 };
 

@@ -2,6 +2,7 @@
 #include "plugin/cli/subcommands.h"
 
 #include "plugin/recording/experiment/load.h"
+#include "plugin/recording/import/specimen_file.h"
 #include "plugin/recording/import/template.h"
 #include "plugin/recording/table/text.h"
 
@@ -51,12 +52,17 @@ void printReady(const importing::Description& d, const std::string& file) {
         std::printf("not ready: `supercircle check %s` reports the same until this is corrected\n", file.c_str());
 }
 
-} // namespace
-
-int import(const ImportArguments& a) {
+/// The options as hints. Errors name the option.
+Result<importing::Hints> hintsOf(const ImportArguments& a) {
+    using Answer = Result<importing::Hints>;
     importing::Hints hints;
     if (!a.columns.empty()) // "time[s],displacement[mm],-"
         hints.columns = record::splitAt(a.columns, ',');
+    for (const std::string& text : a.units.empty() ? std::vector<std::string>{} : record::splitAt(a.units, ',')) {
+        hints.units.push_back(importing::unitOf(text));
+        if (hints.units.back().measures == importing::Quantity::None)
+            return Answer::failure("--units: \"" + text + "\" is no unit; expected for instance s,mm,N");
+    }
     hints.rate = a.rate;
     hints.speed = 1e-3 * a.speed;
     hints.driveTolerance = 1e-3 * a.tolerance;
@@ -64,7 +70,28 @@ int import(const ImportArguments& a) {
     hints.forceSign = a.forceSign;
     hints.fromTurningPoint = a.fromTurningPoint;
     hints.average = a.average;
-    const auto imported = importing::readExports(a.files, hints);
+    hints.accept = {a.accept.begin(), a.accept.end()};
+    hints.cut = {a.cut.begin(), a.cut.end()};
+    hints.keep = {a.keep.begin(), a.keep.end()};
+    if (a.forceZero.empty() && a.specimen.empty())
+        return hints;
+    const auto zero =
+        a.forceZero.empty() ? importing::statedForceZero(a.specimen) : importing::parseForceZero(a.forceZero);
+    if (!zero)
+        return Answer::failure((a.forceZero.empty() ? "" : "--force-zero: ") + zero.error());
+    hints.forceZero = *zero;
+    return hints;
+}
+
+} // namespace
+
+int import(const ImportArguments& a) {
+    const auto hints = hintsOf(a);
+    if (!hints) {
+        std::fprintf(stderr, "%s\n", hints.error().c_str());
+        return kBadInput;
+    }
+    const auto imported = importing::readExports(a.files, *hints);
     if (!imported) {
         std::fprintf(stderr, "%s\n", imported.error().c_str());
         return kBadInput;
@@ -100,6 +127,7 @@ int import(const ImportArguments& a) {
         std::printf("%swritten: %s/experiment.json, %zu run%s; this account: import.txt and import.json\n",
                     account.c_str(), folder.path().c_str(), runs, runs == 1 ? "" : "s");
         printReady(*description, folder.path() + "/experiment.json");
+        std::printf("%s\n", importing::worst(*imported).c_str());
     }
     return printed() ? kDone : kCannotWrite;
 }

@@ -67,6 +67,8 @@ Subcommand describeImport(CLI::App& app) {
             "--columns", a.columns,
             "quantities of the columns: time[s],displacement[mm],force[kN],angle[deg],NAME_x[mm]; - to skip one")
         ->type_name("LIST");
+    subcommand->add_option("--units", a.units, "units of columns that state none, for instance s,mm,N")
+        ->type_name("LIST");
     subcommand->add_option("--rate", a.rate, "sampling rate, for files without times")
         ->check(positive)
         ->type_name("HZ");
@@ -108,6 +110,20 @@ Subcommand describeImport(CLI::App& app) {
         ->transform(CLI::Transformer(signs).description(""))
         ->check(CLI::IsMember({1, -1}).description(""))
         ->type_name("positive|negative");
+    subcommand
+        ->add_option("--force-zero", a.forceZero,
+                     "zero of the force: none, a range of times in s (T0..T1), or a value in N")
+        ->type_name("none|T0..T1|VALUE");
+    addRepeatable(*subcommand, "--accept", a.accept,
+                  "import although: rows are dropped, values jump and come back, the unit of the force is doubtful")
+        ->check(CLI::IsMember({"dropped", "jumps", "units"}).description(""))
+        ->type_name("dropped|jumps|units");
+    addRepeatable(*subcommand, "--cut", a.cut, "leave out the rows after a break")
+        ->check(CLI::IsMember({"break"}).description(""))
+        ->type_name("break");
+    addRepeatable(*subcommand, "--keep", a.keep, "keep the force where the sensor is saturated")
+        ->check(CLI::IsMember({"saturation"}).description(""))
+        ->type_name("saturation");
     subcommand->add_flag("--quiet", a.quiet, "print nothing but errors");
     subcommand->footer("Exit codes: 0 done; 2 bad input; 4 output could not be written.");
     return {subcommand, [arguments] {

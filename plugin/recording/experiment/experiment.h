@@ -150,10 +150,11 @@ struct Run {
 double commanded(const Run& run, double t);
 
 struct Sensors {
-    double forceNoise = 0.0;        ///< N (free scenes: rad or m), standard deviation, approximate
-    double forceZeroWindow = 0.0;   ///< s, the mean of this first interval is subtracted; 0: none
-    double displacementNoise = 0.0; ///< m
-    double markerNoise = 0.0;       ///< m
+    double forceNoise = 0.0;         ///< N (free scenes: rad or m), standard deviation, approximate
+    double forceZeroWindow = 0.0;    ///< s, the mean of this first interval is subtracted; 0: none
+    double displacementNoise = 0.0;  ///< m
+    double markerNoise = 0.0;        ///< m
+    bool forceUnitConfirmed = false; ///< a force beside the scale of bending forces is no error
     std::string displacementChannel;
 };
 

@@ -192,6 +192,7 @@ Sensors readSensors(Context& context, const Node& node, const std::string& point
     s.forceNoise =
         object.number(std::string(c.name) + "_noise_std_" + c.unit + "_approx", 0.0, notNegative) / c.perUnit;
     s.forceZeroWindow = zeroWindow(object, object.text("force_zero", ""));
+    s.forceUnitConfirmed = object.flag("force_unit_confirmed", false);
     s.displacementChannel = object.text("displacement_channel", "");
     s.displacementNoise = 1e-3 * object.number("displacement_noise_std_mm_approx", 0.0, notNegative);
     s.markerNoise = 1e-3 * object.number("marker_noise_std_mm_approx", 0.0, notNegative);

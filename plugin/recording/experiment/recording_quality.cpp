@@ -312,10 +312,11 @@ void judgeForceUnit(const Experiment& e, const Run& run, Place& place) {
     const bool confirmed = small ? ratio > 1e-4 && ratio < 1e-2 : ratio > 1e2 && ratio < 1e4;
     const std::string what = "the largest force, " + shown(peak) + " N, is " + shown(peak / scale) +
                              " times the scale of bending forces, " + shown(scale) + " N";
-    if (confirmed)
+    if (confirmed && !e.sensors.forceUnitConfirmed)
         place.error(what + ", and its noise " + shown(ratio) + " times the stated one: it appears to be in " +
                         (small ? "kilonewtons" : "millinewtons"),
-                    "force_N in newtons");
+                    "force_N in newtons; if it is, state \"force_unit_confirmed\": true in /sensors (import: --accept "
+                    "units)");
     else
         place.note(what + (small ? "; is it in kilonewtons?" : "; is it in millinewtons?"));
 }

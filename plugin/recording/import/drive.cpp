@@ -168,7 +168,8 @@ Drive findDrive(const std::vector<double>& time, const std::vector<double>& disp
     double noise = 0.0, resolution = 0.0;
     roughness(s, noise, resolution);
     const auto [lo, hi] = std::minmax_element(s.d.begin(), s.d.end());
-    const double usual = std::max({5.0 * noise, resolution, 5e-4 * (*hi - *lo), 1e-6});
+    const double size = std::max(std::abs(*lo), std::abs(*hi)); // its last digits are rounded
+    const double usual = std::max({5.0 * noise, resolution, 5e-4 * (*hi - *lo), 1e-9 * size, 1e-12});
     const double wanted = tolerance > 0.0 ? tolerance : usual;
     std::vector<std::size_t> bounds{0};
     while (bounds.back() < s.t.size())

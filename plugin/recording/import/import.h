@@ -16,6 +16,7 @@ struct Source {
     Text text;   ///< encoding and line ends, without the text
     Table table; ///< layout, headings and remarks, without the signals
     std::size_t rows = 0;
+    std::size_t candidates = 0, lost = 0; ///< lines with the numbers of a row, and how many of them are in no run
 };
 
 /// One run.
@@ -27,7 +28,7 @@ struct ImportedRun {
     double rate = 0.0;            ///< Hz
     double forceNoise = 0.0;      ///< N, white noise, from second differences; 0: unknown
     double forceZeroWindow = 0.0; ///< s, first interval whose mean force was subtracted; 0: none
-    double forceZero = 0.0;       ///< N, that mean
+    double forceZero = 0.0;       ///< N, what was subtracted
     double firstContact = 0.0;    ///< m, displacement at first contact; NaN: none
     std::string markersFile;      ///< "run_1_markers.csv"; empty: none
     Signals markers;
@@ -38,6 +39,7 @@ struct Imported {
     std::vector<Source> sources;
     std::vector<ImportedRun> runs;
     std::vector<std::string> markerNames;
+    bool forceUnitConfirmed = false; ///< the user insists on it
 };
 
 /// Reads exports; a file with markers and no force belongs to the run before it. An error names file, line and what was
@@ -46,6 +48,9 @@ Result<Imported> readExports(const std::vector<std::string>& files, const Hints&
 
 /// Report of everything understood, assumed, corrected and left out.
 std::string account(const Imported& imported);
+
+/// The gravest thing about an import in one line: rows left out first, then doubts.
+std::string worst(const Imported& imported);
 
 /// The CSV files of the runs, by name and content.
 Result<std::vector<record::NamedText>> runFiles(const Imported& imported);

@@ -11,67 +11,48 @@ namespace supercircle::importing {
 
 namespace {
 
-constexpr std::size_t kSample = 3000; ///< lines that decide about separator and decimal mark
+constexpr std::size_t kSample = 3000;      ///< lines that decide about separator and decimal mark
+constexpr std::size_t kMostColumns = 4096; ///< halved: still ten times what machines write; doubled: twice the memory
 
-/// What a choice of separator and decimal mark makes of the lines.
+std::size_t filledCells(const std::vector<std::string>& cells) {
+    return static_cast<std::size_t>(
+        std::count_if(cells.begin(), cells.end(), [](const std::string& c) { return !c.empty(); }));
+}
+
+/// What a choice of separator makes of the lines.
 struct Trial {
-    char separator = ',';
-    NumberStyle style;
-    std::size_t columns = 0, rows = 0, numbers = 0;
-    bool onlyGroups = true; ///< every marked number could also be one with groups of three digits
+    char separator = 0;
+    std::size_t columns = 0, rows = 0, numbers = 0, filled = 0;
 };
 
-void dropLastIfEmpty(std::vector<std::string>& cells, std::size_t columns) {
-    if (cells.size() == columns + 1 && cells.back().empty())
-        cells.pop_back();
-}
-
-std::size_t numbersIn(const std::vector<std::string>& cells, const NumberStyle& style) {
+/// A number with either decimal mark.
+bool isNumber(const std::string& cell) {
     double ignored = 0.0;
-    std::size_t n = 0;
-    for (const std::string& c : cells)
-        n += readCell(c, style, ignored) == Cell::Number ? 1 : 0;
-    return n;
+    return readCell(cell, {'.'}, ignored) == Cell::Number || readCell(cell, {','}, ignored) == Cell::Number;
 }
 
-/// Lines spread over the file: the head and the rest evenly.
-std::vector<std::size_t> sampled(std::size_t lines) {
-    std::vector<std::size_t> chosen;
-    const std::size_t head = std::min(lines, kSample / 2);
-    for (std::size_t i = 0; i < head; ++i)
-        chosen.push_back(i);
-    const std::size_t step = std::max<std::size_t>(1, (lines - head) / (kSample / 2) + 1);
-    for (std::size_t i = head; i < lines; i += step)
-        chosen.push_back(i);
-    return chosen;
+std::size_t numbersIn(const std::vector<std::string>& cells) {
+    return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), isNumber));
 }
 
-Trial attempt(const std::vector<std::string_view>& lines, const std::vector<std::size_t>& chosen, char separator,
-              char decimal) {
+Trial attempt(const std::vector<std::string_view>& lines, const std::vector<std::size_t>& chosen, char separator) {
     Trial t;
-    t.separator = separator;
-    t.style.decimal = decimal;
-    std::map<std::size_t, std::pair<std::size_t, std::size_t>> byCount; // cells: rows, numbers
+    std::map<std::size_t, Trial> byCount; // by the number of cells
     for (const std::size_t i : chosen) {
-        std::vector<std::string> cells = cellsOf(lines[i], separator);
-        if (!cells.empty() && cells.back().empty())
-            cells.pop_back();
-        const std::size_t n = numbersIn(cells, t.style);
-        if (n == 0 || 2 * n < cells.size())
+        const std::vector<std::string> cells = cellsOf(lines[i], separator);
+        const std::size_t n = numbersIn(cells), filled = filledCells(cells);
+        if (n == 0 || 2 * n < filled)
             continue;
-        auto& [rows, numbers] = byCount[cells.size()];
-        ++rows;
-        numbers += n;
-        for (const std::string& c : cells)
-            if (const std::size_t mark = c.find(decimal); mark != std::string::npos)
-                t.onlyGroups = t.onlyGroups && c.size() - mark == 4 && c[0] != '0' && mark <= 4;
+        Trial& same = byCount[cells.size()];
+        same.columns = cells.size();
+        ++same.rows;
+        same.numbers += n;
+        same.filled += filled;
     }
-    for (const auto& [columns, counts] : byCount)
-        if (counts.first > t.rows || (counts.first == t.rows && counts.second > t.numbers)) {
-            t.columns = columns;
-            t.rows = counts.first;
-            t.numbers = counts.second;
-        }
+    for (const auto& [columns, same] : byCount)
+        if (same.rows > t.rows || (same.rows == t.rows && same.numbers > t.numbers))
+            t = same;
+    t.separator = separator;
     return t;
 }
 
@@ -81,42 +62,65 @@ bool better(const Trial& a, const Trial& b) {
         return a.columns >= 2;
     if (a.rows != b.rows)
         return a.rows > b.rows;
-    const double pureA = static_cast<double>(a.numbers) / static_cast<double>(a.rows * a.columns);
-    const double pureB = static_cast<double>(b.numbers) / static_cast<double>(b.rows * b.columns);
+    const double pureA = static_cast<double>(a.numbers) / static_cast<double>(a.filled);
+    const double pureB = static_cast<double>(b.numbers) / static_cast<double>(b.filled);
     if (std::abs(pureA - pureB) > 0.02)
         return pureA > pureB;
     return a.numbers > b.numbers;
 }
 
-void findNumericColumns(const std::vector<std::string_view>& lines, const std::vector<std::size_t>& chosen, Layout& l) {
-    std::vector<std::size_t> numbers(l.columns, 0), texts(l.columns, 0);
+/// What the cells of a column say about its decimal mark.
+struct MarkVotes {
+    std::size_t point = 0, comma = 0;         ///< cells that are numbers with it
+    std::size_t onlyPoint = 0, onlyComma = 0; ///< with it alone
+    std::size_t texts = 0, numbers = 0;       ///< with either
+    std::size_t markPoint = 0, markComma = 0; ///< ambiguous cells with this mark: "1.234"
+};
+
+void vote(const std::string& cell, MarkVotes& v) {
     double ignored = 0.0;
-    for (const std::size_t i : chosen) {
-        const std::vector<std::string> cells = cellsOf(lines[i], l);
-        if (cells.size() != l.columns || 2 * numbersIn(cells, l.numbers) < cells.size())
-            continue;
-        for (std::size_t c = 0; c < cells.size(); ++c) {
-            const Cell kind = readCell(cells[c], l.numbers, ignored);
-            numbers[c] += kind == Cell::Number ? 1 : 0;
-            texts[c] += kind == Cell::Text ? 1 : 0;
-        }
+    const Cell p = readCell(cell, {'.'}, ignored), c = readCell(cell, {','}, ignored);
+    const bool point = p == Cell::Number, comma = c == Cell::Number;
+    v.point += point ? 1 : 0;
+    v.comma += comma ? 1 : 0;
+    v.onlyPoint += point && !comma ? 1 : 0;
+    v.onlyComma += comma && !point ? 1 : 0;
+    v.numbers += point || comma ? 1 : 0;
+    v.texts += p == Cell::Text && c == Cell::Text ? 1 : 0;
+    if (point && comma) {
+        v.markPoint += cell.find('.') != std::string::npos ? 1 : 0;
+        v.markComma += cell.find(',') != std::string::npos ? 1 : 0;
     }
-    for (std::size_t c = 0; c < l.columns; ++c)
-        l.numeric.push_back(numbers[c] > 2 * texts[c]);
 }
 
-bool isRow(const std::vector<std::string>& cells, const Layout& l) {
-    if (cells.size() != l.columns)
-        return false;
-    double ignored = 0.0;
-    std::size_t n = 0;
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-        const Cell kind = readCell(cells[c], l.numbers, ignored);
-        if (l.numeric[c] && kind == Cell::Text)
-            return false;
-        n += kind == Cell::Number ? 1 : 0;
+/// Decimal marks column by column. A column that could have either has that of the file; without any evidence, marks
+/// are decimal ones.
+void findNumbers(const std::vector<std::string_view>& lines, const std::vector<std::size_t>& chosen, Layout& l) {
+    std::vector<MarkVotes> votes(l.columns);
+    std::size_t rows = 0;
+    for (const std::size_t i : chosen) {
+        const std::vector<std::string> cells = cellsOf(lines[i], l);
+        if (cells.size() != l.columns || 2 * numbersIn(cells) < filledCells(cells) || filledCells(cells) == 0)
+            continue;
+        ++rows;
+        for (std::size_t c = 0; c < cells.size(); ++c)
+            vote(cells[c], votes[c]);
     }
-    return n > 0;
+    std::size_t point = 0, comma = 0, markPoint = 0, markComma = 0;
+    for (const MarkVotes& v : votes) {
+        point += v.onlyPoint;
+        comma += v.onlyComma;
+        markPoint += v.markPoint;
+        markComma += v.markComma;
+    }
+    const bool known = point + comma > 0;
+    l.numbers.decimal = known ? (comma > point ? ',' : '.') : markComma > markPoint ? ',' : '.';
+    l.decimalAssumed = !known && markPoint + markComma > 0;
+    for (const MarkVotes& v : votes) {
+        l.styles.push_back({v.point == v.comma ? l.numbers.decimal : v.comma > v.point ? ',' : '.'});
+        // a stray number in a column of remarks makes no column of numbers; a short specimen beside a long one does
+        l.numeric.push_back(v.numbers > 2 * v.texts && 50 * v.numbers >= rows);
+    }
 }
 
 /// The first row that is followed by another one (blank lines between them do not count).
@@ -148,10 +152,9 @@ bool hasLetter(const std::string& text) {
     });
 }
 
-bool isNames(const std::vector<std::string>& cells, const Layout& l) {
-    const std::size_t filled = static_cast<std::size_t>(
-        std::count_if(cells.begin(), cells.end(), [](const std::string& c) { return !c.empty(); }));
-    return filled > 0 && 2 * numbersIn(cells, l.numbers) < filled && std::any_of(cells.begin(), cells.end(), hasLetter);
+bool isNames(const std::vector<std::string>& cells) {
+    const std::size_t filled = filledCells(cells);
+    return filled > 0 && 2 * numbersIn(cells) < filled && std::any_of(cells.begin(), cells.end(), hasLetter);
 }
 
 /// Up to three lines above the first row: names, units, or both, in this order or with units in the names.
@@ -162,9 +165,9 @@ void findHeadings(const std::vector<std::string_view>& lines, std::size_t first,
             continue;
         ++tried;
         std::vector<std::string> cells = cellsOf(lines[i], l);
-        if (l.separator == ' ' && cells.size() != l.columns) // names of several words, columns aligned with blanks
-            cells.clear();
-        if (cells.size() != l.columns || !isNames(cells, l))
+        if (cells.size() + 1 == l.columns && !l.numeric.back()) // rows end with a separator, names do not
+            cells.emplace_back();
+        if (cells.size() != l.columns || !isNames(cells))
             break;
         if (isUnits(cells) && l.unitsLine == 0 && l.namesLine == 0) {
             l.unitsLine = i + 1;
@@ -172,6 +175,8 @@ void findHeadings(const std::vector<std::string_view>& lines, std::size_t first,
         } else {
             l.namesLine = i + 1;
             l.names = cells;
+            if (i > 0 && (cells = cellsOf(lines[i - 1], l)).size() == l.columns && isNames(cells))
+                l.titles = cells;
             break;
         }
     }
@@ -211,34 +216,12 @@ bool readMetadata(std::string_view line, const Layout& l, HeaderEntry& m) {
     return !m.key.empty();
 }
 
-/// A last column that is nearly always empty ("remarks") is one all the same if it has a name.
-void widen(const std::vector<std::string_view>& lines, const std::vector<std::size_t>& chosen, Layout& l) {
-    if (l.separator == ' ')
-        return;
-    const std::size_t wide = l.columns + 1;
-    std::size_t rows = 0, open = 0, first = lines.size();
-    for (const std::size_t i : chosen) {
-        const std::vector<std::string> cells = cellsOf(lines[i], l.separator);
-        const bool row = 2 * numbersIn(cells, l.numbers) >= l.columns && cells.size() >= l.columns;
-        rows += row ? 1 : 0;
-        open += row && cells.size() == wide ? 1 : 0;
-        first = row ? std::min(first, i) : first;
-    }
-    if (2 * open <= rows)
-        return;
-    for (std::size_t i = first, tried = 0; i-- > 0 && tried < 3; ++tried)
-        if (const auto names = cellsOf(lines[i], l.separator); names.size() == wide && !names.back().empty()) {
-            l.columns = wide;
-            return;
-        }
-}
-
 /// A line of names above a line of as many numbers: "sample_rate, duration" over "1000, 5".
 bool readPairs(std::string_view names, std::string_view values, std::size_t valuesLine, Layout& l) {
     for (const char separator : {'\t', ';', ','}) {
         const std::vector<std::string> keys = cellsOf(names, separator), cells = cellsOf(values, separator);
         if (keys.size() < 2 || keys.size() != cells.size() || !std::all_of(keys.begin(), keys.end(), hasLetter) ||
-            numbersIn(keys, l.numbers) > 0 || numbersIn(cells, l.numbers) < cells.size())
+            numbersIn(keys) > 0 || numbersIn(cells) < cells.size())
             continue;
         for (std::size_t c = 0; c < keys.size(); ++c)
             l.metadata.push_back({valuesLine, keys[c], cells[c]});
@@ -256,50 +239,81 @@ void readHeader(const std::vector<std::string_view>& lines, std::size_t end, Lay
     }
 }
 
+/// A separator at the end of every line makes no column.
+void dropEmptyEnd(Layout& l) {
+    l.names.resize(l.columns);
+    l.units.resize(l.columns);
+    l.titles.resize(l.columns);
+    while (l.columns > 1 && !l.numeric.back() && l.names.back().empty() && l.units.back().empty()) {
+        --l.columns;
+        for (std::vector<std::string>* cells : {&l.names, &l.units, &l.titles})
+            cells->pop_back();
+        l.numeric.pop_back();
+        l.styles.pop_back();
+    }
+}
+
 } // namespace
 
+std::vector<std::size_t> sampledLines(std::size_t lines) {
+    std::vector<std::size_t> chosen;
+    const std::size_t head = std::min(lines, kSample / 2);
+    for (std::size_t i = 0; i < head; ++i)
+        chosen.push_back(i);
+    const std::size_t step = std::max<std::size_t>(1, (lines - head) / (kSample / 2) + 1);
+    for (std::size_t i = head; i < lines; i += step)
+        chosen.push_back(i);
+    return chosen;
+}
+
+bool isRow(const std::vector<std::string>& cells, const Layout& l) {
+    if (cells.size() != l.columns)
+        return false;
+    double ignored = 0.0;
+    std::size_t n = 0;
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+        const Cell kind = readCell(cells[c], l.styles[c], ignored);
+        if (l.numeric[c] && kind == Cell::Text)
+            return false;
+        n += l.numeric[c] && kind == Cell::Number ? 1 : 0;
+    }
+    return n > 0;
+}
+
 Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
-    const std::vector<std::size_t> chosen = sampled(lines.size());
+    const std::vector<std::size_t> chosen = sampledLines(lines.size());
     Trial best;
-    best.separator = 0;
     for (const char separator : {'\t', ';', ',', ' '})
-        for (const char decimal : {'.', ','}) {
-            const Trial t = attempt(lines, chosen, separator, decimal);
-            if (t.rows > 0 && (best.separator == 0 || better(t, best)))
-                best = t;
-        }
-    if (best.separator == 0 || best.rows < 2)
+        if (const Trial t = attempt(lines, chosen, separator); t.rows > 0 && (best.rows == 0 || better(t, best)))
+            best = t;
+    if (best.rows < 2)
         return Result<Layout>::failure("there is no table of numbers in it; expected lines of numbers separated by "
                                        "commas, semicolons, tabs or blanks");
+    if (best.columns > kMostColumns)
+        return Result<Layout>::failure("a table of " + std::to_string(best.columns) + " columns; expected at most " +
+                                       std::to_string(kMostColumns) + ": export the columns that are needed");
     Layout l;
     l.separator = best.separator;
-    l.numbers = best.style;
     l.columns = best.columns;
-    widen(lines, chosen, l);
-    findNumericColumns(lines, chosen, l);
+    findNumbers(lines, chosen, l);
     const std::size_t first = firstRow(lines, l);
     if (first == lines.size())
         return Result<Layout>::failure("no two lines of numbers follow each other");
     l.firstDataLine = first + 1;
     findHeadings(lines, first, l);
-    if (l.names.empty())
-        l.names.assign(l.columns, "");
-    if (l.units.empty())
-        l.units.assign(l.columns, "");
+    dropEmptyEnd(l);
     readHeader(lines, l.namesLine > 0 ? l.namesLine - 1 : first, l);
-    // "12.345" in every cell is a number of thousands in one country and of units in another
-    const char other = best.style.decimal == '.' ? ',' : '.';
-    const Trial same = attempt(lines, chosen, best.separator, other);
-    l.decimalAssumed = best.onlyGroups && same.rows == best.rows && same.numbers == best.numbers &&
-                       std::any_of(chosen.begin(), chosen.end(), [&](std::size_t i) {
-                           return i >= first && lines[i].find(best.style.decimal) != std::string_view::npos;
-                       });
     return l;
 }
 
 std::vector<std::string> cellsOf(std::string_view line, const Layout& l) {
     std::vector<std::string> cells = cellsOf(line, l.separator);
-    dropLastIfEmpty(cells, l.columns);
+    while (cells.size() > l.columns && cells.back().empty())
+        cells.pop_back();
+    const auto lastNumber = std::find(l.numeric.rbegin(), l.numeric.rend(), true);
+    if (cells.size() < l.columns && cells.size() >= static_cast<std::size_t>(l.numeric.rend() - lastNumber) &&
+        lastNumber != l.numeric.rend())
+        cells.resize(l.columns);
     return cells;
 }
 

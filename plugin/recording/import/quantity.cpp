@@ -24,18 +24,29 @@ const std::vector<Known>& units() {
                                               {"sec", Quantity::Time, 1.0},
                                               {"sek", Quantity::Time, 1.0},
                                               {"second", Quantity::Time, 1.0},
-                                              {"seconds", Quantity::Time, 1.0},
                                               {"secs", Quantity::Time, 1.0},
                                               {"ms", Quantity::Time, 1e-3},
                                               {"msec", Quantity::Time, 1e-3},
                                               {"us", Quantity::Time, 1e-6},
                                               {"min", Quantity::Time, 60.0},
                                               {"minute", Quantity::Time, 60.0},
-                                              {"minutes", Quantity::Time, 60.0},
                                               {"h", Quantity::Time, 3600.0},
                                               {"hr", Quantity::Time, 3600.0},
-                                              {"hours", Quantity::Time, 3600.0},
+                                              {"d", Quantity::Time, 86400.0},
+                                              {"day", Quantity::Time, 86400.0},
                                               {"mm", Quantity::Displacement, 1e-3},
+                                              {"millimetre", Quantity::Displacement, 1e-3},
+                                              {"millimeter", Quantity::Displacement, 1e-3},
+                                              {"metre", Quantity::Displacement, 1.0},
+                                              {"meter", Quantity::Displacement, 1.0},
+                                              {"micrometre", Quantity::Displacement, 1e-6},
+                                              {"micrometer", Quantity::Displacement, 1e-6},
+                                              {"millisecond", Quantity::Time, 1e-3},
+                                              {"hour", Quantity::Time, 3600.0},
+                                              {"kilonewton", Quantity::Force, 1e3},
+                                              {"millinewton", Quantity::Force, 1e-3},
+                                              {"pound", Quantity::Force, kPound},
+                                              {"radian", Quantity::Angle, 1.0},
                                               {"cm", Quantity::Displacement, 1e-2},
                                               {"m", Quantity::Displacement, 1.0},
                                               {"um", Quantity::Displacement, 1e-6},
@@ -43,7 +54,7 @@ const std::vector<Known>& units() {
                                               {"nm", Quantity::Displacement, 1e-9},
                                               {"in", Quantity::Displacement, kInch},
                                               {"inch", Quantity::Displacement, kInch},
-                                              {"inches", Quantity::Displacement, kInch},
+                                              {"inche", Quantity::Displacement, kInch},
                                               {"\"", Quantity::Displacement, kInch},
                                               {"mil", Quantity::Displacement, 1e-3 * kInch},
                                               {"thou", Quantity::Displacement, 1e-3 * kInch},
@@ -52,7 +63,6 @@ const std::vector<Known>& units() {
                                               {"MN", Quantity::Force, 1e6, true},
                                               {"n", Quantity::Force, 1.0},
                                               {"newton", Quantity::Force, 1.0},
-                                              {"newtons", Quantity::Force, 1.0},
                                               {"kn", Quantity::Force, 1e3},
                                               {"un", Quantity::Force, 1e-6},
                                               {"cn", Quantity::Force, 1e-2},
@@ -60,7 +70,6 @@ const std::vector<Known>& units() {
                                               {"dan", Quantity::Force, 10.0},
                                               {"lbf", Quantity::Force, kPound},
                                               {"lb", Quantity::Force, kPound},
-                                              {"lbs", Quantity::Force, kPound},
                                               {"klbf", Quantity::Force, 1e3 * kPound},
                                               {"kip", Quantity::Force, 1e3 * kPound},
                                               {"ozf", Quantity::Force, kPound / 16.0},
@@ -69,7 +78,6 @@ const std::vector<Known>& units() {
                                               {"gf", Quantity::Force, 1e-3 * kKilopond},
                                               {"deg", Quantity::Angle, M_PI / 180.0},
                                               {"degree", Quantity::Angle, M_PI / 180.0},
-                                              {"degrees", Quantity::Angle, M_PI / 180.0},
                                               {"grad", Quantity::Angle, M_PI / 180.0},
                                               {"°", Quantity::Angle, M_PI / 180.0},
                                               {"rad", Quantity::Angle, 1.0},
@@ -139,13 +147,19 @@ constexpr std::array kWords = {Word{"time", Quantity::Time, 5},
                                Word{"encoder", Quantity::Angle, 3},
                                Word{"pendulum", Quantity::Angle, 3}};
 
+/// Names of a column that numbers the rows.
+constexpr std::array kCounters = {"index", "point",  "points", "nr",        "no",         "row",  "rows",
+                                  "step",  "sample", "count",  "messpunkt", "datenpunkt", "punkt"};
+
 /// What makes a column another thing than its words suggest: rates, moduli, set points, maxima.
 constexpr std::array kOther = {
-    "rate",     "speed",   "velocity", "geschwindigkeit", "modulus",     "modul",      "stress", "strain",
-    "spannung", "dehnung", "cycle",    "zyklus",          "temperature", "temperatur", "status", "stamp"};
+    "rate",    "speed",          "velocity", "geschwindigkeit", "vitesse",    "angvel", "acceleration",
+    "accel",   "beschleunigung", "modulus",  "modul",           "stress",     "strain", "spannung",
+    "dehnung", "cycle",          "zyklus",   "temperature",     "temperatur", "status", "stamp"};
 /// Less direct measurements of the same quantity.
-constexpr std::array kSecond = {"set", "target", "demand",    "soll",  "command",      "max",
-                                "min", "peak",   "corrected", "total", "extensometer", "video"};
+constexpr std::array kSecond = {"set", "target", "demand",    "soll",      "command",      "max",
+                                "min", "peak",   "corrected", "total",     "extensometer", "video",
+                                "day", "date",   "datum",     "tageszeit", "uhrzeit"};
 
 std::vector<std::string> wordsOf(const std::string& folded) {
     std::vector<std::string> words(1);
@@ -218,7 +232,8 @@ std::string unitInName(std::string& text) {
     if (at == std::string::npos || at == 0)
         return {};
     const std::string last = text.substr(at + 1);
-    if (unitOf(last).measures == Quantity::None)
+    const bool announced = at > 3 && text.compare(at - 3, 4, " in ") == 0; // "Kraft in %"
+    if (unitOf(last).measures == Quantity::None && !announced)
         return {};
     text = text.substr(0, at);
     if (text.size() > 3 && text.compare(text.size() - 3, 3, " in") == 0)
@@ -247,6 +262,8 @@ const char* name(Quantity q) {
         return "marker x";
     case Quantity::MarkerY:
         return "marker y";
+    case Quantity::Counter:
+        return "number of the row";
     case Quantity::None:
         break;
     }
@@ -262,9 +279,11 @@ Unit unitOf(std::string_view text) {
            (text.back() == ')' || text.back() == ']' || text.back() == '>' || text.back() == '}' || text.back() == '.'))
         text = trimmed(text.substr(0, text.size() - 1));
     const std::string low = folded(text);
-    for (const Known& k : units())
-        if (k.exactCase ? text == k.written : low == k.written)
-            return {std::string(text), k.measures, k.factor};
+    const bool plural = low.size() > 2 && low.back() == 's';
+    for (const std::string& word : {low, plural ? low.substr(0, low.size() - 1) : low})
+        for (const Known& k : units())
+            if (k.exactCase ? text == k.written : word == k.written)
+                return {std::string(text), k.measures, k.factor};
     return {};
 }
 
@@ -280,6 +299,7 @@ Unit usualUnit(Quantity quantity) {
     case Quantity::MarkerX:
     case Quantity::MarkerY:
         return unitOf("mm");
+    case Quantity::Counter:
     case Quantity::None:
         break;
     }
@@ -314,6 +334,13 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
         h.quantity = h.unit.measures;
         h.rank = 3;
     }
+    if (h.quantity == Quantity::None && !words.empty() && words.size() <= 2 && has(kCounters, words[0]) &&
+        unit.empty()) {
+        h.quantity = Quantity::Counter;
+        h.rank = 1;
+    }
+    if (h.quantity == Quantity::Counter)
+        return h;
     h.unitStated = h.unit.measures != Quantity::None;
     if (h.quantity != Quantity::None && !unit.empty() && !fits(h.quantity, h.unit))
         h.unknownUnit = unit;

@@ -8,7 +8,8 @@
 
 namespace supercircle::importing {
 
-enum class Quantity : std::uint8_t { None, Time, Displacement, Force, Angle, MarkerX, MarkerY };
+/// Counter: rows numbered by the machine.
+enum class Quantity : std::uint8_t { None, Time, Displacement, Force, Angle, MarkerX, MarkerY, Counter };
 
 const char* name(Quantity quantity);
 

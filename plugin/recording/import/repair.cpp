@@ -1,4 +1,4 @@
-// Corrections of clocks that were set back, counters that were reset, and signs. Each compares one step of a channel
+// Corrections of clocks that were set back and counters that were reset. Each compares one step of a channel
 // with the usual ones and is reported. A jump of the displacement to zero with a continuing clock is a reset counter;
 // with a restarted clock it is another test. Other jumps are kept and reported.
 
@@ -107,6 +107,7 @@ Status mendBackwards(Signals& signals, std::vector<Remark>& remarks) {
                                " rows, here first; expected a clock that runs on (is this column the time?)");
     resets.finish(remarks);
     dropped.finish(remarks);
+    signals.lost += dropped.count();
     signals.erase(gone);
     return {};
 }
@@ -137,13 +138,72 @@ void spreadEqual(Signals& signals, std::vector<Remark>& remarks) {
                                " rows have the time of the row before them: they are spread evenly to the next time"});
 }
 
+/// Median size of second differences.
+double medianBend(const std::vector<double>& v) {
+    std::vector<double> bends;
+    for (std::size_t i = 1; i + 1 < v.size(); ++i)
+        bends.push_back(std::abs(v[i - 1] - 2.0 * v[i] + v[i + 1]));
+    return quantile(std::move(bends), 0.5);
+}
+
+/// A counter of the rows that never goes back.
+bool counts(const std::vector<double>& counter) {
+    for (std::size_t i = 0; i < counter.size(); ++i)
+        if (!std::isfinite(counter[i]) || (i > 0 && counter[i] <= counter[i - 1]))
+            return false;
+    return counter.size() > 1 && counter.back() - counter.front() < 10.0 * static_cast<double>(counter.size());
+}
+
 void timeFromRate(Signals& signals, double rate) {
     Channel time{Quantity::Time, {}, {}};
+    const std::vector<double>* counter = signals.find(Quantity::Counter);
+    const bool counted = counter != nullptr && counts(*counter); // rows may have been dropped
     for (std::size_t i = 0; i < signals.rows(); ++i)
-        time.values.push_back(static_cast<double>(i) / rate);
+        time.values.push_back((counted ? (*counter)[i] - counter->front() : static_cast<double>(i)) / rate);
     signals.channels.push_back(std::move(time));
 }
 
+/// Way between turning points; noise below `least` turns nothing.
+double netTravel(const std::vector<double>& d, double least) {
+    double way = 0.0, from = d.front(), furthest = d.front();
+    for (const double v : d) {
+        if (!std::isfinite(v))
+            continue;
+        if ((furthest - from) * (v - furthest) >= 0.0 || std::abs(furthest - from) < least)
+            furthest = std::abs(v - from) > std::abs(furthest - from) ? v : furthest;
+        if (std::abs(v - furthest) > least) { // back from the turning point
+            way += std::abs(furthest - from);
+            from = furthest;
+            furthest = v;
+        }
+    }
+    return way + std::abs(furthest - from);
+}
+
+/// Noise turns a displacement in many rows, a drive in few.
+bool isNoisy(const std::vector<double>& d) {
+    std::size_t turns = 0;
+    double last = 0.0;
+    for (std::size_t i = 1; i < d.size(); ++i) {
+        const double step = d[i] - d[i - 1];
+        turns += step * last < 0.0 ? 1 : 0;
+        last = step != 0.0 && std::isfinite(step) ? step : last;
+    }
+    return 50 * turns > d.size();
+}
+
+/// Rows are ticks of equal length; together they take as long as the way at this speed.
+void timeFromTicks(Signals& signals, double speed) {
+    const std::vector<double>& d = *signals.find(Quantity::Displacement);
+    const double noise = 1.4826 * medianBend(d);
+    const double duration = netTravel(d, std::max(6.0 * noise, 0.01 * span(d))) / speed;
+    if (duration > 0.0)
+        timeFromRate(signals, static_cast<double>(signals.rows() - 1) / duration);
+    else
+        signals.erase(std::vector<char>(signals.rows(), 1));
+}
+
+/// Times of a clean displacement from its steps. Dwells cannot be timed: their rows go.
 void timeFromSpeed(Signals& signals, double speed) {
     Channel time{Quantity::Time, {}, {}};
     const std::vector<double>& d = *signals.find(Quantity::Displacement);
@@ -151,7 +211,7 @@ void timeFromSpeed(Signals& signals, double speed) {
     std::vector<char> gone(signals.rows(), 0);
     for (std::size_t i = 0; i < d.size(); ++i) {
         const double step = std::isfinite(d[i]) && std::isfinite(last) ? std::abs(d[i] - last) : 0.0;
-        gone[i] = !std::isfinite(d[i]) || (i > 0 && step == 0.0) ? 1 : 0; // dwells cannot be timed
+        gone[i] = !std::isfinite(d[i]) || (i > 0 && step == 0.0) ? 1 : 0;
         way += step;
         last = std::isfinite(d[i]) ? d[i] : last;
         time.values.push_back(way / speed);
@@ -194,15 +254,17 @@ Status timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<
                                ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ");
     const bool known = hints.speed > 0.0 || speed;
     const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
-    timeFromSpeed(signals, metresPerSecond);
+    const bool ticks = signals.find(Quantity::Counter) != nullptr || isNoisy(*signals.find(Quantity::Displacement));
+    (ticks ? timeFromTicks : timeFromSpeed)(signals, metresPerSecond);
     if (signals.rows() < 2)
         return Status::failure("there is no time, and the displacement never changes; expected one of them to");
-    remarks.push_back(
-        {known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
-         known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) + " mm/s as " +
-                     (hints.speed > 0.0 ? "given" : "stated in the header")
-               : "there is no time; the crosshead is assumed to move at 1 mm/s: rates are not known (state them "
-                 "better with --speed or --rate)"});
+    remarks.push_back({known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
+                       known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) +
+                                   " mm/s as " + (hints.speed > 0.0 ? "given" : "stated in the header") +
+                                   (ticks ? ", one tick a row" : "")
+                             : std::string("there is no time; the crosshead is assumed to move at 1 mm/s") +
+                                   (ticks ? " on the whole, one tick a row" : "") +
+                                   ": rates are not known (state them better with --speed or --rate)"});
     return {};
 }
 
@@ -302,55 +364,6 @@ void repairCounter(Signals& signals, std::vector<Remark>& remarks) {
     }
     zeroed.finish(remarks);
     jumps.finish(remarks);
-}
-
-void orient(Signals& signals, const Hints& hints, std::vector<Remark>& remarks) {
-    std::vector<double>* d = signals.find(Quantity::Displacement);
-    std::vector<double>* f = signals.find(Quantity::Force);
-    const auto turn = [](std::vector<double>& values) {
-        for (double& v : values)
-            v = v == 0.0 ? v : -v;
-    };
-    if (d != nullptr) {
-        const auto first = std::find_if(d->begin(), d->end(), [](double v) { return std::isfinite(v); });
-        const double start = first == d->end() ? 0.0 : *first;
-        for (double& v : *d)
-            v -= start;
-        if (start != 0.0)
-            remarks.push_back({Kind::Understood, signals.line.front(),
-                               "the displacement starts at " + shown(1e3 * start) + " mm, which becomes 0"});
-        double lo = 0.0, hi = 0.0;
-        for (const double v : *d)
-            if (std::isfinite(v)) {
-                lo = std::min(lo, v);
-                hi = std::max(hi, v);
-            }
-        const bool down = hints.displacementSign != 0 ? hints.displacementSign < 0 : -lo > hi;
-        if (down)
-            turn(*d);
-        if (hints.displacementSign == 0)
-            remarks.push_back({Kind::Understood, 0,
-                               std::string("the displacement ") + (down ? "falls" : "rises") +
-                                   " from its start: this direction is taken as towards the specimen" +
-                                   (down ? ", signs are reversed" : "")});
-    }
-    if (f == nullptr)
-        return;
-    // At first contact a specimen resists.
-    const double level = 0.2 * span(*f),
-                 rest = quantile({f->begin(), f->begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(
-                                                               1, std::min<std::size_t>(f->size() / 50, 50)))},
-                                 0.5);
-    const auto firstContact = std::find_if(f->begin(), f->end(), [&](double v) { return std::abs(v - rest) > level; });
-    const bool negative = hints.forceSign != 0 ? hints.forceSign < 0 : firstContact != f->end() && *firstContact < rest;
-    if (negative)
-        turn(*f);
-    if (hints.forceSign == 0)
-        remarks.push_back(
-            {Kind::Understood,
-             firstContact == f->end() ? 0 : signals.line[static_cast<std::size_t>(firstContact - f->begin())],
-             std::string("the force ") + (negative ? "falls" : "rises") +
-                 " at first: this is taken as the specimen's resistance" + (negative ? ", signs are reversed" : "")});
 }
 
 } // namespace supercircle::importing

@@ -6,6 +6,7 @@
 #include "plugin/recording/import/text.h"
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,18 +28,32 @@ struct Channel {
     std::vector<double> values; ///< SI; NaN: missing
 };
 
+/// A coordinate of a marker: it goes to the file of markers.
+inline bool isMarker(const Channel& c) {
+    return c.quantity == Quantity::MarkerX || c.quantity == Quantity::MarkerY;
+}
+
 /// Channels with equal numbers of rows.
 struct Signals {
     std::vector<Channel> channels;
     std::vector<std::size_t> line;   ///< of each row, from 1
     std::vector<std::size_t> breaks; ///< rows before a repeated header
     double clockStart = 0.0;         ///< s, clock reading that became 0
+    bool forceTurned = false;        ///< the sign of the force is not that of the file
+    std::size_t lost = 0;            ///< rows removed because their time is out of order
     [[nodiscard]] std::size_t rows() const { return line.size(); }
     std::vector<double>* find(Quantity quantity);
     [[nodiscard]] const std::vector<double>* find(Quantity quantity) const;
     /// Rows first to last - 1.
     [[nodiscard]] Signals part(std::size_t first, std::size_t last) const;
     void erase(const std::vector<char>& gone); ///< removes marked rows
+};
+
+/// What becomes the zero of the force.
+struct ForceZero {
+    enum class Kind { FromData, None, Window, Value } kind = Kind::FromData;
+    double from = 0.0, to = 0.0; ///< s, of a window
+    double value = 0.0;          ///< N, as the file has it
 };
 
 /// Information given by the user.
@@ -49,24 +64,42 @@ struct Hints {
     int displacementSign = 0;         ///< of the column while the crosshead approaches; 0: from the data
     int forceSign = 0;                ///< of the column while the specimen resists; 0: from the data
     double driveTolerance = 0.0;      ///< m; 0: from the data
-    int fromTurningPoint = 0;         ///< angles: rows before this turning point are removed; 0: none
-    int average = 1;                  ///< angles: number of rows averaged into one
+    std::vector<Unit> units;          ///< of columns whose heading states none
+    std::set<std::string> accept;     ///< faults of the whole that are no reason to refuse: "dropped", "jumps"
+    std::set<std::string> cut;        ///< events whose rows are removed: "break"
+    std::set<std::string> keep;       ///< events whose rows are kept as they are: "saturation"
+    ForceZero forceZero;
+    int fromTurningPoint = 0; ///< angles: rows before this turning point are removed; 0: none
+    int average = 1;          ///< angles: number of rows averaged into one
 };
 
-/// The table of an export with the columns that are used, in SI units.
+/// The table of a specimen in an export, with the columns that are used, in SI units.
 struct Table {
     Layout layout;
+    std::string specimen;          ///< as named above its columns; empty: the table has one specimen
     std::vector<Heading> headings; ///< per column of the file
     std::vector<int> channelOf;    ///< per column: index into track.channels, -1: not used
     Signals signals;
+    std::size_t candidates = 0; ///< lines with as many numbers as columns are needed
+    std::size_t lost = 0;       ///< of these, lines that could not be used
+    std::size_t firstLost = 0;  ///< line, from 1
     std::vector<Remark> remarks;
 };
 
 /// Names for --columns that a table of so many columns could have.
 std::string exampleOfColumns(std::size_t columns);
 
-/// Reads the table of a text. Errors name line, column and what was expected: "LINE:COLUMN: ...".
-Result<Table> readTable(const Text& text, const Hints& hints);
+/// "column 3 "Force""
+std::string columnText(const Table& table, std::size_t column);
+
+/// Decides which column is what, for each specimen of the file. Candidates are scored by their headings, then by their
+/// values; what is decided by less than 10 : 1 is asked for. Errors: "LINE:COLUMN: ...".
+Result<std::vector<Table>> chooseColumns(const std::vector<std::string_view>& lines, Layout&& layout,
+                                         const Hints& hints);
+
+/// Reads the tables of a text, one for each specimen. Errors name line, column and what was expected:
+/// "LINE:COLUMN: ...".
+Result<std::vector<Table>> readTables(const Text& text, const Hints& hints);
 
 /// Sets the times: from a corrected column (clocks set back, coarse clocks, missing times), or from rate or speed.
 /// Errors: "LINE:1: what is wrong".
@@ -81,8 +114,8 @@ std::vector<Signals> splitRuns(Signals&& signals, std::vector<Remark>& remarks);
 void repairCounter(Signals& signals, std::vector<Remark>& remarks);
 
 /// Sets signs: displacement grows towards the specimen, the force is positive while it resists. The displacement starts
-/// at zero.
-void orient(Signals& signals, const Hints& hints, std::vector<Remark>& remarks);
+/// at zero. Fails where the evidence for a sign is below 10 : 1.
+Status orient(Signals& signals, const Hints& hints, std::vector<Remark>& remarks);
 
 /// Remarks of one kind about many rows: the first few one by one, the rest as a number.
 class Tally {

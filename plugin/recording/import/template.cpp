@@ -2,8 +2,8 @@
 
 #include "plugin/recording/import/derive.h"
 #include "plugin/recording/import/free_run.h"
+#include "plugin/recording/import/specimen_file.h"
 #include "plugin/recording/table/json_text.h"
-#include "plugin/scene/loader/document.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
@@ -70,14 +70,16 @@ Json obstaclesOf(const std::string& protocol) {
     return all;
 }
 
-/// To 1e-6, below the resolution of a machine.
-double rounded(double value) {
-    const double r = std::round(value * 1e6) / 1e6;
-    return r == 0.0 ? 0.0 : r;
+/// To a power of ten below 2e-7 of the range: below the resolution of a machine.
+double rounded(double value, double range) {
+    const double digits = -std::floor(std::log10(2e-7 * range)); // a whole number; its power of ten is exact
+    const double scale = std::pow(10.0, std::abs(digits));
+    const double r = digits >= 0.0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
+    return r == 0.0 || !std::isfinite(r) ? 0.0 : r;
 }
 
 /// Break points as written: exact dwells; first and last include all samples.
-Json runOf(const ImportedRun& run) {
+Json runOf(const ImportedRun& run, const std::string& specimen) {
     Json times = Json::array(), ways = Json::array();
     std::vector<double> d = run.drive.displacement;
     if (!d.empty() && std::abs(d[0]) < run.drive.tolerance)
@@ -85,19 +87,25 @@ Json runOf(const ImportedRun& run) {
     for (std::size_t i = 1; i < d.size(); ++i)
         if (std::abs(d[i] - d[i - 1]) < run.drive.tolerance)
             d[i] = d[i - 1];
+    double travel = 0.0;
+    for (const double v : d)
+        travel = std::max(travel, 1e3 * std::abs(v));
     for (std::size_t i = 0; i < d.size(); ++i) {
-        times.push_back(rounded(run.drive.time[i]));
-        ways.push_back(rounded(1e3 * d[i]));
+        times.push_back(rounded(run.drive.time[i], run.drive.time.back()));
+        ways.push_back(rounded(1e3 * d[i], travel));
     }
     Json json = {{"file", run.file},
                  {"drive_time_s", times},
                  {"drive_displacement_mm", ways},
-                 {"sampling_hz", rounded(run.rate)},
+                 {"sampling_hz", rounded(run.rate, run.rate)},
                  {"specimen_state_at_start", "(fresh or used, rested or not)"}};
+    if (!specimen.empty())
+        json["about"] = specimen;
     if (!run.markersFile.empty()) {
         const std::vector<double>& t = *run.markers.find(Quantity::Time);
         json["markers_file"] = run.markersFile;
-        json["markers_sampling_hz"] = rounded(static_cast<double>(t.size() - 1) / (t.back() - t.front()));
+        const double rate = static_cast<double>(t.size() - 1) / (t.back() - t.front());
+        json["markers_sampling_hz"] = rounded(rate, rate);
     }
     return json;
 }
@@ -106,7 +114,7 @@ Json frameOf(const Imported& all, const std::string& protocol) {
     Json runs = Json::array(), markers = Json::array(), specimens = Json::array();
     double noise = 0.0, window = all.runs.empty() ? 0.0 : all.runs.front().forceZeroWindow, displacementNoise = 0.0;
     for (const ImportedRun& run : all.runs) {
-        runs.push_back(runOf(run));
+        runs.push_back(runOf(run, all.sources[run.source].table.specimen));
         noise = std::max(noise, run.forceNoise);
         displacementNoise = std::max(displacementNoise, run.drive.noise);
         window = std::min(window, run.forceZeroWindow);
@@ -130,11 +138,14 @@ Json frameOf(const Imported& all, const std::string& protocol) {
         {"runs", runs},
         {"sensors",
          {{"force_noise_std_N_approx", noise},
-          {"force_zero", window > 0.0 ? Json("the mean reading of the first 0.5 s is subtracted") : Json("none")},
+          {"force_zero",
+           window > 0.0 ? Json("the mean reading of the first " + shown(window) + " s is subtracted") : Json("none")},
           {"displacement_channel", "as the machine reports it"},
           {"displacement_noise_std_mm_approx", 1e3 * displacementNoise},
           {"marker_noise_std_mm_approx", 0.0}}},
         {"markers", markers}};
+    if (all.forceUnitConfirmed)
+        json["sensors"]["force_unit_confirmed"] = true;
     for (int end = 0; end < 2 && protocol == "tethered_strip"; ++end)
         json["strings"].push_back(
             {{"arc_fraction", end}, {"to_point_m", {0.0, kNull}}, {"carried_by", "machine_head"}});
@@ -159,17 +170,6 @@ void merge(Json& into, const Json& from) {
     } else {
         into = from;
     }
-}
-
-/// The file given by the user.
-Result<Json> readOwn(const std::string& file) {
-    using Own = Result<Json>;
-    std::vector<scene::Problem> problems;
-    const auto text = scene::readFile(file, problems);
-    if (!text || !scene::parseDocument(*text, file, problems))
-        return Own::failure(problems.front().toString());
-    Json own = record::parseJson(*text);
-    return own.is_object() ? Own(std::move(own)) : Own::failure(file + ":1:1: this is no JSON object");
 }
 
 void addOwn(Json& json, const Json& own) {
@@ -275,6 +275,8 @@ Json sourceJson(const Source& s) {
     for (const HeaderEntry& m : l.metadata)
         metadata.push_back({{"line", m.line}, {"key", m.key}, {"value", m.value}});
     return {{"file", s.file},
+            {"specimen", s.table.specimen.empty() ? kNull : Json(s.table.specimen)},
+            {"rows_left_out", s.lost},
             {"encoding", s.text.encoding},
             {"line_ends", s.text.lineEnds},
             {"separator", separatorName(l.separator)},
@@ -338,10 +340,10 @@ Result<Description> describe(const Imported& all, const TemplateOptions& options
     }
     Json own = Json::object();
     if (!options.specimenFile.empty()) {
-        auto read = readOwn(options.specimenFile);
+        auto read = readSpecimenFile(options.specimenFile);
         if (!read)
             return Answer::failure(read.error());
-        own = *std::move(read);
+        own = record::parseJson(*read);
     }
     std::string protocol = options.protocol;
     if (own.contains("protocol") && own["protocol"].is_string()) {

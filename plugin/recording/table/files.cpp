@@ -19,8 +19,6 @@ namespace supercircle::record {
 
 namespace {
 
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20; ///< of a file that is read into memory
-
 Status because(const std::string& what, int error) {
     return Status::failure(what + ": " + std::strerror(error));
 }
@@ -117,8 +115,8 @@ Status writeAtomically(const std::string& directory, const std::vector<NamedText
     }
 }
 
-Result<std::string> readText(const std::string& path) {
-    if (const std::string why = whyUnreadable(path, kMostBytes); !why.empty())
+Result<std::string> readText(const std::string& path, std::uintmax_t mostBytes) {
+    if (const std::string why = whyUnreadable(path, mostBytes); !why.empty())
         return Result<std::string>::failure("cannot read " + path + ": " + why);
     std::FILE* file = std::fopen(path.c_str(), "rb");
     if (file == nullptr)

@@ -1,6 +1,7 @@
 #pragma once
 // Files that are either the old ones or the complete new ones, whenever the machine stops.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,7 +20,8 @@ using NamedText = std::pair<std::string, std::string>;
 /// The error names what could not be written and why. Never throws.
 [[nodiscard]] Status writeAtomically(const std::string& directory, const std::vector<NamedText>& files) noexcept;
 
-/// Whole content of a regular file of at most 512 MiB, or why it cannot be read.
-[[nodiscard]] Result<std::string> readText(const std::string& path);
+/// Whole content of a regular file of at most `mostBytes`, or why it cannot be read.
+[[nodiscard]] Result<std::string> readText(const std::string& path,
+                                           std::uintmax_t mostBytes = std::uintmax_t{512} << 20);
 
 } // namespace supercircle::record

@@ -147,12 +147,29 @@ TEST_CASE("the more direct of two columns of one quantity is used and reported",
     CHECK((*all->runs[0].signals.find(Quantity::Displacement))[180] == Approx(1.1 * 4e-3));
 }
 
-TEST_CASE("without headings columns are guessed and reported", "[importing]") {
+TEST_CASE("without headings the columns are asked for", "[importing]") {
     Style s;
     s.head = "test 7";
-    same(exported(s));
-    CHECK_THAT(accountOf(exported(s)),
-               Contains("assumed    line 2: there are no headings: column 3 is taken as force in N"));
+    CHECK(errorOf(exported(s)) ==
+          "x.csv:2:1: there are no headings; expected time, displacement and force, or name them "
+          "with --columns time[s],displacement[mm],force[N]");
+    importing::Hints hints;
+    hints.columns = {"time[s]", "displacement[mm]", "force[N]"};
+    same(exported(s), hints);
+}
+
+TEST_CASE("units that nobody states are asked for", "[importing]") {
+    Style s;
+    s.head = "time,displacement,force";
+    CHECK(errorOf(exported(s)) == "x.csv:1:6: no unit is stated for displacement (column 2 \"displacement\") and force "
+                                  "(column 3 \"force\"); state it with --units, for instance --units mm,N");
+    importing::Hints hints;
+    hints.units = {importing::unitOf("mm"), importing::unitOf("kN")};
+    s.perNewton = 1e-3;
+    s.digits = 9;
+    same(exported(s), hints); // fractions make a clock one of seconds
+    hints.columns = {"time", "displacement", "force"};
+    same(exported(s), hints);
 }
 
 TEST_CASE("without times they come from a rate or a speed", "[importing]") {
@@ -172,7 +189,7 @@ TEST_CASE("without times they come from a rate or a speed", "[importing]") {
 }
 
 TEST_CASE("an ambiguous decimal mark is reported", "[importing]") {
-    std::string text = "t;d (mm);F (N)\n";
+    std::string text = "t (s);d (mm);F (N)\n";
     for (int i = 0; i < 50; ++i)
         text += std::to_string(i) + ";" + std::to_string(1 + i) + ".500;" + std::to_string(2 + i) + ".125\n";
     CHECK_THAT(accountOf(text), Contains("every number has three digits behind its point; it is taken as the decimal"));

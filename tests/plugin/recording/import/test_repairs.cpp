@@ -171,9 +171,11 @@ TEST_CASE("an implausible unit is reported", "[importing]") {
     };
     CHECK_THAT(accountOf(withHead("t (s),d (m),F (N)", 1.0, 1.0, 1.0)),
                Contains("doubtful   the crosshead travels 4000 mm; the unit of the displacement is stated as m"));
-    CHECK_THAT(accountOf(withHead("time,displacement,force", 1e-3, 1e-6, 1.0)),
-               Contains("the crosshead travels 0.004 mm; the unit of the displacement is taken as mm") &&
-                   Contains("the largest force is 6e-06 N; the unit of the force is taken as N"));
+    importing::Hints units;
+    units.units = {importing::unitOf("mm"), importing::unitOf("N")};
+    CHECK_THAT(accountOf(withHead("time,displacement,force", 1e-3, 1e-6, 1.0), units),
+               Contains("the crosshead travels 0.004 mm; the unit of the displacement is stated as mm") &&
+                   Contains("the largest force is 6e-06 N; the unit of the force is stated as N"));
     CHECK_THAT(accountOf(withHead("t (h),d (mm),F (N)", 1.0, 1.0, 1.0)),
                Contains("the unit of the time is stated as h"));
     CHECK_THAT(accountOf(withHead("t (us),d (mm),F (MN)", 1.0, 1.0, 1.0)),

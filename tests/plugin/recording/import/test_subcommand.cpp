@@ -98,11 +98,14 @@ TEST_CASE("real exports are imported if present", "[importing]") {
     }
     const Folder folder;
     const std::string to = " --out " + folder.path + "/out";
-    CommandResult end = start("import " + (real / "ring_crush_aluminium/A1.txt").string() + to);
+    const std::string ring = (real / "ring_crush_aluminium/A1.txt").string();
+    CommandResult end = start("import " + ring + to);
+    CHECK(end.code == 2);
+    CHECK_THAT(end.text, Contains("no headings") && Contains("--columns displacement[mm],force[N]"));
+    end = start("import " + ring + " --columns 'displacement[mm],force[N]'" + to);
     INFO(end.text);
     CHECK(end.code == 0);
-    CHECK_THAT(end.text, Contains("601 rows") && Contains("column 1 is taken as displacement in mm") &&
-                             Contains("signs are reversed"));
+    CHECK_THAT(end.text, Contains("601 rows") && Contains("signs are reversed"));
     end = start("import " + (real / "steel_strip_bow/draw_curve_digitised.csv").string() + to);
     CHECK(end.code == 0);
     CHECK_THAT(end.text, Contains("22 rows") && Contains("the displacement starts at 49.76 mm"));

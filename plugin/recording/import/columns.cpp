@@ -177,14 +177,29 @@ Status checkUnit(Draft& d, std::vector<std::size_t>& candidates) {
     return {};
 }
 
-/// A clock of hours, minutes and seconds, or one whose fractions make it seconds.
+/// Two digits are enough to write it.
+bool isRound(double x) {
+    const double digits = x / std::pow(10.0, std::floor(std::log10(x)) - 1.0);
+    return std::abs(digits - std::round(digits)) < 0.02;
+}
+
+/// A clock of hours, minutes and seconds, or one in seconds: it has fractions, and no step that is round in minutes
+/// only.
 bool saysSeconds(const Draft& d, std::size_t column) {
     const Layout& l = d.table.layout;
-    const std::vector<double> v = sampleOf(d, column);
     const std::vector<std::string> cells = cellsOf(d.lines[l.firstDataLine - 1], l);
     if (column < cells.size() && cells[column].find(':') != std::string::npos)
         return true;
-    return std::any_of(v.begin(), v.end(), [](double x) { return x != std::floor(x); });
+    const std::vector<double> v = sampleOf(d, column);
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < std::min<std::size_t>(v.size(), 1000); ++i)
+        if (v[i] > v[i - 1])
+            steps.push_back(v[i] - v[i - 1]);
+    if (steps.empty())
+        return false;
+    const double step = upperMedian(std::move(steps));
+    return (isRound(step) || !isRound(60.0 * step)) &&
+           std::any_of(v.begin(), v.end(), [](double x) { return x != std::floor(x); });
 }
 
 /// Units that no heading states: from the user, or asked for.

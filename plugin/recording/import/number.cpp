@@ -69,8 +69,11 @@ bool isMissing(std::string_view cell) {
     return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 
-/// Two or three parts: minutes and seconds, or hours before them.
+/// Two or three parts: minutes and seconds, or hours before them. A date may stand in front.
 bool readClock(std::string_view text, char decimal, double& value) {
+    const std::size_t date = text.find_last_of(" T");
+    if (date != std::string_view::npos && text.find_first_not_of("0123456789-./") == date)
+        text.remove_prefix(date + 1);
     double seconds = 0.0;
     int parts = 0;
     while (true) {

@@ -54,6 +54,8 @@ public:
         }
         good = good && (whole || !isRemark(bad));
         if (!good || !any) {
+            if (t_.otherTable == 0 && saysOther())
+                t_.otherTable = number;
             if (good && !t_.specimen.empty())
                 return; // a longer specimen goes on beside it
             countLost(number, good);
@@ -69,7 +71,20 @@ public:
             t_.signals.channels[k].values.push_back(row_[k]);
         t_.signals.line.push_back(number);
     }
+    /// A line above the table that has the numbers of a row belongs to another table.
+    void readAbove(std::string_view line, std::size_t number) {
+        split(line);
+        const std::size_t filled = static_cast<std::size_t>(
+            std::count_if(cells_.begin(), cells_.end(), [](std::string_view c) { return !c.empty(); }));
+        above_ += filled >= 2 && countNumbers() == filled && filled >= row_.size() ? 1 : 0;
+        firstAbove_ = above_ == 1 && firstAbove_ == 0 ? number : firstAbove_;
+    }
     void finish() {
+        if (above_ >= 3) { // one or two are values of the header
+            t_.firstLost = firstAbove_;
+            t_.lost += above_;
+            t_.candidates += above_;
+        }
         odd_.finish(t_.remarks);
         if (grouped_ > 0)
             remark(t_, Remark::Kind::Understood, 0,
@@ -96,6 +111,25 @@ private:
         };
         return (l.namesLine > 0 && same(l.names)) || (l.unitsLine > 0 && same(l.units));
     }
+    /// Headings of another table: two quantities or units, and not those of this table.
+    [[nodiscard]] bool saysOther() const {
+        std::size_t known = 0;
+        bool other = cells_.size() < t_.headings.size();
+        for (std::size_t c = 0; c < cells_.size(); ++c) {
+            if (cells_[c].empty() || looksLikeNumber(cells_[c]))
+                continue;
+            const Unit unit = unitOf(cells_[c]);
+            const Heading said = unit.measures == Quantity::None ? headingOf(cells_[c], "") : Heading{};
+            known += unit.measures != Quantity::None || said.quantity != Quantity::None ? 1 : 0;
+            if (c >= t_.headings.size() || t_.channelOf[c] < 0)
+                continue;
+            const Heading& here = t_.headings[c];
+            other = other || (unit.measures != Quantity::None && unit.factor != here.unit.factor) ||
+                    (said.quantity != Quantity::None && said.quantity != here.quantity) ||
+                    (said.unitStated && said.unit.factor != here.unit.factor);
+        }
+        return known >= 2 && other;
+    }
     /// Words in a column of numbers that is not needed make a line a remark if it lacks a needed number.
     [[nodiscard]] bool isRemark(std::size_t& column) const {
         const Layout& l = t_.layout;
@@ -109,11 +143,13 @@ private:
     }
     /// A line with as many numbers as columns are needed should have been a row.
     void countLost(std::size_t number, bool good) {
-        const auto numbers = static_cast<std::size_t>(std::count_if(cells_.begin(), cells_.end(), looksLikeNumber));
-        if (good || numbers < row_.size())
+        if (good || countNumbers() < row_.size())
             return;
         ++t_.candidates;
         t_.firstLost = t_.lost++ == 0 ? number : t_.firstLost;
+    }
+    [[nodiscard]] std::size_t countNumbers() const {
+        return static_cast<std::size_t>(std::count_if(cells_.begin(), cells_.end(), looksLikeNumber));
     }
     [[nodiscard]] std::string describeOdd(std::string_view line, bool good, std::size_t bad) const {
         const std::size_t columns = t_.layout.columns;
@@ -134,7 +170,7 @@ private:
     std::vector<std::string> quoted_;
     std::vector<double> row_;
     Tally odd_{Remark::Kind::Omitted, "lines that are no rows of numbers"};
-    std::size_t grouped_ = 0;
+    std::size_t grouped_ = 0, above_ = 0, firstAbove_ = 0;
     bool again_ = false;
 };
 
@@ -144,6 +180,8 @@ void readRows(const std::vector<std::string_view>& lines, Table& t) {
     for (Channel& c : t.signals.channels)
         c.values.reserve(most);
     t.signals.line.reserve(most);
+    for (std::size_t i = 0; i + 1 < t.layout.firstDataLine; ++i)
+        reader.readAbove(lines[i], i + 1);
     for (std::size_t i = t.layout.firstDataLine - 1; i < lines.size(); ++i)
         if (!trimmed(lines[i]).empty())
             reader.read(lines[i], i + 1);
@@ -262,6 +300,10 @@ Result<std::vector<Table>> readTables(const Text& text, const Hints& hints) {
     for (Table& t : *tables) {
         t.remarks.insert(t.remarks.begin(), form.begin(), form.end());
         readRows(lines, t);
+        if (t.otherTable > 0)
+            return Tables::failure(std::to_string(t.otherTable) +
+                                   ":1: another table begins here, with other columns or units; put each table into a "
+                                   "file of its own");
         if (t.signals.rows() < 2)
             return Tables::failure(std::to_string(t.layout.firstDataLine) + ":1: fewer than two rows of numbers" +
                                    (t.specimen.empty() ? "" : " for " + t.specimen));

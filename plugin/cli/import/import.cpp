@@ -1,6 +1,7 @@
 #include "plugin/cli/output.h"
 #include "plugin/cli/subcommands.h"
 
+#include "plugin/pages/import/import_page.h"
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/import/specimen_file.h"
 #include "plugin/recording/import/template.h"
@@ -50,6 +51,18 @@ void printReady(const importing::Description& d, const std::string& file) {
         std::printf("ready: supercircle replay %s\n", file.c_str());
     else
         std::printf("not ready: `supercircle check %s` reports the same until this is corrected\n", file.c_str());
+}
+
+/// The command without the options that state decisions.
+std::string commandOf(const ImportArguments& a) {
+    std::string command = "supercircle import";
+    for (const std::string& file : a.files)
+        command += " " + file;
+    if (!a.specimen.empty())
+        command += " --specimen " + a.specimen;
+    if (!a.protocol.empty())
+        command += " --protocol " + a.protocol;
+    return command + " --out " + a.out;
 }
 
 /// The options as hints. Errors name the option.
@@ -116,6 +129,7 @@ int import(const ImportArguments& a) {
         files->emplace_back("experiment.json", description->json);
         files->emplace_back("import.json", importing::accountJson(*imported, *description));
         files->emplace_back("import.txt", account);
+        files->emplace_back("import.html", importPage(*imported, commandOf(a)));
         error = record::writeAtomically(folder.path(), *files).error();
     }
     if (!error.empty()) {
@@ -124,7 +138,7 @@ int import(const ImportArguments& a) {
     }
     if (!a.quiet) {
         const std::size_t runs = imported->runs.size();
-        std::printf("%swritten: %s/experiment.json, %zu run%s; this account: import.txt and import.json\n",
+        std::printf("%swritten: %s/experiment.json, %zu run%s; this account: import.txt, import.json and import.html\n",
                     account.c_str(), folder.path().c_str(), runs, runs == 1 ? "" : "s");
         printReady(*description, folder.path() + "/experiment.json");
         std::printf("%s\n", importing::worst(*imported).c_str());

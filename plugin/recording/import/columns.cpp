@@ -140,6 +140,9 @@ Status chooseOne(Draft& d, const std::vector<std::size_t>& candidates) {
                                name(t.headings[best].quantity) +
                                ", and they differ; name the one that counts, with --columns " + suggestion(d));
     }
+    if (candidates.size() > 1)
+        t.layout.decisions.push_back(
+            {name(t.headings[best].quantity), columnText(t, best), columnText(t, second), most / next, "--columns"});
     for (const std::size_t c : candidates)
         if (c != best)
             remark(t, Remark::Kind::Omitted, t.layout.namesLine,

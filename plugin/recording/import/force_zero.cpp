@@ -157,6 +157,13 @@ Status zeroForce(ImportedRun& run, const ForceZero& wanted) {
     const std::size_t touch = touchRow(run, f, lineThrough(time, f, 0, std::min(f.size(), kFewest)).mean);
     if (const std::vector<double>* d = run.signals.find(Quantity::Displacement))
         run.firstContact = touch < d->size() ? (*d)[touch] : std::numeric_limits<double>::quiet_NaN();
+    const auto done = [&] {
+        const std::string machine = "that of the machine", other = shown(run.forceZero) + " N";
+        const bool kept = run.forceZero == 0.0;
+        run.signals.decisions.push_back(
+            {"zero of the force", kept ? machine : other, kept ? "the first rows" : machine, 0.0, "--force-zero"});
+        return Status{};
+    };
     const auto tell = [&](const std::string& what) { run.remarks.push_back({Kind::Corrected, 0, what}); };
     switch (wanted.kind) {
     case ForceZero::Kind::FromData:
@@ -185,7 +192,7 @@ Status zeroForce(ImportedRun& run, const ForceZero& wanted) {
         break;
     }
     }
-    return {};
+    return done();
 }
 
 } // namespace supercircle::importing

@@ -55,6 +55,29 @@ std::size_t firstTurn(const std::vector<double>& v) {
     return 0;
 }
 
+/// Period of the swing, from its crossings of the mean; the whole time if it crosses less than twice.
+double periodOf(const std::vector<double>& t, const std::vector<double>& v) {
+    double mean = 0.0, known = 0.0, last = 0.0, first = 0.0;
+    for (const double x : v)
+        if (std::isfinite(x)) {
+            mean += x;
+            known += 1.0;
+        }
+    mean /= std::max(known, 1.0);
+    const double level = 0.1 * (*std::max_element(v.begin(), v.end()) - mean); // noise crosses the mean many times
+    std::size_t crossings = 0;
+    int side = 0;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const int now = v[i] > mean + level ? 1 : v[i] < mean - level ? -1 : side;
+        if (side != 0 && now != side) {
+            first = crossings++ == 0 ? t[i] : first;
+            last = t[i];
+        }
+        side = now;
+    }
+    return crossings >= 2 ? 2.0 * (last - first) / static_cast<double>(crossings - 1) : t.back() - t.front();
+}
+
 } // namespace
 
 double encoderStep(const std::vector<double>& angle) {
@@ -68,15 +91,15 @@ double encoderStep(const std::vector<double>& angle) {
 ReleaseState releaseStateOf(const Signals& signals) {
     const std::vector<double>& t = *signals.find(Quantity::Time);
     const std::vector<double>& v = *signals.find(Quantity::Angle);
-    constexpr double kSpan = 0.06; // s, short against any oscillation, long enough for a slope
+    const double span = periodOf(t, v) / 12.0; // short against the swing, long enough for a slope
     std::vector<std::size_t> rows;
-    for (std::size_t i = 0; i < t.size() && (t[i] - t[0] <= kSpan || rows.size() < 6); ++i)
+    for (std::size_t i = 0; i < t.size() && (t[i] - t[0] <= span || rows.size() < 9); ++i)
         if (std::isfinite(v[i]))
             rows.push_back(i);
     ReleaseState out;
     if (rows.size() < 4)
         return out;
-    // In 60 ms a short rod moves by ten degrees: a parabola would have an error of 0.2 rad/s.
+    // Within a twelfth of a swing the acceleration changes: a parabola would have an error of 0.2 rad/s.
     const Eigen::Index powers = rows.size() >= 9 ? 5 : 3;
     Eigen::MatrixXd basis(static_cast<Eigen::Index>(rows.size()), powers);
     Eigen::VectorXd read(basis.rows());
@@ -84,18 +107,18 @@ ReleaseState releaseStateOf(const Signals& signals) {
         const std::size_t i = rows[static_cast<std::size_t>(k)];
         read[k] = v[i];
         for (Eigen::Index p = 0; p < powers; ++p)
-            basis(k, p) = std::pow((t[i] - t[0]) / kSpan, static_cast<double>(p));
+            basis(k, p) = std::pow((t[i] - t[0]) / span, static_cast<double>(p));
     }
     const Eigen::MatrixXd inverse = dense::inverseLdlt(basis.transpose() * basis);
     const Eigen::VectorXd c = inverse * (basis.transpose() * read);
     const double rest = (read - basis * c).squaredNorm();
     const double sigma = std::max(std::sqrt(rest / static_cast<double>(basis.rows() - powers)), 0.3 * encoderStep(v));
     out.angle = c[0];
-    out.spin = c[1] / kSpan;
+    out.spin = c[1] / span;
     out.angleHalfWidth = 3.0 * sigma * std::sqrt(inverse(0, 0)) + 0.5 * encoderStep(v);
     // A turn within an encoder step is invisible: the spin is uncertain by the acceleration over that time.
-    const double unseen = std::sqrt(2.0 * encoderStep(v) * 2.0 * std::abs(c[2])) / kSpan;
-    out.spinHalfWidth = unseen + 3.0 * sigma * std::sqrt(inverse(1, 1)) / kSpan + encoderStep(v) / kSpan;
+    const double unseen = std::sqrt(2.0 * encoderStep(v) * 2.0 * std::abs(c[2])) / span;
+    out.spinHalfWidth = unseen + 3.0 * sigma * std::sqrt(inverse(1, 1)) / span + encoderStep(v) / span;
     return out;
 }
 
@@ -105,7 +128,8 @@ void cutToTurningPoint(Signals& signals, int which, std::vector<Remark>& remarks
     if (v.size() < 10)
         return;
     const double dt = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-    std::vector<double> rest = smooth(v, std::max<std::size_t>(1, static_cast<std::size_t>(0.01 / dt)));
+    const double half = periodOf(t, v) / 70.0; // of the mean: far shorter than the swing
+    std::vector<double> rest = smooth(v, std::max<std::size_t>(1, static_cast<std::size_t>(half / dt)));
     std::size_t turn = 0;
     for (int k = 0; k < which; ++k) {
         const std::size_t next = firstTurn(rest);

@@ -69,6 +69,12 @@ bool better(const Trial& a, const Trial& b) {
     return a.numbers > b.numbers;
 }
 
+double scoreOf(const Trial& t) {
+    return t.filled == 0 ? 0.0
+                         : static_cast<double>(t.rows * t.numbers) / static_cast<double>(t.filled) *
+                               (t.columns >= 2 ? 10.0 : 1.0);
+}
+
 /// What the cells of a column say about its decimal mark.
 struct MarkVotes {
     std::size_t point = 0, comma = 0;         ///< cells that are numbers with it
@@ -116,6 +122,10 @@ void findNumbers(const std::vector<std::string_view>& lines, const std::vector<s
     const bool known = point + comma > 0;
     l.numbers.decimal = known ? (comma > point ? ',' : '.') : markComma > markPoint ? ',' : '.';
     l.decimalAssumed = !known && markPoint + markComma > 0;
+    l.decisions.push_back(
+        {"decimal mark", l.numbers.decimal == '.' ? "point" : "comma", l.numbers.decimal == '.' ? "comma" : "point",
+         (1.0 + static_cast<double>(std::max(point, comma))) / (1.0 + static_cast<double>(std::min(point, comma))),
+         ""});
     for (const MarkVotes& v : votes) {
         l.styles.push_back({v.point == v.comma ? l.numbers.decimal : v.comma > v.point ? ',' : '.'});
         // a stray number in a column of remarks makes no column of numbers; a short specimen beside a long one does
@@ -282,10 +292,14 @@ bool isRow(const std::vector<std::string>& cells, const Layout& l) {
 
 Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
     const std::vector<std::size_t> chosen = sampledLines(lines.size());
-    Trial best;
-    for (const char separator : {'\t', ';', ',', ' '})
-        if (const Trial t = attempt(lines, chosen, separator); t.rows > 0 && (best.rows == 0 || better(t, best)))
-            best = t;
+    Trial best, second;
+    for (const char separator : {'\t', ';', ',', ' '}) {
+        const Trial t = attempt(lines, chosen, separator);
+        const bool wins = t.rows > 0 && (best.rows == 0 || better(t, best));
+        const Trial& loser = wins ? best : t;
+        second = scoreOf(loser) > scoreOf(second) ? loser : second;
+        best = wins ? t : best;
+    }
     if (best.rows < 2)
         return Result<Layout>::failure("there is no table of numbers in it; expected lines of numbers separated by "
                                        "commas, semicolons, tabs or blanks");
@@ -295,6 +309,9 @@ Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
     Layout l;
     l.separator = best.separator;
     l.columns = best.columns;
+    if (second.rows > 0)
+        l.decisions.push_back({"separator", separatorName(best.separator), separatorName(second.separator),
+                               scoreOf(best) / scoreOf(second), ""});
     findNumbers(lines, chosen, l);
     const std::size_t first = firstRow(lines, l);
     if (first == lines.size())

@@ -17,7 +17,15 @@ struct HeaderEntry {
     std::string key, value;
 };
 
+/// What was decided, and what would have been next.
+struct Decision {
+    std::string question, answer, runnerUp;
+    double odds = 0.0;  ///< of the answer against the runner-up; 0: stated, or a rule
+    std::string option; ///< that decides otherwise
+};
+
 struct Layout {
+    std::vector<Decision> decisions;
     char separator = ','; ///< ' ': runs of blanks
     NumberStyle numbers;  ///< of most columns
     std::size_t columns = 0;

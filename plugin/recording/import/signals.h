@@ -39,8 +39,10 @@ struct Signals {
     std::vector<std::size_t> line;   ///< of each row, from 1
     std::vector<std::size_t> breaks; ///< rows before a repeated header
     double clockStart = 0.0;         ///< s, clock reading that became 0
+    bool displacementTurned = false; ///< the sign of the displacement is not that of the file
     bool forceTurned = false;        ///< the sign of the force is not that of the file
-    std::size_t lost = 0;            ///< rows removed because their time is out of order
+    std::vector<Decision> decisions;
+    std::size_t lost = 0; ///< rows removed because their time is out of order
     [[nodiscard]] std::size_t rows() const { return line.size(); }
     std::vector<double>* find(Quantity quantity);
     [[nodiscard]] const std::vector<double>* find(Quantity quantity) const;
@@ -80,10 +82,11 @@ struct Table {
     std::vector<Heading> headings; ///< per column of the file
     std::vector<int> channelOf;    ///< per column: index into track.channels, -1: not used
     Signals signals;
-    std::size_t candidates = 0; ///< lines with as many numbers as columns are needed
-    std::size_t lost = 0;       ///< of these, lines that could not be used
-    std::size_t firstLost = 0;  ///< line, from 1
-    std::size_t otherTable = 0; ///< line of headings that say something else, from 1; 0: none
+    std::size_t candidates = 0;         ///< lines with as many numbers as columns are needed
+    std::size_t lost = 0;               ///< of these, lines that could not be used
+    std::size_t firstLost = 0;          ///< line, from 1
+    std::vector<std::size_t> lostLines; ///< the first thousand of them, from 1
+    std::size_t otherTable = 0;         ///< line of headings that say something else, from 1; 0: none
     std::vector<Remark> remarks;
 };
 

@@ -66,7 +66,13 @@ Status unclear(std::size_t line, const std::string& why, const char* option, con
                            ": --" + option + " positive or --" + option + " negative");
 }
 
-Status orientDisplacement(std::vector<double>& d, const Signals& signals, int given, std::vector<Remark>& remarks) {
+Decision decision(const std::string& quantity, bool reversed, int given, double ratio) {
+    const auto sign = [](bool negative) { return negative ? "negative" : "positive"; };
+    return {"sign of the " + quantity, sign(reversed), sign(!reversed), given != 0 ? 0.0 : std::max(ratio, 1.0 / ratio),
+            "--" + quantity};
+}
+
+Status orientDisplacement(std::vector<double>& d, Signals& signals, int given, std::vector<Remark>& remarks) {
     const auto known = std::find_if(d.begin(), d.end(), [](double v) { return std::isfinite(v); });
     const double start = known == d.end() ? 0.0 : *known;
     for (double& v : d)
@@ -85,6 +91,8 @@ Status orientDisplacement(std::vector<double>& d, const Signals& signals, int gi
     const bool down = given != 0 ? given < 0 : ratio < 1.0;
     if (down)
         turn(d);
+    signals.displacementTurned = down;
+    signals.decisions.push_back(decision("displacement", down, given, ratio));
     if (given == 0)
         remarks.push_back({Kind::Understood, 0,
                            std::string("the displacement ") + (down ? "falls" : "rises") +
@@ -116,6 +124,7 @@ Status orientForce(std::vector<double>& f, Signals& signals, int given, std::vec
     if (negative)
         turn(f);
     signals.forceTurned = negative;
+    signals.decisions.push_back(decision("force", negative, given, ratio));
     if (given == 0)
         remarks.push_back({Kind::Understood, line,
                            std::string("the force ") + (negative ? "falls" : "rises") +

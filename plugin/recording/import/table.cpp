@@ -147,6 +147,8 @@ private:
             return;
         ++t_.candidates;
         t_.firstLost = t_.lost++ == 0 ? number : t_.firstLost;
+        if (t_.lostLines.size() < 1000)
+            t_.lostLines.push_back(number);
     }
     [[nodiscard]] std::size_t countNumbers() const {
         return static_cast<std::size_t>(std::count_if(cells_.begin(), cells_.end(), looksLikeNumber));

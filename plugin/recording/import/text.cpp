@@ -128,6 +128,8 @@ Result<Text> decode(std::string bytes) {
         return refused("the file is empty");
     if (startsWith(bytes, "PK\x03\x04") || startsWith(bytes, "\xD0\xCF\x11\xE0"))
         return refused("this is a spreadsheet or an archive, not a text");
+    if (startsWith(bytes, "MATLAB ") || startsWith(bytes, "\x89HDF"))
+        return refused("this is a file of MATLAB, not a text");
     if (startsWith(bytes, "\xEF\xBB\xBF")) {
         t.encoding = "UTF-8 with byte order mark";
         bytes.erase(0, 3);

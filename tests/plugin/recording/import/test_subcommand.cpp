@@ -73,6 +73,24 @@ TEST_CASE("the worked example of the how-to page", "[importing]") {
     CHECK(json["specimens"][0]["clamp"]["initial_point_m"][1].get<double>() == Approx(0.0466529).margin(0.3e-3));
 }
 
+TEST_CASE("the page shows decisions and a command that repeats the import", "[importing]") {
+    const Folder folder;
+    const std::string file = std::string(SC_SOURCE_DIR) + "/examples/import/shell_on_cylinder.csv",
+                      out = folder.path + "/out";
+    REQUIRE(start("import " + file + " --quiet --out " + out).code == 0);
+    const std::string page = contentOf(out + "/import.html");
+    for (const char* part : {"<svg", "sign of the force", "separator", "zero of the force", "no row was left out"})
+        CHECK_THAT(page, Contains(part));
+    const std::size_t from = page.find("<code>supercircle ") + 18, to = page.find("</code>");
+    REQUIRE(from < to);
+    std::string command = page.substr(from, to - from);
+    for (std::size_t at = 0; (at = command.find(out, at)) != std::string::npos; at += out.size() + 1)
+        command.insert(at + out.size(), "2"); // beside it
+    REQUIRE(start(command + " --quiet").code == 0);
+    const bool same = contentOf(out + "2/run_1.csv") == contentOf(out + "/run_1.csv");
+    CHECK(same);
+}
+
 TEST_CASE("import's exit codes", "[importing]") {
     const Folder folder;
     const std::string good = folder.write("good.csv", exported()), bad = folder.write("bad.csv", "nothing\n");

@@ -59,7 +59,9 @@ TEST_CASE("encodings are recognised", "[importing]") {
 
 TEST_CASE("other files than text are refused", "[importing]") {
     CHECK_THAT(decode("").error(), Contains("empty"));
-    CHECK_THAT(decode("PK\x03\x04xyz").error(), Contains("spreadsheet"));
+    CHECK_THAT(decode("PK\x03\x04xyz").error(), Contains("spreadsheet") && Contains("export it as CSV"));
+    CHECK_THAT(decode("MATLAB 5.0 MAT-file, ...").error(), Contains("MATLAB") && Contains("export it as CSV"));
+    CHECK_THAT(decode("\x89HDF\r\n").error(), Contains("MATLAB"));
     CHECK_THAT(decode(std::string("ab\0\0\0\0\0\x01 cdefgh ijkl", 21)).error(), Contains("zero bytes"));
 }
 

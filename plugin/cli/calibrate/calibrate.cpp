@@ -117,6 +117,8 @@ int fromSwitch(const CalibrateArguments& a) {
     const auto text = scene::readFile(a.file, problems);
     if (!text)
         return complain(kBadInput, problems.front().toString());
+    if (!scene::loadText(*text, a.file, overrides, problems))
+        return complain(kBadInput, scene::errorText(problems, 0));
     SceneSimulation simulation(*text, a.file, overrides);
     ProgressLine line(a.quiet);
     int runs = 0;
@@ -198,6 +200,9 @@ int fromCurve(const CalibrateArguments& a) {
 } // namespace
 
 int calibrate(const CalibrateArguments& a) {
+    OutputFolder folder(a.out); // before simulations that take minutes
+    if (const std::string error = a.out.empty() ? std::string() : folder.prepare(); !error.empty())
+        return complain(kCannotWrite, error);
     return schemaOf(a.file).rfind("rod-recordings/", 0) == 0 ? fromCurve(a) : fromSwitch(a);
 }
 

@@ -20,6 +20,7 @@
 namespace supercircle::cli {
 
 std::atomic<bool> interrupted{false};
+bool allowOutside = false;
 
 const char* const kExperimentParameterHelp = "NAME=VALUE: set a physical parameter of the experiment (repeatable)";
 
@@ -143,6 +144,10 @@ void addParameters(CLI::App& app, std::vector<std::string>& parameters, const ch
     addRepeatable(app, "--param", parameters, help)->type_name("NAME=VALUE");
 }
 
+void addAllowOutside(CLI::App& app) {
+    app.add_flag("--allow-outside", allowOutside, "read files outside of the experiment's folder too");
+}
+
 Subcommand describeCheckOf(CLI::App& app, int (*check)(const std::string&, const std::vector<std::string>&)) {
     struct Arguments {
         std::string file;
@@ -152,6 +157,7 @@ Subcommand describeCheckOf(CLI::App& app, int (*check)(const std::string&, const
     CLI::App* subcommand = app.add_subcommand("check", "validate a file without running it")->group("");
     subcommand->add_option("file", a->file)->required()->type_name("FILE.json");
     addParameters(*subcommand, a->parameters);
+    addAllowOutside(*subcommand);
     return {subcommand, [a, check] { return check(a->file, a->parameters); }};
 }
 

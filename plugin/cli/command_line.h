@@ -45,6 +45,8 @@ CLI::Option* addRepeatable(CLI::App& app, const std::string& name, std::vector<s
 void addParameters(CLI::App& app, std::vector<std::string>& parameters,
                    const char* help = "NAME=VALUE: set a parameter of the scene (repeatable)");
 extern const char* const kExperimentParameterHelp;
+/// --allow-outside, for subcommands that read experiments.
+void addAllowOutside(CLI::App& app);
 /// A hidden subcommand `check FILE [--param ...]`: `supercircle check` starts it for what this program reads.
 Subcommand describeCheckOf(CLI::App& app, int (*check)(const std::string&, const std::vector<std::string>&));
 /// --jobs N, 1 to `most`; as given in `jobs` unless the user says otherwise.

@@ -13,6 +13,9 @@ enum Exit : int { kDone = 0, kBadInput = 2, kCannotGoOn = 3, kCannotWrite = 4, k
 /// Set by Ctrl-C; long work polls it between steps.
 extern std::atomic<bool> interrupted;
 
+/// Experiments may name files outside of their folder (--allow-outside).
+extern bool allowOutside;
+
 struct RunArguments {
     std::string scene;
     std::vector<std::string> parameters; ///< NAME=VALUE

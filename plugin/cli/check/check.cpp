@@ -32,6 +32,8 @@ int check(const std::string& file, const std::vector<std::string>& parameters) {
     std::vector<std::string> words{"check", file};
     for (const std::string& p : parameters)
         words.insert(words.end(), {"--param", p});
+    if (allowOutside && schema.rfind("rod-recordings/", 0) == 0)
+        words.emplace_back("--allow-outside");
     if (schema.rfind("rod-recordings/", 0) == 0)
         return startSibling("check", "supercircle-identify", words);
     if (schema.rfind("supercircle-sweep/", 0) == 0)

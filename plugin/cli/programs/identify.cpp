@@ -138,6 +138,7 @@ Subcommand describeReplay(CLI::App& app) {
     CLI::App* replay =
         app.add_subcommand("replay", "simulate a recorded experiment and compare it with the recordings");
     replay->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
+    addAllowOutside(*replay);
     addParameters(*replay, a.parameters, kExperimentParameterHelp);
     addEffects(*replay, a.effects);
     replay->add_option("--out", a.out, "folder for the results (default: out/<name of the experiment's folder>_replay)")
@@ -169,6 +170,7 @@ Subcommand describeSensitivity(CLI::App& app) {
     CLI::App* subcommand = app.add_subcommand(
         "sensitivity", "derivatives of a recorded experiment's readings with respect to its parameters");
     subcommand->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
+    addAllowOutside(*subcommand);
     addParameters(*subcommand, a.parameters, kExperimentParameterHelp);
     addRepeatable(*subcommand, "--column", a.columns, "NAME: vary only this parameter (repeatable; default: all)")
         ->type_name("NAME");
@@ -212,6 +214,7 @@ Subcommand describeCalibrate(CLI::App& app) {
                      "recorded experiment")
         ->required()
         ->type_name("FILE.json");
+    addAllowOutside(*subcommand);
     subcommand->add_option("--smooth", a.smooth, "opening angles / 2 pi that snapped smoothly, such as 0.75,0.8")
         ->type_name("LIST");
     subcommand->add_option("--abrupt", a.abrupt, "opening angles / 2 pi that stuck and unfolded abruptly")
@@ -240,6 +243,7 @@ Subcommand describeDiagnose(CLI::App& app) {
     CLI::App* subcommand =
         app.add_subcommand("diagnose", "identify the physics that the simulation of a recorded experiment leaves out");
     subcommand->add_option("experiment", a.file, "experiment file (JSON)")->required()->type_name("EXPERIMENT.json");
+    addAllowOutside(*subcommand);
     subcommand
         ->add_option("--out", a.out,
                      "folder for the results (default: out/<name of the experiment's folder>_diagnosis)")

@@ -47,6 +47,7 @@ Subcommand describeCheck(CLI::App& app) {
         ->required()
         ->type_name("FILE.json");
     addParameters(*subcommand, a->parameters);
+    addAllowOutside(*subcommand);
     return {subcommand, [a] {
                 endOnSignal();
                 return check(a->file, a->parameters);

@@ -11,7 +11,8 @@ namespace supercircle::cli {
 
 int checkExperiment(const std::string& file, const std::vector<std::string>& parameters) {
     std::vector<scene::Problem> problems;
-    const auto loaded = experiment::load(file, problems);
+    const auto loaded =
+        experiment::load(file, problems, allowOutside ? experiment::Outside::Allowed : experiment::Outside::Refused);
     for (const scene::Problem& p : problems)
         std::fprintf(stderr, "%s\n", p.toString().c_str());
     if (!loaded)

@@ -1,5 +1,6 @@
 #include "plugin/cli/replay/experiment_input.h"
 
+#include "plugin/cli/subcommands.h"
 #include "plugin/recording/experiment/load.h"
 
 #include <cstdio>
@@ -9,7 +10,8 @@ namespace supercircle::cli {
 
 std::optional<experiment::Experiment> loadExperiment(const std::string& file, bool quiet) {
     std::vector<scene::Problem> problems;
-    auto loaded = experiment::load(file, problems);
+    auto loaded =
+        experiment::load(file, problems, allowOutside ? experiment::Outside::Allowed : experiment::Outside::Refused);
     for (const scene::Problem& p : problems)
         if (p.severity == scene::Problem::Severity::Error || !quiet)
             std::fprintf(stderr, "%s\n", p.toString().c_str());

@@ -375,7 +375,7 @@ Result<Experiment> loadText(const std::string& text, const std::string& file, st
                                   : Result<Experiment>(std::move(experiment));
 }
 
-Result<Experiment> load(const std::string& path, std::vector<scene::Problem>& problems) {
+Result<Experiment> load(const std::string& path, std::vector<scene::Problem>& problems, Outside outside) {
     const auto text = scene::readFile(path, problems);
     if (!text)
         return Result<Experiment>::failure(text.error());
@@ -383,6 +383,10 @@ Result<Experiment> load(const std::string& path, std::vector<scene::Problem>& pr
     if (!experiment)
         return experiment;
     const std::size_t before = problems.size();
+    if (outside == Outside::Refused)
+        refuseOutside(*experiment, problems);
+    if (problems.size() > before)
+        return Result<Experiment>::failure(scene::errorText(problems, before));
     if (experiment->scene)
         readSceneFile(*experiment, problems);
     readRuns(*experiment, problems);

@@ -127,6 +127,26 @@ void readTracks(const Experiment& e, Run& run, const std::string& path, std::vec
 
 } // namespace
 
+void refuseOutside(const Experiment& e, std::vector<scene::Problem>& problems) {
+    const auto look = [&](const std::string& file, const std::string& pointer) {
+        const fs::path path = fs::path(file).lexically_normal();
+        if (file.empty() || (path.is_relative() && *path.begin() != ".."))
+            return;
+        scene::Problem p;
+        p.file = e.file;
+        p.pointer = pointer;
+        p.what = "\"" + file + "\" lies outside of the experiment's folder";
+        p.expected = "a file in it; --allow-outside reads others";
+        problems.push_back(std::move(p));
+    };
+    if (e.scene)
+        look(e.scene->file, "/scene");
+    for (std::size_t i = 0; i < e.runs.size(); ++i) {
+        look(e.runs[i].file, "/runs/" + std::to_string(i) + "/file");
+        look(e.runs[i].markersFile, "/runs/" + std::to_string(i) + "/markers_file");
+    }
+}
+
 void readRuns(Experiment& experiment, std::vector<scene::Problem>& problems) {
     const fs::path folder = fs::path(experiment.file).parent_path();
     for (Run& run : experiment.runs) {

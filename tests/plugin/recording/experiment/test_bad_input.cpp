@@ -90,3 +90,23 @@ TEST_CASE("the files of the runs are checked", "[experiment]") {
     CHECK_THAT(experiment::load(path).error(), Contains("m3_y_mm"));
     CHECK_THAT(experiment::load(path + ".not").error(), Contains("no such file"));
 }
+
+TEST_CASE("files outside of the experiment's folder are refused unless allowed", "[experiment]") {
+    namespace fs = std::filesystem;
+    const test::Folder folder;
+    const std::string from = fs::path(baseline(101)).parent_path().string();
+    fs::create_directory(folder.path + "/inner");
+    for (const char* name : {"run_1.csv", "run_1_markers.csv"})
+        fs::copy_file(from + "/" + name, folder.path + "/" + name);
+    std::string text = test::contentOf(baseline(101));
+    for (const char* name : {"\"run_1.csv\"", "\"run_1_markers.csv\""})
+        text = test::with(text, name, "\"../" + std::string(name).substr(1));
+    const std::string file = folder.write("inner/experiment.json", text);
+    std::vector<scene::Problem> problems;
+    CHECK_FALSE(experiment::load(file, problems));
+    REQUIRE(problems.size() == 2);
+    CHECK(problems[0].toString() == file + ": /runs/0/file: \"../run_1.csv\" lies outside of the experiment's folder; "
+                                           "expected a file in it; --allow-outside reads others");
+    problems.clear();
+    CHECK(experiment::load(file, problems, experiment::Outside::Allowed));
+}

@@ -59,36 +59,35 @@ void write(std::string& out, const std::vector<Remark>& remarks) {
                        atLine(r) + r.what + "\n";
 }
 
-/// The remark that matters most, in the words of the report.
-std::string gravest(const Imported& all) {
-    for (const Kind kind : {Kind::Doubtful, Kind::Omitted}) {
-        std::size_t count = 0;
-        std::string first;
-        const auto look = [&](const std::vector<Remark>& remarks, const std::string& file) {
-            for (const Remark& r : remarks)
-                if (r.kind == kind && (kind == Kind::Doubtful || r.line > 0) && count++ == 0)
-                    first = file + ": " + atLine(r) + r.what;
-        };
-        if (kind == Kind::Doubtful)
-            for (const ImportedRun& run : all.runs)
-                look(run.remarks, all.sources[run.source].file);
-        if (count > 0)
-            return (count == 1 ? std::string("1 doubt: ") : std::to_string(count) + " doubts, the first: ") + first;
-    }
-    return "no row was left out, and nothing is doubtful";
+/// Number of doubts, and the first.
+std::string doubts(const Imported& all) {
+    std::size_t count = 0;
+    std::string first;
+    for (const ImportedRun& run : all.runs)
+        for (const Remark& r : run.remarks)
+            if (r.kind == Kind::Doubtful && count++ == 0)
+                first = all.sources[run.source].file + ": " + atLine(r) + r.what;
+    return count == 0 ? "" : (count == 1 ? "1 doubt: " : std::to_string(count) + " doubts, the first: ") + first;
 }
 
 } // namespace
 
 std::string worst(const Imported& all) {
-    std::size_t lost = 0, rows = 0;
+    std::size_t lost = 0, rows = 0, odd = 0;
     for (const Source& s : all.sources) {
         lost += s.lost;
         rows += s.candidates;
+        odd += s.table.odd;
     }
     if (lost > 0)
         return std::to_string(lost) + " of " + std::to_string(rows) + " rows were left out";
-    return gravest(all);
+    if (std::string doubtful = doubts(all); !doubtful.empty())
+        return doubtful;
+    return odd == 0 ? "every row is used, and nothing is doubtful"
+                    : std::to_string(odd) +
+                          (odd == 1 ? " line without the numbers of a row was"
+                                    : " lines without the numbers of a row were") +
+                          " left out; nothing is doubtful";
 }
 
 std::string account(const Imported& all) {

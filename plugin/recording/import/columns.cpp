@@ -116,7 +116,7 @@ Status chooseOne(Draft& d, const std::vector<std::size_t>& candidates) {
     std::size_t best = candidates.front(), second = candidates.front();
     double most = -1.0, next = -1.0;
     for (const std::size_t c : candidates) {
-        double score = std::pow(10.0, t.headings[c].rank / kRankStep);
+        double score = std::pow(10.0, t.headings[c].rank / kRankStep) * (t.headings[c].unitStated ? kDecisive : 1.0);
         if (candidates.size() > 1) {
             const std::vector<double> values = sampleOf(d, c);
             score *= clock ? clockQuality(values) : sensorQuality(values);

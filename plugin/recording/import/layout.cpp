@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace supercircle::importing {
 
 namespace {
 
-constexpr std::size_t kSample = 3000;      ///< lines that decide about separator and decimal mark
+constexpr std::size_t kSample = 3000; ///< lines that decide about separator and decimal mark
+constexpr std::size_t kTable = 100;   ///< rows that are a table of readings; halved: fewer results may stand above it
 constexpr std::size_t kMostColumns = 4096; ///< halved: still ten times what machines write; doubled: twice the memory
 
 std::size_t filledCells(const std::vector<std::string>& cells) {
@@ -133,20 +135,6 @@ void findNumbers(const std::vector<std::string_view>& lines, const std::vector<s
     }
 }
 
-/// The first row that is followed by another one (blank lines between them do not count).
-std::size_t firstRow(const std::vector<std::string_view>& lines, const Layout& l) {
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        if (!isRow(cellsOf(lines[i], l), l))
-            continue;
-        std::size_t next = i + 1;
-        while (next < lines.size() && trimmed(lines[next]).empty())
-            ++next;
-        if (next == lines.size() || isRow(cellsOf(lines[next], l), l))
-            return i;
-    }
-    return lines.size();
-}
-
 bool isUnits(const std::vector<std::string>& cells) {
     std::size_t known = 0, filled = 0;
     for (const std::string& c : cells) {
@@ -167,6 +155,26 @@ bool isNames(const std::vector<std::string>& cells) {
     return filled > 0 && 2 * numbersIn(cells) < filled && std::any_of(cells.begin(), cells.end(), hasLetter);
 }
 
+/// First row of the first table of some length, else of the longest one: a few results may stand above the readings.
+std::size_t firstRow(const std::vector<std::string_view>& lines, const Layout& l) {
+    std::set<std::string_view> headings;
+    std::size_t start = lines.size(), rows = 0, best = lines.size(), most = 1; // one row is no table
+    for (std::size_t i = 0; i < lines.size() && most < kTable; ++i) {
+        const std::vector<std::string> cells = cellsOf(lines[i], l);
+        if (isRow(cells, l)) {
+            start = rows++ == 0 ? i : start;
+            if (rows > most) {
+                most = rows;
+                best = start;
+            }
+        } else if (rows == 1 ? !trimmed(lines[i]).empty() : filledCells(cells) >= 2 && isNames(cells)) {
+            // words below a single line of numbers, or headings; the same ones again continue the table
+            rows = headings.insert(lines[i]).second ? 0 : rows;
+        }
+    }
+    return best;
+}
+
 /// Up to three lines above the first row: names, units, or both, in this order or with units in the names.
 void findHeadings(const std::vector<std::string_view>& lines, std::size_t first, Layout& l) {
     std::size_t tried = 0;
@@ -177,6 +185,8 @@ void findHeadings(const std::vector<std::string_view>& lines, std::size_t first,
         std::vector<std::string> cells = cellsOf(lines[i], l);
         if (cells.size() + 1 == l.columns && !l.numeric.back()) // rows end with a separator, names do not
             cells.emplace_back();
+        if (cells.size() == l.columns && 2 * numbersIn(cells) >= filledCells(cells))
+            continue; // a row with a fault
         if (cells.size() != l.columns || !isNames(cells))
             break;
         if (isUnits(cells) && l.unitsLine == 0 && l.namesLine == 0) {

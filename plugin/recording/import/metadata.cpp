@@ -24,6 +24,10 @@ bool isAbout(const std::string& key, MetadataKey what) {
     case MetadataKey::PeakForce:
         return hasAny(key, {"fmax", "f max", "f_max"}) ||
                (hasAny(key, {"max", "peak", "hochst"}) && hasAny(key, {"force", "load", "kraft", "fuerza", "forza"}));
+    case MetadataKey::Width:
+        return hasAny(key, {"width", "breite", "largeur", "larghezza", "ancho"});
+    case MetadataKey::Thickness:
+        return hasAny(key, {"thickness", "dicke", "epaisseur", "spessore", "espesor"});
     case MetadataKey::Rows:
         break;
     }
@@ -53,6 +57,8 @@ double factorOf(const std::string& unit, MetadataKey what) {
         return low == "hz" || low == "1/s" || low == "s-1" ? 1.0 : low == "khz" ? 1e3 : 0.0;
     if (what == MetadataKey::PeakForce)
         return unitOf(unit).measures == Quantity::Force ? unitOf(unit).factor : 0.0;
+    if (what == MetadataKey::Width || what == MetadataKey::Thickness)
+        return unitOf(unit).measures == Quantity::Displacement ? unitOf(unit).factor : 0.0;
     if (what == MetadataKey::Rows)
         return 1.0;
     const std::size_t slash = unit.find('/');

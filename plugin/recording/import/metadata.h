@@ -9,10 +9,10 @@
 
 namespace supercircle::importing {
 
-enum class MetadataKey : std::uint8_t { Rate, Speed, PeakForce, Rows };
+enum class MetadataKey : std::uint8_t { Rate, Speed, PeakForce, Rows, Width, Thickness };
 
 struct MetadataValue {
-    double value = 0.0; ///< Hz, m/s, N, rows
+    double value = 0.0; ///< Hz, m/s, N, rows, m
     std::size_t line = 0;
     bool unitStated = true; ///< false: a rate without a unit
 };

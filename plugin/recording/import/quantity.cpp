@@ -127,7 +127,17 @@ constexpr std::array kWords = {Word{"time", Quantity::Time, 5},
                                Word{"spostamento", Quantity::Displacement, 6},
                                Word{"corsa", Quantity::Displacement, 5},
                                Word{"deformation", Quantity::Displacement, 4},
+                               Word{"elongation", Quantity::Displacement, 5},
+                               Word{"allongement", Quantity::Displacement, 5},
+                               Word{"distance", Quantity::Displacement, 5},
+                               Word{"compression", Quantity::Displacement, 3},
+                               Word{"depth", Quantity::Displacement, 4},
+                               Word{"ext", Quantity::Displacement, 3},
+                               Word{"pos", Quantity::Displacement, 3},
+                               Word{"gap", Quantity::Displacement, 3},
+                               Word{"lvdt", Quantity::Displacement, 4},
                                Word{"force", Quantity::Force, 6},
+                               Word{"effort", Quantity::Force, 5},
                                Word{"load", Quantity::Force, 6},
                                Word{"kraft", Quantity::Force, 6},
                                Word{"standardkraft", Quantity::Force, 7},
@@ -152,10 +162,10 @@ constexpr std::array kCounters = {"index", "point",  "points", "nr",        "no"
                                   "step",  "sample", "count",  "messpunkt", "datenpunkt", "punkt"};
 
 /// What makes a column another thing than its words suggest: rates, moduli, set points, maxima.
-constexpr std::array kOther = {
-    "rate",    "speed",          "velocity", "geschwindigkeit", "vitesse",    "angvel", "acceleration",
-    "accel",   "beschleunigung", "modulus",  "modul",           "stress",     "strain", "spannung",
-    "dehnung", "cycle",          "zyklus",   "temperature",     "temperatur", "status", "stamp"};
+constexpr std::array kOther = {"rate",         "speed",       "velocity",       "geschwindigkeit", "vitesse", "angvel",
+                               "acceleration", "accel",       "beschleunigung", "modulus",         "modul",   "stress",
+                               "strain",       "spannung",    "dehnung",        "cycle",           "cycles",  "zyklen",
+                               "zyklus",       "temperature", "temperatur",     "status",          "stamp"};
 /// Less direct measurements of the same quantity.
 constexpr std::array kSecond = {"set", "target", "demand",    "soll",      "command",      "max",
                                 "min", "peak",   "corrected", "total",     "extensometer", "video",
@@ -178,13 +188,15 @@ bool has(const Words& list, const std::string& word) {
     return std::any_of(list.begin(), list.end(), [&](const char* w) { return word == w; });
 }
 
-void findQuantity(const std::vector<std::string>& words, Heading& h) {
+/// @param measured by the unit: among words that contradict each other it decides; None: it is not known
+void findQuantity(const std::vector<std::string>& words, Quantity measured, Heading& h) {
     int penalty = 0;
     for (const std::string& word : words) {
         if (has(kOther, word))
             return;
         penalty += has(kSecond, word) ? 2 : 0;
     }
+    bool agrees = false; // "extension from preload (mm)" is no load
     for (const std::string& word : words)
         for (const Word& known : kWords) {
             const std::string stem = known.stem;
@@ -192,9 +204,11 @@ void findQuantity(const std::vector<std::string>& words, Heading& h) {
                                               : word.rfind(stem, 0) == 0 ||
                                                     (word.size() > stem.size() + 2 &&
                                                      word.compare(word.size() - stem.size(), stem.size(), stem) == 0);
-            if (fits && 10 * known.rank > h.rank) {
+            const bool same = known.quantity == measured;
+            if (fits && (same || !agrees) && (10 * known.rank > h.rank || (same && !agrees))) {
                 h.quantity = known.quantity;
                 h.rank = 10 * known.rank;
+                agrees = same;
             }
         }
     if (h.quantity != Quantity::None)
@@ -279,6 +293,8 @@ Unit unitOf(std::string_view text) {
            (text.back() == ')' || text.back() == ']' || text.back() == '>' || text.back() == '}' || text.back() == '.'))
         text = trimmed(text.substr(0, text.size() - 1));
     const std::string low = folded(text);
+    if (low.find(':') != std::string::npos && low.find_first_not_of("hms:.0fdyt ") == std::string::npos)
+        return {"s", Quantity::Time, 1.0}; // hh:mm:ss is read as seconds
     const bool plural = low.size() > 2 && low.back() == 's';
     for (const std::string& word : {low, plural ? low.substr(0, low.size() - 1) : low})
         for (const Known& k : units())
@@ -315,7 +331,7 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
         unit = std::string(trimmed(unitCell));
     h.unit = unitOf(unit);
     const std::vector<std::string> words = wordsOf(folded(text));
-    findQuantity(words, h);
+    findQuantity(words, h.unit.measures, h);
     findMarker(words, h);
     // a heading that says nothing but a unit still says what is measured
     if (h.quantity == Quantity::None && words.empty() && h.unit.measures != Quantity::None) {

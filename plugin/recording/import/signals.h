@@ -85,6 +85,7 @@ struct Table {
     std::size_t candidates = 0;         ///< lines with as many numbers as columns are needed
     std::size_t lost = 0;               ///< of these, lines that could not be used
     std::size_t firstLost = 0;          ///< line, from 1
+    std::size_t odd = 0;                ///< other lines between and below the rows, headings left out
     std::vector<std::size_t> lostLines; ///< the first thousand of them, from 1
     std::size_t otherTable = 0;         ///< line of headings that say something else, from 1; 0: none
     std::vector<Remark> remarks;

@@ -80,7 +80,7 @@ public:
         firstAbove_ = above_ == 1 && firstAbove_ == 0 ? number : firstAbove_;
     }
     void finish() {
-        if (above_ >= 3) { // one or two are values of the header
+        if (above_ >= 10) { // fewer are values of the header or a table of results
             t_.firstLost = firstAbove_;
             t_.lost += above_;
             t_.candidates += above_;
@@ -143,12 +143,22 @@ private:
     }
     /// A line with as many numbers as columns are needed should have been a row.
     void countLost(std::size_t number, bool good) {
-        if (good || countNumbers() < row_.size())
+        if (good || !hasNeeded()) {
+            ++t_.odd;
             return;
+        }
         ++t_.candidates;
         t_.firstLost = t_.lost++ == 0 ? number : t_.firstLost;
         if (t_.lostLines.size() < 1000)
             t_.lostLines.push_back(number);
+    }
+    [[nodiscard]] bool hasNeeded() const {
+        if (cells_.size() != t_.layout.columns)
+            return countNumbers() >= row_.size();
+        for (std::size_t c = 0; c < cells_.size(); ++c)
+            if (t_.channelOf[c] >= 0 && !looksLikeNumber(cells_[c]))
+                return false;
+        return true;
     }
     [[nodiscard]] std::size_t countNumbers() const {
         return static_cast<std::size_t>(std::count_if(cells_.begin(), cells_.end(), looksLikeNumber));
@@ -182,9 +192,11 @@ void readRows(const std::vector<std::string_view>& lines, Table& t) {
     for (Channel& c : t.signals.channels)
         c.values.reserve(most);
     t.signals.line.reserve(most);
-    for (std::size_t i = 0; i + 1 < t.layout.firstDataLine; ++i)
+    const Layout& l = t.layout;
+    const std::size_t begin = l.namesLine > 0 ? std::max(l.namesLine, l.unitsLine) : l.firstDataLine - 1;
+    for (std::size_t i = 0; i < begin; ++i)
         reader.readAbove(lines[i], i + 1);
-    for (std::size_t i = t.layout.firstDataLine - 1; i < lines.size(); ++i)
+    for (std::size_t i = begin; i < lines.size(); ++i)
         if (!trimmed(lines[i]).empty())
             reader.read(lines[i], i + 1);
     reader.finish();

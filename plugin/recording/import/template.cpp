@@ -2,6 +2,7 @@
 
 #include "plugin/recording/import/derive.h"
 #include "plugin/recording/import/free_run.h"
+#include "plugin/recording/import/metadata.h"
 #include "plugin/recording/import/specimen_file.h"
 #include "plugin/recording/table/json_text.h"
 #include "supercircle/support/names.h"
@@ -290,6 +291,22 @@ Json sourceJson(const Source& s) {
             {"remarks", remarksJson(s.table.remarks)}};
 }
 
+/// Sizes that the header of an export states and the user does not.
+void addSizes(Json& json, const Imported& all, std::vector<std::string>& remarks) {
+    if (all.sources.size() != 1 || json["specimens"].size() != 1)
+        return; // which specimen is meant?
+    for (const auto& [key, what] :
+         {std::pair{"width_m", MetadataKey::Width}, {"thickness_m", MetadataKey::Thickness}}) {
+        Json& size = json["specimens"][0][key];
+        const auto stated = metadataValue(all.sources[0].table.layout.metadata, what);
+        if (!size.is_null() || !stated)
+            continue;
+        size = stated->value;
+        remarks.push_back("/specimens/0/" + std::string(key) + " is " + shown(stated->value) + ", from line " +
+                          std::to_string(stated->line) + " of the export");
+    }
+}
+
 Description fillIn(const Imported& all, const std::string& protocol, const Json& own) {
     Description result;
     Json json = frameOf(all, protocol);
@@ -300,6 +317,7 @@ Description fillIn(const Imported& all, const std::string& protocol, const Json&
                                  std::to_string(own["runs"].size()) + ", here " + std::to_string(all.runs.size()));
     }
     addOwn(json, taken);
+    addSizes(json, all, result.remarks);
     json = record::parseJson(withDerivedValues(text(json), all, result.remarks));
     collectTodo(json, "", result.todo);
     result.assumed = assumed(json, own);

@@ -79,7 +79,7 @@ TEST_CASE("the page shows decisions and a command that repeats the import", "[im
                       out = folder.path + "/out";
     REQUIRE(start("import " + file + " --quiet --out " + out).code == 0);
     const std::string page = contentOf(out + "/import.html");
-    for (const char* part : {"<svg", "sign of the force", "separator", "zero of the force", "no row was left out"})
+    for (const char* part : {"<svg", "sign of the force", "separator", "zero of the force", "nothing is doubtful"})
         CHECK_THAT(page, Contains(part));
     const std::size_t from = page.find("<code>supercircle ") + 18, to = page.find("</code>");
     REQUIRE(from < to);

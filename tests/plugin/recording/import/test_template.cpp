@@ -140,3 +140,14 @@ TEST_CASE("values for another number of runs are not used", "[importing]") {
     CHECK(test::parseJson(d.json)["runs"].size() == 1);
     CHECK_THAT(joined(d.remarks), Contains("there are 2, here 1"));
 }
+
+TEST_CASE("sizes in the header of an export are those of the specimen", "[importing]") {
+    const auto all = read("Breite [mm]: 12,5\nThickness: 0.5 mm\n" + exported());
+    REQUIRE(all);
+    auto d = importing::describe(*all, {});
+    REQUIRE(d);
+    const Json json = Json::parse(d->json);
+    CHECK(json["specimens"][0]["width_m"].get<double>() == Approx(0.0125));
+    CHECK(json["specimens"][0]["thickness_m"].get<double>() == Approx(0.0005));
+    CHECK_THAT(joined(d->remarks), Contains("/specimens/0/width_m is 0.0125, from line 1 of the export"));
+}

@@ -228,3 +228,54 @@ TEST_CASE("lines and tables beyond all bounds are refused", "[importing]") {
     }
     CHECK_THAT(errorOf(wide), Contains("a table of 5001 columns; expected at most 4096"));
 }
+
+TEST_CASE("a table of results above the readings is none of them", "[importing]") {
+    Style s;
+    s.head = "Results Table 1\n,Maximum Load,Extension at "
+             "Max\n,(N),(mm)\n1,123.4,5.6\n2,120,5.5\n3,121,5.4\n\nTime,Extension,Load\n"
+             "(s),(mm),(N)";
+    const auto all = imported(exported(s));
+    REQUIRE(all.runs.size() == 1);
+    checkValues(all.runs[0]);
+    CHECK(all.sources[0].lost == 0);
+}
+
+TEST_CASE("a table of readings above another one is not lost in silence", "[importing]") {
+    const auto text = table("time_s,displacement_mm,force_N,stress_MPa", [](int i, double t, double way, double force) {
+        const std::string row = cell(t) + "," + cell(way) + "," + cell(force);
+        if (i == 60)
+            return "time_s,displacement_mm,force_N\n" + row;
+        return i < 60 ? row + ",1" : row;
+    });
+    CHECK_THAT(errorOf(text), Contains("of 361 rows could not be used"));
+}
+
+TEST_CASE("a second table with other units is refused", "[importing]") {
+    Style newtons, kilonewtons;
+    newtons.head = "Time (s),Extension (mm),Load (N)";
+    kilonewtons.head = "Time (s),Extension (mm),Load (kN)";
+    kilonewtons.perNewton = 1e-3;
+    CHECK_THAT(errorOf(exported(newtons) + "\n" + exported(kilonewtons)),
+               Contains("x.csv:364:1: another table begins here, with other columns or units"));
+}
+
+TEST_CASE("a fault in the first row hides no heading", "[importing]") {
+    const auto text = table("Time (s),Extension (mm),Load (N),Ratio", [](int i, double t, double way, double force) {
+        return cell(t) + "," + cell(way) + "," + (i % 100 == 0 ? "#DIV/0!" : cell(force)) + ",1";
+    });
+    const auto all = imported(text);
+    CHECK(all.runs[0].signals.rows() == static_cast<std::size_t>(rows - 4));
+    CHECK_THAT(importing::account(all), Contains("\"Load (N)\" holds no number"));
+    CHECK(importing::worst(all) == "4 lines without the numbers of a row were left out; nothing is doubtful");
+}
+
+TEST_CASE("a time of day with a date is a clock, a step round in minutes is asked for", "[importing]") {
+    const auto dated = table("Date/Time,Load [N],Crosshead [mm]", [](int, double t, double way, double force) {
+        return "2024-03-13 09:50:" + cell(t, 3) + "," + cell(force) + "," + cell(way);
+    });
+    checkValues(imported(dated).runs[0]);
+    Style s;
+    s.head = "Time,Extension (mm),Load (N)";
+    s.perSecond = 1.0 / 60.0;
+    CHECK_THAT(errorOf(exported(s)), Contains("no unit is stated for time"));
+}

@@ -136,6 +136,10 @@ TEST_CASE("headings say quantity and unit", "[importing]") {
                                        {"m0_x_mm", "", Quantity::MarkerX, 1e-3},
                                        {"Marker 3 y [cm]", "", Quantity::MarkerY, 1e-2},
                                        {"Winkel", "°", Quantity::Angle, M_PI / 180.0},
+                                       {"Extension from Preload (mm)", "", Quantity::Displacement, 1e-3},
+                                       {"Time at load (s)", "", Quantity::Time, 1.0},
+                                       {"Elapsed Time (hh:mm:ss)", "", Quantity::Time, 1.0},
+                                       {"Elongation (microns)", "", Quantity::Displacement, 1e-6},
                                        {"s in mm", "", Quantity::Displacement, 1e-3},
                                        {"N", "", Quantity::Force, 1.0}};
     for (const Expected& e : all) {
@@ -145,7 +149,8 @@ TEST_CASE("headings say quantity and unit", "[importing]") {
         CHECK(h.unitStated);
         CHECK(h.unit.factor == Approx(e.factor));
     }
-    for (const char* other : {"Cycle", "Temperature (C)", "Crosshead speed (mm/s)", "Tensile stress (MPa)", "Remark"})
+    for (const char* other :
+         {"Cycle", "Elapsed Cycles", "Temperature (C)", "Crosshead speed (mm/s)", "Tensile stress (MPa)", "Remark"})
         CHECK(headingOf(other, "").quantity == Quantity::None);
     CHECK_FALSE(headingOf("Force", "").unitStated);
     CHECK(headingOf("Force", "").unit.factor == 1.0);

@@ -73,12 +73,15 @@ std::string doubts(const Imported& all) {
 } // namespace
 
 std::string worst(const Imported& all) {
-    std::size_t lost = 0, rows = 0, odd = 0;
+    std::size_t lost = 0, rows = 0, odd = 0, used = 0;
     for (const Source& s : all.sources) {
         lost += s.lost;
         rows += s.candidates;
         odd += s.table.odd;
     }
+    for (const ImportedRun& run : all.runs) // means of angles and files of markers have other rows
+        used += run.signals.find(Quantity::Force) != nullptr ? run.signals.rows() : rows;
+    lost = used < rows && all.sources.size() <= all.runs.size() ? rows - used : lost;
     if (lost > 0)
         return std::to_string(lost) + " of " + std::to_string(rows) + " rows were left out";
     if (std::string doubtful = doubts(all); !doubtful.empty())

@@ -158,8 +158,8 @@ constexpr std::array kWords = {Word{"time", Quantity::Time, 5},
                                Word{"pendulum", Quantity::Angle, 3}};
 
 /// Names of a column that numbers the rows.
-constexpr std::array kCounters = {"index", "point",  "points", "nr",        "no",         "row",  "rows",
-                                  "step",  "sample", "count",  "messpunkt", "datenpunkt", "punkt"};
+constexpr std::array kCounters = {"index", "point",  "points", "nr",    "no",        "row",        "rows",
+                                  "step",  "sample", "count",  "frame", "messpunkt", "datenpunkt", "punkt"};
 
 /// What makes a column another thing than its words suggest: rates, moduli, set points, maxima.
 constexpr std::array kOther = {"rate",         "speed",       "velocity",       "geschwindigkeit", "vitesse", "angvel",
@@ -326,7 +326,8 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
     Heading h;
     h.text = std::string(trimmed(columnName));
     std::string text = h.text;
-    std::string unit = unitInName(text);
+    const std::string named = unitInName(text);
+    std::string unit = named;
     if (!trimmed(unitCell).empty())
         unit = std::string(trimmed(unitCell));
     h.unit = unitOf(unit);
@@ -360,6 +361,9 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
     h.unitStated = h.unit.measures != Quantity::None;
     if (h.quantity != Quantity::None && !unit.empty() && !fits(h.quantity, h.unit))
         h.unknownUnit = unit;
+    if (const Unit other = unitOf(named);
+        h.unitStated && other.measures == h.unit.measures && other.factor != h.unit.factor)
+        h.unknownUnit = named + " and " + unit; // in the name, and on the line of units
     if (h.quantity != Quantity::None && !fits(h.quantity, h.unit)) {
         h.unit = usualUnit(h.quantity);
         h.unitStated = false;

@@ -254,10 +254,16 @@ Status timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<
                                ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ");
     const bool known = hints.speed > 0.0 || speed;
     const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
+    const std::size_t rows = signals.rows();
     const bool ticks = signals.find(Quantity::Counter) != nullptr || isNoisy(*signals.find(Quantity::Displacement));
     (ticks ? timeFromTicks : timeFromSpeed)(signals, metresPerSecond);
     if (signals.rows() < 2)
         return Status::failure("there is no time, and the displacement never changes; expected one of them to");
+    if (signals.rows() < rows)
+        remarks.push_back({Kind::Omitted, 0,
+                           std::to_string(rows - signals.rows()) +
+                               " rows in which the displacement does not change: dwells have no time without a clock "
+                               "(--rate gives them one)"});
     remarks.push_back({known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
                        known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) +
                                    " mm/s as " + (hints.speed > 0.0 ? "given" : "stated in the header") +

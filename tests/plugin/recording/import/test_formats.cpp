@@ -184,6 +184,7 @@ TEST_CASE("without times they come from a rate or a speed", "[importing]") {
     const auto all = read("Speed: 30 mm/min\n" + text); // dwells cannot be timed: 16 s of motion remain
     REQUIRE(all);
     CHECK(all->runs[0].drive.time.back() == Approx(16.0).margin(0.05));
+    CHECK_THAT(importing::worst(*all), Contains(" of 361 rows were left out"));
     CHECK_THAT(importing::account(*all),
                Contains("line 1: there is no time; the crosshead moves at 0.5 mm/s as stated in the header"));
 }

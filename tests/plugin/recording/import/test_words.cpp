@@ -155,6 +155,8 @@ TEST_CASE("headings say quantity and unit", "[importing]") {
     CHECK_FALSE(headingOf("Force", "").unitStated);
     CHECK(headingOf("Force", "").unit.factor == 1.0);
     CHECK(headingOf("Force (bananas)", "").unknownUnit == "bananas");
+    CHECK(headingOf("Force (kN)", "N").unknownUnit == "kN and N"); // which of them?
+    CHECK(headingOf("Force (N)", "N").unknownUnit.empty());
     CHECK(headingOf("Compressive displacement", "").rank > headingOf("Crosshead position", "").rank);
 }
 

@@ -3,6 +3,7 @@
 #include "plugin/recording/import/import.h"
 
 #include "plugin/recording/table/csv.h"
+#include "supercircle/support/printable.h"
 
 #include <cmath>
 
@@ -66,7 +67,7 @@ std::string doubts(const Imported& all) {
     for (const ImportedRun& run : all.runs)
         for (const Remark& r : run.remarks)
             if (r.kind == Kind::Doubtful && count++ == 0)
-                first = all.sources[run.source].file + ": " + atLine(r) + r.what;
+                first = printable(all.sources[run.source].file + ": " + atLine(r) + r.what);
     return count == 0 ? "" : (count == 1 ? "1 doubt: " : std::to_string(count) + " doubts, the first: ") + first;
 }
 
@@ -112,7 +113,7 @@ std::string account(const Imported& all) {
             write(out, run.remarks);
         }
     }
-    return out;
+    return printable(out);
 }
 
 Result<std::vector<record::NamedText>> runFiles(const Imported& all) {

@@ -7,6 +7,7 @@
 #include "plugin/recording/import/whole.h"
 
 #include "plugin/recording/experiment/experiment.h"
+#include "supercircle/support/printable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,7 @@ bool measures(const Signals& t, Quantity q) {
 /// A message about a file: "FILE:LINE:COLUMN: ..." or "FILE: ...".
 std::string about(const std::string& file, const std::string& why) {
     const bool placed = !why.empty() && why[0] >= '0' && why[0] <= '9' && why.find(':') < 12;
-    return file + (placed ? ":" : ": ") + why;
+    return printable(file + (placed ? ":" : ": ") + why);
 }
 
 Status addMarkers(Signals&& part, Imported& all) {

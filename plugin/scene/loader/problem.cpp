@@ -1,5 +1,7 @@
 #include "plugin/scene/loader/problem.h"
 
+#include "supercircle/support/printable.h"
+
 #include <algorithm>
 
 namespace supercircle::scene {
@@ -18,7 +20,7 @@ std::string Problem::toString() const {
         s += "; expected " + expected;
     if (!nearest.empty())
         s += "; did you mean \"" + nearest + "\"?";
-    return s;
+    return printable(s);
 }
 
 bool anyError(const std::vector<Problem>& problems) {

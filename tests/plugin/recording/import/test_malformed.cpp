@@ -86,6 +86,14 @@ TEST_CASE("invalid rows are reported one by one, then counted", "[importing]") {
                Contains("column 2 \"displacement_mm\" holds no number"));
 }
 
+TEST_CASE("control characters of a file do not reach the terminal", "[importing]") {
+    Style s;
+    s.head = "time_s,displacement_mm,\x1B[31mforce_q";
+    CHECK_THAT(errorOf(exported(s)), Contains("\"\\x1B[31mforce_q\"") && !Contains("\x1B"));
+    s.head = "Operator: \x07\x1B[2J\xC2\x9Bq\ntime_s,displacement_mm,force_N";
+    CHECK_THAT(accountOf(exported(s)), Contains("Operator: \\x07\\x1B[2J\\x9Bq") && !Contains("\x1B"));
+}
+
 TEST_CASE("a file given twice is refused", "[importing]") {
     const Folder folder;
     const std::string file = folder.write("a.csv", exported());

@@ -23,7 +23,7 @@ using importing::ImportedRun;
 using importing::Quantity;
 using importing::Signals;
 using importing::Source;
-using record::rounded;
+using record::fixed;
 namespace theme = graphics::theme;
 
 constexpr double kWidth = 1180.0, kHeight = 300.0; // px
@@ -88,7 +88,7 @@ std::string decisionTable(const std::vector<importing::Decision>& decisions) {
     for (const importing::Decision& d : decisions)
         html += "<tr><td>" + graphics::escaped(d.question) + "</td><td>" + graphics::escaped(d.answer) + "</td><td>" +
                 graphics::escaped(d.runnerUp) + "</td><td>" +
-                (d.odds > 0.0 ? (d.odds > 1e3 ? "&gt; 1000" : rounded(d.odds, 2)) + " : 1"
+                (d.odds > 0.0 ? (d.odds > 1e3 ? "&gt; 1000" : fixed(d.odds, d.odds < 10.0 ? 1 : 0)) + " : 1"
                               : std::string("stated or a rule")) +
                 "</td><td>" + graphics::escaped(d.option) + "</td></tr>";
     return html + "</table>";

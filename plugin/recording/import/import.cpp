@@ -138,15 +138,34 @@ Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_
     return {};
 }
 
-Status checkColumns(const Signals& t, const Layout& l) {
+/// Names for --columns: those that are known, and weights as forces.
+std::string suggestion(const Table& t) {
+    std::string list;
+    bool weights = false;
+    for (std::size_t c = 0; c < t.headings.size(); ++c) {
+        const Heading& h = t.headings[c];
+        const std::string text = folded(h.text);
+        const bool weight = text.rfind("mass", 0) == 0 || text.rfind("weight", 0) == 0 || text.rfind("gewicht", 0) == 0;
+        const bool grams = text.find("(g)") != std::string::npos || text.find("[g]") != std::string::npos;
+        weights = weights || weight;
+        list += c == 0 ? "" : ",";
+        list += weight                ? (grams ? "force[gf]" : "force[kgf]")
+                : t.channelOf[c] >= 0 ? name(h.quantity) + ("[" + h.unit.name + "]")
+                                      : "-";
+    }
+    return weights ? list : exampleOfColumns(t.layout.columns);
+}
+
+Status checkColumns(const Signals& s, const Table& t) {
+    const Layout& l = t.layout;
     const std::string here = std::to_string(l.namesLine > 0 ? l.namesLine : l.firstDataLine) + ":1: ";
-    if (!measures(t, Quantity::Force) && !measures(t, Quantity::Angle))
+    if (!measures(s, Quantity::Force) && !measures(s, Quantity::Angle))
         return Status::failure(here + "there is neither a force nor an angle; name the columns with --columns " +
-                               exampleOfColumns(l.columns));
-    if (measures(t, Quantity::Force) && !measures(t, Quantity::Displacement))
+                               suggestion(t));
+    if (measures(s, Quantity::Force) && !measures(s, Quantity::Displacement))
         return Status::failure(
             here + "there is a force but no displacement; expected both, or name the column with --columns " +
-            exampleOfColumns(l.columns));
+            suggestion(t));
     return {};
 }
 
@@ -174,7 +193,7 @@ Status addTable(const std::string& file, const Text& text, Table&& table, const 
     const bool onlyMarkers = !measures(whole, Quantity::Force) && !measures(whole, Quantity::Angle) &&
                              std::any_of(whole.channels.begin(), whole.channels.end(), isMarker);
     if (!onlyMarkers)
-        if (Status complete = checkColumns(whole, source.table.layout); !complete)
+        if (Status complete = checkColumns(whole, source.table); !complete)
             return complete;
     if (Status sound = checkWhole(whole, source.table, hints); !sound)
         return sound;

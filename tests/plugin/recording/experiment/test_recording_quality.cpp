@@ -137,6 +137,11 @@ TEST_CASE("another unit of force is recognised by size and noise together", "[ex
     Made m;
     m.force = [](double t) { return 1e-3 * (0.06 * std::sin(M_PI * t / 26.0) + 1e-3 * std::sin(1e4 * t * t)); };
     refused(load(csv(m)), "it appears to be in kilonewtons");
+    refused(load(csv(m)), "\"force_unit_confirmed\": true in /sensors (import: --accept units)");
+    const Loaded confirmed = load(csv(m), with(description(), "\"force_noise_std_N_approx\"",
+                                               "\"force_unit_confirmed\": true, \"force_noise_std_N_approx\""));
+    CHECK(confirmed.experiment);
+    CHECK_THAT(confirmed.text, Contains("note: the largest force"));
     m.force = [](double t) { return 6e-5 * std::sin(M_PI * t / 26.0); }; // no noise: only a doubt
     const Loaded l = load(csv(m));
     CHECK(l.experiment);

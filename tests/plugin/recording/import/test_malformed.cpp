@@ -65,6 +65,8 @@ TEST_CASE("unknown columns are reported with their position", "[importing]") {
                                   "time[s],displacement[mm],force[N]");
     s.head = "time (s),displacement (mm),colour";
     CHECK_THAT(errorOf(exported(s)), Contains("x.csv:1:1: there is neither a force nor an angle"));
+    s.head = "Time (s),Displacement (mm),Mass (g)";
+    CHECK_THAT(errorOf(exported(s)), Contains("--columns time[s],displacement[mm],force[gf]"));
     s.head = "time (s),colour,force (N)";
     CHECK_THAT(errorOf(exported(s)), Contains("x.csv:1:1: there is a force but no displacement"));
     importing::Hints hints;

@@ -183,6 +183,10 @@ void findHeadings(const std::vector<std::string_view>& lines, std::size_t first,
             continue;
         ++tried;
         std::vector<std::string> cells = cellsOf(lines[i], l);
+        if (cells.size() == l.columns + 1 && (cells[0] == "#" || cells[0] == "%")) // "# t(s) d(mm) F(N)"
+            cells.erase(cells.begin());
+        while (cells.size() > l.columns && isNames(cells) && headingOf(cells.back(), "").quantity == Quantity::None)
+            cells.pop_back();                                   // a column of remarks without a remark
         if (cells.size() + 1 == l.columns && !l.numeric.back()) // rows end with a separator, names do not
             cells.emplace_back();
         if (cells.size() == l.columns && 2 * numbersIn(cells) >= filledCells(cells))

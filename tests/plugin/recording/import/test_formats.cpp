@@ -60,6 +60,9 @@ TEST_CASE("separators, decimal commas and line ends", "[importing]") {
     s = {};
     s.separator = ' ';
     s.head = "t_s d_mm F_N";
+    s.head = "# t(s) d(mm) F(N)";
+    same(exported(s));
+    s.head = "t_s d_mm F_N";
     importing::Hints columns;
     columns.columns = {"time[s]", "displacement[mm]", "force[N]"};
     same(exported(s), columns);
@@ -127,6 +130,12 @@ TEST_CASE("other columns, sparse remarks, blank lines and sums below are left ou
     same(text);
     CHECK_THAT(accountOf(text), Contains("left out   line 1: column 3 \"cycle\", 5 \"remark\": not needed here") &&
                                     Contains("line 365: \"Maximum;4;1;6;\": column 1 \"time_s\" holds no number"));
+}
+
+TEST_CASE("a heading of remarks that no row has is none", "[importing]") {
+    Style s;
+    s.head = "time_s,displacement_mm,force_N,remark";
+    same(exported(s));
 }
 
 TEST_CASE("the more direct of two columns of one quantity is used and reported", "[importing]") {

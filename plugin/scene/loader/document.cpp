@@ -66,8 +66,10 @@ public:
     TreeBuilder(Document& document, std::vector<Problem>& problems)
         : document_(document), problems_(problems), scanner_(document.text) {}
 
-    bool null() override { return add(Node::Kind::Null) != nullptr; }
+    bool null() override { return !tooMany() && add(Node::Kind::Null) != nullptr; }
     bool boolean(bool value) override {
+        if (tooMany())
+            return false;
         add(Node::Kind::Boolean)->boolean = value;
         return true;
     }
@@ -75,6 +77,8 @@ public:
     bool number_unsigned(number_unsigned_t value) override { return number(static_cast<double>(value)); }
     bool number_float(number_float_t value, const string_t&) override { return number(value); }
     bool string(string_t& value) override {
+        if (tooMany())
+            return false;
         add(Node::Kind::String)->text = value;
         return true;
     }
@@ -113,7 +117,17 @@ public:
     }
 
 private:
+    bool tooMany() {
+        if (++values_ <= maxValues)
+            return false;
+        problems_.push_back(document_.problemAt(scanner_.next(), pointer(), "the file holds too many values",
+                                                "at most " + std::to_string(maxValues)));
+        return true;
+    }
+
     bool number(double value) {
+        if (tooMany())
+            return false;
         add(Node::Kind::Number)->number = value;
         return true;
     }
@@ -137,6 +151,8 @@ private:
     }
 
     bool open(Node::Kind kind) {
+        if (tooMany())
+            return false;
         Node* node = add(kind);
         if (stack_.size() >= static_cast<std::size_t>(maxDepth)) {
             problems_.push_back(document_.problemAt(node->offset, {}, "nested too deeply",
@@ -190,7 +206,7 @@ private:
     std::vector<std::unordered_set<std::string>> keys_;
     std::string key_;
     std::size_t keyOffset_ = 0;
-    std::size_t duplicates_ = 0;
+    std::size_t duplicates_ = 0, values_ = 0;
 };
 
 } // namespace

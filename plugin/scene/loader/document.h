@@ -48,6 +48,8 @@ struct Document {
 inline constexpr int maxDepth = 100;
 /// Largest file accepted, bytes.
 inline constexpr std::size_t maxFileSize = std::size_t{64} << 20;
+/// Most values accepted: a value takes up to 400 bytes while the tree grows, so 600 MB in all.
+inline constexpr std::size_t maxValues = 1500000;
 /// Most errors of a file that are reported one by one; of the others the number.
 inline constexpr std::size_t maxErrors = 20;
 

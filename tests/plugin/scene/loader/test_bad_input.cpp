@@ -102,6 +102,15 @@ TEST_CASE("broken UTF-8, zero bytes and a cut-off text are refused") {
     loadedText("\xEF\xBB\xBF{\"duration\": 1}");
 }
 
+TEST_CASE("a file of millions of values is refused before it takes the memory") {
+    std::string text = "{\"a\": [";
+    for (std::size_t i = 0; i < maxValues; ++i)
+        text += "1,";
+    const Problem p = only(text + "1]}");
+    CHECK(contains(p.what, "too many values"));
+    CHECK(p.pointer == "/a");
+}
+
 TEST_CASE("nesting beyond the limit is a message, not a crash") {
     for (const int depth : {200, 100000, 2000000}) {
         const auto n = static_cast<std::size_t>(depth);

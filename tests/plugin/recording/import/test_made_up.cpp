@@ -151,8 +151,16 @@ void fuzz(std::size_t files, unsigned seed) {
         std::size_t used = 0, lost = 0;
         for (const importing::ImportedRun& run : all->runs)
             used += run.signals.rows();
-        for (const importing::Source& source : all->sources)
+        for (const importing::Source& source : all->sources) {
             lost += source.lost;
+            double ignored = 0.0;
+            for (const importing::HeaderEntry& told :
+                 source.table.layout.metadata) // rows that were pasted into the head
+                lost += importing::readCell(told.key, {'.'}, ignored) == importing::Cell::Number ||
+                                importing::readCell(told.key, {','}, ignored) == importing::Cell::Number
+                            ? 1
+                            : 0;
+        }
         const std::size_t whole = rowsIn(text, sound[which]);
         INFO(used << " rows used and " << lost << " told as lost of " << whole << "\n"
                   << importing::account(*all) << text);

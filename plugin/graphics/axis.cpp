@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "plugin/graphics/svg_canvas.h"
 
@@ -75,6 +76,15 @@ AxisRange padded(AxisRange range, double pad) {
     if (range.span() <= 1e-9 * size || size == 0.0)
         extra = size == 0.0 ? 1.0 : 0.1 * size;
     return {range.lo - extra, range.hi + extra};
+}
+
+AxisRange rangeOf(const std::vector<const std::vector<double>*>& columns) {
+    AxisRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const std::vector<double>* c : columns)
+        for (const double v : *c)
+            if (std::isfinite(v))
+                range = {std::min(range.lo, v), std::max(range.hi, v)};
+    return padded(range, 0.05);
 }
 
 DisplayUnit readableUnit(double largest, const std::string& unit) {

@@ -26,6 +26,9 @@ struct Ticks {
 /// .. 1.
 [[nodiscard]] AxisRange padded(AxisRange range, double pad);
 
+/// The finite values of some columns, with a twentieth of their span on either side.
+[[nodiscard]] AxisRange rangeOf(const std::vector<const std::vector<double>*>& columns);
+
 /// A unit with a prefix, and the factor from the SI unit to it.
 struct DisplayUnit {
     double factor = 1.0; ///< shown = value * factor

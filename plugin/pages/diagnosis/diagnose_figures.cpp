@@ -33,15 +33,6 @@ namespace theme = graphics::theme;
 constexpr Colour kMarked = Colour::hex(0xf6d9a8);
 constexpr double kBar = 5.0; // height of the bars that mark visible intervals
 
-AxisRange rangeOf(const std::vector<const std::vector<double>*>& columns) {
-    AxisRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const std::vector<double>* c : columns)
-        for (const double v : *c)
-            if (std::isfinite(v))
-                range = {std::min(range.lo, v), std::max(range.hi, v)};
-    return graphics::padded(range, 0.05);
-}
-
 /// Means over a few rows, because residuals of thousands of rows would fill the plot.
 std::vector<double> smoothed(const std::vector<double>& u, const std::vector<bool>& counts) {
     const auto reach = static_cast<std::ptrdiff_t>(std::max<std::size_t>(1, u.size() / 160));
@@ -119,7 +110,7 @@ double barsHeight(const Diagnosis& d) {
 
 /// Range of the recorded force, and of the simulated one up to a quarter beyond.
 AxisRange forceRange(const RunCurves& c) {
-    const AxisRange recorded = rangeOf({&c.recorded}), simulated = rangeOf({&c.baseline});
+    const AxisRange recorded = graphics::rangeOf({&c.recorded}), simulated = graphics::rangeOf({&c.baseline});
     const double reach = 0.25 * recorded.span();
     return {std::min(recorded.lo, std::max(simulated.lo, recorded.lo - reach)),
             std::max(recorded.hi, std::min(simulated.hi, recorded.hi + reach))};
@@ -137,7 +128,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     style.x = {driven ? "displacement (mm)" : "time (s)", driven ? 1e3 : 1.0};
     style.y = {d.channel + " (" + unit.text + ")", unit.factor};
     const std::vector<double>& across = driven ? c.displacement : c.time;
-    const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&across}), force);
+    const Plot left({80.0, 40.0, 470.0, 460.0}, graphics::rangeOf({&across}), force);
     left.drawFrame(canvas, style);
     canvas.pushClip(left.area);
     left.drawLine(canvas, across, c.recorded, {theme::ink, 2.6});
@@ -147,7 +138,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     canvas.popClip();
     const auto residual = [&](double y, const std::vector<double>& u, const Colour& colour, const std::string& words) {
         const std::vector<double> shown = smoothed(u, c.counts);
-        AxisRange range = rangeOf({&shown});
+        AxisRange range = graphics::rangeOf({&shown});
         range = {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
         const Plot plot({640.0, y, 520.0, 180.0}, graphics::padded({c.time.front(), c.time.back()}, 0.01), range);
         if (&u == &c.residual)
@@ -183,7 +174,7 @@ AxisRange markerRange(const std::vector<std::vector<double>>& shown) {
     std::vector<const std::vector<double>*> columns;
     for (const std::vector<double>& u : shown)
         columns.push_back(&u);
-    const AxisRange range = rangeOf(columns);
+    const AxisRange range = graphics::rangeOf(columns);
     return {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
 }
 

@@ -28,20 +28,10 @@ namespace theme = graphics::theme;
 
 constexpr double kWidth = 1180.0, kHeight = 300.0; // px
 
-AxisRange rangeOf(const std::vector<double>& values) {
-    AxisRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const double v : values)
-        if (std::isfinite(v))
-            range = {std::min(range.lo, v), std::max(range.hi, v)};
-    if (range.hi < range.lo)
-        range = {0.0, 1.0};
-    return graphics::padded(range, 0.05);
-}
-
 /// A channel over x, with marks where rows were left out.
 void drawChannel(Canvas& canvas, double left, const std::vector<double>& x, const std::vector<double>& y,
                  const PlotStyle& style, const std::vector<double>& lost, const graphics::Colour& colour) {
-    const Plot plot({left, 20.0, 460.0, 220.0}, rangeOf(x), rangeOf(y));
+    const Plot plot({left, 20.0, 460.0, 220.0}, graphics::rangeOf({&x}), graphics::rangeOf({&y}));
     plot.drawFrame(canvas, style);
     canvas.pushClip(plot.area);
     for (const double at : lost) {

@@ -29,19 +29,6 @@ namespace theme = graphics::theme;
 constexpr double kWidth = 1180.0, kHeight = 560.0; // px
 constexpr graphics::Colour kRecorded = theme::ink, kSimulated = theme::loading, kResidual = theme::unloading;
 
-void widen(AxisRange& range, const std::vector<double>& values) {
-    for (const double v : values)
-        if (std::isfinite(v))
-            range = {std::min(range.lo, v), std::max(range.hi, v)};
-}
-
-AxisRange rangeOf(std::initializer_list<const std::vector<double>*> columns) {
-    AxisRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const std::vector<double>* c : columns)
-        widen(range, *c);
-    return graphics::padded(range, 0.05);
-}
-
 struct Columns {
     const experiment::Readings& recorded;
     const experiment::Readings& simulated;
@@ -96,7 +83,7 @@ void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::
                                            [](double a, double b) { return std::abs(a) < std::abs(b); });
     const graphics::DisplayUnit fine =
         unitFor(std::max(c.comparison.maxError, std::isfinite(worst) ? 0.1 * std::abs(worst) : 0.0));
-    const AxisRange force = rangeOf({&c.recorded.force, &c.simulated.force});
+    const AxisRange force = graphics::rangeOf({&c.recorded.force, &c.simulated.force});
     const AxisRange time = graphics::padded({run.driveTime.front(), run.driveTime.back()}, 0.01);
     drawLegend(canvas, 80.0, 24.0);
 
@@ -104,7 +91,8 @@ void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::
     PlotStyle style;
     style.y = {label, unit.factor};
     const double from = free ? 80.0 : 640.0; // free scenes have no displacement
-    const Plot left({80.0, 40.0, 470.0, 460.0}, rangeOf({&c.recorded.displacement, &c.simulated.displacement}), force);
+    const Plot left({80.0, 40.0, 470.0, 460.0},
+                    graphics::rangeOf({&c.recorded.displacement, &c.simulated.displacement}), force);
     style.x = {"displacement (mm)", 1e3};
     if (!free) {
         left.drawFrame(canvas, style);
@@ -121,7 +109,7 @@ void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::
     for (std::size_t i = 0; i < shown.size(); ++i)
         if (c.comparison.excluded[i])
             shown[i] = std::numeric_limits<double>::quiet_NaN();
-    const Plot lower({from, 345.0, 1160.0 - from, 155.0}, time, rangeOf({&shown}));
+    const Plot lower({from, 345.0, 1160.0 - from, 155.0}, time, graphics::rangeOf({&shown}));
     style.x = {"time (s)", 1.0};
     style.y = {"residual (" + fine.text + ")", fine.factor};
     style.yTicks = 5;

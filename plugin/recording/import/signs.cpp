@@ -72,6 +72,11 @@ Decision decision(const std::string& quantity, bool reversed, int given, double 
             "--" + quantity};
 }
 
+Remark understood(std::size_t line, const std::string& quantity, bool reversed, const std::string& why) {
+    return {Kind::Understood, line,
+            "the " + quantity + (reversed ? " falls" : " rises") + why + (reversed ? ", signs are reversed" : "")};
+}
+
 Status orientDisplacement(std::vector<double>& d, Signals& signals, int given, std::vector<Remark>& remarks) {
     const auto known = std::find_if(d.begin(), d.end(), [](double v) { return std::isfinite(v); });
     const double start = known == d.end() ? 0.0 : *known;
@@ -94,10 +99,8 @@ Status orientDisplacement(std::vector<double>& d, Signals& signals, int given, s
     signals.displacementTurned = down;
     signals.decisions.push_back(decision("displacement", down, given, ratio));
     if (given == 0)
-        remarks.push_back({Kind::Understood, 0,
-                           std::string("the displacement ") + (down ? "falls" : "rises") +
-                               " from its start: this direction is taken as towards the specimen" +
-                               (down ? ", signs are reversed" : "")});
+        remarks.push_back(
+            understood(0, "displacement", down, " from its start: this direction is taken as towards the specimen"));
     return {};
 }
 
@@ -126,10 +129,7 @@ Status orientForce(std::vector<double>& f, Signals& signals, int given, std::vec
     signals.forceTurned = negative;
     signals.decisions.push_back(decision("force", negative, given, ratio));
     if (given == 0)
-        remarks.push_back({Kind::Understood, line,
-                           std::string("the force ") + (negative ? "falls" : "rises") +
-                               " at first: this is taken as the specimen's resistance" +
-                               (negative ? ", signs are reversed" : "")});
+        remarks.push_back(understood(line, "force", negative, " at first: this is taken as the specimen's resistance"));
     return {};
 }
 

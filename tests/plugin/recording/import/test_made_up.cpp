@@ -1,6 +1,7 @@
 // Made-up exports of six machines, each with ten faults. The truth is known: an export is understood if the values are
 // the true ones, asked about if the import ends with a question or a remedy, and wrong otherwise.
 
+#include "tests/plugin/recording/import/change_bytes.h"
 #include "tests/plugin/recording/import/made_up.h"
 
 #include <random>
@@ -77,19 +78,7 @@ std::string mutated(std::mt19937& random, std::string text) {
         // half of the changes go where they hurt: into the head
         const std::size_t at = random() % (random() % 2 == 0 ? std::min<std::size_t>(text.size(), 200) : text.size());
         const std::size_t line = text.find('\n', at);
-        switch (random() % 7) {
-        case 0:
-            text[at] = static_cast<char>(random() % 256);
-            break;
-        case 1:
-            text[at] = spice[random() % spice.size()];
-            break;
-        case 2:
-            text.erase(at, random() % 30);
-            break;
-        case 3:
-            text.insert(at, text.substr(random() % text.size(), random() % 60));
-            break;
+        switch (const auto kind = random() % 7; kind) {
         case 4: // a character everywhere, as editors and spreadsheets do
             if (const char from = spice[random() % spice.size()], to = spice[random() % spice.size()]; from != '\n')
                 std::replace(text.begin() + static_cast<std::ptrdiff_t>(at), text.end(), from, to);
@@ -104,7 +93,7 @@ std::string mutated(std::mt19937& random, std::string text) {
             }
             break;
         default:
-            text.insert(at, 1, spice[random() % spice.size()]);
+            supercircle::test::changeBytes(text, at, kind, spice, random);
         }
     }
     return text;

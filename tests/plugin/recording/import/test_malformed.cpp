@@ -1,5 +1,6 @@
 // Files that cannot be imported: each error says where and what was expected. Random bytes do no more harm.
 
+#include "tests/plugin/recording/import/change_bytes.h"
 #include "tests/plugin/recording/import/support.h"
 
 #include "plugin/recording/import/template.h"
@@ -125,22 +126,7 @@ std::string mutated(std::mt19937& random, const std::vector<std::string>& sound)
     const std::string spice = "\n\r\t;,.\"'-+eE0123456789 :#NnaA\x00\xFF\xFE\xEF\xE2\xD8";
     for (auto k = 1 + random() % 40; k > 0 && !text.empty(); --k) {
         const std::size_t at = random() % text.size();
-        switch (random() % 5) {
-        case 0:
-            text[at] = static_cast<char>(random() % 256);
-            break;
-        case 1:
-            text[at] = spice[random() % spice.size()];
-            break;
-        case 2:
-            text.erase(at, random() % 30);
-            break;
-        case 3:
-            text.insert(at, text.substr(random() % text.size(), random() % 60));
-            break;
-        default:
-            text.insert(at, 1, spice[random() % spice.size()]);
-        }
+        supercircle::test::changeBytes(text, at, random() % 5, spice, random);
     }
     if (random() % 8 == 0)
         text.resize(random() % (text.size() + 1));

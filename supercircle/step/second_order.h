@@ -23,13 +23,17 @@ enum class SecondOrder : std::uint8_t {
     StatusChanged  ///< a contact opened, closed, began to slip or to stick
 };
 
+/// Contacts that carry force and how, by id; sorted.
+using ContactStatuses = std::vector<std::pair<std::uint64_t, int>>;
+
 /// A step made of two stages: storage, and the world at its end.
 struct SecondOrderStep {
     World world;
     std::array<TrialStep, 2> stages;
-    std::vector<std::pair<std::uint64_t, int>> before, status; ///< contacts that carry force: id, and how
-    std::vector<Vec2> bodyForces;                              ///< of the first stage, N
-    double error = 0.0; ///< squared, in units of what may be: above 1 it is too large
+    ContactStatuses before, status;
+    std::vector<Vec2> bodyForces; ///< of the first stage, N
+    HostConstraints constraints;  ///< after the first stage
+    double error = 0.0;           ///< squared, in units of what may be: above 1 it is too large
 };
 
 /// Makes a step of second order in the place of `t`, a trial that may be accepted. Its work is added to t.result.work.

@@ -3,6 +3,7 @@
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/rods/free_equations.h"
 #include "supercircle/step/rods/hold_rows.h"
+#include "supercircle/step/rods/sdirk2.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -13,8 +14,6 @@ namespace supercircle::step {
 
 namespace {
 
-constexpr double kGamma = 0.29289321881345247560;           ///< 1 - 1/sqrt(2)
-constexpr double kExtrapolate = (1.0 - kGamma) / kGamma;    ///< from the first stage to the start of the second
 constexpr double kRememberEnergy = 0.9;                     ///< of vibration, a step: it is all bending at times
 constexpr double kShorterToSolve = 16.0;                    ///< than the error asks for, where stages do not converge
 constexpr double kLongestGrowth = 2.0, kShortestCut = 0.25; ///< of a step

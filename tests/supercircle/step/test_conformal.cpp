@@ -10,16 +10,10 @@ namespace {
 constexpr double kDrum = 0.25, kTail = 0.3, kTension = 20.0, kMu = 0.3; // m, m, N, 1
 constexpr double kThick = 0.005;                                        // m
 
+/// Of games, without their damping: it would hide a flutter.
 step::Settings gameSettings() {
-    step::Settings s;
-    s.dtMax = 1.0 / 30.0;
-    s.localError = 1.0;
-    s.motionLimit = 5.0;
-    s.relinearise = 0.01;
-    s.maxIterations = 2;
-    s.contact.tolerance = 1e-6;
-    s.acceptUnconverged = true;
-    s.cull = true;
+    step::Settings s = step::gameSettings();
+    s.dampingRatio = 0.0;
     return s;
 }
 

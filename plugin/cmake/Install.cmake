@@ -28,6 +28,7 @@ function(sc_ship name)
     add_library(${target} ${kind} ${objects})
     add_library(supercircle::${export} ALIAS ${target})
     target_include_directories(${target} PUBLIC ${SC_PUBLIC_INCLUDES})
+    target_compile_definitions(${target} PUBLIC ${SUPERCIRCLE_EIGEN_DEFINITIONS})
     target_compile_features(${target} PUBLIC cxx_std_20)
     set_target_properties(${target} PROPERTIES OUTPUT_NAME ${ARG_OUTPUT} EXPORT_NAME ${export} LINKER_LANGUAGE CXX
       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})

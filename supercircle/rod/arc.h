@@ -8,6 +8,10 @@
 #include <cmath>
 #include <cstddef>
 
+#ifndef EIGEN_DONT_VECTORIZE // the libraries are built with it: sums in another order, types of another alignment
+#error "EIGEN_DONT_VECTORIZE must be defined; linking supercircle::supercircle does it"
+#endif
+
 namespace supercircle::rod {
 
 using Vec2 = Eigen::Vector2d;

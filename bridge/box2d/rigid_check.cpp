@@ -1,5 +1,7 @@
 #include "bridge/box2d/rigid_check.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <box2d/box2d.h>
 #include <cmath>
@@ -59,7 +61,7 @@ std::string checkPolygon(const std::vector<Vec2>& v, double scale) {
         const Vec2 out = v[(i + 1) % v.size()] - v[i];
         if (sign * cross(in, out) < -1e-9 * in.norm() * out.norm())
             return "the polygon is not convex at vertex " + std::to_string(i);
-        turned += std::atan2(sign * cross(in, out), in.dot(out));
+        turned += math::atan2(sign * cross(in, out), in.dot(out));
         for (std::size_t j = 0; j < i; ++j) {
             if ((v[i] - v[j]).norm() * scale < b2_linearSlop)
                 return "vertices " + std::to_string(j) + " and " + std::to_string(i) +

@@ -8,6 +8,7 @@
 #include "bridge/box2d3/box2d3_port.h"
 
 #include "bridge/box2d3/outlines.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <box2d/box2d.h>
@@ -38,7 +39,7 @@ Vec2 toSi(const b2Vec2& v, double scale) {
 }
 
 b2Rot rotation(double angle) { // b2MakeRot is an approximation
-    return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+    return {static_cast<float>(math::cos(angle)), static_cast<float>(math::sin(angle))};
 }
 
 bool fits(const Vec2& v, double scale) {
@@ -130,7 +131,7 @@ struct Box2d3Port::Impl {
 
     double angle(BodyId id, b2BodyId b) {
         const b2Rot q = b2Body_GetRotation(b);
-        const double now = std::atan2(static_cast<double>(q.s), static_cast<double>(q.c));
+        const double now = math::atan2(static_cast<double>(q.s), static_cast<double>(q.c));
         const auto [it, fresh] = angles.try_emplace(id, now);
         if (!fresh)
             it->second = now + 2.0 * std::numbers::pi * std::round((it->second - now) / (2.0 * std::numbers::pi));

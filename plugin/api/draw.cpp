@@ -2,6 +2,7 @@
 
 #include "plugin/api/shells_impl.h"
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ constexpr int kMostChords = 4096; ///< a whole circle to 3e-7 of its radius
 int chords(double radius, double angle, double tolerance) {
     if (!(angle > 0.0) || !std::isfinite(radius))
         return 1;
-    const double half = std::acos(std::clamp(1.0 - tolerance / radius, 0.0, 1.0));
+    const double half = math::acos(std::clamp(1.0 - tolerance / radius, 0.0, 1.0));
     return static_cast<int>(std::clamp(std::ceil(0.5 * angle / std::max(half, 1e-9)), 1.0, 1.0 * kMostChords));
 }
 
@@ -38,7 +39,7 @@ void addArc(const rod::Arc& arc, double d, double tolerance, std::vector<Point>&
 void addCap(const Vec2& tip, double from, double radius, double tolerance, std::vector<Point>& out) {
     const int n = chords(radius, M_PI, tolerance);
     for (int i = 1; i <= n; ++i) {
-        const rod::SinCos a = rod::sinCos(from - M_PI * i / n);
+        const math::SinCos a = math::sinCos(from - M_PI * i / n);
         out.push_back(point(tip + radius * Vec2(a.cosine, a.sine)));
     }
 }

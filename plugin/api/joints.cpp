@@ -5,13 +5,14 @@
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/carry_along.h"
 #include "supercircle/step/sleep.h"
+#include "supercircle/support/trig.h"
 
 namespace supercircle {
 
 namespace {
 
 step::Vec2 toLocal(const step::Vec2& v, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = math::cos(angle), s = math::sin(angle);
     return {c * v.x() + s * v.y(), -s * v.x() + c * v.y()};
 }
 

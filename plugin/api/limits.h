@@ -6,6 +6,7 @@
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 #include "supercircle/rod/model.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/result.h"
 
 #include <algorithm>
@@ -35,25 +36,25 @@ inline bool damping(double ratio) {
     return ratio <= 100.0;
 }
 inline bool position(const Point& p) {
-    return std::hypot(p.x, p.y) < kFarthest;
+    return math::hypot(p.x, p.y) < kFarthest;
 }
 inline bool angle(double a) {
     return std::abs(a) < kFarthest;
 }
 inline bool velocity(const Point& v, double spin = 0.0) {
-    return std::hypot(v.x, v.y) < kFastest && std::abs(spin) < kFastest;
+    return math::hypot(v.x, v.y) < kFastest && std::abs(spin) < kFastest;
 }
 inline bool friction(double mu) {
     return mu >= 0.0 && mu <= kMostFriction;
 }
 /// Whether an impulse (or a force that acts for one second) gives the shell a finite energy.
 inline bool impulse(const rod::RodModel& model, const Point& p, double angular) {
-    const double linear = std::hypot(p.x, p.y) + std::abs(angular) / model.definition().length;
+    const double linear = math::hypot(p.x, p.y) + std::abs(angular) / model.definition().length;
     return linear * linear < kMostEnergy * model.mass();
 }
 /// The same for the motion of a rigid shell.
 inline bool motion(const rod::RodDefinition& d, const Point& v, double spin) {
-    const double speed = std::hypot(v.x, v.y) + std::abs(spin) * d.length;
+    const double speed = math::hypot(v.x, v.y) + std::abs(spin) * d.length;
     return d.linearMass * d.length * speed * speed < kMostEnergy;
 }
 /// Checks the sizes of a shell that passes rod::validate.

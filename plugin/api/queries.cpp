@@ -1,5 +1,6 @@
 #include "plugin/api/queries_geometry.h"
 #include "plugin/api/snapshot_fields.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -311,7 +312,7 @@ Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) con
     ShellSection out;
     out.position = point(rod.kin.point(at));
     out.angle = rod.kin.angle(at);
-    const rod::SinCos turned = rod::sinCos(out.angle);
+    const math::SinCos turned = math::sinCos(out.angle);
     out.tangent = {turned.cosine, turned.sine};
     Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, rod.model.dofs());
     rod.kin.pointRows(rod.model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), rows);

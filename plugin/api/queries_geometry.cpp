@@ -1,5 +1,7 @@
 #include "plugin/api/queries_geometry.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,7 +55,7 @@ double closestArcLength(const CircularArc& b, const Vec2& p) {
     if (c <= 0.0)
         return 0.0; // the centre of curvature: all points have the same distance
     const double z = b.curvature * x / c;
-    const double s = std::abs(z) < 1e-4 ? x / c * (1.0 - z * z / 3.0) : std::atan(z) / b.curvature;
+    const double s = std::abs(z) < 1e-4 ? x / c * (1.0 - z * z / 3.0) : math::atan(z) / b.curvature;
     return std::clamp(s, -b.half, b.half);
 }
 
@@ -68,7 +70,7 @@ bool offset(const CircularArc& p, double d, CircularArc& out) {
     out.half = p.half * stretch;
     const auto shift = [&](double s, Vec2& end) {
         const double angle = p.curvature * s; // of the tangent, from the middle one
-        const Vec2 normal = std::cos(angle) * perp(p.tangent) - std::sin(angle) * p.tangent;
+        const Vec2 normal = math::cos(angle) * perp(p.tangent) - math::sin(angle) * p.tangent;
         end += d * normal;
     };
     shift(-p.half, out.start);
@@ -108,7 +110,7 @@ CentrePoint closestOnCentreLine(const ThickCurve& curve, const Vec2& p) {
     const double s = closestArcLength(piece, p);
     const double angle = piece.curvature * s;
     out.point = piece.at(s);
-    out.left = std::cos(angle) * perp(piece.tangent) - std::sin(angle) * piece.tangent;
+    out.left = math::cos(angle) * perp(piece.tangent) - math::sin(angle) * piece.tangent;
     out.distance = best;
     out.s = std::clamp(curve.middleS[at] + s, 0.0, curve.length);
     return out;
@@ -159,7 +161,7 @@ bool overlapsBox(const ThickCurve& curve, const Vec2& lower, const Vec2& upper) 
             const double length = edge.norm();
             const double d = length > 0.0
                                  ? contact::crossing_check::distance(
-                                       p, makeArc(a + 0.5 * edge, std::atan2(edge.y(), edge.x()), 0.0, 0.5 * length))
+                                       p, makeArc(a + 0.5 * edge, math::atan2(edge.y(), edge.x()), 0.0, 0.5 * length))
                                  : contact::crossing_check::distance(a, p);
             if (d <= curve.half)
                 return true;
@@ -181,7 +183,7 @@ void boundingBox(const ThickCurve& curve, Vec2& lower, Vec2& upper) {
         if (p.curvature == 0.0)
             continue;
         for (const Vec2& axis : {Vec2::UnitX().eval(), Vec2::UnitY().eval()}) { // where the tangent is along an axis
-            const double angle = std::atan2(cross(p.tangent, axis), p.tangent.dot(axis));
+            const double angle = math::atan2(cross(p.tangent, axis), p.tangent.dot(axis));
             for (const double turned : {angle, angle - std::copysign(M_PI, angle)}) {
                 const double s = turned / p.curvature;
                 if (std::abs(s) < p.half)

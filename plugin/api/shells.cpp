@@ -7,6 +7,7 @@
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_fields.h"
 #include "supercircle/step/sleep.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -139,7 +140,7 @@ Status Shells::attach_to_crosshead(const std::string& body_name) {
 
 Status Shells::set_crosshead_velocity(Point velocity) {
     return impl_->change([&] {
-        if (!(std::hypot(velocity.x, velocity.y) < 1e5))
+        if (!(math::hypot(velocity.x, velocity.y) < 1e5))
             return refused("the crosshead's velocity must be finite and below 1e5 m/s");
         if (impl_->world.crossheadVelocity != vec(velocity))
             step::wakeAll(impl_->world);

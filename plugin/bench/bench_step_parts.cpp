@@ -5,6 +5,7 @@
 #include "supercircle/contact/detection.h"
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/inertia.h"
+#include "supercircle/support/trig.h"
 
 #include <cmath>
 #include <memory>
@@ -156,7 +157,7 @@ Measurement measureSines() {
     double sum = 0.0;
     Measurement m = repeat("sine_cosine_1000", [&] {
         for (const double angle : angles) {
-            const rod::SinCos a = rod::sinCos(angle);
+            const math::SinCos a = math::sinCos(angle);
             sum += a.sine + a.cosine;
         }
     });

@@ -7,6 +7,8 @@
 
 #include "supercircle/rod/arc.h"
 
+#include "supercircle/support/trig.h"
+
 #include <array>
 #include <cstddef>
 
@@ -51,33 +53,33 @@ double sincDerivative(double x) {
     static constexpr auto kSeries = coefficients([](double n) { return 2.0 * n; });
     if (std::abs(x) < kSeriesBelow)
         return odd(kSeries, x);
-    return (std::cos(x) - std::sin(x) / x) / x;
+    return (math::cos(x) - math::sin(x) / x) / x;
 }
 
 double sincDeficit(double x) {
     static constexpr auto kSeries = coefficients([](double) { return -1.0; });
     if (std::abs(x) < kSeriesBelow)
         return odd(kSeries, x);
-    return (1.0 - std::sin(x) / x) / x;
+    return (1.0 - math::sin(x) / x) / x;
 }
 
 TurnFactors TurnFactors::ofLarge(double x) {
     if (std::abs(x) < kSeriesBelow)
         return series(x * x);
-    const double h = std::sin(0.5 * x) / x;
-    return {2.0 * h * h, (x - std::sin(x)) / (x * x * x)};
+    const double h = math::sin(0.5 * x) / x;
+    return {2.0 * h * h, (x - math::sin(x)) / (x * x * x)};
 }
 
 Vec2 Arc::chordCurvatureDerivative(double s) const {
     const double x = 0.5 * curvature * s;
     const Vec2 t = tangentAt(0.5 * s);
-    return 0.5 * s * s * (sincDerivative(x) * t + sinc(x) * perp(t));
+    return 0.5 * s * s * (sincDerivative(x) * t + math::sinc(x) * perp(t));
 }
 
 Vec2 Arc::centroid(double s) const {
     const double x = 0.5 * curvature * s;
     const Vec2 t = tangentAt(0.5 * s);
-    return start + 0.5 * s * (sinc(x) * t + sincDerivative(x) * perp(t));
+    return start + 0.5 * s * (math::sinc(x) * t + sincDerivative(x) * perp(t));
 }
 
 } // namespace supercircle::rod

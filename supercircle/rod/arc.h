@@ -1,7 +1,7 @@
 #pragma once
 // A circular arc element in closed form, one code path for straight, curved and nearly straight elements.
 
-#include "supercircle/rod/trig.h"
+#include "supercircle/support/trig.h"
 
 #include <Eigen/Core>
 #include <array>
@@ -99,7 +99,7 @@ struct Arc {
     [[nodiscard]] double angleAt(double s) const { return angle + curvature * s; }
     /// Unit tangent at arc length s.
     [[nodiscard]] Vec2 tangentAt(double s) const {
-        const SinCos a = sinCos(angleAt(s));
+        const math::SinCos a = math::sinCos(angleAt(s));
         return {a.cosine, a.sine};
     }
     /// Point at arc length s (any sign; the arc is continued beyond its ends).
@@ -107,8 +107,8 @@ struct Arc {
     /// pointAt(s) - start = s sinc(k s/2) t(angle + k s/2).
     [[nodiscard]] Vec2 chord(double s) const {
         const double x = 0.5 * curvature * s;
-        const double c = s * sinc(x);
-        const SinCos a = sinCos(angle + x);
+        const double c = s * math::sinc(x);
+        const math::SinCos a = math::sinCos(angle + x);
         return {c * a.cosine, c * a.sine};
     }
     /// d pointAt(s) / d curvature at fixed start and angle.

@@ -6,6 +6,7 @@
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/geometric_stiffness.h"
 #include "supercircle/support/dense.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ Vec2 offsetOf(const Kinematics& kin, const MaterialPoint& at, const Vec2& sectio
     if (section.isZero())
         return Vec2::Zero();
     const double a = kin.angle(at);
-    const Vec2 t(std::cos(a), std::sin(a));
+    const Vec2 t(math::cos(a), math::sin(a));
     return section.x() * t + section.y() * perp(t);
 }
 

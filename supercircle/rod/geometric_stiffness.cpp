@@ -1,5 +1,7 @@
 #include "supercircle/rod/geometric_stiffness.h"
 
+#include "supercircle/support/trig.h"
+
 #include <cmath>
 
 namespace supercircle::rod {
@@ -32,7 +34,7 @@ Vec2 chordSecondDerivative(const Arc& arc, double s) {
     const double slope = sincDerivative(x);
     const double ratio = std::abs(x) < 1e-8 ? -1.0 / 3.0 : slope / x;
     const Vec2 t = arc.tangentAt(0.5 * s);
-    return (0.5 * s * s * s) * (slope * perp(t) - (sinc(x) + ratio) * t);
+    return (0.5 * s * s * s) * (slope * perp(t) - (math::sinc(x) + ratio) * t);
 }
 
 void addPointForceStiffness(const RodModel& model, const Kinematics& kin, const MaterialPoint& at, const Vec2& offset,

@@ -1,6 +1,7 @@
 #include "supercircle/rod/kinematics.h"
 
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 namespace supercircle::rod {
 
@@ -33,7 +34,7 @@ void Kinematics::evaluate(const RodModel& model, const Eigen::VectorXd& q) {
     const double theta = q[model.dofTheta()];
     // The tangent is rotated from element to element: one sine and cosine per rod instead of one per element. Its
     // round-off grows like that of the angle itself, by about one unit in the last place per element.
-    const SinCos turned = sinCos(theta);
+    const math::SinCos turned = math::sinCos(theta);
     const Vec2 middleTangent(turned.cosine, turned.sine);
     arcs_.resize(static_cast<std::size_t>(model.elements()));
     for (int side = 0; side < 2; ++side) {

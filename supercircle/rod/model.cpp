@@ -1,5 +1,7 @@
 #include "supercircle/rod/model.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -73,7 +75,7 @@ std::vector<double> gradedLengths(double length, int elements, double tipRefinem
     for (int i = 0; i < elements; ++i) {
         const int fromTip = std::min(i, elements - 1 - i);
         const double outward = 1.0 - static_cast<double>(fromTip) / steps;
-        sum += lengths[static_cast<std::size_t>(i)] = std::pow(tipRefinement, -outward);
+        sum += lengths[static_cast<std::size_t>(i)] = math::pow(tipRefinement, -outward);
     }
     for (double& l : lengths)
         l *= length / sum;

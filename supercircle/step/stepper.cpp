@@ -12,6 +12,7 @@
 #include "supercircle/step/stages/fingerprint.h"
 #include "supercircle/step/stages/frame_budget.h"
 #include "supercircle/step/stages/stages.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -41,7 +42,7 @@ double wantedSize(const World& world, const Settings& s, double frame, int cuts)
     const bool still = std::all_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.frozen(); });
     if (still)
         return frame;
-    return s.fixedDt > 0.0 ? s.fixedDt * std::pow(0.5, cuts) : std::clamp(world.dtNext, s.dtMin, s.dtMax);
+    return s.fixedDt > 0.0 ? s.fixedDt * math::pow(0.5, cuts) : std::clamp(world.dtNext, s.dtMin, s.dtMax);
 }
 
 /// Step size the controller wants after an accepted step.
@@ -102,7 +103,7 @@ bool endedContradiction(World& world, const Settings& s, const TrialStep& t, Rea
     const bool infeasible = reason == Reason::Unconverged || reason == Reason::Penetration ||
                             reason == Reason::LinkGap || reason == Reason::Crossing ||
                             (reason == Reason::None && !t.stage.report.converged);
-    const bool cut = cuts >= kCutsToCrush || t.dt <= std::pow(2.0, kCutsToCrush) * s.dtMin;
+    const bool cut = cuts >= kCutsToCrush || t.dt <= math::pow(2.0, kCutsToCrush) * s.dtMin;
     if (s.crush == CrushPolicy::Wait || !infeasible || !cut)
         return false;
     std::vector<Crushed> crushed;

@@ -4,6 +4,7 @@
 #include "supercircle/step/carry_along.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -327,7 +328,7 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) 
     Rod& rod = world.rods[index];
     book(world, rod, -1.0);
     const rod::RodModel& m = rod.model;
-    const double turn = angle - rod.q[m.dofTheta()], c = std::cos(turn), s = std::sin(turn);
+    const double turn = angle - rod.q[m.dofTheta()], c = math::cos(turn), s = math::sin(turn);
     const auto turned = [&](const Vec2& x) { return Vec2(c * x.x() - s * x.y(), s * x.x() + c * x.y()); };
     rod.q[m.dofX()] = middle.x();
     rod.q[m.dofY()] = middle.y();
@@ -348,7 +349,7 @@ void moveRod(World& world, std::size_t index, const Vec2& middle, double angle) 
 void carryRod(World& world, std::size_t index, const BodyState& from, const BodyState& to) {
     Rod& rod = world.rods[index];
     const rod::RodModel& m = rod.model;
-    const double turn = to.angle - from.angle, c = std::cos(turn), s = std::sin(turn);
+    const double turn = to.angle - from.angle, c = math::cos(turn), s = math::sin(turn);
     const auto turned = [&](const Vec2& x) { return Vec2(c * x.x() - s * x.y(), s * x.x() + c * x.y()); };
     const bool quarantined = rod.quarantined;
     const Vec2 arm = turned(Vec2(rod.q[m.dofX()], rod.q[m.dofY()]) - from.centre);
@@ -425,7 +426,7 @@ contact::Outline placed(const BodyOutline& piece, const Vec2& centre, double ang
 
 void place(const BodyOutline& piece, const Vec2& centre, double angle, contact::Outline& out) {
     out = piece.local;
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = math::cos(angle), s = math::sin(angle);
     const auto put = [&](Vec2& p) { p = centre + Vec2(c * p.x() - s * p.y(), s * p.x() + c * p.y()); };
     for (Vec2& p : out.points)
         put(p);

@@ -1,3 +1,4 @@
+#include "elementary_calls.h"
 #include "includes.h"
 
 #include <algorithm>
@@ -10,6 +11,8 @@
 #include <vector>
 
 using supercircle::architecture::checkIncludes;
+using supercircle::architecture::decidesNumbers;
+using supercircle::architecture::machineDependentCall;
 using supercircle::architecture::Offence;
 namespace fs = std::filesystem;
 
@@ -202,4 +205,44 @@ TEST_CASE("the include checker catches every kind of offence", "[architecture]")
     // paths from the root
     mustOffend("supercircle/rod/arc.cpp", "#include \"arc.h\"");
     mustOffend("supercircle/rod/arc.cpp", "#include \"../rod/arc.h\"");
+}
+
+TEST_CASE("no number that is simulated or recorded comes from a function that depends on the machine",
+          "[architecture]") {
+    int looked = 0;
+    for (const std::string& file : sources()) {
+        if (!decidesNumbers(file))
+            continue;
+        ++looked;
+        const bool own = file.find("supercircle/support/elementary") == 0 || file == "supercircle/support/trig.h";
+        int number = 0;
+        for (const std::string& line : readLines(fs::path(SC_SOURCE_DIR) / file)) {
+            ++number;
+            const std::string call = machineDependentCall(line, own);
+            // Names of members of the project.
+            if (call.empty() || (call == "log" && line.find("log() const") != std::string::npos))
+                continue;
+            FAIL_CHECK(file << ":" << number << ": " << call << ": take it from supercircle/support/elementary.h");
+        }
+    }
+    CHECK(looked > 200);
+}
+
+TEST_CASE("the search for functions that depend on the machine finds every way to write them", "[architecture]") {
+    for (const char* line :
+         {"x = std::sin(a);", "x = ::sin(a);", "x = sin(a);", "return cos(a);", "x = -pow(a, 2);", "f(std::exp);",
+          "y = a.array().exp();", "y = a.pow(2);", "x = std::hypot(a, b);", "x = sinf(a);", "x = std::pow(a,",
+          "x = log(", "#include <complex>", "std::normal_distribution<double> d;", "x = Eigen::numext::hypot(a, b);",
+          "const Eigen::Rotation2Dd r(a);"}) {
+        INFO(line);
+        CHECK_FALSE(machineDependentCall(line, false).empty());
+    }
+    for (const char* line : {"x = math::sin(a);", "// std::sin(a)", "x = 1; // exp(-x)", "e.law = \"exp(-x)\";",
+                             "x = std::sqrt(a) + std::fmod(a, b);", "asinine(a);", "x.sine(a);", "CallLog log() const;",
+                             "double tan(double angle);", "x = std::ldexp(a, 2) + std::remainder(a, b);"}) {
+        INFO(line);
+        CHECK(machineDependentCall(line, false).empty());
+    }
+    CHECK(machineDependentCall("return expm1(x);", true).empty());
+    CHECK_FALSE(machineDependentCall("return std::expm1(x);", true).empty());
 }

@@ -14,7 +14,8 @@ step("configuring" ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR
      -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${FLAGS}
      -DEXAMPLES_DIR=${WORK}/prefix/share/doc/supercircle/examples)
 step("building" ${CMAKE_COMMAND} --build ${WORK}/build)
-foreach(program consumer_box2d consumer_box2d_static shells_only hello/hello)
+foreach(program consumer_box2d consumer_box2d_static shells_only core_headers_supercircle core_headers_supercircle_static
+        hello/hello)
   step("running ${program}" ${WORK}/build/${program})
 endforeach()
 step("hello_scene" ${WORK}/build/hello_scene/hello_scene ${WORK}/prefix/share/supercircle/scenes/ramp.json time=0.1)

@@ -1,5 +1,7 @@
 #include "plugin/identification/replay/compare.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -96,8 +98,8 @@ void compareMarkers(const Run& run, const Simulated& simulated, const std::vecto
     std::size_t count = 0;
     for (std::size_t m = 0; m < run.markers.x.size() && m < simulated.markers.x.size(); ++m)
         for (std::size_t k = 0; k < run.markers.time.size() && k < simulated.markers.time.size(); ++k) {
-            const double d = std::hypot(simulated.markers.x[m][k] - run.markers.x[m][k],
-                                        simulated.markers.y[m][k] - run.markers.y[m][k]);
+            const double d = math::hypot(simulated.markers.x[m][k] - run.markers.x[m][k],
+                                         simulated.markers.y[m][k] - run.markers.y[m][k]);
             if (!std::isfinite(d) || inside(windowed, run.markers.time[k]))
                 continue;
             sum += d * d;

@@ -4,6 +4,7 @@
 #include "plugin/identification/replay/multibody.h"
 #include "plugin/scene/loader/loader.h"
 #include "supercircle/effects/sensor.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +65,7 @@ public:
                                  : p.velocity.y());
         for (std::size_t m = 0; m < e_.markers.size(); ++m) {
             const Multibody::Pose b = linkage_.pose(carriers_[m]);
-            const double c = std::cos(b.angle), s = std::sin(b.angle);
+            const double c = math::cos(b.angle), s = math::sin(b.angle);
             const Point& l = e_.markers[m].local;
             const Vec2 r(c * l.x - s * l.y, s * l.x + c * l.y);
             put(1 + 2 * m, b.origin.x() + r.x(), b.velocity.x() - b.spin * r.y());

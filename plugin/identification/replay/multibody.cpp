@@ -1,5 +1,6 @@
 #include "plugin/identification/replay/multibody.h"
 #include "supercircle/support/dense.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,7 @@ double cross(const Vec2& a, const Vec2& b) {
     return a.x() * b.y() - a.y() * b.x();
 }
 Vec2 rotated(const Vec2& v, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = math::cos(angle), s = math::sin(angle);
     return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
 }
 Vec2 crossSpin(double spin, const Vec2& r) {

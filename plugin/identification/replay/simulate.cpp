@@ -17,6 +17,7 @@
 #include "plugin/identification/replay/trace.h"
 #include "supercircle/effects/backlash.h"
 #include "supercircle/effects/sensor.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
@@ -118,7 +119,7 @@ private:
     /// Displacement of the drive: crosshead and series compliance.
     [[nodiscard]] double position() const {
         return rig_.displacement() + compliance_ * seriesForce_ +
-               0.5 * apparatus_.slack * seriesForce_ / std::hypot(seriesForce_, apparatus_.slackForce);
+               0.5 * apparatus_.slack * seriesForce_ / math::hypot(seriesForce_, apparatus_.slackForce);
     }
     [[nodiscard]] bool rigid() const { return compliance_ <= 0.0 && apparatus_.slack <= 0.0; }
 
@@ -138,14 +139,14 @@ private:
         if (std::abs(force) >= impact_)
             return;
         const double settled = followsDrive_ ? (rig_.time() - time) / kSettle : 0.0;
-        const double share = -std::expm1(-std::abs(travel) / kSmooth - settled);
+        const double share = -math::expm1(-std::abs(travel) / kSmooth - settled);
         seriesForce_ += share * (force - seriesForce_);
         seriesForceAt_ += share * (rig_.displacement() - (known ? 0.5 * travel : 0.0) - seriesForceAt_);
     }
 
     /// Ratio of drive motion to crosshead motion, 1 + c K.
     [[nodiscard]] double ratio() const {
-        const double f = std::hypot(seriesForce_, apparatus_.slackForce);
+        const double f = math::hypot(seriesForce_, apparatus_.slackForce);
         const double play = apparatus_.slack > 0.0
                                 ? 0.5 * apparatus_.slack * apparatus_.slackForce * apparatus_.slackForce / (f * f * f)
                                 : 0.0;

@@ -1,6 +1,7 @@
 #include "plugin/identification/replay/strung_bow.h"
 
 #include "supercircle/rod/equilibrium.h"
+#include "supercircle/support/trig.h"
 
 #include <cmath>
 
@@ -13,7 +14,7 @@ using rod::Vec2;
 /// Curvature of an arc of length `half` whose end has the distance `height` from its tangent; 0: there is none.
 double curvatureFor(double half, double height) {
     double low = 0.0, high = M_PI / half; // up to a half circle
-    const auto at = [&](double k) { return k > 0.0 ? (1.0 - std::cos(k * half)) / k : 0.0; };
+    const auto at = [&](double k) { return k > 0.0 ? (1.0 - math::cos(k * half)) / k : 0.0; };
     if (!(height > 0.0) || at(high) <= height)
         return 0.0;
     for (int i = 0; i < 100; ++i) {
@@ -29,7 +30,7 @@ StrungBow stringBow(const rod::RodModel& model, const Vec2& gravity, double s, c
                     const Vec2& nock) {
     StrungBow out;
     const double length = model.definition().length, half = 0.5 * length;
-    const Vec2 t(std::cos(angle), std::sin(angle));
+    const Vec2 t(math::cos(angle), math::sin(angle));
     Vec2 n(-t.y(), t.x());
     const double side = (nock - point).dot(n) < 0.0 ? -1.0 : 1.0;
     n *= side;
@@ -59,7 +60,7 @@ StrungBow stringBow(const rod::RodModel& model, const Vec2& gravity, double s, c
         }
         return pull;
     };
-    double a0 = std::sin(curvature * half) / curvature, a1 = 0.998 * a0;
+    double a0 = math::sin(curvature * half) / curvature, a1 = 0.998 * a0;
     double f0 = at(a0);
     constexpr int kRounds = 40;
     for (int i = 0; i < kRounds && out.failure.empty(); ++i) { // secant iteration

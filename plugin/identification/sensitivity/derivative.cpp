@@ -1,6 +1,7 @@
 #include "plugin/identification/sensitivity/derivative.h"
 
 #include "plugin/identification/sensitivity/noise.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
@@ -116,7 +117,7 @@ void differentiateLandmarks(const Probes& p, const SimulatedValues& base, const 
         const double apart = std::abs(pair.whole[i] - pair.half[i]);
         const bool whole = wholeIsBetter(p, apart, own);
         d.landmarks[i] = whole ? pair.whole[i] : pair.half[i];
-        d.landmarkError[i] = std::hypot(apart, (whole ? n.whole : n.half) * own);
+        d.landmarkError[i] = math::hypot(apart, (whole ? n.whole : n.half) * own);
     }
 }
 

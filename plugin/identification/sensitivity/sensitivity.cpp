@@ -6,6 +6,7 @@
 
 #include "plugin/identification/sensitivity/batch.h"
 #include "plugin/identification/sensitivity/derivative.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -180,7 +181,7 @@ private:
         const RunSensitivity& run = out.runs[s.run];
         Derivative d = derivativeOf(p, bases_[s.run], run.base.readings, noise_[s.run], settings_);
         const Quality q = d.quality;
-        const double error = std::hypot(q.twoStepError, q.noiseError) + (q.belowNoise ? 10.0 : 0.0);
+        const double error = math::hypot(q.twoStepError, q.noiseError) + (q.belowNoise ? 10.0 : 0.0);
         if (!s.any || error < s.bestError) {
             s.best = std::move(d);
             s.bestError = error;

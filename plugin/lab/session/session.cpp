@@ -3,6 +3,7 @@
 #include "plugin/scene/player/dropper.h"
 #include "supercircle/contact/crossing.h"
 #include "supercircle/step/damping.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <chrono>
@@ -260,7 +261,7 @@ double Session::travel() const {
         return crosshead;
     const double f = force();
     return crosshead + apparatus_.compliance * f - (reversed_ ? apparatus_.backlash : 0.0) +
-           (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / std::hypot(f, apparatus_.slackForce) : 0.0);
+           (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / math::hypot(f, apparatus_.slackForce) : 0.0);
 }
 
 bool Session::frame(double dt, const std::function<bool()>& stop) {

@@ -2,6 +2,7 @@
 
 #include "plugin/lab/session/force_curve.h"
 #include "plugin/lab/session/session.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +28,7 @@ double lengthError(const step::World& w) {
             const rod::Arc& a = r.kin.arcs()[static_cast<std::size_t>(i)];
             const double chord = (r.kin.node(i + 1) - r.kin.node(i)).norm();
             const double half = 0.5 * a.curvature * a.length;
-            const double length = chord / rod::sinc(half);
+            const double length = chord / math::sinc(half);
             worst = std::max(worst, std::abs(length / r.model.elementLength(i) - 1.0));
         }
     return worst;

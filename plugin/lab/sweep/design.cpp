@@ -1,6 +1,7 @@
 #include "plugin/lab/sweep/design.h"
 
 #include "plugin/lab/sweep/statistics.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
@@ -73,7 +74,7 @@ double ResponseSurface::fraction(std::size_t row, double py) const {
         return 0.0;
     const double lo = y[row], hi = y[row + 1];
     const bool logarithmic = y.front() > 0.0 && py > 0.0;
-    const double s = logarithmic ? std::log(py / lo) / std::log(hi / lo) : (py - lo) / (hi - lo);
+    const double s = logarithmic ? math::log(py / lo) / math::log(hi / lo) : (py - lo) / (hi - lo);
     return std::clamp(s, 0.0, 1.0);
 }
 

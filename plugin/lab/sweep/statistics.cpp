@@ -2,6 +2,7 @@
 
 #include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/text.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
@@ -32,7 +33,7 @@ double meanOf(const std::vector<double>& values) {
 double momentOf(const std::vector<double>& values, double mean, int power) {
     double sum = 0.0;
     for (const double v : values)
-        sum += std::pow(v - mean, power);
+        sum += math::pow(v - mean, power);
     return sum;
 }
 
@@ -56,15 +57,15 @@ double normalityTest(std::vector<double> values) {
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i)
         sum += (2.0 * static_cast<double>(i) + 1.0) *
-               (std::log(std::max(below(i), 1e-300)) + std::log(std::max(above(n - 1 - i), 1e-300)));
+               (math::log(std::max(below(i), 1e-300)) + math::log(std::max(above(n - 1 - i), 1e-300)));
     const double a = (-count - sum / count) * (1.0 + 0.75 / count + 2.25 / (count * count));
     if (a < 0.2)
-        return 1.0 - std::exp(-13.436 + 101.14 * a - 223.73 * a * a);
+        return 1.0 - math::exp(-13.436 + 101.14 * a - 223.73 * a * a);
     if (a < 0.34)
-        return 1.0 - std::exp(-8.318 + 42.796 * a - 59.938 * a * a);
+        return 1.0 - math::exp(-8.318 + 42.796 * a - 59.938 * a * a);
     if (a < 0.6)
-        return std::exp(0.9177 - 4.279 * a - 1.38 * a * a);
-    return a > 13.0 ? 0.0 : std::exp(1.2937 - 5.709 * a + 0.0186 * a * a);
+        return math::exp(0.9177 - 4.279 * a - 1.38 * a * a);
+    return a > 13.0 ? 0.0 : math::exp(1.2937 - 5.709 * a + 0.0186 * a * a);
 }
 
 Statistics statisticsOf(std::vector<double> values) {
@@ -96,7 +97,7 @@ Statistics statisticsOf(std::vector<double> values) {
     s.high = s.mean + t * s.standardError;
     if (second > 0.0) {
         const double variance = second / n;
-        s.skewness = momentOf(values, s.mean, 3) / n / std::pow(variance, 1.5);
+        s.skewness = momentOf(values, s.mean, 3) / n / math::pow(variance, 1.5);
         s.kurtosis = momentOf(values, s.mean, 4) / n / (variance * variance) - 3.0;
     }
     s.normality = normalityTest(values);

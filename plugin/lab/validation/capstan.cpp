@@ -11,6 +11,7 @@
 #include "plugin/lab/validation/experiments.h"
 #include "plugin/lab/validation/reference_table.h"
 #include "supercircle/step/stepper.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,13 +29,13 @@ constexpr double kR = 0.0192; ///< m, of the centre line on the cylinder
 /// T2 / T1 of a rope of stiffness b = B / (T1 R^2) over the angle theta between the asymptotes.
 double ratio(double mu, double theta, double b) {
     if (b <= 0.0)
-        return std::exp(mu * theta);
-    const double p1 = std::acos(1.0 - 0.5 * b);
-    double out = std::exp(mu * theta);
+        return math::exp(mu * theta);
+    const double p1 = math::acos(1.0 - 0.5 * b);
+    double out = math::exp(mu * theta);
     for (int i = 0; i < 200; ++i) { // a contraction: p2 depends weakly on T2
-        const double p2 = std::acos(1.0 - 0.5 * b / out);
-        out =
-            (std::cos(p1) + mu * std::sin(p1)) * std::exp(mu * (theta - p1 - p2)) / (std::cos(p2) - mu * std::sin(p2));
+        const double p2 = math::acos(1.0 - 0.5 * b / out);
+        out = (math::cos(p1) + mu * math::sin(p1)) * math::exp(mu * (theta - p1 - p2)) /
+              (math::cos(p2) - mu * math::sin(p2));
     }
     return out;
 }
@@ -58,7 +59,7 @@ ShellDef initialRope(const Rope& rope) {
     ShellDef d;
     d.name = "rope";
     d.thickness = 2e-5;
-    d.density = 1270.0 * std::pow(d.thickness / 5e-4, 2);
+    d.density = 1270.0 * math::pow(d.thickness / 5e-4, 2);
     d.radius = std::numeric_limits<double>::infinity();
     d.mu = rope.mu;
     d.elements = rope.elements;
@@ -121,7 +122,7 @@ Tensions drag(const ValidationSettings& settings, ValidationExperiment& e, const
     Tensions out;
     out.t1 = first.norm() / weight / unit;
     out.t2 = second.norm() / weight / unit;
-    out.theta = std::atan2(rod::cross(-first, second), -first.dot(second));
+    out.theta = math::atan2(rod::cross(-first, second), -first.dot(second));
     if (out.theta < 0.0)
         out.theta += 2.0 * M_PI;
     return out;
@@ -165,7 +166,7 @@ void capstan(const ValidationSettings& settings, ValidationExperiment& e) {
                 if (settings.quick && slack != 0.002)
                     continue;
                 const Tensions p = drag(settings, e, {mu, wrap, slack});
-                const double euler = std::exp(mu * p.theta);
+                const double euler = math::exp(mu * p.theta);
                 simulated.x.push_back(p.stiffness());
                 simulated.y.push_back(p.t2 / p.t1 / euler);
                 theory.x.push_back(p.stiffness());

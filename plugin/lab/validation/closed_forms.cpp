@@ -3,6 +3,7 @@
 #include "plugin/lab/validation/experiments.h"
 #include "plugin/lab/validation/reference_table.h"
 #include "supercircle/rod/arc.h"
+#include "supercircle/support/elementary.h"
 
 #include <cmath>
 
@@ -65,7 +66,7 @@ ShellDef stiffRing() {
     // Thin, because friction acts h/2 outside the mass (0.9 % of x* for the paper's 0.5 mm). A thousand times as stiff
     // as the paper's shell, because the closed forms neglect bending.
     d.thickness = 2e-5;
-    d.young_modulus *= 1e3 * std::pow(5e-4 / d.thickness, 2);
+    d.young_modulus *= 1e3 * math::pow(5e-4 / d.thickness, 2);
     return d;
 }
 
@@ -113,7 +114,7 @@ double rocking(const ValidationSettings& settings, ValidationExperiment& e, doub
     d.young_modulus *= 1e3;
     const double tilt = 0.02;
     // opening upwards: runs to the right through its lowest point
-    d.position = {kR * std::sin(tilt), kR + 0.5 * d.thickness + 1e-8 - kR * std::cos(tilt)};
+    d.position = {kR * math::sin(tilt), kR + 0.5 * d.thickness + 1e-8 - kR * math::cos(tilt)};
     d.angle = tilt;
     const double period = 2.0 * M_PI / std::sqrt(wanted * kG / kR);
     scene::Scene s = onFloor(0.0, d, 10.0 * period);

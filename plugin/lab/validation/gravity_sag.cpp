@@ -2,11 +2,11 @@
 
 #include "plugin/lab/validation/experiments.h"
 #include "plugin/lab/validation/reference_table.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 
 namespace supercircle::validation {
 
@@ -98,12 +98,13 @@ double frequency(const std::vector<double>& t, const std::vector<double>& x, dou
     for (const double v : x)
         mean += v / static_cast<double>(x.size());
     const auto strength = [&](double omega) {
-        std::complex<double> sum;
+        double cosine = 0.0, sine = 0.0;
         for (std::size_t i = 0; i < t.size(); ++i) {
-            const double window = 0.5 - 0.5 * std::cos(2.0 * M_PI * (t[i] - t.front()) / length);
-            sum += window * (x[i] - mean) * std::polar(1.0, -omega * t[i]);
+            const double window = 0.5 - 0.5 * math::cos(2.0 * M_PI * (t[i] - t.front()) / length);
+            cosine += window * (x[i] - mean) * math::cos(omega * t[i]);
+            sine += window * (x[i] - mean) * math::sin(omega * t[i]);
         }
-        return std::norm(sum);
+        return cosine * cosine + sine * sine;
     };
     double low = 0.9 * guess, high = 1.1 * guess;
     const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
@@ -127,9 +128,9 @@ double vibrate(const ValidationSettings& settings, ValidationExperiment& e, doub
     d.elements = elements;
     for (int i = 0; i < elements; ++i) {
         const double z = (i + 0.5) / elements,
-                     taper = clamped ? (1.0 - z) * (1.0 - z) : std::pow(std::sin(M_PI * z), 2);
+                     taper = clamped ? (1.0 - z) * (1.0 - z) : math::pow(math::sin(M_PI * z), 2);
         // nodes of the bending moment as in the mode
-        const double shape = taper * std::cos((mode + (clamped && mode > 0 ? 0.3 : 0.0)) * M_PI * z);
+        const double shape = taper * math::cos((mode + (clamped && mode > 0 ? 0.3 : 0.0)) * M_PI * z);
         d.curvature.push_back((1.0 + 1e-3 * shape) / d.radius);
     }
     const double unit = std::sqrt(bending_modulus(d) / (d.density * d.width * d.thickness)) / (kR * kR);

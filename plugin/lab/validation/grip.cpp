@@ -4,6 +4,7 @@
 #include "plugin/lab/validation/reference_table.h"
 #include "plugin/lab/validation/theory.h"
 #include "plugin/lab/validation/tip_slip.h"
+#include "supercircle/support/elementary.h"
 
 #include <cmath>
 
@@ -48,7 +49,8 @@ double pullStick(const ValidationSettings& settings, ValidationExperiment& e, do
             double& radius = s.rigid.bodies.front().fixtures.front().radius;
             radius -= kClearance;
             const double phi = M_PI * phiBar, touching = radius + 0.5 * kThin + 1e-8;
-            const double lift = -kR * std::cos(phi) - std::sqrt(touching * touching - std::pow(kR * std::sin(phi), 2));
+            const double lift =
+                -kR * math::cos(phi) - std::sqrt(touching * touching - math::pow(kR * math::sin(phi), 2));
             s.shells.front().position = {0.0, kR + lift};
             scene::ProtocolSegment& segment = s.protocol->segments.front();
             s.protocol->direction = {0.0, 1.0};
@@ -63,7 +65,7 @@ double pullStick(const ValidationSettings& settings, ValidationExperiment& e, do
 /// Theory of sticking, for a cylinder of radius alpha R: the shell pulled off has the mirrored friction cone.
 double pullTheory(double phiBar, double alpha) {
     const double phi = M_PI * phiBar;
-    return std::tan(std::asin(std::sin(phi) / alpha) - std::atan(tipRatio(phi)));
+    return math::tan(math::asin(math::sin(phi) / alpha) - math::atan(tipRatio(phi)));
 }
 
 void pullingOff(const ValidationSettings& settings, ValidationExperiment& e, Diagram& diagram) {
@@ -98,7 +100,7 @@ void neutral(const ValidationSettings& settings, ValidationExperiment& e) {
         const double phiBar = t.at(i, "Phi_over_2pi"), mu = t.at(i, "mu");
         if (phiBar < 0.6 || (settings.quick && (phiBar < 0.7 || mu < 0.1)))
             continue;
-        const double seated = -2.0 * std::cos(M_PI * phiBar);
+        const double seated = -2.0 * math::cos(M_PI * phiBar);
         const MeasuredCurves run = measureCurves(settings, e, press(phiBar, mu, 31));
         e.commands.push_back(press(phiBar, mu, 31).command());
         const std::string name = text("Φ/2π = %.2f, μ = %.2f: indentation where the force vanishes, ", phiBar, mu);
@@ -118,26 +120,26 @@ void pullingIn(const ValidationSettings& settings, ValidationExperiment& e, Diag
                              t.column("mu_snap(=tan(phi-pi/2))"), PlotLine::Style::Reference, 0});
     PlotLine simulated{"the same, 32 arcs", {}, {}, PlotLine::Style::Points, 0};
     for (const double phiBar : {0.60, 0.65, 0.70}) { // deeper ones are of Type II at such friction
-        const double wanted = std::tan(M_PI * (phiBar - 0.5));
+        const double wanted = math::tan(M_PI * (phiBar - 0.5));
         const double found = bisect(0.5 * wanted, 1.2 * wanted, 8, [&](double mu) {
             SimulationCase c = press(phiBar, mu, 32);
-            c.parameters.push_back({"travel_over_R", -0.985 * 2.0 * std::cos(M_PI * phiBar)});
+            c.parameters.push_back({"travel_over_R", -0.985 * 2.0 * math::cos(M_PI * phiBar)});
             c.loadingOnly = true;
             const ForceCurve load = measureCurves(settings, e, c).loading;
             return load.at(load.d.back() - 1e-4) > 0.0;
         });
         SimulationCase c = press(phiBar, found, 32);
-        c.parameters.push_back({"travel_over_R", -0.985 * 2.0 * std::cos(M_PI * phiBar)});
+        c.parameters.push_back({"travel_over_R", -0.985 * 2.0 * math::cos(M_PI * phiBar)});
         c.loadingOnly = true;
         c.frames = 1.0;
         const lab::RunResult out = simulate(settings, e, c);
         const auto& tip = out.recording.frames.back().shells.front().start;
-        const double psi = std::atan2(std::abs(tip[0]), tip[1]);
+        const double psi = math::atan2(std::abs(tip[0]), tip[1]);
         simulated.x.push_back(phiBar);
         simulated.y.push_back(found);
         e.checks.push_back(checkAgainst(
             text("μ below which a shell pulls itself in at 98.5 %% of the full travel, Φ/2π = %.2f", phiBar), found,
-            std::tan(psi - 0.5 * M_PI), 0.01,
+            math::tan(psi - 0.5 * M_PI), 0.01,
             "theory for the tip angle reached, slightly below φ; bisection to 0.3 %"));
     }
     diagram.lines.push_back(simulated);

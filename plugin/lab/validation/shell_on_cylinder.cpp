@@ -2,6 +2,7 @@
 
 #include "plugin/lab/validation/branch_comparison.h"
 #include "plugin/lab/validation/experiments.h"
+#include "supercircle/support/trig.h"
 
 #include <cmath>
 
@@ -21,7 +22,7 @@ SimulationCase press(const CurveParameters& p, double thickness, int elements, d
 
 /// On the way back friction reverses first: 2 % more.
 ComparedRange rangeOf(double phiBar) {
-    const double seated = -2.0 * std::cos(M_PI * phiBar);
+    const double seated = -2.0 * math::cos(M_PI * phiBar);
     return {0.02 * seated, 0.96 * seated, 0.94 * seated};
 }
 

@@ -2,6 +2,7 @@
 
 #include "plugin/lab/validation/experiments.h"
 #include "plugin/lab/validation/reference_table.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,7 @@ SimulationCase press(double phiBar, double mu, int elements, double travel, doub
 struct Rolling {
     double mu, phiBar, force, crown; ///< f and height of the crown's centre line where the tip slips out
 
-    [[nodiscard]] double indentation() const { return 1.0 - 2.0 * std::cos(M_PI * phiBar) - crown; }
+    [[nodiscard]] double indentation() const { return 1.0 - 2.0 * math::cos(M_PI * phiBar) - crown; }
 };
 
 std::vector<Rolling> table(const ValidationSettings& settings) {
@@ -40,7 +41,7 @@ std::vector<Rolling> table(const ValidationSettings& settings) {
 constexpr double kCrownTouches = 0.9995; ///< of the travel until the driven crown meets the cylinder
 
 double seated(double phiBar) {
-    return -2.0 * std::cos(M_PI * phiBar);
+    return -2.0 * math::cos(M_PI * phiBar);
 }
 
 struct Pinned {
@@ -115,7 +116,7 @@ Diagram rolling(const std::vector<Rolling>& cases, const std::vector<ForceCurve>
         const double collapse = collapseLoad(loads[i]).first;
         for (std::size_t k = 0; k < loads[i].d.size() && loads[i].d[k] < collapse + 0.02; ++k)
             if (loads[i].f[k] < 1.1 * cases[i].force && loads[i].f[k] > -1.0) { // without the spikes after the collapse
-                simulated.x.push_back(-2.0 * std::cos(M_PI * cases[i].phiBar) - loads[i].d[k]);
+                simulated.x.push_back(-2.0 * math::cos(M_PI * cases[i].phiBar) - loads[i].d[k]);
                 simulated.y.push_back(loads[i].f[k]);
             }
         diagram.lines.push_back(simulated);

@@ -3,6 +3,7 @@
 #include "plugin/lab/validation/experiments.h"
 #include "plugin/lab/validation/reference_table.h"
 #include "supercircle/rod/equilibrium.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -90,7 +91,7 @@ struct Arch {
 
     [[nodiscard]] rod::Equilibrium push(double drop, const Eigen::VectorXd& from) const {
         rod::EquilibriumProblem problem;
-        const Vec2 right(std::sin(half), std::cos(half)), left(-right.x(), right.y());
+        const Vec2 right(math::sin(half), math::cos(half)), left(-right.x(), right.y());
         problem.supports = {
             rod::pin(0.0, left), rod::pin(2.0 * half, right), {half, true, true, true, {0.0, 1.0 - drop}}};
         if (clamped) {

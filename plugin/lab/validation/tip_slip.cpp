@@ -1,6 +1,7 @@
 #include "plugin/lab/validation/tip_slip.h"
 
 #include "supercircle/rod/arc.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,8 +34,8 @@ double tipSlip(const record::Recording& recording, Support support) {
         const Tip after = tip(recording.frames.back().shells.front(), shell.element_length, last);
         // along the support, counter-clockwise on the cylinder, to the left on the floor
         const double along = support == Support::Floor ? before.at.x() - after.at.x()
-                                                       : after.at.norm() * std::atan2(rod::cross(before.at, after.at),
-                                                                                      before.at.dot(after.at));
+                                                       : after.at.norm() * math::atan2(rod::cross(before.at, after.at),
+                                                                                       before.at.dot(after.at));
         most = std::max(most, std::abs(along - 0.5 * shell.thickness * (after.angle - before.angle)));
     }
     return most;

@@ -7,6 +7,7 @@
 #include "plugin/lab/validation/branch_comparison.h"
 #include "plugin/lab/validation/experiments.h"
 #include "plugin/lab/validation/reference_table.h"
+#include "supercircle/support/trig.h"
 
 #include <cmath>
 
@@ -24,7 +25,7 @@ SimulationCase press(const CurveParameters& p, double thickness, int elements, d
 }
 
 ComparedRange rangeOf(double phiBar) {
-    const double seated = -2.0 * std::cos(M_PI * phiBar);
+    const double seated = -2.0 * math::cos(M_PI * phiBar);
     return {0.02 * seated, 0.92 * seated, 0.86 * seated};
 }
 
@@ -75,7 +76,7 @@ void stuck(const ValidationSettings& settings, ValidationExperiment& e) {
     const ReferenceTable t(settings.data, "T3_typeII_unfold_threshold_coarse.csv");
     for (std::size_t i = 0; i < t.rows(); ++i) {
         const double mu = t.at(i, "mu"), force = t.at(i, "f_unfold_R2_over_B");
-        const double d = 1.0 - 2.0 * std::cos(M_PI * 0.90) - t.at(i, "Ycrown_upper");
+        const double d = 1.0 - 2.0 * math::cos(M_PI * 0.90) - t.at(i, "Ycrown_upper");
         const int colour = static_cast<int>(i) + 1;
         for (const int n : {15, 31}) {
             const SimulationCase rolling = roll(mu, n, d);

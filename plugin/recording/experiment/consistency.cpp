@@ -1,6 +1,7 @@
 // Contradictions within a description.
 
 #include "plugin/recording/experiment/recording_quality.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,14 +82,14 @@ void judgeIntervals(const Specimen& s, const std::string& pointer, std::vector<C
 Point unloaded(const Specimen& specimen, double s) {
     const Clamp& c = specimen.clamp;
     const double k = specimen.naturalCurvature.value, d = s - c.arcPosition, half = 0.5 * k * d;
-    const double chord = std::abs(half) < 1e-8 ? d : d * std::sin(half) / half;
-    return {c.initialPoint.x + chord * std::cos(c.initialTangentAngle + half),
-            c.initialPoint.y + chord * std::sin(c.initialTangentAngle + half)};
+    const double chord = std::abs(half) < 1e-8 ? d : d * math::sin(half) / half;
+    return {c.initialPoint.x + chord * math::cos(c.initialTangentAngle + half),
+            c.initialPoint.y + chord * math::sin(c.initialTangentAngle + half)};
 }
 
 double distance(const Obstacle& o, const Point& p) {
     if (o.kind == ObstacleKind::Cylinder)
-        return std::hypot(p.x - o.point.x, p.y - o.point.y) - o.radius;
+        return math::hypot(p.x - o.point.x, p.y - o.point.y) - o.radius;
     return (p.x - o.point.x) * o.normal.x + (p.y - o.point.y) * o.normal.y;
 }
 
@@ -172,8 +173,8 @@ std::vector<Contradiction> contradictions(const Experiment& e) {
                                true});
     if (e.friction.value > 10.0)
         out.push_back({"/friction/coefficient", "a friction coefficient of " + shown(e.friction.value), {}, false});
-    if (std::hypot(e.gravity.x, e.gravity.y) > 50.0)
-        out.push_back({"/gravity_m_s2", "gravity of " + shown(std::hypot(e.gravity.x, e.gravity.y)) + " m/s^2",
+    if (math::hypot(e.gravity.x, e.gravity.y) > 50.0)
+        out.push_back({"/gravity_m_s2", "gravity of " + shown(math::hypot(e.gravity.x, e.gravity.y)) + " m/s^2",
                        "m/s^2, 9.81 downwards", true});
     if (out.empty() || std::none_of(out.begin(), out.end(), [](const Contradiction& r) { return r.error; }))
         judgePlaces(e, out);

@@ -3,6 +3,7 @@
 #include "plugin/recording/experiment/free_scene.h"
 #include "plugin/recording/experiment/recording_quality.h"
 #include "plugin/recording/experiment/values.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
@@ -110,7 +111,7 @@ Obstacle readObstacle(Context& context, const ArrayItem& place) {
     } else {
         o.point = object.pair("point_m");
         o.normal = object.pair("normal_towards_specimen");
-        const double size = std::hypot(o.normal.x, o.normal.y);
+        const double size = math::hypot(o.normal.x, o.normal.y);
         if (size > 0.0)
             o.normal = {o.normal.x / size, o.normal.y / size};
         else if (object.find("normal_towards_specimen") != nullptr)

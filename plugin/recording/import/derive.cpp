@@ -1,5 +1,6 @@
 #include "plugin/recording/import/derive.h"
 #include "plugin/recording/table/json_text.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,9 +39,9 @@ Curve unloaded(const Json& s) {
     c.half = 0.5 * h;
     for (int i = 0; std::isfinite(angle) && i <= 2000; ++i) {
         const double d = from + length * i / 2000.0, bend = 0.5 * k * d;
-        const double chord = std::abs(bend) < 1e-8 ? d : d * std::sin(bend) / bend;
-        c.x.push_back(chord * std::cos(angle + bend));
-        c.y.push_back(chord * std::sin(angle + bend));
+        const double chord = std::abs(bend) < 1e-8 ? d : d * math::sin(bend) / bend;
+        c.x.push_back(chord * math::cos(angle + bend));
+        c.y.push_back(chord * math::sin(angle + bend));
     }
     return c;
 }
@@ -51,12 +52,12 @@ double gap(const Curve& c, double y, const Json& json, const Curve& other, doubl
     for (std::size_t i = 0; i < c.x.size(); ++i) {
         for (const Json& o : json["obstacles"])
             if (o.value("type", "") == "cylinder")
-                least = std::min(least, std::hypot(c.x[i], y + c.y[i]) - number(o, "radius_m") - c.half);
+                least = std::min(least, math::hypot(c.x[i], y + c.y[i]) - number(o, "radius_m") - c.half);
             else
                 least = std::min(least, y + c.y[i] - c.half);
         for (std::size_t k = 0; k < other.x.size(); k += 10)
             least = std::min(least,
-                             std::hypot(c.x[i] - other.x[k], y + c.y[i] - otherY - other.y[k]) - c.half - other.half);
+                             math::hypot(c.x[i] - other.x[k], y + c.y[i] - otherY - other.y[k]) - c.half - other.half);
     }
     return least;
 }
@@ -124,7 +125,7 @@ void deriveInitialHeight(Json& json, const Imported& all, std::vector<std::strin
         Json& plate = json["obstacles"].back();
         if (std::isfinite(length * k * h) && k > 0.0 && plate["point_m"][1].is_null())
             done(plate["point_m"],
-                 (1.0 - std::cos(std::min(0.5 * k * length, M_PI))) / k + h + withContact->firstContact);
+                 (1.0 - math::cos(std::min(0.5 * k * length, M_PI))) / k + h + withContact->firstContact);
         return;
     }
     if (!last["clamp"].is_object() || !last["clamp"].contains("initial_point_m") ||

@@ -1,5 +1,6 @@
 #include "plugin/recording/import/force_zero.h"
 
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
@@ -80,7 +81,7 @@ std::size_t touchRow(const ImportedRun& run, const std::vector<double>& f, doubl
 
 /// The shortest decimal number above `low` and not above `high`.
 double roundest(double low, double high) {
-    for (double step = std::pow(10.0, std::floor(std::log10(high))); step > 1e-3 * (high - low); step /= 10.0)
+    for (double step = math::pow(10.0, std::floor(math::log10(high))); step > 1e-3 * (high - low); step /= 10.0)
         if (const double v = step * (std::floor(low / step + 1e-9) + 1.0); v <= high * (1.0 + 1e-12))
             return v;
     return high;

@@ -3,6 +3,7 @@
 #include "plugin/recording/table/json_text.h"
 #include "plugin/scene/loader/loader.h"
 #include "supercircle/support/dense.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -107,7 +108,7 @@ ReleaseState releaseStateOf(const Signals& signals) {
         const std::size_t i = rows[static_cast<std::size_t>(k)];
         read[k] = v[i];
         for (Eigen::Index p = 0; p < powers; ++p)
-            basis(k, p) = std::pow((t[i] - t[0]) / span, static_cast<double>(p));
+            basis(k, p) = math::pow((t[i] - t[0]) / span, static_cast<double>(p));
     }
     const Eigen::MatrixXd inverse = dense::inverseLdlt(basis.transpose() * basis);
     const Eigen::VectorXd c = inverse * (basis.transpose() * read);

@@ -1,6 +1,7 @@
 #include "plugin/recording/import/plausibility.h"
 
 #include "plugin/recording/import/metadata.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +50,7 @@ std::pair<double, double> speeds(const Drive& drive, double wanted) {
             continue; // a dwell, or a rounded corner
         const double v = way / (drive.time[i] - drive.time[i - 1]);
         most = std::max(most, v);
-        if (nearest == 0.0 || std::abs(std::log(v / wanted)) < std::abs(std::log(nearest / wanted)))
+        if (nearest == 0.0 || std::abs(math::log(v / wanted)) < std::abs(math::log(nearest / wanted)))
             nearest = v;
     }
     return {most, nearest};

@@ -5,6 +5,7 @@
 #include "plugin/recording/import/metadata.h"
 #include "plugin/recording/import/specimen_file.h"
 #include "plugin/recording/table/json_text.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
@@ -73,8 +74,8 @@ Json obstaclesOf(const std::string& protocol) {
 
 /// To a power of ten below 2e-7 of the range: below the resolution of a machine.
 double rounded(double value, double range) {
-    const double digits = -std::floor(std::log10(2e-7 * range)); // a whole number; its power of ten is exact
-    const double scale = std::pow(10.0, std::abs(digits));
+    const double digits = -std::floor(math::log10(2e-7 * range)); // a whole number; its power of ten is exact
+    const double scale = math::pow(10.0, std::abs(digits));
     const double r = digits >= 0.0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
     return r == 0.0 || !std::isfinite(r) ? 0.0 : r;
 }

@@ -5,6 +5,7 @@
 #include "plugin/scene/loader/expression.h"
 
 #include "plugin/scene/loader/reader.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
@@ -22,8 +23,23 @@ constexpr std::size_t maxFormula = 2000; // characters; deeper formulas would ex
 constexpr std::size_t maxNames = 1000;
 constexpr int maxChain = 50; // formulas of formulas not yet evaluated; each level needs stack
 
-double sincFunction(double x) {
-    return rod::sinc(x);
+/// muParser's own functions call the C library, whose last bits depend on the machine.
+void defineFunctions(mu::Parser& parser) {
+    parser.DefineFun("sinc", math::sinc);
+    parser.DefineFun("sin", math::sin);
+    parser.DefineFun("cos", math::cos);
+    parser.DefineFun("tan", math::tan);
+    parser.DefineFun("asin", math::asin);
+    parser.DefineFun("acos", math::acos);
+    parser.DefineFun("atan", math::atan);
+    parser.DefineFun("atan2", math::atan2);
+    parser.DefineFun("sinh", math::sinh);
+    parser.DefineFun("cosh", math::cosh);
+    parser.DefineFun("tanh", math::tanh);
+    parser.DefineFun("exp", math::exp);
+    parser.DefineFun("ln", math::log);
+    parser.DefineFun("log10", math::log10);
+    parser.DefineFun("log2", math::log2);
 }
 
 bool startsName(char c) {
@@ -104,7 +120,7 @@ struct Scope::Calculator {
 };
 
 Scope::Scope() : calculator_(std::make_unique<Calculator>()) {
-    calculator_->functions.DefineFun("sinc", sincFunction);
+    defineFunctions(calculator_->functions);
 }
 Scope::~Scope() = default;
 
@@ -328,7 +344,7 @@ std::optional<double> Scope::evaluate(Context& context, const std::string& formu
         return fail(0, "the formula is too long", "at most " + std::to_string(maxFormula) + " characters", {});
     const auto owned = std::make_unique<mu::Parser>(); // kilobytes; formulas of formulas recurse
     mu::Parser& parser = *owned;
-    parser.DefineFun("sinc", sincFunction);
+    defineFunctions(parser);
     parser.DefineConst("pi", M_PI);
     for (const NameUse& use : namesIn(formula)) {
         if (use.name == "pi" || isFunction(use.name))

@@ -1,6 +1,7 @@
 // Rigid bodies under the names R.U.B.E. and b2dJson use, so that existing Box2D exports load unchanged.
 
 #include "plugin/scene/loader/sections.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +86,7 @@ void dropStraightCorners(std::vector<Vec2>& v) {
     for (std::size_t i = 0; i < v.size() && v.size() > 3;) {
         const Vec2 a = v[i] - v[(i + v.size() - 1) % v.size()];
         const Vec2 b = v[(i + 1) % v.size()] - v[i];
-        if (std::abs(std::atan2(rod::cross(a, b), a.dot(b))) < straight)
+        if (std::abs(math::atan2(rod::cross(a, b), a.dot(b))) < straight)
             v.erase(v.begin() + static_cast<std::ptrdiff_t>(i));
         else
             ++i;
@@ -109,7 +110,7 @@ void checkPolygon(Context& context, const Node& at, const std::string& pointer, 
     for (std::size_t i = 0; i < v.size(); ++i) {
         const Vec2 a = v[(i + 1) % v.size()] - v[i];
         const Vec2 b = v[(i + 2) % v.size()] - v[(i + 1) % v.size()];
-        const double turn = std::atan2(rod::cross(a, b), a.dot(b));
+        const double turn = math::atan2(rod::cross(a, b), a.dot(b));
         turned += turn;
         area += 0.5 * rod::cross(v[i], v[(i + 1) % v.size()]);
         least = std::min(least, turn);

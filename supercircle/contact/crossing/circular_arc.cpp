@@ -6,6 +6,7 @@
 
 #include "supercircle/contact/circular_arc.h"
 
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ using rod::perp;
 
 /// atan(z)/z through z = 0.
 double atanc(double z) {
-    return std::abs(z) < 1e-4 ? 1.0 - z * z / 3.0 : std::atan(z) / z;
+    return std::abs(z) < 1e-4 ? 1.0 - z * z / 3.0 : math::atan(z) / z;
 }
 
 /// Arc length, from b's middle, of the point of b's circle nearest to p. p is any point but the circle's centre.
@@ -30,7 +31,7 @@ double nearestOnCircle(const Vec2& p, const CircularArc& b) {
     const double c = 1.0 - b.curvature * cross(b.tangent, q);
     if (c > 0.0)
         return x / c * atanc(b.curvature * x / c);
-    return std::atan2(b.curvature * x, c) / b.curvature; // beyond the centre, so the curvature is not 0
+    return math::atan2(b.curvature * x, c) / b.curvature; // beyond the centre, so the curvature is not 0
 }
 
 void addIfOn(const CircularArc& a, const CircularArc& b, double u, double extra, int& count,
@@ -80,7 +81,7 @@ double commonNormalDistance(const CircularArc& a, const CircularArc& b) {
     if (std::abs(cosine) < 0.999 * p.cosine * direction.norm())
         return best; // outside the arc in both directions
     for (const double sign : {1.0, -1.0}) {
-        const double s = std::atan2(sign * sine, sign * cosine) / p.curvature;
+        const double s = math::atan2(sign * sine, sign * cosine) / p.curvature;
         if (std::abs(s) <= p.half)
             best = std::min(best, distance(p.at(s), q));
     }
@@ -91,8 +92,8 @@ double commonNormalDistance(const CircularArc& a, const CircularArc& b) {
 
 Vec2 CircularArc::at(double s) const {
     const double x = 0.5 * curvature * s;
-    const double c = s * rod::sinc(x);
-    const rod::SinCos a = rod::sinCosSmall(x);
+    const double c = s * math::sinc(x);
+    const math::SinCos a = math::sinCosSmall(x);
     const Vec2 along(c * a.cosine, c * a.sine);
     return mid + along.x() * tangent + along.y() * perp(tangent);
 }
@@ -102,13 +103,13 @@ namespace {
 /// Everything but the middle, relative to a middle at the origin.
 CircularArc aroundOrigin(double angle, double curvature, double half) {
     CircularArc p;
-    const rod::SinCos turned = rod::sinCos(angle);
+    const math::SinCos turned = math::sinCos(angle);
     p.tangent = {turned.cosine, turned.sine};
     p.curvature = curvature;
     p.half = half;
     // Ends at (+-along, across): half sin(2x)/(2x) and half (1 - cos 2x)/(2x), x a quarter of the turn.
     const double x = 0.5 * curvature * half;
-    const double sinc = rod::sinc(x);
+    const double sinc = math::sinc(x);
     const double sine = x * sinc;
     p.cosine = 1.0 - 2.0 * sine * sine;
     p.reach = half * sinc * std::sqrt(1.0 - sine * sine);

@@ -14,6 +14,7 @@
 
 #include "supercircle/contact/crossing/points_inside.h"
 #include "supercircle/contact/one_sided.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -269,7 +270,7 @@ bool startsAtRidge(const Outline& edge) {
 bool isInFrontAt(const CircularArc& rod, const CircularArc& edge, double x, double near, const Outline& outline) {
     const Vec2 place = edge.at(x), q = place - rod.mid;
     const double along = q.dot(rod.tangent), c = 1.0 - rod.curvature * rod::cross(rod.tangent, q);
-    const double s = rod.curvature != 0.0 ? std::atan2(rod.curvature * along, c) / rod.curvature : along;
+    const double s = rod.curvature != 0.0 ? math::atan2(rod.curvature * along, c) / rod.curvature : along;
     const Vec2 p = rod.at(std::clamp(s, -rod.half, rod.half));
     const double past = (p - place).dot(edge.tangent);
     if (past < 0.0 && x <= near - edge.half && outline.joinedStart && !startsAtRidge(outline))

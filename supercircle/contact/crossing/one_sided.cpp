@@ -1,6 +1,7 @@
 #include "supercircle/contact/one_sided.h"
 
 #include "supercircle/contact/circular_arc.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +42,7 @@ bool isInFront(const Vec2& p, const Outline& edge) {
 bool reaches(const RodCurve& curve, const Outline& edge, double distance) {
     const Vec2 way = edge.points[1] - edge.points[0], middle = edge.points[0] + 0.5 * way;
     const crossing_check::CircularArc segment =
-        crossing_check::makeArc(middle, std::atan2(way.y(), way.x()), 0.0, 0.5 * way.norm());
+        crossing_check::makeArc(middle, math::atan2(way.y(), way.x()), 0.0, 0.5 * way.norm());
     const auto arcReaches = [&](const Arc& arc) {
         const double far = arc.length + distance;
         if (squareToSegment(edge.points[0], edge.points[1], arc.start) > far * far)

@@ -1,5 +1,6 @@
 #include "supercircle/contact/crossing/swept_motion.h"
 
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -9,7 +10,7 @@ namespace supercircle::contact::crossing_check {
 namespace {
 
 Vec2 rotated(const Vec2& v, double angle) {
-    const rod::SinCos a = rod::sinCosSmall(angle);
+    const math::SinCos a = math::sinCosSmall(angle);
     return a.cosine * v + a.sine * rod::perp(v);
 }
 
@@ -80,7 +81,7 @@ void consider(const Section& before, const Section& after, double& least, RigidM
 }
 
 void finish(RigidMotion& frame) {
-    const rod::SinCos a = rod::sinCosSmall(frame.turn);
+    const math::SinCos a = math::sinCosSmall(frame.turn);
     frame.back = {a.cosine, -a.sine};
 }
 
@@ -108,7 +109,7 @@ RigidMotion frameBetween(const Outline& from, const Outline& to) {
     double least = INFINITY;
     const auto direction = [](const Outline& o) {
         const Vec2 edge = o.points.size() > 1 ? Vec2(o.points[1] - o.points[0]) : Vec2(1.0, 0.0);
-        return std::atan2(edge.y(), edge.x());
+        return math::atan2(edge.y(), edge.x());
     };
     const double angleFrom = direction(from);
     const double angleTo = direction(to);
@@ -168,7 +169,7 @@ int cuts(double turn) {
 Arc straight(const Vec2& a, const Vec2& b) {
     Arc arc;
     arc.start = a;
-    arc.angle = std::atan2(b.y() - a.y(), b.x() - a.x());
+    arc.angle = math::atan2(b.y() - a.y(), b.x() - a.x());
     arc.length = (b - a).norm();
     return arc;
 }
@@ -305,7 +306,7 @@ void SweptMotion::addOutline(std::size_t o, const Outline& from, const Outline& 
             arc.curvature = 1.0 / from.radius;
             arc.length = 0.5 * M_PI * from.radius;
             arc.angle = 0.5 * M_PI * (i + 1);
-            const Vec2 radius = from.radius * Vec2(std::cos(0.5 * M_PI * i), std::sin(0.5 * M_PI * i));
+            const Vec2 radius = from.radius * Vec2(math::cos(0.5 * M_PI * i), math::sin(0.5 * M_PI * i));
             arc.start = from.points[0] + radius;
             Arc moved = arc;
             moved.start = to.points[0] + radius;

@@ -1,5 +1,6 @@
 #include "supercircle/contact/detection/closest.h"
 
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/invariants.h"
 
 namespace supercircle::contact {
@@ -87,20 +88,20 @@ bool lowestPoint(const SubArc& arc, const Vec2& up, double depth, Foot& foot) {
         return false;
     // t(phi) . up = g0 cos phi + (n0 . up) sin phi = 0 with phi of the sign of the curvature.
     const double c = rod::perp(arc.t0).dot(up) * (arc.curvature > 0.0 ? 1.0 : -1.0);
-    foot = pointOnSubArc(arc, std::min(std::max(std::atan2(-g0, c) / k, 0.0), arc.length));
+    foot = pointOnSubArc(arc, std::min(std::max(math::atan2(-g0, c) / k, 0.0), arc.length));
     return true;
 }
 
 Foot pointOnSubArc(const SubArc& arc, double s) {
     SC_ASSERT_EXPENSIVE(!(s < 0.0) && !(s > arc.length), "a point of the sub-arc");
     const double half = 0.5 * arc.curvature * s;
-    const rod::SinCos turned = rod::sinCosSmall(half);
+    const math::SinCos turned = math::sinCosSmall(half);
     const double c = turned.cosine;
     const double e = turned.sine;
     const Vec2 n0 = rod::perp(arc.t0);
     const Vec2 middle = c * arc.t0 + e * n0;
     Foot foot;
-    foot.point = arc.p0 + s * rod::sinc(half) * middle;
+    foot.point = arc.p0 + s * math::sinc(half) * middle;
     foot.normal = c * rod::perp(middle) - e * middle;
     foot.s = s;
     return foot;

@@ -10,6 +10,7 @@
 // This is the nearest point of the full circle; sign tests at the ends decide whether it lies on the sub-arc.
 
 #include "supercircle/contact/detection/sub_arcs.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +42,7 @@ inline double footArc(double k, double x, double y) {
         const double u = (a / c) * (a / c);
         return x / c * (1.0 - u * (1.0 / 3.0 - u * (0.2 - u / 7.0)));
     }
-    return std::atan2(a, c) / k;
+    return math::atan2(a, c) / k;
 }
 
 /// Foot of p on the circle of a sub-arc, without its arc length. `x` and `y` return p in the start frame. False for the

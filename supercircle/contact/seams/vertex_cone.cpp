@@ -2,6 +2,7 @@
 // turn makes the vertex a corner of the union, whose normal cone lies between the perpendiculars of its bounds.
 
 #include "supercircle/contact/seams/seam_shape.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@ constexpr double kCrack = 0.1;    ///< rad, free sector up to which a vertex cou
 constexpr double kValley = 0.785; ///< rad, concave turn from which a vertex is left as it is
 
 double angleFrom(const Vec2& a, const Vec2& b) {
-    const double turn = std::atan2(rod::cross(a, b), a.dot(b));
+    const double turn = math::atan2(rod::cross(a, b), a.dot(b));
     return turn < 0.0 ? turn + 2.0 * M_PI : turn;
 }
 

@@ -1,5 +1,7 @@
 #include "supercircle/effects/laws/elastic_law.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,9 +11,9 @@ namespace {
 
 /// g of u = g + uc (g/uc)^n for u >= 0: Newton from below on a convex function whose root lies in [0, u].
 ElasticResponse rambergOsgood(double uc, double n, double u) {
-    double x = std::min(u / uc, std::pow(u / uc, 1.0 / n)); // at or above the root: u = x + x^n there is too large
+    double x = std::min(u / uc, math::pow(u / uc, 1.0 / n)); // at or above the root: u = x + x^n there is too large
     for (int i = 0; i < 60; ++i) {
-        const double power = std::pow(x, n - 1.0);
+        const double power = math::pow(x, n - 1.0);
         const double step = (x * (1.0 + power) - u / uc) / (1.0 + n * power);
         x -= step;
         if (std::abs(step) <= 1e-15 * std::max(x, 1e-300))
@@ -20,8 +22,8 @@ ElasticResponse rambergOsgood(double uc, double n, double u) {
     const double g = uc * x;
     ElasticResponse out;
     out.value = g;
-    out.slope = 1.0 / (1.0 + n * std::pow(x, n - 1.0));
-    out.energy = 0.5 * g * g + n / (n + 1.0) * uc * uc * std::pow(x, n + 1.0);
+    out.slope = 1.0 / (1.0 + n * math::pow(x, n - 1.0));
+    out.energy = 0.5 * g * g + n / (n + 1.0) * uc * uc * math::pow(x, n + 1.0);
     return out;
 }
 

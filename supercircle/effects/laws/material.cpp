@@ -1,6 +1,7 @@
 #include "supercircle/effects/laws/material.h"
 
 #include "supercircle/effects/laws/elastic_law.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,13 +15,13 @@ double remaining(const MaterialModel& m, double age) {
     if (m.softening == 0.0)
         return 1.0;
     const double x = age / m.softeningTime;
-    const double lost = m.softeningByDecades ? std::log10(1.0 + x) : -std::expm1(-x);
+    const double lost = m.softeningByDecades ? math::log10(1.0 + x) : -math::expm1(-x);
     return std::max(1e-3, 1.0 - m.softening * lost);
 }
 
 /// (1 - exp(-x)) / x
 double meanDecay(double x) {
-    return x > 1e-8 ? -std::expm1(-x) / x : 1.0 - 0.5 * x;
+    return x > 1e-8 ? -math::expm1(-x) / x : 1.0 - 0.5 * x;
 }
 
 double naturalCurvature(const rod::RodModel& rod, int element) {
@@ -91,7 +92,7 @@ void storedLine(const rod::RodModel& rod, const Material& m, std::size_t e, doub
 /// Overstress of a Maxwell branch at the end of a step of steady rate.
 double relaxed(const MaxwellBranch& branch, double overstress, double change, double dt) {
     const double x = dt / branch.time;
-    return overstress * std::exp(-x) + change * meanDecay(x);
+    return overstress * math::exp(-x) + change * meanDecay(x);
 }
 
 /// Integral of overstress^2 / time over the step: dissipation of the branch's dashpot, per stiffness.
@@ -99,7 +100,7 @@ double dashpot(const MaxwellBranch& branch, double overstress, double change, do
     const double x = dt / branch.time, a = change / x, b = overstress - a; // a + b exp(-t/time)
     if (x < 1e-4) // avoids cancellation; to first order in x the overstress is linear
         return x * (overstress * overstress + overstress * change + change * change / 3.0);
-    return a * a * x - 2.0 * a * b * std::expm1(-x) - 0.5 * b * b * std::expm1(-2.0 * x);
+    return a * a * x - 2.0 * a * b * math::expm1(-x) - 0.5 * b * b * math::expm1(-2.0 * x);
 }
 
 } // namespace

@@ -1,5 +1,7 @@
 #include "supercircle/effects/laws/profile.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +19,7 @@ double shapeAt(const Profile& p, double length, double s) {
     const double x = s - p.centre * length;
     switch (p.shape) {
     case Profile::Shape::Gauss:
-        return std::exp(-0.5 * (x / p.width) * (x / p.width));
+        return math::exp(-0.5 * (x / p.width) * (x / p.width));
     case Profile::Shape::Flat:
         return std::abs(x) <= 0.5 * p.width ? 1.0 : 0.0;
     case Profile::Shape::Linear:

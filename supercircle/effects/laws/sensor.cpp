@@ -1,4 +1,5 @@
 #include "supercircle/effects/sensor.h"
+#include "supercircle/support/elementary.h"
 
 #include <cmath>
 
@@ -28,13 +29,13 @@ double SensorChain::read(double time, double force) {
     if (model_.lag <= 0.0) {
         output_ = input;
     } else if (dt > 0.0) { // exact for a linear input
-        const double x = dt / model_.lag, decay = std::exp(-x), slope = (input - input_) / x;
+        const double x = dt / model_.lag, decay = math::exp(-x), slope = (input - input_) / x;
         output_ = input - slope + (output_ - input_ + slope) * decay;
     }
     input_ = input;
     last_ = time;
     const double age = time - start_;
-    return (1.0 + model_.gain) * output_ - model_.drift * std::expm1(-age / model_.driftTime) + model_.driftRate * age;
+    return (1.0 + model_.gain) * output_ - model_.drift * math::expm1(-age / model_.driftTime) + model_.driftRate * age;
 }
 
 } // namespace supercircle::effects

@@ -1,5 +1,7 @@
 #include "supercircle/effects/laws/surface.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,21 +16,21 @@ constexpr double kMinFriction = 0.01; ///< of the declared coefficient
 double weakenedAfter(const FrictionModel& m, double weakened, double speed, double dt) {
     const double heal = 1.0 / m.healing, wear = speed / m.slipWeakening;
     const double end = wear / (heal + wear);
-    return end + (weakened - end) * std::exp(-dt * (heal + wear));
+    return end + (weakened - end) * math::exp(-dt * (heal + wear));
 }
 
 double rateFactor(const FrictionModel& m, double speed) {
     const double x = speed / m.rateSpeed;
     switch (m.rate) {
     case FrictionModel::Rate::Stribeck:
-        return 1.0 - m.rateStrength * std::expm1(-x);
+        return 1.0 - m.rateStrength * math::expm1(-x);
     case FrictionModel::Rate::Logarithmic:
-        return 1.0 + m.rateStrength * std::log1p(x);
+        return 1.0 + m.rateStrength * math::log1p(x);
     case FrictionModel::Rate::Viscous:
         return 1.0 + m.rateStrength * x;
     case FrictionModel::Rate::Learned: {
         constexpr double kDecades = 4.0;
-        const double at = 0.5 + std::log10(std::max(x, 1e-9)) / kDecades;
+        const double at = 0.5 + math::log10(std::max(x, 1e-9)) / kDecades;
         return 1.0 + m.rateStrength * evaluateSpline(m.rateCurve, at).value;
     }
     }
@@ -69,7 +71,7 @@ double frictionFactor(const FrictionModel& m, const Site& site, double speed, do
     if (m.wearChange != 0.0) {
         const double slip = (site.slid + dt * speed) / m.wearDistance;
         factor *= m.wearLearned ? 1.0 + m.wearChange * evaluateSpline(m.wearCurve, slip).value
-                                : 1.0 - m.wearChange * std::expm1(-slip);
+                                : 1.0 - m.wearChange * math::expm1(-slip);
     }
     return std::max(kMinFriction, factor);
 }

@@ -4,6 +4,7 @@
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/parallel.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +70,7 @@ double relativeCurvature(const World& world, const std::vector<RodWork>& rods, c
         const rod::MaterialPoint place = rod::locate(model, at.element, at.s);
         const double angle = rods[i].kin.angle(place);
         const double k = rods[i].kin.arcs()[static_cast<std::size_t>(at.element)].curvature *
-                         c.normal.dot(Vec2(-std::sin(angle), std::cos(angle))) * outward;
+                         c.normal.dot(Vec2(-math::sin(angle), math::cos(angle))) * outward;
         return k / (1.0 + 0.5 * model.definition().thickness * k); // of the surface, positive: bulges towards the other
     };
     double curvature = side(c.a, 1.0);
@@ -225,7 +226,7 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
             for (std::size_t k = 0; k < w.tension[side].size(); ++k) {
                 const double length = model.side(side)[k].signedLength;
                 const double angle = w.kin.angle({side, static_cast<int>(k), 0.5 * length});
-                const double force = w.beyond[side][k].dot(Vec2(std::cos(angle), std::sin(angle)));
+                const double force = w.beyond[side][k].dot(Vec2(math::cos(angle), math::sin(angle)));
                 w.tension[side][k] = std::max(0.0, force * length); // both signs turn on the left side
             }
         }

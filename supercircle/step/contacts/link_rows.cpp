@@ -6,6 +6,7 @@
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,7 @@ struct Places {
 enum class When { Start, Middle, End };
 
 Vec2 turned(const Vec2& v, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = math::cos(angle), s = math::sin(angle);
     return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
 }
 

@@ -3,6 +3,7 @@
 #include "supercircle/contact/one_sided.h"
 #include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/islands/reach.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -116,7 +117,7 @@ bool comesFromBehind(const World& world, const contact::Candidate& c) {
     const Rod& rod = world.rods[static_cast<std::size_t>(c.a.rod)];
     const BodyState& body = world.bodies[static_cast<std::size_t>(bodyIndex(world, piece.body))].state;
     const Vec2 arm = rod.kin.point(rod::locate(rod.model, c.a.element, c.a.s)) - body.centre;
-    const double cosine = std::cos(body.angle), sine = std::sin(body.angle);
+    const double cosine = math::cos(body.angle), sine = math::sin(body.angle);
     return !contact::isInFront({cosine * arm.x() + sine * arm.y(), cosine * arm.y() - sine * arm.x()}, piece.local);
 }
 

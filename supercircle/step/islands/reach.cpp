@@ -2,6 +2,7 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +44,7 @@ Box reachOf(const World& world, const Rod& rod, const rod::Kinematics& kin, doub
 }
 
 Box reachOf(const World& world, const BodyState& b, const BodyOutline& piece, double frame) {
-    const double c = std::cos(b.angle), s = std::sin(b.angle), fall = frame * world.gravity.norm();
+    const double c = math::cos(b.angle), s = math::sin(b.angle), fall = frame * world.gravity.norm();
     Box box = emptyBox();
     for (const Vec2& p : piece.local.points)
         widen(box, b.centre + Vec2(c * p.x() - s * p.y(), s * p.x() + c * p.y()),

@@ -4,6 +4,7 @@
 #include "supercircle/step/rods/effect_terms.h"
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -63,7 +64,7 @@ void turnAbout(const rod::GaussField& gauss, double angle, std::vector<Vec2>& u)
     }
     SC_ASSERT(!(mass <= 0.0), "a rod has a mass");
     mean /= mass;
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = math::cos(angle), s = math::sin(angle);
     for (Vec2& x : u) {
         const Vec2 d = x - mean;
         x = mean + Vec2(c * d.x() - s * d.y(), s * d.x() + c * d.y());

@@ -1,5 +1,7 @@
 #include "supercircle/step/stages/join_outlines.h"
 
+#include "supercircle/support/trig.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,7 +52,7 @@ void placePiece(const BodyOutline& raw, const BodyState& body, contact::SeamPiec
 }
 
 void toBody(const BodyState& body, contact::Outline& outline, const contact::Joined& joined) {
-    const double c = std::cos(body.angle), s = std::sin(body.angle);
+    const double c = math::cos(body.angle), s = math::sin(body.angle);
     const auto turn = [&](const Vec2& d) { return Vec2(c * d.x() + s * d.y(), c * d.y() - s * d.x()); };
     if (joined.moved)
         for (std::size_t k = 0; k < outline.points.size(); ++k)

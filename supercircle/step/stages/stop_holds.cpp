@@ -8,6 +8,7 @@
 #include "supercircle/step/contacts/one_sided.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +97,7 @@ struct Approach {
     /// Between the surfaces, the point and the body each at their own time, m.
     [[nodiscard]] double gap(double pointAt, double bodyAt) const {
         const Vec2 p = poseAfter(world, hold.target, pointAt).point;
-        const double angle = body.state.angle + bodyAt * body.state.spin, c = std::cos(angle), s = std::sin(angle);
+        const double angle = body.state.angle + bodyAt * body.state.spin, c = math::cos(angle), s = math::sin(angle);
         const Vec2 arm = p - body.state.centre - bodyAt * body.state.velocity;
         return distance({c * arm.x() + s * arm.y(), c * arm.y() - s * arm.x()}, outline) - outline.radius -
                0.5 * thickness;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 using namespace supercircle::rod;
+namespace math = supercircle::math;
 
 namespace {
 
@@ -49,7 +50,7 @@ const double kLengths[] = {1e-6, 0.3, 1.0, 1.6, -0.4, -1.3};
 } // namespace
 
 TEST_CASE("sinc and its relatives have full relative accuracy through zero", "[arc]") {
-    CHECK(sinc(0.0) == 1.0);
+    CHECK(math::sinc(0.0) == 1.0);
     CHECK(sincDerivative(0.0) == 0.0);
     CHECK(sincDeficit(0.0) == 0.0);
     for (double x = 1e-9; x < 3.0; x *= 1.07) {
@@ -67,17 +68,17 @@ TEST_CASE("sinc and its relatives have full relative accuracy through zero", "[a
         }
         INFO("x = " << x);
         // Values are O(x) or O(1): relative 2 ulp below 1.5, absolute 1e-15 beyond where zeros may be near.
-        CHECK(std::abs(static_cast<double>(sinc(x) - value)) <= 4e-16);
+        CHECK(std::abs(static_cast<double>(math::sinc(x) - value)) <= 4e-16);
         CHECK(std::abs(static_cast<double>(sincDerivative(x) - slope)) <= 1e-15 * std::abs(static_cast<double>(slope)));
         CHECK(std::abs(static_cast<double>(sincDeficit(x) - deficit)) <=
               1e-15 * std::abs(static_cast<double>(deficit)));
-        CHECK(sinc(-x) == sinc(x));
+        CHECK(math::sinc(-x) == math::sinc(x));
         CHECK(sincDerivative(-x) == -sincDerivative(x));
         CHECK(sincDeficit(-x) == -sincDeficit(x));
     }
     for (double x = 3.0; x < 60.0; x += 0.37) { // large arguments against the direct formulas in long double
         const long double lx = x;
-        CHECK(sinc(x) == Approx(static_cast<double>(std::sin(lx) / lx)).margin(1e-15));
+        CHECK(math::sinc(x) == Approx(static_cast<double>(std::sin(lx) / lx)).margin(1e-15));
         CHECK(sincDerivative(x) == Approx(static_cast<double>((std::cos(lx) - std::sin(lx) / lx) / lx)).margin(1e-15));
         CHECK(sincDeficit(x) == Approx(static_cast<double>((1.0L - std::sin(lx) / lx) / lx)).margin(1e-15));
     }

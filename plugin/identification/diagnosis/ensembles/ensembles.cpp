@@ -4,6 +4,7 @@
 #include "plugin/identification/diagnosis/result/verdict.h"
 #include "plugin/identification/diagnosis/selection/model_weights.h"
 #include "plugin/recording/table/rounded.h"
+#include "supercircle/support/elementary.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -51,7 +52,8 @@ PredictiveScore scored(const Ensemble& recorded, const Ensemble& model, const Ei
     const Eigen::MatrixXd d = recorded.values.rowwise() - model.values.colwise().mean();
     PredictiveScore out;
     out.energy = llt.matrixL().solve(d.transpose()).colwise().squaredNorm().transpose();
-    const double volume = 2.0 * llt.matrixLLT().diagonal().array().log().sum();
+    const double volume =
+        2.0 * llt.matrixLLT().diagonal().array().unaryExpr([](double each) { return math::log(each); }).sum();
     out.volume = Eigen::VectorXd::Constant(d.rows(), volume);
     out.rows = Eigen::VectorXd::Constant(d.rows(), static_cast<double>(d.cols()));
     return out;

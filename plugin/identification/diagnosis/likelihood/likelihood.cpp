@@ -1,5 +1,6 @@
 #include "plugin/identification/diagnosis/likelihood.h"
 #include "plugin/identification/diagnosis/model/decompositions.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -118,7 +119,7 @@ void Likelihood::addJumps(const RecordedRun& run, const Response& fine, const Re
                 const double other = b[static_cast<std::size_t>(inFiner[static_cast<std::size_t>(f)])].time;
                 double& error = nuisance[static_cast<Eigen::Index>(i)];
                 error =
-                    std::hypot(error, s.repeatFactor * s.refinement * (a[static_cast<std::size_t>(f)].time - other));
+                    math::hypot(error, s.repeatFactor * s.refinement * (a[static_cast<std::size_t>(f)].time - other));
             }
     }
     Eigen::MatrixXd covariance = nuisance.cwiseAbs2().asDiagonal();

@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/likelihood/model_error.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -154,9 +156,9 @@ ModelError modelErrorOf(const RecordedRun& run, const Noise& noise, const Respon
                         double peakForce, const LikelihoodSettings& s) {
     ModelError out;
     const Eigen::Index n = run.force.size();
-    out.force = Eigen::VectorXd::Constant(n, std::hypot(s.repeatFactor * s.shareOfPeak * peakForce, noise.runToRun));
+    out.force = Eigen::VectorXd::Constant(n, math::hypot(s.repeatFactor * s.shareOfPeak * peakForce, noise.runToRun));
     out.markers =
-        Eigen::VectorXd::Constant(run.markers.size(), std::hypot(noise.marker, s.repeatFactor * s.markerAccuracy));
+        Eigen::VectorXd::Constant(run.markers.size(), math::hypot(noise.marker, s.repeatFactor * s.markerAccuracy));
     double shortest = kMissing;
     for (const Stroke& stroke : run.strokes)
         if (stroke.phase != Phase::Hold)
@@ -185,14 +187,15 @@ ModelError modelErrorOf(const RecordedRun& run, const Noise& noise, const Respon
             const Eigen::Index a = std::max<Eigen::Index>(0, k - reach), b = std::min(n, k + reach + 1);
             const auto near = correction.segment(a, b - a).array();
             const double mean = near.mean(), varies = (near - mean).square().mean();
-            discretisation = s.repeatFactor * std::hypot(std::sqrt(varies), (discretised ? s.uncorrected : 1.0) * mean);
+            discretisation =
+                s.repeatFactor * math::hypot(std::sqrt(varies), (discretised ? s.uncorrected : 1.0) * mean);
         }
         out.force[k] = std::sqrt(out.force[k] * out.force[k] + position * position + discretisation * discretisation);
     }
     for (Eigen::Index k = 0; k < run.markers.size(); ++k) {
         if (both && fine.markers.size() == run.markers.size() && finer.markers.size() == run.markers.size())
             out.markers[k] =
-                std::hypot(out.markers[k], s.repeatFactor * s.refinement * (finer.markers[k] - fine.markers[k]));
+                math::hypot(out.markers[k], s.repeatFactor * s.refinement * (finer.markers[k] - fine.markers[k]));
         if (!std::isfinite(run.markers[k]) || !std::isfinite(out.markers[k]))
             out.markers[k] = kMissing;
     }

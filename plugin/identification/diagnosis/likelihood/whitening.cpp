@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/likelihood/whitening.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <cmath>
 
 namespace supercircle::diagnosis {
@@ -12,8 +14,8 @@ Whitening::Whitening(const Eigen::VectorXd& time, double white, double correlate
         Row row;
         const double dt = k > 0 ? time[k] - time[k - 1] : 0.0;
         if (k > 0) {
-            row.decayA = std::exp(-dt / correlationTime);
-            row.decayB = std::exp(-dt / modelCorrelationTime);
+            row.decayA = math::exp(-dt / correlationTime);
+            row.decayB = math::exp(-dt / modelCorrelationTime);
             aa = row.decayA * row.decayA * aa + correlated * correlated * (1.0 - row.decayA * row.decayA);
             ab *= row.decayA * row.decayB;
             bb = modelError.size() > 0 ? 1.0 + row.decayB * row.decayB * (bb - 1.0) : 0.0;
@@ -29,7 +31,7 @@ Whitening::Whitening(const Eigen::VectorXd& time, double white, double correlate
             aa -= row.gainA * va;
             ab -= row.gainA * vb;
             bb -= row.gainB * vb;
-            logDeterminant_ += std::log(variance);
+            logDeterminant_ += math::log(variance);
             ++present_;
         }
         rows_.push_back(row);

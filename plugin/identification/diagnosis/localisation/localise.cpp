@@ -2,6 +2,7 @@
 
 #include "plugin/identification/diagnosis/model/random.h"
 #include "supercircle/support/dense.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <array>
@@ -56,7 +57,7 @@ Eigen::VectorXd excessNoise(const Likelihood& likelihood, const Noise::Posterior
         Eigen::VectorXd raw = Eigen::VectorXd::Zero(likelihood.rowsOf(r));
         double state = random.normal();
         for (Eigen::Index k = 0; k < run.force.size(); ++k) {
-            const double keep = k > 0 ? std::exp(-(run.time[k] - run.time[k - 1]) / p.correlationTime) : 1.0;
+            const double keep = k > 0 ? math::exp(-(run.time[k] - run.time[k - 1]) / p.correlationTime) : 1.0;
             state = keep * state + std::sqrt(1.0 - keep * keep) * random.normal();
             raw[k] = slow * state + white * random.normal();
         }
@@ -320,7 +321,7 @@ private:
                 s += signOf(c, k) * sums.col(c.rows[k]);
             }
             t.row(i) = perSize_[i] * (t.row(i) + s.matrix().transpose());
-            t.row(m + i) = e.unaryExpr([](double x) { return std::cbrt(x); }).matrix().transpose();
+            t.row(m + i) = e.unaryExpr([](double x) { return math::cbrt(x); }).matrix().transpose();
         }
         return t;
     }
@@ -349,7 +350,7 @@ StatisticFamilies familiesOf(const WindowScan& scan, const Standardiser& standar
 
 /// Bonferroni's bound on the p of a number of normal deviates.
 double bonferroni(Eigen::Index count, double deviate) {
-    return static_cast<double>(count) * std::erfc(std::min(deviate, 35.0) / std::sqrt(2.0));
+    return static_cast<double>(count) * math::erfc(std::min(deviate, 35.0) / std::sqrt(2.0));
 }
 
 } // namespace

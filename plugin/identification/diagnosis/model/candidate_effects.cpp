@@ -2,6 +2,7 @@
 
 #include "plugin/identification/diagnosis/model/learned_laws.h"
 #include "plugin/identification/replay/free_scales.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,7 +92,7 @@ public:
     /// A time, length or speed on a logarithmic scale; one step is a factor of two.
     CandidateBuilder& extent(const std::string& name, double lower, double upper) {
         if (effect_ != nullptr)
-            add(name, std::log(std::sqrt(lower * upper)), std::log(lower), std::log(upper), std::log(2.0),
+            add(name, math::log(std::sqrt(lower * upper)), math::log(lower), math::log(upper), math::log(2.0),
                 Scale::Logarithm);
         return *this;
     }
@@ -271,8 +272,8 @@ void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
 /// Candidates for the bodies of a free scene. Relevant amplitudes are a hundredth of the torque of the weight.
 void bodies(CandidateBuilder& w, const replay::FreeScales& s) {
     const double torque = 0.01 * s.torque, viscous = torque / s.spin;
-    const double linear = 3.0 * viscous / std::pow(s.length, 3), // of a rod hinged at its end
-        square = 4.0 * viscous / (s.spin * std::pow(s.length, 4));
+    const double linear = 3.0 * viscous / math::pow(s.length, 3), // of a rod hinged at its end
+        square = 4.0 * viscous / (s.spin * math::pow(s.length, 4));
     w.variant("bearing_friction", "dry").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
     w.probe({torque}).probe({0.2 * torque});
     w.variant("bearing_friction", "dry, with the load").amplitude("arm_m", 0.0, 0.2 * s.length, 5e-3 * s.length);

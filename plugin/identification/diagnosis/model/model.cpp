@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/model/model.h"
 
+#include "supercircle/support/elementary.h"
+
 #include <cmath>
 
 namespace supercircle::diagnosis {
@@ -11,7 +13,7 @@ double toPhysical(Scale scale, double x) {
     case Scale::ReciprocalSquare:
         return x > 0.0 ? 1.0 / std::sqrt(x) : std::numeric_limits<double>::infinity();
     case Scale::Logarithm:
-        return std::exp(x);
+        return math::exp(x);
     case Scale::Linear:
         break;
     }
@@ -25,7 +27,7 @@ double toInternal(Scale scale, double x) {
     case Scale::ReciprocalSquare:
         return 1.0 / (x * x);
     case Scale::Logarithm:
-        return std::log(x);
+        return math::log(x);
     case Scale::Linear:
         break;
     }

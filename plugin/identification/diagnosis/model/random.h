@@ -1,6 +1,8 @@
 #pragma once
 // Normal and exponential numbers that are equal on every machine (the standard fixes engines, not distributions).
 
+#include "supercircle/support/elementary.h"
+
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -18,17 +20,17 @@ public:
             spare_ = false;
             return kept_;
         }
-        const double r = std::sqrt(-2.0 * std::log(uniform())), a = 6.283185307179586 * uniform();
-        kept_ = r * std::sin(a);
+        const double r = std::sqrt(-2.0 * math::log(uniform())), a = 6.283185307179586 * uniform();
+        kept_ = r * math::sin(a);
         spare_ = true;
-        return r * std::cos(a);
+        return r * math::cos(a);
     }
     /// Student's t of `degrees` > 2 degrees of freedom, scaled to variance 1 (R. W. Bailey, Math. Comp. 62 (1994) 779).
     double student(double degrees) {
-        const double r = std::sqrt((degrees - 2.0) * std::expm1(-2.0 / degrees * std::log(uniform())));
-        return r * std::cos(6.283185307179586 * uniform());
+        const double r = std::sqrt((degrees - 2.0) * math::expm1(-2.0 / degrees * math::log(uniform())));
+        return r * math::cos(6.283185307179586 * uniform());
     }
-    double exponential() { return -std::log(uniform()); }
+    double exponential() { return -math::log(uniform()); }
 
 private:
     std::mt19937_64 engine_;

@@ -8,6 +8,7 @@
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/table/text.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -218,7 +219,7 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
         if (mapping.readingEffect == ReadingEffect::Drift)
             add(force, time, [&](std::size_t k) {
                 const double age = std::max(0.0, time[k] - recorded.driveTime.front());
-                return sensor.driftRate * age - sensor.drift * std::expm1(-age / sensor.driftTime);
+                return sensor.driftRate * age - sensor.drift * math::expm1(-age / sensor.driftTime);
             });
         return;
     }

@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/next_experiment/competing_hypotheses.h"
 
 #include "plugin/identification/diagnosis/selection/law_variants.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ std::vector<CompetingHypothesis> promisingHypotheses(Evaluator& evaluator, const
         out.push_back(hypothesisOf(evaluator.model(), likelihood, label, t.fit, t.fit.chiSquared));
     }
     for (CompetingHypothesis& r : out)
-        r.weight = std::exp(0.5 * (least - r.weight));
+        r.weight = math::exp(0.5 * (least - r.weight));
     return out;
 }
 

@@ -1,5 +1,6 @@
 #include "plugin/identification/diagnosis/next_experiment.h"
 #include "plugin/identification/diagnosis/model/decompositions.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
@@ -22,7 +23,7 @@ struct Separation {
     /// Power of a one-sided 5 % test, averaged over the uncertain parameters (assurance).
     [[nodiscard]] double power() const {
         return boost::math::cdf(boost::math::normal(),
-                                (distance - 1.6448536269514722) / std::hypot(noise, uncertainty));
+                                (distance - 1.6448536269514722) / math::hypot(noise, uncertainty));
     }
 };
 

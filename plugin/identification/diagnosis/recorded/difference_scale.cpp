@@ -1,5 +1,6 @@
 #include "plugin/identification/diagnosis/recorded/difference_scale.h"
 
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
@@ -148,13 +149,13 @@ double excessKurtosisOf(const std::vector<DifferenceScale>& scales) {
 }
 
 double differenceScaleLogLikelihood(const DifferenceScale& r, double white, double correlated, double correlationTime) {
-    const double phi = std::exp(-r.dt / correlationTime);
+    const double phi = math::exp(-r.dt / correlationTime);
     const double expected =
         std::sqrt(6.0 * white * white + correlated * correlated * (6.0 - 8.0 * phi + 2.0 * phi * phi));
     // The logarithm of a scale from n correlated heavy-tailed values has a standard deviation of about 1.5 / sqrt(n);
     // curvature of the signal adds a few per cent.
-    const double sigma = std::hypot(1.5 / std::sqrt(r.count), 0.03);
-    const double z = std::log(r.scale / expected) / sigma;
+    const double sigma = math::hypot(1.5 / std::sqrt(r.count), 0.03);
+    const double z = math::log(r.scale / expected) / sigma;
     return -0.5 * z * z;
 }
 

@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/recorded/dwell_intervals.h"
 
 #include "plugin/identification/diagnosis/likelihood/whitening.h"
+#include "supercircle/support/elementary.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -36,7 +37,10 @@ std::vector<DwellInterval> dwellIntervalsOf(const RecordedData& data) {
             dwell.trends.col(0).setOnes();
             if (!first) {
                 dwell.trends.col(1) = (dwell.time.array() - t.front()) / (t.back() - t.front());
-                dwell.trends.col(2) = (1.0 + (dwell.time.array() - run.segments[l].from) / 0.3).log();
+                dwell.trends.col(2) =
+                    (1.0 + (dwell.time.array() - run.segments[l].from) / 0.3).unaryExpr([](double each) {
+                        return math::log(each);
+                    });
             }
             found.push_back(std::move(dwell));
         }
@@ -51,7 +55,8 @@ double restrictedLogLikelihood(const DwellInterval& dwell, double white, double 
     const Eigen::LLT<Eigen::MatrixXd> gram(x.transpose() * x);
     const Eigen::VectorXd xu = x.transpose() * u;
     const double left = u.squaredNorm() - xu.dot(gram.solve(xu));
-    const double logGram = 2.0 * gram.matrixLLT().diagonal().array().log().sum();
+    const double logGram =
+        2.0 * gram.matrixLLT().diagonal().array().unaryExpr([](double each) { return math::log(each); }).sum();
     return -0.5 * (left + w.logDeterminant() + logGram);
 }
 

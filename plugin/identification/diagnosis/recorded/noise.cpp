@@ -4,6 +4,7 @@
 #include "plugin/identification/diagnosis/model/random.h"
 #include "plugin/identification/diagnosis/recorded/difference_scale.h"
 #include "plugin/identification/diagnosis/recorded/dwell_intervals.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
@@ -78,9 +79,9 @@ double halfSquare(std::vector<double> difference, double sensor) {
 /// Variance of halfSquare() of one pair times its rows for sensor noise alone. Correlation reduces the effective number
 /// of rows.
 double varianceByRow(const Noise& n, double dt) {
-    const double keep = std::exp(-2.0 * dt / n.correlationTime),
+    const double keep = math::exp(-2.0 * dt / n.correlationTime),
                  total = n.white * n.white + n.correlated * n.correlated;
-    return 2.0 * (total * total + 2.0 * std::pow(n.correlated, 4) * keep / (1.0 - keep));
+    return 2.0 * (total * total + 2.0 * math::pow(n.correlated, 4) * keep / (1.0 - keep));
 }
 
 /// Posterior variance of the noise variance.
@@ -132,11 +133,11 @@ std::vector<Noise::PosteriorDraw> drawn(const std::vector<Noise::PosteriorDraw>&
     constexpr int kDraws = 111;
     double total = 0.0;
     for (const double l : logs)
-        total += std::exp(l - most);
+        total += math::exp(l - most);
     std::vector<Noise::PosteriorDraw> out;
     double before = 0.0;
     for (std::size_t k = 0; k < grid.size(); ++k) {
-        before += std::exp(logs[k] - most) / total;
+        before += math::exp(logs[k] - most) / total;
         while (static_cast<int>(out.size()) < kDraws && before > (static_cast<double>(out.size()) + 0.5) / kDraws)
             out.push_back(grid[k]);
     }
@@ -166,7 +167,7 @@ Noise freeNoise(const RecordedData& data) {
 } // namespace
 
 double Noise::total() const {
-    return std::hypot(white, correlated);
+    return math::hypot(white, correlated);
 }
 
 Noise Noise::asWhite() const {
@@ -181,9 +182,9 @@ double Noise::stdOfMean(double span, double dt) const {
     if (span <= 0.0)
         return 0.0;
     const double x = span / correlationTime;
-    const double slow = 2.0 / x * (1.0 - (1.0 - std::exp(-x)) / x); // variance of the mean of an AR(1), continuous
+    const double slow = 2.0 / x * (1.0 - (1.0 - math::exp(-x)) / x); // variance of the mean of an AR(1), continuous
     const double phase = disturbancePeriod > 0.0 ? M_PI * span / disturbancePeriod : 1.0;
-    const double swung = 0.5 * disturbance * disturbance * std::pow(std::sin(phase) / phase, 2);
+    const double swung = 0.5 * disturbance * disturbance * math::pow(math::sin(phase) / phase, 2);
     return std::sqrt(white * white * dt / span + correlated * correlated * slow + swung);
 }
 
@@ -207,16 +208,16 @@ NoiseEstimate estimateAround(double anchor, const std::vector<DwellInterval>& dw
     for (const double correlationTime : {0.15, 0.25, 0.4})
         for (int i = -kSizes; i <= kSizes; ++i)
             for (int j = -12; j <= 12; ++j) {
-                const double white = 0.9 * anchor * std::exp(0.03 * i);
-                const double correlated = 0.55 * white * std::exp(0.08 * j);
+                const double white = 0.9 * anchor * math::exp(0.03 * i);
+                const double correlated = 0.55 * white * math::exp(0.08 * j);
                 double l = 0.0;
                 for (const DwellInterval& q : dwells)
                     l += restrictedLogLikelihood(q, white, correlated, correlationTime);
                 for (const DifferenceScale& r : scales)
                     l += differenceScaleLogLikelihood(r, white, correlated, correlationTime);
-                const double off = stated > 0.0 ? std::log(std::hypot(white, correlated) / stated) / 0.2 : 0.0;
+                const double off = stated > 0.0 ? math::log(math::hypot(white, correlated) / stated) / 0.2 : 0.0;
                 const double ratio = 0.08 * j / 0.5;
-                const double remembers = std::log(correlationTime / 0.25) / 0.3;
+                const double remembers = math::log(correlationTime / 0.25) / 0.3;
                 l -= 0.5 * (off * off + ratio * ratio + remembers * remembers);
                 grid.push_back({white, correlated, correlationTime});
                 logs.push_back(l);
@@ -386,7 +387,7 @@ double noiseChiSquaredBound(const RecordedData& data, const Noise& noise, std::u
             Eigen::VectorXd reading(time.size());
             double a = 0.0;
             for (Eigen::Index k = 0; k < time.size(); ++k) {
-                const double keep = k > 0 ? std::exp(-(time[k] - time[k - 1]) / p.correlationTime) : 0.0;
+                const double keep = k > 0 ? math::exp(-(time[k] - time[k - 1]) / p.correlationTime) : 0.0;
                 a = keep * a + p.correlated * std::sqrt(1.0 - keep * keep) * slow[k];
                 reading[k] = a + p.white * fast[k];
             }

@@ -2,6 +2,7 @@
 
 #include "plugin/identification/diagnosis/likelihood/whitening.h"
 #include "plugin/identification/diagnosis/model/decompositions.h"
+#include "supercircle/support/elementary.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -24,7 +25,8 @@ Eigen::MatrixXd relaxations(const DwellInterval& r) {
     Eigen::MatrixXd out(r.trends.rows(), given + static_cast<Index>(kTimes.size()));
     out.leftCols(given) = r.trends;
     for (std::size_t i = 0; i < kTimes.size(); ++i)
-        out.col(given + static_cast<Index>(i)) = (-(r.time.array() - r.time[0]) / kTimes[i]).exp();
+        out.col(given + static_cast<Index>(i)) =
+            (-(r.time.array() - r.time[0]) / kTimes[i]).unaryExpr([](double each) { return math::exp(each); });
     return out;
 }
 
@@ -59,14 +61,14 @@ NoiseFit fitNoise(const std::vector<DwellInterval>& left) {
     double squares = 0.0, count = 0.0;
     for (const DwellInterval& r : left)
         for (Index k = 0; k + 2 < r.force.size(); ++k, count += 1.0)
-            squares += std::pow(r.force[k + 2] - 2.0 * r.force[k + 1] + r.force[k], 2);
+            squares += math::pow(r.force[k + 2] - 2.0 * r.force[k + 1] + r.force[k], 2);
     const double size = std::sqrt(squares / std::max(1.0, count) / 6.0);
     NoiseFit best;
     for (int i = -8; i <= 2 && size > 0.0; ++i)
         for (int j = -3; j <= 12; ++j)
             for (const double correlationTime : {0.2, 0.5, 1.0, 2.0, 5.0, 10.0}) {
-                const double white = size * std::exp(0.2 * i);
-                const CorrelatedNoise noise{white, white * std::exp(0.4 * j), correlationTime};
+                const double white = size * math::exp(0.2 * i);
+                const CorrelatedNoise noise{white, white * math::exp(0.4 * j), correlationTime};
                 double l = 0.0;
                 for (const DwellInterval& r : left)
                     l += restrictedLogLikelihood(r, noise.white, noise.correlated, noise.correlationTime);
@@ -118,7 +120,7 @@ bool similarInAllRuns(const PeriodicDisturbance& disturbance, const std::vector<
     double least = std::numeric_limits<double>::infinity(), most = 0.0;
     for (const DwellInterval& r : left)
         if (r.time[r.time.size() - 1] - r.time[0] >= kPeriods * disturbance.period) {
-            const double size = std::hypot(disturbance.cosine[r.run], disturbance.sine[r.run]);
+            const double size = math::hypot(disturbance.cosine[r.run], disturbance.sine[r.run]);
             least = std::min(least, size);
             most = std::max(most, size);
         }
@@ -141,7 +143,7 @@ double PeriodicDisturbance::at(std::size_t run, double time) const {
     if (period <= 0.0)
         return 0.0;
     const double phase = 2.0 * M_PI * time / period;
-    return cosine[run] * std::cos(phase) + sine[run] * std::sin(phase);
+    return cosine[run] * math::cos(phase) + sine[run] * math::sin(phase);
 }
 
 PeriodicDisturbance strongestDisturbance(const RecordedData& data, const std::vector<DwellInterval>& dwells,
@@ -169,8 +171,8 @@ PeriodicDisturbance strongestDisturbance(const RecordedData& data, const std::ve
         for (const WhitenedDwell& p : plain) {
             const Eigen::ArrayXd phase = 2.0 * M_PI * f * p.dwell->time.array();
             Eigen::MatrixXd x(phase.size(), 2);
-            x.col(0) = p.withoutTrends(phase.cos());
-            x.col(1) = p.withoutTrends(phase.sin());
+            x.col(0) = p.withoutTrends(phase.unaryExpr(&math::cos));
+            x.col(1) = p.withoutTrends(phase.unaryExpr(&math::sin));
             gram[p.dwell->run] += x.transpose() * x;
             product[p.dwell->run] += x.transpose() * p.force;
         }

@@ -3,6 +3,7 @@
 #include "plugin/identification/diagnosis/next_experiment.h"
 #include "plugin/identification/diagnosis/selection/model_weights.h"
 #include "plugin/recording/table/rounded.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -78,7 +79,7 @@ std::string identifiedOnlyBySentence(const FittedEffect& e) {
 std::string heldOutSentence(const Diagnosis& d, const FittedEffect& e) {
     const std::string before = rounded(d.baselineHeldOut, 3), after = rounded(d.improvedHeldOut, 3);
     const std::string noise = " (sensor noise " + rounded(d.noise.total(), 3) + " " + d.unit + ")";
-    const double tens = std::round(std::max(0.0, e.gain) / std::log(10.0));
+    const double tens = std::round(std::max(0.0, e.gain) / math::log(10.0));
     const std::string change = before == after                         ? "stays at "
                                : d.improvedHeldOut < d.baselineHeldOut ? "falls from " + before + " to "
                                                                        : "rises from " + before + " to ";
@@ -167,7 +168,7 @@ std::string verdictTitle(const std::string& verdict) {
 }
 
 double screeningP(const ScreenedEffect& effect) {
-    return std::erfc(std::sqrt(0.5 * std::max(0.0, effect.gain)));
+    return math::erfc(std::sqrt(0.5 * std::max(0.0, effect.gain)));
 }
 
 std::string verdictOf(const Evidence& e) {

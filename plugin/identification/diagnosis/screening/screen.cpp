@@ -2,6 +2,7 @@
 
 #include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/localisation/localise.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +65,7 @@ namespace {
 std::vector<double> geometricBetween(double from, double to, int count) {
     std::vector<double> out;
     for (int i = 1; i <= count && from != to; ++i)
-        out.push_back(from * std::pow(to / from, static_cast<double>(i) / (count + 1)));
+        out.push_back(from * math::pow(to / from, static_cast<double>(i) / (count + 1)));
     return out;
 }
 

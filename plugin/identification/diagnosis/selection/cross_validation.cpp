@@ -2,6 +2,7 @@
 
 #include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/model/decompositions.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +40,7 @@ double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e) {
     Eigen::VectorXd out = e;
     for (Index i = 0; i < A.cols(); ++i) {
         const double s2 = std::max(0.0, eigen.values[i]);
-        logDet += std::log1p(s2);
+        logDet += math::log1p(s2);
         if (s2 < 1e-12)
             continue;
         const Eigen::VectorXd u = A * eigen.vectors.col(i) / std::sqrt(s2);

@@ -3,6 +3,7 @@
 #include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/result/law_description.h"
 #include "supercircle/support/dense.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -126,7 +127,7 @@ LearnedLaw learnedLawOf(const Model& model, const Likelihood& likelihood, const 
     for (int i = 0; i < kPoints; ++i) {
         const Eigen::VectorXd b = basis.row(i);
         const double x = at[static_cast<std::size_t>(i)];
-        law.states.push_back(curve.logarithmic ? curve.from * std::pow(curve.to / curve.from, x)
+        law.states.push_back(curve.logarithmic ? curve.from * math::pow(curve.to / curve.from, x)
                                                : curve.from + x * (curve.to - curve.from));
         law.value.push_back(value[i]);
         law.sigma.push_back(std::sqrt(std::max(0.0, b.dot(posterior * b))));

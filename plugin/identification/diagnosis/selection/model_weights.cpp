@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/selection/model_weights.h"
 
 #include "plugin/identification/diagnosis/model/random.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +29,7 @@ Eigen::VectorXd outsideCatalogueScore(const PredictiveScore& baseline, double di
     const double rows = std::max(1.0, baseline.rows.sum());
     floor *= noiseBound(rows, given.excessKurtosis, given.noiseChiSquared);
     const double toExplain = 0.5 * std::max(0.0, baseline.energy.sum() - floor * rows) / dispersion;
-    const double cost = std::max(4.0 * std::log(std::max(2.0, rows)), 0.15 * toExplain);
+    const double cost = std::max(4.0 * math::log(std::max(2.0, rows)), 0.15 * toExplain);
     // With the uncertainty of the nominal parameters.
     return -(0.5 * floor / dispersion + cost / rows) * baseline.rows - 0.5 * baseline.volume;
 }
@@ -131,7 +132,7 @@ bool alike(const PredictiveScore& a, const PredictiveScore& b, double distance, 
 
 double largestLogBayesFactor(double p) {
     constexpr double kE = 2.718281828459045;
-    return p > 0.0 && p < 1.0 / kE ? -std::log(-kE * p * std::log(p)) : p <= 0.0 ? 700.0 : 0.0;
+    return p > 0.0 && p < 1.0 / kE ? -math::log(-kE * p * math::log(p)) : p <= 0.0 ? 700.0 : 0.0;
 }
 
 namespace {
@@ -249,13 +250,13 @@ Eigen::VectorXd posterior(const Hypotheses& all, Eigen::Index draw, double most)
         top = counts(m) ? std::max(top, s(draw, m)) : top;
     double something = 0.0;
     for (Eigen::Index m = 0; m < mass.size(); ++m) {
-        mass[m] = counts(m) ? all.prior[static_cast<std::size_t>(m)] * std::exp(s(draw, m) - top) : 0.0;
+        mass[m] = counts(m) ? all.prior[static_cast<std::size_t>(m)] * math::exp(s(draw, m) - top) : 0.0;
         something += m > 0 ? mass[m] : 0.0;
     }
     // Mean evidence of all alternatives, over their whole prior: the family-wise p accounts for the whole search.
-    const double factor = std::log(std::max(something / (1.0 - kPriorAdequate), 1e-300)) - (s(draw, 0) - top);
+    const double factor = math::log(std::max(something / (1.0 - kPriorAdequate), 1e-300)) - (s(draw, 0) - top);
     if (factor > most)
-        mass[0] = std::max(mass[0], kPriorAdequate / (1.0 - kPriorAdequate) * something * std::exp(-most));
+        mass[0] = std::max(mass[0], kPriorAdequate / (1.0 - kPriorAdequate) * something * math::exp(-most));
     return mass / mass.sum();
 }
 

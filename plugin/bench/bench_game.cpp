@@ -45,7 +45,7 @@ std::vector<Job> jobs() {
                                [=] { return std::vector<GameRun>{ourCylinder(c, q, arcs)}; }});
     for (const Quality q : {Quality::Game, Quality::Laboratory})
         all.push_back({std::string("game/pile30/") + nameOf(q), [q] { return piles(PileCase{}, q, 8); }});
-    for (const int shells : {200, 500})
+    for (const int shells : {100, 200, 500})
         for (const int threads : {1, 2})
             all.push_back({"game/pile" + std::to_string(shells) + "/game/" + std::to_string(threads) + "threads",
                            [=] { return std::vector<GameRun>{ourPile(manyShells(shells, threads), Quality::Game)}; }});

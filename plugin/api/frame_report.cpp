@@ -1,6 +1,9 @@
 #include "plugin/api/frame_report.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <utility>
 
 namespace supercircle {
 
@@ -28,6 +31,18 @@ std::string attempts(const step::Counters& before, const step::Counters& after) 
     return out;
 }
 
+/// The cause of most of it.
+std::string injected(const step::InjectedEnergy& before, const step::InjectedEnergy& after) {
+    const std::pair<const char*, double> causes[] = {{"overlaps", after.contact - before.contact},
+                                                     {"joints", after.link - before.link},
+                                                     {"holds", after.hold - before.hold},
+                                                     {"bodies moved by the host", after.drift - before.drift},
+                                                     {"rolling", after.rolling - before.rolling}};
+    const auto* most = std::max_element(std::begin(causes), std::end(causes),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+    return text("injected %.3g J, most by %s", after.sum() - before.sum(), most->first);
+}
+
 } // namespace
 
 void complete(FrameReport& report, const step::World& world, const step::Settings& settings, const FrameStart& start,
@@ -35,7 +50,7 @@ void complete(FrameReport& report, const step::World& world, const step::Setting
     const step::Counters& now = world.counters;
     report.steps = now.steps - start.counters.steps;
     report.unconverged = now.unconverged - start.counters.unconverged;
-    report.injected = world.energyBalance.injected.sum() - start.injected;
+    report.injected = world.energyBalance.injected.sum() - start.injected.sum();
     std::string& line = report.why;
     if (report.budget_exhausted)
         add(line,
@@ -52,8 +67,10 @@ void complete(FrameReport& report, const step::World& world, const step::Setting
         add(line, text("broke %zu", events.broke.size()));
     if (!events.quarantined.empty())
         add(line, text("quarantined %zu", events.quarantined.size()));
+    if (report.energy_gained > 0.0)
+        add(line, text("energy alarm: %.3g J from nowhere", report.energy_gained));
     if (!line.empty() && report.injected > 0.0)
-        add(line, text("injected %.3g J", report.injected));
+        add(line, injected(start.injected, world.energyBalance.injected));
 }
 
 } // namespace supercircle

@@ -9,9 +9,8 @@ namespace supercircle {
 /// What the report and its line compare with.
 struct FrameStart {
     step::Counters counters;
-    double injected = 0.0; ///< J
-    explicit FrameStart(const step::World& world)
-        : counters(world.counters), injected(world.energyBalance.injected.sum()) {}
+    step::InjectedEnergy injected;
+    explicit FrameStart(const step::World& world) : counters(world.counters), injected(world.energyBalance.injected) {}
 };
 
 /// Fills in numbers of the frame of `dt` s, and FrameReport::why. `events` are those of the frame.

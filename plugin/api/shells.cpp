@@ -243,6 +243,7 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         report.stopped = out.stopped;
         report.budget_exhausted = out.budgetExhausted;
         report.work = out.work;
+        report.energy_gained = out.gained;
         report.refused = out.refused;
         if (m.port)
             report.note = m.port->takeNote();

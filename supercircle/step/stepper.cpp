@@ -6,6 +6,7 @@
 #include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/step/crush.h"
+#include "supercircle/step/energy_gain.h"
 #include "supercircle/step/islands/island.h"
 #include "supercircle/step/second_order.h"
 #include "supercircle/step/sleep.h"
@@ -294,6 +295,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
     work_->last = &trial;
     observer.begin(world);
     const double start = world.time;
+    const EnergyBalance balance = world.energyBalance;
     FrameBudget budget(settings_, world, part.budget, part.budgeted);
     part.frame = frame;
     part.cuts = cutsOf(world);
@@ -342,6 +344,8 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
         out.budgetExhausted = left > 0 && budget.exhausted();
     }
     out.work = budget.used();
+    if (const double gained = gainedEnergy(balance, world); gained > boundOfGain(balance, world, settings_, frame))
+        out.gained = gained;
     for (Rod& r : world.rods) {
         r.dtNext = world.dtNext;
         r.cuts = out.budgetExhausted ? part.cuts : 0;

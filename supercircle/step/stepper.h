@@ -59,6 +59,7 @@ struct FrameResult {
     bool stopped = false;         ///< the observer asked to stop
     bool budgetExhausted = false; ///< Settings::frameWork was used up
     double work = 0.0;            ///< that the frame took, in the units of Settings::frameWork
+    double gained = 0.0;          ///< J, of the islands that raise the alarm (energy_gain.h)
     std::vector<Crushed> crushed;
     std::vector<Broken> broken;
     std::string failure;                ///< empty unless the simulation cannot go on

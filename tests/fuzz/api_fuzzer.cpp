@@ -21,6 +21,7 @@ Statistics& Statistics::operator+=(const Statistics& more) {
     frames += more.frames;
     replays += more.replays;
     events += more.events;
+    alarms += more.alarms;
     if (violation.empty())
         violation = more.violation;
     return *this;
@@ -174,6 +175,7 @@ private:
             ++statistics_.failed;
         if (inner == 0 && !(dt > 0.0 && dt < 1.0) && s.hash() != before)
             statistics_.violation = "a failed frame changed the state: dt = " + std::to_string(dt) + " s, " + r.failure;
+        statistics_.alarms += r.energy_gained > 0.0 && r.unconverged == 0; // what has no solution keeps no energy
         if (depth == 0)
             checkState(s);
         if (&s == shells_.get() && bytes_.chance(230) && !world_.IsLocked())

@@ -15,7 +15,8 @@ struct Statistics {
     std::uint64_t frames = 0;  ///< accepted pre_steps
     std::uint64_t replays = 0; ///< logs whose replay was compared
     std::uint64_t events = 0;
-    std::string violation; ///< empty, or the violated guarantee
+    std::uint64_t alarms = 0; ///< frames that gained energy though all their problems were solved
+    std::string violation;    ///< empty, or the violated guarantee
     Statistics& operator+=(const Statistics& more);
 };
 

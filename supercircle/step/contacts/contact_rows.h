@@ -83,7 +83,7 @@ struct ContactStage {
     double h = 0.0;                           ///< thinnest shell, which the next three are given for, m
     double length = 0.0;                      ///< Settings::length
     double overlap = 0.0;                     ///< deeper overlaps are not closed at once, m
-    double closes = 0.0;                      ///< of others, so much is closed at once, m
+    double shortStep = 0.0;                   ///< s, others close in one step, no faster than in one of this size
     double recovery = 0.0;                    ///< the rest at this speed, m/s
     coulomb::Problem problem;                 ///< contacts: of the candidates, of linkRows, of the host, of pushes
     coulomb::Solver solver;

@@ -116,6 +116,7 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
             endFrame(w.islands.slots[k]->world, target, port, times_);
     for (std::size_t k = 0; k < w.islands.count; ++k) {
         const FrameResult& end = w.islands.slots[w.islands.order[k]]->end;
+        out.gained += end.gained;
         out.crushed.insert(out.crushed.end(), end.crushed.begin(), end.crushed.end());
         out.broken.insert(out.broken.end(), end.broken.begin(), end.broken.end());
     }

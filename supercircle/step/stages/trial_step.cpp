@@ -36,7 +36,7 @@ void TrialStep::begin(const World& world, const Settings& settings) {
     stage.h = h;
     stage.length = settings.length;
     stage.overlap = 2.0 * settings.rejectPenetration * h;
-    stage.closes = settings.fixedDt <= 0.0 ? settings.localError * h : std::numeric_limits<double>::infinity();
+    stage.shortStep = settings.fixedDt <= 0.0 ? kShortStep * settings.dtMax : 0.0;
     stage.recovery = settings.recovery * h;
     for (std::size_t i = 0; i < rods.size(); ++i)
         rods[i].closing.speed = settings.recovery * lengthOf(world.rods[i], settings.length);

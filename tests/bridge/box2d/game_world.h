@@ -88,6 +88,8 @@ struct GameWorld {
 
     FrameReport begin(double dt = kFrame) {
         const FrameReport r = shells.pre_step(dt);
+        if (r.unconverged == 0)
+            CHECK(r.energy_gained == 0.0);
         INFO(r.failure);
         REQUIRE(r.failure.empty());
         return r;

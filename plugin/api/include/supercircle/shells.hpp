@@ -73,6 +73,9 @@ struct FrameReport {
     std::string why;
     double work = 0.0;             ///< that the frame took, in units of set_frame_budget
     double injected = 0.0;         ///< by closing gaps in this frame, J (EnergyBalance::injected)
+    /// Alarm: energy that islands ended the frame with and that nobody gave, J; 0 up to a thousandth of what moves and
+    /// what closing gaps may bring in. It says that positions are forced: look for what pushes things into each other.
+    double energy_gained = 0.0;
     std::uint64_t steps = 0;       ///< of all islands together; sleeping ones take none
     std::uint64_t unconverged = 0; ///< steps whose contact residual stayed above tolerance
 };

@@ -1,7 +1,6 @@
 #include "plugin/recording/import/plausibility.h"
 
-#include "plugin/recording/import/metadata.h"
-#include "supercircle/support/elementary.h"
+#include "plugin/recording/import/reading/metadata.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // with the usual ones and is reported. A jump of the displacement to zero with a continuing clock is a reset counter;
 // with a restarted clock it is another test. Other jumps are kept and reported.
 
-#include "plugin/recording/import/metadata.h"
+#include "plugin/recording/import/reading/metadata.h"
 #include "plugin/recording/import/signals.h"
 #include "supercircle/support/order_statistics.h"
 

@@ -1,9 +1,9 @@
 #pragma once
 // Columns of an export as channels in SI units, with corrections. Every correction is reported.
 
-#include "plugin/recording/import/layout.h"
-#include "plugin/recording/import/quantity.h"
-#include "plugin/recording/import/text.h"
+#include "plugin/recording/import/reading/layout.h"
+#include "plugin/recording/import/reading/quantity.h"
+#include "plugin/recording/import/reading/text.h"
 
 #include <cstddef>
 #include <set>

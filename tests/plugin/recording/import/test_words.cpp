@@ -2,7 +2,7 @@
 
 #include "tests/plugin/recording/import/support.h"
 
-#include "plugin/recording/import/metadata.h"
+#include "plugin/recording/import/reading/metadata.h"
 
 using namespace importingtest;
 using namespace supercircle::importing;

@@ -1,6 +1,6 @@
-#include "plugin/recording/import/number.h"
+#include "plugin/recording/import/reading/number.h"
 
-#include "plugin/recording/import/text.h"
+#include "plugin/recording/import/reading/text.h"
 #include "plugin/recording/table/text.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-#include "plugin/recording/import/metadata.h"
+#include "plugin/recording/import/reading/metadata.h"
 
-#include "plugin/recording/import/quantity.h"
-#include "plugin/recording/import/text.h"
+#include "plugin/recording/import/reading/quantity.h"
+#include "plugin/recording/import/reading/text.h"
 
 #include <algorithm>
 #include <initializer_list>

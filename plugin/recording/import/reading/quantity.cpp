@@ -1,6 +1,6 @@
-#include "plugin/recording/import/quantity.h"
+#include "plugin/recording/import/reading/quantity.h"
 
-#include "plugin/recording/import/text.h"
+#include "plugin/recording/import/reading/text.h"
 
 #include <algorithm>
 #include <array>

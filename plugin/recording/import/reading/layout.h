@@ -1,7 +1,7 @@
 #pragma once
 // Position and format of the table in an export.
 
-#include "plugin/recording/import/number.h"
+#include "plugin/recording/import/reading/number.h"
 #include "supercircle/support/result.h"
 
 #include <cstddef>

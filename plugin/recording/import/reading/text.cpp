@@ -1,4 +1,4 @@
-#include "plugin/recording/import/text.h"
+#include "plugin/recording/import/reading/text.h"
 
 #include <algorithm>
 #include <array>

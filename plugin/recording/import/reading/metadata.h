@@ -1,7 +1,7 @@
 #pragma once
 // Metadata in the header of an export.
 
-#include "plugin/recording/import/layout.h"
+#include "plugin/recording/import/reading/layout.h"
 
 #include <cstdint>
 #include <optional>

@@ -1,0 +1,216 @@
+// Which column is what: headings from the file or the user, specimens side by side, a choice for each quantity.
+
+#include "plugin/recording/import/reading/column_choice.h"
+
+#include <algorithm>
+
+namespace supercircle::importing {
+
+namespace {
+
+void remark(Table& t, Remark::Kind kind, std::size_t line, const std::string& what) {
+    t.remarks.push_back({kind, line, what});
+}
+
+bool sameQuantity(const Heading& a, const Heading& b) {
+    return a.quantity == b.quantity && a.marker == b.marker;
+}
+
+/// Reports the columns; many markers in one line.
+void tellColumns(Draft& d, bool alone) {
+    Table& t = d.table;
+    const Layout& l = t.layout;
+    const auto isMarker = [&](std::size_t c) {
+        return t.headings[c].quantity == Quantity::MarkerX || t.headings[c].quantity == Quantity::MarkerY;
+    };
+    std::size_t count = 0, firstMarker = 0, lastMarker = 0;
+    for (std::size_t c = 0; c < l.columns; ++c)
+        if (t.channelOf[c] >= 0 && isMarker(c)) {
+            firstMarker = count++ == 0 ? c : firstMarker;
+            lastMarker = c;
+        }
+    std::string idle;
+    for (std::size_t c = 0; c < l.columns; ++c) {
+        const Heading& h = t.headings[c];
+        if (alone && h.quantity == Quantity::None && !h.text.empty() && h.text != "-")
+            idle += (idle.empty() ? "column " : ", ") + std::to_string(c + 1) + " \"" + h.text + "\"";
+        if (t.channelOf[c] < 0)
+            continue;
+        if (count > 2 && lastMarker - firstMarker + 1 == count && isMarker(c) &&
+            h.unit.name == t.headings[firstMarker].unit.name) {
+            if (c == firstMarker)
+                remark(t, Remark::Kind::Understood, l.namesLine,
+                       "columns " + std::to_string(firstMarker + 1) + " to " + std::to_string(lastMarker + 1) +
+                           " hold markers, " + h.marker + " to " + t.headings[lastMarker].marker + ", x and y [" +
+                           h.unit.name + "]");
+            continue;
+        }
+        const std::string unit = h.quantity == Quantity::Counter ? "" : " [" + h.unit.name + "]";
+        const std::string what =
+            columnText(t, c) + " is " + name(h.quantity) + (h.marker.empty() ? "" : " of " + h.marker) + unit;
+        if (h.unitStated || h.quantity == Quantity::Counter)
+            remark(t, Remark::Kind::Understood, l.unitsLine > 0 ? l.unitsLine : l.namesLine, what);
+        else
+            remark(t, Remark::Kind::Assumed, l.namesLine, what + ": no unit is stated, and its numbers have fractions");
+    }
+    if (!idle.empty())
+        remark(t, Remark::Kind::Omitted, l.namesLine, idle + ": not needed here");
+}
+
+Status choose(Draft& d, const Hints& hints, bool alone) {
+    Table& t = d.table;
+    const Layout& l = t.layout;
+    std::vector<char> done(l.columns, 0);
+    for (std::size_t c = 0; c < l.columns; ++c) {
+        if (done[c] || t.headings[c].quantity == Quantity::None)
+            continue;
+        std::vector<std::size_t> candidates;
+        for (std::size_t k = c; k < l.columns; ++k) {
+            if (!sameQuantity(t.headings[c], t.headings[k]))
+                continue;
+            done[k] = 1;
+            if (l.numeric[k])
+                candidates.push_back(k);
+            else
+                remark(t, Remark::Kind::Omitted, l.namesLine, columnText(t, k) + " holds no numbers");
+        }
+        if (candidates.empty())
+            continue;
+        if (Status usable = checkUnit(d, candidates); !usable)
+            return usable;
+        if (Status one = chooseOne(d, candidates); !one)
+            return one;
+    }
+    const auto uses = [&](Quantity q) {
+        return std::find_if(d.chosen.begin(), d.chosen.end(),
+                            [&](std::size_t c) { return t.headings[c].quantity == q; });
+    };
+    if (uses(Quantity::Counter) != d.chosen.end() && (uses(Quantity::Time) != d.chosen.end() || d.chosen.size() == 1)) {
+        t.headings[*uses(Quantity::Counter)].quantity = Quantity::None; // there is a clock
+        d.chosen.erase(std::find_if(d.chosen.begin(), d.chosen.end(),
+                                    [&](std::size_t c) { return t.headings[c].quantity == Quantity::None; }));
+    }
+    if (Status complete = completeUnits(d, hints); !complete)
+        return complete;
+    std::sort(d.chosen.begin(), d.chosen.end());
+    t.channelOf.assign(l.columns, -1);
+    for (const std::size_t c : d.chosen) {
+        t.channelOf[c] = static_cast<int>(t.signals.channels.size());
+        t.signals.channels.push_back({t.headings[c].quantity, t.headings[c].marker, {}});
+    }
+    tellColumns(d, alone);
+    return {};
+}
+
+/// Headings from the file or from the hints.
+Status readHeadings(Table& t, const Hints& hints) {
+    const Layout& l = t.layout;
+    if (!hints.columns.empty() && hints.columns.size() != l.columns)
+        return Status::failure(std::to_string(hints.columns.size()) + " columns are named, but the table has " +
+                               std::to_string(l.columns) +
+                               "; expected one name per column, \"-\" for one that is not used");
+    for (std::size_t c = 0; c < l.columns; ++c) {
+        if (hints.columns.empty()) {
+            t.headings.push_back(headingOf(l.names[c], l.units[c]));
+            continue;
+        }
+        t.headings.push_back(headingOf(hints.columns[c], ""));
+        if (hints.columns[c] != "-" && t.headings.back().quantity == Quantity::None)
+            return Status::failure(
+                "\"" + hints.columns[c] +
+                "\" is no quantity; expected time, displacement, force, angle, NAME_x, NAME_y or -, with a unit in "
+                "brackets: \"force[kN]\"");
+    }
+    return {};
+}
+
+bool isMeasured(Quantity q) {
+    return q == Quantity::Time || q == Quantity::Displacement || q == Quantity::Force;
+}
+
+/// First column of each specimen where specimens stand side by side: the same quantities in the same order, each with
+/// its own clock or under its own title. Empty: the table has one specimen.
+std::vector<std::size_t> specimensOf(const Table& t) {
+    std::vector<std::size_t> at;
+    for (std::size_t c = 0; c < t.layout.columns; ++c)
+        if (t.layout.numeric[c] && isMeasured(t.headings[c].quantity))
+            at.push_back(c);
+    for (const std::size_t period : {std::size_t{3}, std::size_t{2}}) {
+        if (at.size() < 2 * period || at.size() % period != 0)
+            continue;
+        bool repeats = true, titled = true;
+        std::set<Quantity> first;
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            repeats = repeats && t.headings[at[i]].quantity == t.headings[at[i % period]].quantity;
+            titled = titled && (i % period != 0 || !t.layout.titles[at[i]].empty());
+            if (i < period)
+                first.insert(t.headings[at[i]].quantity);
+        }
+        if (!repeats || first.size() != period || first.count(Quantity::Force) == 0 ||
+            (first.count(Quantity::Time) == 0 && !titled))
+            continue;
+        std::vector<std::size_t> starts;
+        for (std::size_t i = 0; i < at.size(); i += period)
+            starts.push_back(at[i]);
+        return starts;
+    }
+    return {};
+}
+
+std::string titleOf(const Layout& l, std::size_t from, std::size_t to, std::size_t number) {
+    for (std::size_t c = from; c < to; ++c)
+        if (!l.titles[c].empty())
+            return l.titles[c];
+    return "specimen " + std::to_string(number);
+}
+
+} // namespace
+
+std::string columnText(const Table& t, std::size_t c) {
+    const std::string& text = t.headings[c].text;
+    return "column " + std::to_string(c + 1) + (text.empty() ? "" : " \"" + text + "\"");
+}
+
+Result<std::vector<Table>> chooseColumns(const std::vector<std::string_view>& lines, Layout&& layout,
+                                         const Hints& hints) {
+    using Tables = Result<std::vector<Table>>;
+    Table whole;
+    whole.layout = std::move(layout);
+    const Layout& l = whole.layout;
+    const std::size_t heading = l.namesLine > 0 ? std::max(l.namesLine, l.unitsLine) : l.firstDataLine;
+    const auto failed = [&](const std::string& why, std::size_t column) {
+        return Tables::failure(std::to_string(heading) + ":" +
+                               std::to_string(columnOf(lines[heading - 1], l.separator, column)) + ": " + why);
+    };
+    if (const Status read = readHeadings(whole, hints); !read)
+        return failed(read.error(), 0);
+    std::vector<std::size_t> starts = specimensOf(whole);
+    const bool alone = starts.empty();
+    if (alone)
+        starts = {0};
+    starts.push_back(l.columns);
+    std::vector<Table> tables;
+    for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
+        Draft d{lines, whole, {}, 0};
+        for (std::size_t c = 0; c < l.columns && !alone; ++c)
+            if (c < starts[k] || c >= starts[k + 1])
+                d.table.headings[c].quantity = Quantity::None;
+        if (!alone)
+            d.table.specimen = titleOf(l, starts[k], starts[k + 1], k + 1);
+        if (const Status chosen = choose(d, hints, alone); !chosen)
+            return failed(chosen.error(), d.wrong);
+        if (d.table.signals.channels.empty()) {
+            std::string names;
+            for (const std::string& n : l.names)
+                names += (names.empty() ? "\"" : ", \"") + n + "\"";
+            return failed((l.namesLine == 0 ? "there are no headings" : "no column is recognised among " + names) +
+                              "; expected time, displacement and force, or name them with --columns " +
+                              exampleOfColumns(l.columns),
+                          0);
+        }
+        tables.push_back(std::move(d.table));
+    }
+    return tables;
+}
+
+} // namespace supercircle::importing

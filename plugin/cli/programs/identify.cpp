@@ -114,10 +114,12 @@ Subcommand describeImport(CLI::App& app) {
         ->add_option("--force-zero", a.forceZero,
                      "zero of the force: none, a range of times in s (T0..T1), or a value in N")
         ->type_name("none|T0..T1|VALUE");
-    addRepeatable(*subcommand, "--accept", a.accept,
-                  "import although: rows are dropped, values jump and come back, the unit of the force is doubtful")
-        ->check(CLI::IsMember({"dropped", "jumps", "units"}).description(""))
-        ->type_name("dropped|jumps|units");
+    addRepeatable(
+        *subcommand, "--accept", a.accept,
+        "import although: rows are dropped, values jump and come back, a spreadsheet has moved decimal marks (they "
+        "stay where they are), the unit of the force is doubtful")
+        ->check(CLI::IsMember({"dropped", "jumps", "marks", "units"}).description(""))
+        ->type_name("dropped|jumps|marks|units");
     addRepeatable(*subcommand, "--cut", a.cut, "leave out the rows after a break")
         ->check(CLI::IsMember({"break"}).description(""))
         ->type_name("break");

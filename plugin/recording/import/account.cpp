@@ -64,10 +64,15 @@ void write(std::string& out, const std::vector<Remark>& remarks) {
 std::string doubts(const Imported& all) {
     std::size_t count = 0;
     std::string first;
-    for (const ImportedRun& run : all.runs)
-        for (const Remark& r : run.remarks)
+    const auto look = [&](const Source& source, const std::vector<Remark>& remarks) {
+        for (const Remark& r : remarks)
             if (r.kind == Kind::Doubtful && count++ == 0)
-                first = printable(all.sources[run.source].file + ": " + atLine(r) + r.what);
+                first = printable(source.file + ": " + atLine(r) + r.what);
+    };
+    for (const Source& source : all.sources)
+        look(source, source.table.remarks);
+    for (const ImportedRun& run : all.runs)
+        look(all.sources[run.source], run.remarks);
     return count == 0 ? "" : (count == 1 ? "1 doubt: " : std::to_string(count) + " doubts, the first: ") + first;
 }
 

@@ -67,7 +67,7 @@ struct Hints {
     int forceSign = 0;                ///< of the column while the specimen resists; 0: from the data
     double driveTolerance = 0.0;      ///< m; 0: from the data
     std::vector<Unit> units;          ///< of columns whose heading states none
-    std::set<std::string> accept;     ///< faults of the whole that are no reason to refuse: "dropped", "jumps"
+    std::set<std::string> accept;     ///< faults that are taken as they are: "dropped", "jumps", "marks", "units"
     std::set<std::string> cut;        ///< events whose rows are removed: "break"
     std::set<std::string> keep;       ///< events whose rows are kept as they are: "saturation"
     ForceZero forceZero;

@@ -12,11 +12,12 @@ namespace {
 /// Shares that are refused. Halved: single faults of short files are; doubled: a fault of every fiftieth row passes.
 constexpr double kMostLost = 0.01, kMostJumps = 0.005;
 
-/// A jump, in usual steps and in shares of the range. Halved: noise of 15 sigma counts; doubled: so do only the
-/// largest.
+/// A jump, in usual steps (their lower quartile: a third of the rows may jump) and in shares of the range. Halved:
+/// noise of five sigma counts; doubled: so do only the largest.
 constexpr double kJumpSteps = 20.0;
 double shareOfRange(Quantity q) {
-    return q == Quantity::Displacement ? 0.01 : 0.1; // a force may be noisy beside its range, a crosshead is not
+    // a force may be noisy beside its range, a crosshead and a clock are not
+    return q == Quantity::Displacement || q == Quantity::Time ? 0.01 : 0.1;
 }
 
 std::vector<double> finite(const std::vector<double>& values) {
@@ -36,7 +37,7 @@ std::vector<std::size_t> jumpsOf(const std::vector<double>& v, Quantity q) {
     if (known.size() < 10 || steps.size() < 10)
         return found;
     const double range = lowerQuantile(known, 0.98) - lowerQuantile(known, 0.02);
-    const double least = std::max(shareOfRange(q) * range, kJumpSteps * upperMedian(std::move(steps)));
+    const double least = std::max(shareOfRange(q) * range, kJumpSteps * lowerQuantile(std::move(steps), 0.25));
     const auto near = [&](std::size_t a, std::size_t b, double jump) {
         return a < v.size() && b < v.size() && std::abs(v[a] - v[b]) < 0.25 * jump;
     };
@@ -54,14 +55,22 @@ std::vector<std::size_t> jumpsOf(const std::vector<double>& v, Quantity q) {
     return found;
 }
 
+bool areMany(std::size_t jumps, std::size_t rows) {
+    return jumps >= 3 && static_cast<double>(jumps) > kMostJumps * static_cast<double>(rows);
+}
+
 } // namespace
+
+bool jumpsTooOften(const std::vector<double>& values, Quantity quantity) {
+    return areMany(jumpsOf(values, quantity).size(), values.size());
+}
 
 Status checkWhole(const Signals& signals, Table& table, const Hints& hints) {
     for (const Channel& c : signals.channels) {
         if (c.quantity != Quantity::Displacement && c.quantity != Quantity::Force && c.quantity != Quantity::Angle)
             continue;
         const std::vector<std::size_t> jumps = jumpsOf(c.values, c.quantity);
-        if (static_cast<double>(jumps.size()) <= kMostJumps * static_cast<double>(signals.rows()) || jumps.size() < 3)
+        if (!areMany(jumps.size(), signals.rows()))
             continue;
         const std::string what = std::string("the ") + name(c.quantity) + " jumps and comes back within two rows " +
                                  std::to_string(jumps.size()) + " times in " + std::to_string(signals.rows()) + " rows";

@@ -5,6 +5,9 @@
 
 namespace supercircle::importing {
 
+/// Whether values jump and come back within two rows in more than 0.5 % of the rows.
+bool jumpsTooOften(const std::vector<double>& values, Quantity quantity);
+
 /// Fails for values that jump and come back within two rows in more than 0.5 % of the rows, as numbers do whose decimal
 /// mark was lost. "LINE:1: ..."; `--accept jumps` lets them pass with a remark.
 Status checkWhole(const Signals& signals, Table& table, const Hints& hints);

@@ -1,6 +1,7 @@
 // From lines to channels.
 
-#include "plugin/recording/import/signals.h"
+#include "plugin/recording/import/reading/decimal_marks.h"
+#include "plugin/recording/import/whole.h"
 
 #include <algorithm>
 #include <cmath>
@@ -202,6 +203,23 @@ void readRows(const std::vector<std::string_view>& lines, Table& t) {
     reader.finish();
 }
 
+/// Reads the rows again where a spreadsheet has moved decimal marks, if that gives more of them.
+void readMarkedRows(const std::vector<std::string_view>& lines, const Table& blank, Table& t) {
+    MarkedLines placed = placeDecimalMarks(lines, t);
+    if (placed.lines.empty())
+        return;
+    Table again = blank;
+    readRows(placed.lines, again);
+    for (std::size_t c = 0; c < again.signals.channels.size(); ++c)
+        if (jumpsTooOften(again.signals.channels[c].values, again.signals.channels[c].quantity))
+            return; // the neighbours do not decide
+    if (again.lost > t.lost)
+        return;
+    again.remarks.insert(again.remarks.end(), placed.remarks.begin(), placed.remarks.end());
+    again.layout.decisions.insert(again.layout.decisions.end(), placed.decisions.begin(), placed.decisions.end());
+    t = std::move(again);
+}
+
 void describe(const Text& text, const Layout& l, std::vector<Remark>& remarks) {
     std::string heads = l.namesLine > 0 ? "names on line " + std::to_string(l.namesLine) : "no names of columns";
     if (l.unitsLine > 0)
@@ -313,7 +331,10 @@ Result<std::vector<Table>> readTables(const Text& text, const Hints& hints) {
         return tables;
     for (Table& t : *tables) {
         t.remarks.insert(t.remarks.begin(), form.begin(), form.end());
+        const Table blank = t;
         readRows(lines, t);
+        if (hints.accept.count("marks") == 0)
+            readMarkedRows(lines, blank, t);
         if (t.otherTable > 0)
             return Tables::failure(std::to_string(t.otherTable) +
                                    ":1: another table begins here, with other columns or units; put each table into a "

@@ -44,19 +44,27 @@ void drawChannel(Canvas& canvas, double left, const std::vector<double>& x, cons
 
 struct Shown {
     Quantity quantity;
-    const char* label;
-    double factor;
+    const char* label; ///< without a unit
+    const char* unit;  ///< of SI; a prefix makes it readable
 };
 
 /// The two most telling channels.
 std::vector<Shown> shownOf(const Signals& s) {
     std::vector<Shown> all;
-    for (const Shown& c :
-         {Shown{Quantity::Displacement, "displacement (mm)", 1e3}, Shown{Quantity::Force, "force (N)", 1.0},
-          Shown{Quantity::Angle, "angle (deg)", 180.0 / M_PI}})
+    for (const Shown& c : {Shown{Quantity::Displacement, "displacement", "m"}, Shown{Quantity::Force, "force", "N"},
+                           Shown{Quantity::Angle, "angle", "deg"}})
         if (s.find(c.quantity) != nullptr && all.size() < 2)
             all.push_back(c);
     return all;
+}
+
+/// Label and factor of an axis: "force (kN)".
+graphics::AxisStyle axisOf(const Shown& c, const std::vector<double>& values) {
+    if (c.quantity == Quantity::Angle)
+        return {std::string(c.label) + " (deg)", 180.0 / M_PI};
+    const AxisRange range = graphics::rangeOf({&values});
+    const auto unit = graphics::readableUnit(std::max(std::abs(range.lo), std::abs(range.hi)), c.unit);
+    return {std::string(c.label) + " (" + unit.text + ")", unit.factor};
 }
 
 std::string picture(const Signals& s, const std::vector<double>& x, const char* xLabel, const std::vector<double>& lost,
@@ -66,8 +74,9 @@ std::string picture(const Signals& s, const std::vector<double>& x, const char* 
     for (const Shown& c : shownOf(s)) {
         PlotStyle style;
         style.x = {xLabel, 1.0};
-        style.y = {c.label, c.factor};
-        drawChannel(svg, left, x, *s.find(c.quantity), style, lost, colour);
+        const std::vector<double>& y = *s.find(c.quantity);
+        style.y = axisOf(c, y);
+        drawChannel(svg, left, x, y, style, lost, colour);
         left += 570.0;
     }
     return "<div class=\"scroll wide\">" + svg.finish() + "</div>";

@@ -44,8 +44,8 @@ void findMotion(ImportedRun& run, const Hints& hints) {
     run.remarks.push_back({Kind::Understood, 0,
                            "the crosshead moves along " + std::to_string(run.drive.time.size() - 1) +
                                (run.drive.time.size() == 2 ? " linear segment" : " linear segments") +
-                               "; samples are at most " + shown(std::max(1e6 * run.drive.largestDistance, 1e-3)) +
-                               " um off (tolerance " + shown(1e6 * run.drive.tolerance) + " um)"});
+                               "; samples are at most " + shownLength(std::max(run.drive.largestDistance, 1e-9)) +
+                               " off (tolerance " + shownLength(run.drive.tolerance) + ")"});
     if (run.drive.time.size() > 200)
         run.remarks.push_back(
             {Kind::Assumed, 0, "this number of segments is unlikely: the displacement may be noisy (--tolerance)"});

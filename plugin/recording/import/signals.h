@@ -145,4 +145,7 @@ private:
 /// Short text of a number for messages.
 std::string shown(double value);
 
+/// Short text of a length in m with a unit that suits it: "11.96 µm".
+std::string shownLength(double metres);
+
 } // namespace supercircle::importing

@@ -14,6 +14,9 @@ namespace {
 
 constexpr std::size_t kSample = 3000; ///< lines that decide about separator and decimal mark
 constexpr std::size_t kTable = 100;   ///< rows that are a table of readings; halved: fewer results may stand above it
+/// A quantity that a heading names speaks for a separator. Halved: five to one each; doubled: the odds that are shown
+/// are as sure of a line of remarks as of headings.
+constexpr double kNamed = 10.0;
 constexpr std::size_t kMostColumns = 4096; ///< halved: still ten times what machines write; doubled: twice the memory
 
 std::size_t filledCells(const std::vector<std::string>& cells) {
@@ -175,14 +178,23 @@ std::size_t firstRow(const std::vector<std::string_view>& lines, const Layout& l
     return best;
 }
 
+/// A rule, "-----", or a line of placeholders, "n/a;n/a;n/a".
+bool isPlaceholder(const std::vector<std::string>& cells) {
+    double ignored = 0.0;
+    return filledCells(cells) > 0 && std::all_of(cells.begin(), cells.end(), [&](const std::string& c) {
+               return c.find_first_not_of("-=_*+.|: ") == std::string::npos ||
+                      readCell(c, {'.'}, ignored) == Cell::Missing;
+           });
+}
+
 /// Up to three lines above the first row: names, units, or both, in this order or with units in the names.
 void findHeadings(const std::vector<std::string_view>& lines, std::size_t first, Layout& l) {
     std::size_t tried = 0;
     for (std::size_t i = first; i-- > 0 && tried < 3;) {
-        if (trimmed(lines[i]).empty())
+        std::vector<std::string> cells = cellsOf(lines[i], l);
+        if (trimmed(lines[i]).empty() || isPlaceholder(cells))
             continue;
         ++tried;
-        std::vector<std::string> cells = cellsOf(lines[i], l);
         if (cells.size() == l.columns + 1 && (cells[0] == "#" || cells[0] == "%")) // "# t(s) d(mm) F(N)"
             cells.erase(cells.begin());
         while (cells.size() > l.columns && isNames(cells) && headingOf(cells.back(), "").quantity == Quantity::None)
@@ -304,6 +316,35 @@ bool isRow(const std::vector<std::string>& cells, const Layout& l) {
     return n > 0;
 }
 
+namespace {
+
+/// What a separator makes of the whole file; no firstDataLine: no two lines of numbers follow each other.
+Layout layoutWith(const Trial& t, const std::vector<std::string_view>& lines, const std::vector<std::size_t>& chosen) {
+    Layout l;
+    l.separator = t.separator;
+    l.columns = t.columns;
+    findNumbers(lines, chosen, l);
+    const std::size_t first = firstRow(lines, l);
+    if (first == lines.size())
+        return l;
+    l.firstDataLine = first + 1;
+    findHeadings(lines, first, l);
+    dropEmptyEnd(l);
+    readHeader(lines, l.namesLine > 0 ? l.namesLine - 1 : first, l);
+    return l;
+}
+
+/// Score of a separator by what it gives: rows of numbers, and quantities that its headings name.
+double scoreOf(const Trial& t, const Layout& l) {
+    std::set<Quantity> named;
+    for (std::size_t c = 0; l.firstDataLine > 0 && c < l.columns; ++c)
+        if (const Quantity q = headingOf(l.names[c], l.units[c]).quantity; l.numeric[c] && q != Quantity::None)
+            named.insert(q);
+    return scoreOf(t) * std::pow(kNamed, static_cast<double>(named.size()));
+}
+
+} // namespace
+
 Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
     const std::vector<std::size_t> chosen = sampledLines(lines.size());
     Trial best, second;
@@ -320,20 +361,13 @@ Result<Layout> layoutOf(const std::vector<std::string_view>& lines) {
     if (best.columns > kMostColumns)
         return Result<Layout>::failure("a table of " + std::to_string(best.columns) + " columns; expected at most " +
                                        std::to_string(kMostColumns) + ": export the columns that are needed");
-    Layout l;
-    l.separator = best.separator;
-    l.columns = best.columns;
-    if (second.rows > 0)
-        l.decisions.push_back({"separator", separatorName(best.separator), separatorName(second.separator),
-                               scoreOf(best) / scoreOf(second), ""});
-    findNumbers(lines, chosen, l);
-    const std::size_t first = firstRow(lines, l);
-    if (first == lines.size())
+    Layout l = layoutWith(best, lines, chosen);
+    if (l.firstDataLine == 0)
         return Result<Layout>::failure("no two lines of numbers follow each other");
-    l.firstDataLine = first + 1;
-    findHeadings(lines, first, l);
-    dropEmptyEnd(l);
-    readHeader(lines, l.namesLine > 0 ? l.namesLine - 1 : first, l);
+    if (second.rows > 0 && second.columns <= kMostColumns)
+        l.decisions.insert(l.decisions.begin(),
+                           {"separator", separatorName(best.separator), separatorName(second.separator),
+                            scoreOf(best, l) / scoreOf(second, layoutWith(second, lines, chosen)), ""});
     return l;
 }
 

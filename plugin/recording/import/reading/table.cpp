@@ -352,4 +352,13 @@ std::string shown(double value) {
     return text;
 }
 
+std::string shownLength(double metres) {
+    const double size = std::abs(metres);
+    if (size >= 1.0)
+        return shown(metres) + " m";
+    if (size >= 1e-4)
+        return shown(1e3 * metres) + " mm";
+    return size >= 1e-7 ? shown(1e6 * metres) + " µm" : shown(1e9 * metres) + " nm";
+}
+
 } // namespace supercircle::importing

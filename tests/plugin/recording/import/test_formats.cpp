@@ -269,3 +269,37 @@ TEST_CASE("an export gives bitwise identical files", "[importing]") {
     REQUIRE((a && b));
     CHECK(importing::runFiles(*a).value() == importing::runFiles(*b).value());
 }
+
+TEST_CASE("a separator that names no quantity is no close runner-up", "[importing]") {
+    Style s;
+    s.head = "Zeit (s);Weg (mm);Kraft (N)";
+    s.separator = ';';
+    s.decimal = ',';
+    const auto all = read(exported(s));
+    REQUIRE(all);
+    const importing::Decision& d = all->sources[0].table.layout.decisions.front();
+    CHECK(d.question == "separator");
+    CHECK(d.answer == "semicolon");
+    CHECK(d.odds > 1000.0); // three named quantities, ten to one each
+}
+
+TEST_CASE("placeholders and rules below the headings are skipped", "[importing]") {
+    for (const char* line :
+         {"-,-,-", "---,---,---", "n/a,n/a,n/a", "------------------", "*,*,*", "=====,=====,====="}) {
+        for (const char* head : {"time_s,displacement_mm,force_N\n", "time,displacement,force\ns,mm,N\n"}) {
+            Style s;
+            s.head = std::string(head) + line;
+            const auto all = read(exported(s));
+            INFO(s.head << ": " << all.error());
+            REQUIRE(all);
+            checkValues(all->runs[0]);
+        }
+    }
+}
+
+TEST_CASE("lengths in messages have a unit that suits them", "[importing]") {
+    CHECK(importing::shownLength(1.196e-5) == "11.96 µm");
+    CHECK(importing::shownLength(2e-10) == "0.2 nm");
+    CHECK(importing::shownLength(0.012) == "12 mm");
+    CHECK(importing::shownLength(-1.5) == "-1.5 m");
+}

@@ -82,10 +82,14 @@ int validate(const ValidateArguments& a) {
         return kCannotWrite;
     }
     const int missed = validation::unexpectedMisses(all);
-    std::printf("%s\npage: %s/validation.html\n",
-                missed == 0 ? "every target is met, or missed for a reason the page states"
-                            : (std::to_string(missed) + " targets are missed").c_str(),
-                folder.path().c_str());
+    if (interrupted)
+        std::fprintf(stderr, "interrupted; the page holds what was finished: %s/validation.html\n",
+                     folder.path().c_str());
+    else
+        std::printf("%s\npage: %s/validation.html\n",
+                    missed == 0 ? "every target is met, or missed for a reason the page states"
+                                : (std::to_string(missed) + " targets are missed").c_str(),
+                    folder.path().c_str());
     if (!printed())
         return kCannotWrite;
     bool unfinished = false;

@@ -38,7 +38,7 @@ std::pair<std::size_t, std::size_t> longestFlat(const std::vector<double>& f, co
 }
 
 /// The sensor is at its limit: the largest reading repeats to the last digit, as no other one does.
-void censorSaturation(ImportedRun& run, std::vector<double>& f, bool keep) {
+void censor(ImportedRun& run, std::vector<double>& f, bool keep) {
     const double peak = peakOf(f);
     if (peak == 0.0)
         return;
@@ -62,6 +62,15 @@ void censorSaturation(ImportedRun& run, std::vector<double>& f, bool keep) {
                                        "keeps it)")});
 }
 
+/// Removes the rows from `at` on and finds the drive of the others.
+void cutFrom(ImportedRun& run, std::size_t at, double tolerance) {
+    std::vector<char> gone(run.signals.rows(), 0);
+    std::fill(gone.begin() + static_cast<std::ptrdiff_t>(at), gone.end(), 1);
+    run.signals.erase(gone);
+    if (const std::vector<double>* d = run.signals.find(Quantity::Displacement); d != nullptr && d->size() >= 2)
+        run.drive = findDrive(*run.signals.find(Quantity::Time), *d, tolerance);
+}
+
 /// Row from which the force is gone for good after a sudden fall; rows: there is none.
 std::size_t breakRow(const std::vector<double>& f, double peak) {
     std::size_t i = f.size();
@@ -73,7 +82,8 @@ std::size_t breakRow(const std::vector<double>& f, double peak) {
     return sudden && i + kFlat <= f.size() ? i : f.size();
 }
 
-void tellBreak(ImportedRun& run, const std::vector<double>& f, bool cut) {
+void tellBreak(ImportedRun& run, const std::vector<double>& f, const Hints& hints) {
+    const bool cut = hints.cut.count("break") > 0;
     const std::size_t at = breakRow(f, peakOf(f));
     if (at == f.size())
         return;
@@ -82,15 +92,12 @@ void tellBreak(ImportedRun& run, const std::vector<double>& f, bool cut) {
                            "come off; the " +
                                std::to_string(f.size() - at) + " rows from here on are " +
                                (cut ? "left out" : "kept (--cut break leaves them out)")});
-    if (!cut)
-        return;
-    std::vector<char> gone(f.size(), 0);
-    std::fill(gone.begin() + static_cast<std::ptrdiff_t>(at), gone.end(), 1);
-    run.signals.erase(gone);
+    if (cut)
+        cutFrom(run, at, hints.driveTolerance);
 }
 
 /// Snaps of the specimen and slips of a grip look alike in the force.
-void tellFalls(ImportedRun& run, const std::vector<double>& f) {
+void tellFalls(ImportedRun& run, const std::vector<double>& f, const Hints& hints) {
     const double least = kSudden * peakOf(f);
     std::size_t count = 0, first = 0;
     for (std::size_t i = 2; i < f.size(); ++i)
@@ -100,20 +107,30 @@ void tellFalls(ImportedRun& run, const std::vector<double>& f) {
         }
     if (count == 0 || 20 * count > f.size()) // a coarse recording falls everywhere
         return;
-    run.remarks.push_back({Kind::Understood, run.signals.line[first],
-                           std::to_string(count) + (count == 1 ? " sudden fall" : " sudden falls") +
-                               " of the force, here first: snaps of the specimen, or slips of a grip"});
+    const bool cut = hints.cut.count("falls") > 0 && first >= kFlat;
+    run.remarks.push_back(
+        {cut ? Kind::Omitted : Kind::Understood, run.signals.line[first],
+         std::to_string(count) + (count == 1 ? " sudden fall" : " sudden falls") +
+             " of the force, here first: snaps of the specimen, or slips of a grip" +
+             (cut ? "; the " + std::to_string(f.size() - first) + " rows from here on are left out" : "")});
+    if (cut)
+        cutFrom(run, first, hints.driveTolerance);
 }
 
 } // namespace
 
+void censorSaturation(ImportedRun& run, const Hints& hints) {
+    if (std::vector<double>* force = run.signals.find(Quantity::Force); force != nullptr && force->size() >= 10)
+        censor(run, *force, hints.keep.count("saturation") > 0);
+}
+
 void findEvents(ImportedRun& run, const Hints& hints) {
-    std::vector<double>* force = run.signals.find(Quantity::Force);
+    const std::vector<double>* force = run.signals.find(Quantity::Force);
     if (force == nullptr || force->size() < 10)
         return;
-    censorSaturation(run, *force, hints.keep.count("saturation") > 0);
-    tellFalls(run, *force);
-    tellBreak(run, *force, hints.cut.count("break") > 0);
+    tellBreak(run, *force, hints); // it is a fall too
+    if (force = run.signals.find(Quantity::Force); force->size() >= 10)
+        tellFalls(run, *force, hints);
 }
 
 } // namespace supercircle::importing

@@ -5,8 +5,11 @@
 
 namespace supercircle::importing {
 
-/// Tells the events of a run. Rows at the limit of the sensor lose their force (`--keep saturation`: they stay); rows
-/// after a break stay (`--cut break`: they go).
+/// Rows at the limit of the sensor lose their force (`--keep saturation`: they keep it).
+void censorSaturation(ImportedRun& run, const Hints& hints);
+
+/// Tells sudden falls and a break of a run whose force is zeroed. Rows after them stay; `--cut falls`, `--cut break`:
+/// they go.
 void findEvents(ImportedRun& run, const Hints& hints);
 
 } // namespace supercircle::importing

@@ -4,6 +4,7 @@
 #include "plugin/recording/import/force_zero.h"
 #include "plugin/recording/import/free_run.h"
 #include "plugin/recording/import/plausibility.h"
+#include "plugin/recording/import/velocity.h"
 #include "plugin/recording/import/whole.h"
 
 #include "plugin/recording/experiment/experiment.h"
@@ -113,6 +114,7 @@ Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_
         return repaired;
     if (clock)
         repairCounter(part, run.remarks);
+    const std::vector<double> velocity = takeVelocity(part, run.remarks);
     if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
         if (hints.fromTurningPoint > 0)
             cutToTurningPoint(part, hints.fromTurningPoint, run.remarks);
@@ -130,9 +132,11 @@ Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_
                         part.channels.end());
     run.signals = std::move(part);
     findMotion(run, hints);
-    findEvents(run, hints);
+    compareVelocity(run, velocity);
+    censorSaturation(run, hints);
     if (Status zeroed = zeroForce(run, hints.forceZero); !zeroed)
         return zeroed;
+    findEvents(run, hints);
     addDoubts(run, table, runsOfFile);
     all.runs.push_back(std::move(run));
     return {};
@@ -162,7 +166,7 @@ Status checkColumns(const Signals& s, const Table& t) {
     if (!measures(s, Quantity::Force) && !measures(s, Quantity::Angle))
         return Status::failure(here + "there is neither a force nor an angle; name the columns with --columns " +
                                suggestion(t));
-    if (measures(s, Quantity::Force) && !measures(s, Quantity::Displacement))
+    if (measures(s, Quantity::Force) && !measures(s, Quantity::Displacement) && !measures(s, Quantity::Velocity))
         return Status::failure(
             here + "there is a force but no displacement; expected both, or name the column with --columns " +
             suggestion(t));

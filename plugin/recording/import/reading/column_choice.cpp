@@ -107,13 +107,15 @@ bool isRound(double x) {
     return std::abs(digits - std::round(digits)) < 0.02;
 }
 
-/// A clock of hours, minutes and seconds, or one in seconds: it has fractions, and no step that is round in minutes
-/// only.
-bool saysSeconds(const Draft& d, std::size_t column) {
+/// Hours, minutes and seconds: they are read as seconds, whatever the heading says.
+bool isClock(const Draft& d, std::size_t column) {
     const Layout& l = d.table.layout;
     const std::vector<std::string> cells = cellsOf(d.lines[l.firstDataLine - 1], l);
-    if (column < cells.size() && cells[column].find(':') != std::string::npos)
-        return true;
+    return column < cells.size() && cells[column].find(':') != std::string::npos;
+}
+
+/// A clock in seconds has fractions, and no step that is round in minutes only.
+bool saysSeconds(const Draft& d, std::size_t column) {
     const std::vector<double> v = sampleOf(d, column);
     std::vector<double> steps;
     for (std::size_t i = 1; i < std::min<std::size_t>(v.size(), 1000); ++i)
@@ -195,6 +197,10 @@ Status completeUnits(Draft& d, const Hints& hints) {
     std::string missing, answer;
     for (const std::size_t c : d.chosen) {
         Heading& h = t.headings[c];
+        if (h.quantity == Quantity::Time && isClock(d, c)) {
+            h.unit = usualUnit(Quantity::Time);
+            h.unitStated = true;
+        }
         if (h.unitStated || h.quantity == Quantity::Counter)
             continue;
         const Quantity kind = h.marker.empty() ? h.quantity : Quantity::Displacement;

@@ -2,6 +2,8 @@
 
 #include "plugin/recording/import/reading/column_choice.h"
 
+#include "plugin/recording/import/reading/metadata.h"
+
 #include <algorithm>
 
 namespace supercircle::importing {
@@ -57,9 +59,39 @@ void tellColumns(Draft& d, bool alone) {
         remark(t, Remark::Kind::Omitted, l.namesLine, idle + ": not needed here");
 }
 
+/// One velocity checks the displacement or stands for it; several are not worth a question.
+void dropVelocities(Table& t) {
+    std::size_t count = 0;
+    for (std::size_t c = 0; c < t.layout.columns; ++c)
+        count += t.headings[c].quantity == Quantity::Velocity && t.layout.numeric[c] ? 1 : 0;
+    for (std::size_t c = 0; c < t.layout.columns; ++c)
+        if (Heading& h = t.headings[c]; h.quantity == Quantity::Velocity && (count > 1 || !t.layout.numeric[c])) {
+            h.quantity = Quantity::None;
+            remark(t, Remark::Kind::Omitted, t.layout.namesLine,
+                   columnText(t, c) +
+                       (count > 1 ? " is one of several velocities: none is used" : " holds no numbers"));
+        }
+}
+
+/// A file with a clock that cannot be read is not one without times.
+Status checkClock(Draft& d, std::size_t unread, const Hints& hints) {
+    const Table& t = d.table;
+    const bool known = std::any_of(d.chosen.begin(), d.chosen.end(),
+                                   [&](std::size_t c) { return t.headings[c].quantity == Quantity::Time; });
+    if (unread == t.layout.columns || known || hints.rate > 0.0 || hints.speed > 0.0 ||
+        metadataValue(t.layout.metadata, MetadataKey::Rate) || metadataValue(t.layout.metadata, MetadataKey::Speed))
+        return {};
+    d.wrong = unread;
+    return Status::failure(columnText(t, unread) +
+                           " is a time that cannot be read; expected numbers, hh:mm:ss, or rows of equal distance "
+                           "with --rate HZ (or --speed MM_PER_S)");
+}
+
 Status choose(Draft& d, const Hints& hints, bool alone) {
     Table& t = d.table;
     const Layout& l = t.layout;
+    dropVelocities(t);
+    std::size_t unreadClock = l.columns;
     std::vector<char> done(l.columns, 0);
     for (std::size_t c = 0; c < l.columns; ++c) {
         if (done[c] || t.headings[c].quantity == Quantity::None)
@@ -71,8 +103,10 @@ Status choose(Draft& d, const Hints& hints, bool alone) {
             done[k] = 1;
             if (l.numeric[k])
                 candidates.push_back(k);
-            else
+            else {
+                unreadClock = t.headings[k].quantity == Quantity::Time ? k : unreadClock;
                 remark(t, Remark::Kind::Omitted, l.namesLine, columnText(t, k) + " holds no numbers");
+            }
         }
         if (candidates.empty())
             continue;
@@ -90,6 +124,8 @@ Status choose(Draft& d, const Hints& hints, bool alone) {
         d.chosen.erase(std::find_if(d.chosen.begin(), d.chosen.end(),
                                     [&](std::size_t c) { return t.headings[c].quantity == Quantity::None; }));
     }
+    if (Status readable = checkClock(d, unreadClock, hints); !readable)
+        return readable;
     if (Status complete = completeUnits(d, hints); !complete)
         return complete;
     std::sort(d.chosen.begin(), d.chosen.end());

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <string>
 
@@ -69,8 +70,28 @@ bool isMissing(std::string_view cell) {
     return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 
+/// Takes "AM", "p.m.", "Z" or "+02:00" off the end of a clock. Hours to add; the twelfth hour of half a day is its
+/// first.
+double takeEnd(std::string_view& text, bool& halfDays) {
+    std::string letters;
+    std::size_t end = text.size();
+    while (end > 0 && (std::isalpha(static_cast<unsigned char>(text[end - 1])) != 0 || text[end - 1] == '.'))
+        --end;
+    for (const char c : text.substr(end))
+        letters += c == '.' ? "" : std::string(1, static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
+    halfDays = letters == "am" || letters == "pm";
+    if (halfDays || letters == "z")
+        text = trimmed(text.substr(0, end));
+    const std::size_t date = text.find('T'), zone = text.find_last_of("+-");
+    if (date != std::string_view::npos && zone != std::string_view::npos && zone > date)
+        text = text.substr(0, zone);
+    return letters == "pm" ? 12.0 : 0.0;
+}
+
 /// Two or three parts: minutes and seconds, or hours before them. A date may stand in front.
 bool readClock(std::string_view text, char decimal, double& value) {
+    bool halfDays = false;
+    const double later = takeEnd(text, halfDays);
     const std::size_t date = text.find_last_of(" T");
     if (date != std::string_view::npos && text.find_first_not_of("0123456789-./") == date)
         text.remove_prefix(date + 1);
@@ -89,7 +110,7 @@ bool readClock(std::string_view text, char decimal, double& value) {
             break;
         text.remove_prefix(end + 1);
     }
-    value = seconds;
+    value = halfDays ? std::fmod(seconds, 43200.0) + 3600.0 * later : seconds;
     return parts == 2 || parts == 3;
 }
 

@@ -23,6 +23,11 @@ const std::vector<Known>& units() {
     static const std::vector<Known> kUnits = {{"s", Quantity::Time, 1.0},
                                               {"sec", Quantity::Time, 1.0},
                                               {"sek", Quantity::Time, 1.0},
+                                              {"seg", Quantity::Time, 1.0},
+                                              {"sekunde", Quantity::Time, 1.0},
+                                              {"sekunden", Quantity::Time, 1.0},
+                                              {"seconde", Quantity::Time, 1.0},
+                                              {"segundo", Quantity::Time, 1.0},
                                               {"second", Quantity::Time, 1.0},
                                               {"secs", Quantity::Time, 1.0},
                                               {"ms", Quantity::Time, 1e-3},
@@ -102,6 +107,7 @@ constexpr std::array kWords = {Word{"time", Quantity::Time, 5},
                                Word{"tiempo", Quantity::Time, 5},
                                Word{"tempo", Quantity::Time, 5},
                                Word{"elapsed", Quantity::Time, 4},
+                               Word{"clock", Quantity::Time, 3},
                                Word{"t", Quantity::Time, 1},
                                Word{"displacement", Quantity::Displacement, 6},
                                Word{"displ", Quantity::Displacement, 5},
@@ -162,10 +168,11 @@ constexpr std::array kCounters = {"index", "point",  "points", "nr",    "no",   
                                   "step",  "sample", "count",  "frame", "messpunkt", "datenpunkt", "punkt"};
 
 /// What makes a column another thing than its words suggest: rates, moduli, set points, maxima.
-constexpr std::array kOther = {"rate",         "speed",       "velocity",       "geschwindigkeit", "vitesse", "angvel",
-                               "acceleration", "accel",       "beschleunigung", "modulus",         "modul",   "stress",
-                               "strain",       "spannung",    "dehnung",        "cycle",           "cycles",  "zyklen",
-                               "zyklus",       "temperature", "temperatur",     "status",          "stamp"};
+constexpr std::array kOther = {
+    "rate",    "speed",          "velocity",   "geschwindigkeit", "vitesse", "angvel",      "acceleration",
+    "accel",   "beschleunigung", "modulus",    "modul",           "stress",  "strain",      "spannung",
+    "dehnung", "cycle",          "cycles",     "zyklen",          "zyklus",  "temperature", "temperatur",
+    "status",  "stamp",          "contrainte", "esfuerzo",        "sforzo"};
 /// Less direct measurements of the same quantity.
 constexpr std::array kSecond = {"set", "target", "demand",    "soll",      "command",      "max",
                                 "min", "peak",   "corrected", "total",     "extensometer", "video",
@@ -188,11 +195,20 @@ bool has(const Words& list, const std::string& word) {
     return std::any_of(list.begin(), list.end(), [&](const char* w) { return word == w; });
 }
 
+/// "traversengeschwindigkeit"; only long words, for compounds.
+bool endsWithOther(const std::string& word) {
+    return std::any_of(kOther.begin(), kOther.end(), [&](const char* w) {
+        const std::string other = w;
+        return other.size() >= 7 && word.size() > other.size() + 2 &&
+               word.compare(word.size() - other.size(), other.size(), other) == 0;
+    });
+}
+
 /// @param measured by the unit: among words that contradict each other it decides; None: it is not known
 void findQuantity(const std::vector<std::string>& words, Quantity measured, Heading& h) {
     int penalty = 0;
     for (const std::string& word : words) {
-        if (has(kOther, word))
+        if (has(kOther, word) || endsWithOther(word))
             return;
         penalty += has(kSecond, word) ? 2 : 0;
     }
@@ -246,6 +262,14 @@ std::string unitInName(std::string& text) {
     if (at == std::string::npos || at == 0)
         return {};
     const std::string last = text.substr(at + 1);
+    if (text.size() > 3 && at >= 3 && text.compare(at - 3, 4, " of ") == 0)
+        return {}; // "time of day"
+    if (const std::size_t before = text.find_last_of("/_, ", at - 1); before != std::string::npos && before > 0)
+        if (const std::string rate = text.substr(before + 1, at - before - 1) + "/" + last; // "velocity_mm_s"
+            unitOf(rate).measures == Quantity::Velocity) {
+            text = text.substr(0, before);
+            return rate;
+        }
     const bool announced = at > 3 && text.compare(at - 3, 4, " in ") == 0; // "Kraft in %"
     if (unitOf(last).measures == Quantity::None && !announced)
         return {};
@@ -278,6 +302,8 @@ const char* name(Quantity q) {
         return "marker y";
     case Quantity::Counter:
         return "number of the row";
+    case Quantity::Velocity:
+        return "velocity";
     case Quantity::None:
         break;
     }
@@ -300,6 +326,11 @@ Unit unitOf(std::string_view text) {
         for (const Known& k : units())
             if (k.exactCase ? text == k.written : word == k.written)
                 return {std::string(text), k.measures, k.factor};
+    if (const std::size_t slash = text.find('/'); slash != std::string_view::npos && slash > 0) {
+        const Unit length = unitOf(text.substr(0, slash)), time = unitOf(text.substr(slash + 1));
+        if (length.measures == Quantity::Displacement && time.measures == Quantity::Time)
+            return {std::string(text), Quantity::Velocity, length.factor / time.factor};
+    }
     return {};
 }
 
@@ -315,6 +346,8 @@ Unit usualUnit(Quantity quantity) {
     case Quantity::MarkerX:
     case Quantity::MarkerY:
         return unitOf("mm");
+    case Quantity::Velocity:
+        return unitOf("mm/s");
     case Quantity::Counter:
     case Quantity::None:
         break;
@@ -331,6 +364,12 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
     if (!trimmed(unitCell).empty())
         unit = std::string(trimmed(unitCell));
     h.unit = unitOf(unit);
+    if (h.unit.measures == Quantity::Velocity) {
+        h.quantity = Quantity::Velocity;
+        h.unitStated = true;
+        h.rank = 5;
+        return h;
+    }
     const std::vector<std::string> words = wordsOf(folded(text));
     findQuantity(words, h.unit.measures, h);
     findMarker(words, h);

@@ -9,15 +9,16 @@
 namespace supercircle::importing {
 
 /// Counter: rows numbered by the machine.
-enum class Quantity : std::uint8_t { None, Time, Displacement, Force, Angle, MarkerX, MarkerY, Counter };
+enum class Quantity : std::uint8_t { None, Time, Displacement, Force, Angle, MarkerX, MarkerY, Counter, Velocity };
 
 const char* name(Quantity quantity);
 
 /// A unit of measurement.
 struct Unit {
-    std::string name;                   ///< as it is usually written
-    Quantity measures = Quantity::None; ///< Time, Displacement (any length), Force, Angle; None: no unit we know
-    double factor = 1.0;                ///< value in SI = value * factor
+    std::string name; ///< as it is usually written
+    Quantity measures =
+        Quantity::None;  ///< Time, Displacement (any length), Force, Angle, Velocity; None: no unit we know
+    double factor = 1.0; ///< value in SI = value * factor
 };
 
 /// "kN", "[mm]", "(N)", "in", "Sek.": measures == None if it is no unit we know. Lengths count as Displacement.

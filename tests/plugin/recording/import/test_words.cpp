@@ -149,9 +149,14 @@ TEST_CASE("headings say quantity and unit", "[importing]") {
         CHECK(h.unitStated);
         CHECK(h.unit.factor == Approx(e.factor));
     }
-    for (const char* other :
-         {"Cycle", "Elapsed Cycles", "Temperature (C)", "Crosshead speed (mm/s)", "Tensile stress (MPa)", "Remark"})
+    for (const char* other : {"Cycle", "Elapsed Cycles", "Temperature (C)", "Strain rate (1/s)", "Loading rate (N/s)",
+                              "Tensile stress (MPa)", "Remark"})
         CHECK(headingOf(other, "").quantity == Quantity::None);
+    for (const char* velocity : {"Crosshead speed (mm/s)", "velocity_mm_s", "v [mm/s]", "Geschwindigkeit in mm/s"}) {
+        CHECK(headingOf(velocity, "").quantity == Quantity::Velocity);
+        CHECK(headingOf(velocity, "").unit.factor == Approx(1e-3));
+    }
+    CHECK(headingOf("Traversengeschwindigkeit", "mm/min").unit.factor == Approx(1e-3 / 60.0));
     CHECK_FALSE(headingOf("Force", "").unitStated);
     CHECK(headingOf("Force", "").unit.factor == 1.0);
     CHECK(headingOf("Force (bananas)", "").unknownUnit == "bananas");

@@ -180,8 +180,10 @@ Status checkUnit(Draft& d, std::vector<std::size_t>& candidates) {
     if (good.empty()) {
         const Heading& h = t.headings[candidates.front()];
         d.wrong = candidates.front();
+        const bool weight = h.quantity == Quantity::Force && (h.unknownUnit == "kg" || h.unknownUnit == "g");
         return Status::failure(columnText(t, candidates.front()) + ": \"" + h.unknownUnit + "\" is no unit of " +
-                               name(h.quantity) + "; expected one of " + unitsFor(h.quantity));
+                               name(h.quantity) + "; expected one of " + unitsFor(h.quantity) +
+                               (weight ? "; a weight is stated with --columns as force[" + h.unknownUnit + "f]" : ""));
     }
     for (const std::size_t c : candidates)
         if (!t.headings[c].unknownUnit.empty())

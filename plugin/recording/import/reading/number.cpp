@@ -63,9 +63,13 @@ bool ungroup(std::string& text, char decimal, bool& grouped) {
     return true;
 }
 
+/// Nothing, a word for it, or what a sensor beyond its range gives.
 bool isMissing(std::string_view cell) {
-    static const std::vector<std::string> kWords = {"",     "-",    "--",   "---",  "nan", "n/a", "na",
-                                                    "#n/a", "null", "none", "n.a.", "*",   "?",   "#nv"};
+    static const std::vector<std::string> kWords = {"",     "nan",      "n/a",       "na",      "#n/a", "null",
+                                                    "none", "n.a.",     "#nv",       "over",    "ovr",  "ol",
+                                                    "ovfl", "overload", "overrange", "overflow"};
+    if (cell.find_first_not_of("-*#?") == std::string_view::npos)
+        return true; // "---", "****"
     const std::string word = folded(cell);
     return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }

@@ -279,6 +279,21 @@ std::string unitInName(std::string& text) {
     return last;
 }
 
+/// "min:sec", "hours:minutes:seconds"
+bool isClockFormat(std::string_view low) {
+    constexpr std::array kParts = {"h", "hr",     "hour",    "hours", "m",    "min",    "mins",
+                                   "s", "minute", "minutes", "sec",   "secs", "second", "seconds"};
+    for (bool last = false; !last;) {
+        const std::size_t colon = low.find(':');
+        last = colon == std::string_view::npos;
+        const std::string part(trimmed(low.substr(0, colon)));
+        if (!has(kParts, part))
+            return false;
+        low.remove_prefix(last ? low.size() : colon + 1);
+    }
+    return true;
+}
+
 bool fits(Quantity quantity, const Unit& unit) {
     const bool length = quantity == Quantity::MarkerX || quantity == Quantity::MarkerY;
     return unit.measures == (length ? Quantity::Displacement : quantity);
@@ -319,7 +334,8 @@ Unit unitOf(std::string_view text) {
            (text.back() == ')' || text.back() == ']' || text.back() == '>' || text.back() == '}' || text.back() == '.'))
         text = trimmed(text.substr(0, text.size() - 1));
     const std::string low = folded(text);
-    if (low.find(':') != std::string::npos && low.find_first_not_of("hms:.0fdyt ") == std::string::npos)
+    if (low.find(':') != std::string::npos &&
+        (low.find_first_not_of("hms:.0fdyt ") == std::string::npos || isClockFormat(low)))
         return {"s", Quantity::Time, 1.0}; // hh:mm:ss is read as seconds
     const bool plural = low.size() > 2 && low.back() == 's';
     for (const std::string& word : {low, plural ? low.substr(0, low.size() - 1) : low})

@@ -12,6 +12,8 @@ namespace supercircle::importing {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kManyPartly =
+    0.02; ///< of the rows; halved: four bad cells of a short file are a doubt; doubled: 3 in 100 are not
 constexpr std::size_t kLongestLine = std::size_t{1} << 20; ///< bytes; 4096 columns take a tenth of it
 
 void remark(Table& t, Remark::Kind kind, std::size_t line, const std::string& what) {
@@ -87,6 +89,10 @@ public:
             t_.candidates += above_;
         }
         odd_.finish(t_.remarks);
+        if (static_cast<double>(partly_) > kManyPartly * static_cast<double>(t_.signals.rows()))
+            remark(t_, Remark::Kind::Doubtful, firstPartly_,
+                   std::to_string(partly_) + " lines, here first, hold a part of the numbers of a row and words in the "
+                                             "place of the others: they are left out");
         if (grouped_ > 0)
             remark(t_, Remark::Kind::Understood, 0,
                    "groups of three digits are marked in " + std::to_string(grouped_) + " rows");
@@ -146,6 +152,9 @@ private:
     void countLost(std::size_t number, bool good) {
         if (good || !hasNeeded()) {
             ++t_.odd;
+            const bool partly = cells_.size() == t_.layout.columns && needed() > 0;
+            firstPartly_ = partly && partly_ == 0 ? number : firstPartly_;
+            partly_ += partly ? 1 : 0;
             return;
         }
         ++t_.candidates;
@@ -154,12 +163,14 @@ private:
             t_.lostLines.push_back(number);
     }
     [[nodiscard]] bool hasNeeded() const {
-        if (cells_.size() != t_.layout.columns)
-            return countNumbers() >= row_.size();
+        return cells_.size() != t_.layout.columns ? countNumbers() >= row_.size() : needed() == row_.size();
+    }
+    /// Needed cells that look like numbers.
+    [[nodiscard]] std::size_t needed() const {
+        std::size_t count = 0;
         for (std::size_t c = 0; c < cells_.size(); ++c)
-            if (t_.channelOf[c] >= 0 && !looksLikeNumber(cells_[c]))
-                return false;
-        return true;
+            count += t_.channelOf[c] >= 0 && looksLikeNumber(cells_[c]) ? 1 : 0;
+        return count;
     }
     [[nodiscard]] std::size_t countNumbers() const {
         return static_cast<std::size_t>(std::count_if(cells_.begin(), cells_.end(), looksLikeNumber));
@@ -183,7 +194,7 @@ private:
     std::vector<std::string> quoted_;
     std::vector<double> row_;
     Tally odd_{Remark::Kind::Omitted, "lines that are no rows of numbers"};
-    std::size_t grouped_ = 0, above_ = 0, firstAbove_ = 0;
+    std::size_t grouped_ = 0, above_ = 0, firstAbove_ = 0, partly_ = 0, firstPartly_ = 0;
     bool again_ = false;
 };
 

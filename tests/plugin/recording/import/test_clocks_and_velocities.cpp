@@ -172,3 +172,43 @@ TEST_CASE("a break is found above an offset of the sensor", "[importing]") {
         pushed(300, [](int i, double way) { return 0.8 + (i < 200 ? std::max(0.0, 2.0 * (way - 1.0)) : 0.0); });
     CHECK_THAT(accountOf(text), Contains("line 202: the force falls to nothing"));
 }
+
+TEST_CASE("what a sensor beyond its range gives is a missing value", "[importing]") {
+    for (const char* mark : {"***", "####", "OVER", "OL", "-----", "Overload"}) {
+        std::string text = "time_s,displacement_mm,force_N\n";
+        for (int i = 0; i < rows; ++i) {
+            const double way = wayOf(timeOf(i)), force = forceOf(way);
+            text +=
+                printed(timeOf(i), 4) + "," + printed(way, 6) + "," + (force > 5.0 ? mark : printed(force, 6)) + "\n";
+        }
+        const auto all = read(text);
+        INFO(mark << ": " << all.error());
+        REQUIRE(all);
+        const auto& f = *all->runs[0].signals.find(Quantity::Force);
+        REQUIRE(f.size() == static_cast<std::size_t>(rows)); // the way goes on
+        for (int i = 0; i < rows; ++i)
+            CHECK(std::isnan(f[static_cast<std::size_t>(i)]) == (forceOf(wayOf(timeOf(i))) > 5.0));
+    }
+}
+
+TEST_CASE("words in the place of many numbers are doubtful", "[importing]") {
+    const auto text = [](int every) {
+        std::string lines = "time_s,displacement_mm,force_N\n";
+        for (int i = 0; i < rows; ++i)
+            lines += printed(timeOf(i), 4) + "," + printed(wayOf(timeOf(i)), 6) + "," +
+                     (i % every == every - 1 ? "bananas" : printed(forceOf(wayOf(timeOf(i))), 6)) + "\n";
+        return lines;
+    };
+    CHECK_THAT(importing::worst(*read(text(10))),
+               Contains("36 lines, here first, hold a part of the numbers of a row"));
+    CHECK_THAT(importing::worst(*read(text(200))), Contains("nothing is doubtful"));
+}
+
+TEST_CASE("minutes and seconds are a unit, a mass is named a weight", "[importing]") {
+    CHECK(importing::unitOf("min:sec").measures == Quantity::Time);
+    CHECK(importing::unitOf("(hours:minutes:seconds)").factor == 1.0);
+    CHECK(importing::unitOf("force:n").measures == Quantity::None);
+    Style s;
+    s.head = "Time(s),Stroke(mm),Load(kg)";
+    CHECK_THAT(errorOf(exported(s)), Contains("a weight is stated with --columns as force[kgf]"));
+}

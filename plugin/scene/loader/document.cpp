@@ -48,6 +48,16 @@ public:
         return start;
     }
 
+    /// Items of the array that has just been opened if it holds no texts and nothing nested; 0: it does.
+    [[nodiscard]] std::size_t flatItems() const {
+        const std::size_t end = text_.find_first_of("[]{}\"", at_);
+        if (end == std::string::npos || text_[end] != ']')
+            return 0;
+        return static_cast<std::size_t>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
+                                                   text_.begin() + static_cast<std::ptrdiff_t>(end), ',')) +
+               1;
+    }
+
 private:
     void skipString() {
         for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_)
@@ -162,6 +172,8 @@ private:
         // A parent gets no further children while a child is open, so these pointers stay valid.
         stack_.push_back(node);
         keys_.emplace_back();
+        if (kind == Node::Kind::Array) // growing would hold the items twice
+            node->children.reserve(std::min(scanner_.flatItems(), maxValues));
         return true;
     }
 

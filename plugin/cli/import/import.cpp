@@ -53,16 +53,58 @@ void printReady(const importing::Description& d, const std::string& file) {
         std::printf("not ready: `supercircle check %s` reports the same until this is corrected\n", file.c_str());
 }
 
-/// The command without the options that state decisions.
-std::string commandOf(const ImportArguments& a) {
+/// With quotes for a shell where they are needed.
+std::string word(const std::string& text) {
+    const char* const plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-/+:,=";
+    if (!text.empty() && text.find_first_not_of(plain) == std::string::npos)
+        return text;
+    std::string out = "'";
+    for (const char c : text)
+        out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
+/// With all digits: the command gives the same bits.
+std::string exact(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return text;
+}
+
+/// The command without the options that the page states as decisions: columns, signs and the zero of the force. Of
+/// several files and runs it has those that were given.
+std::string commandOf(const ImportArguments& a, bool alone) {
     std::string command = "supercircle import";
+    const auto add = [&](const char* option, const std::string& value) {
+        command += value.empty() ? "" : " " + std::string(option) + " " + word(value);
+    };
+    const auto number = [&](const char* option, double value, double usual) {
+        command += value == usual ? "" : " " + std::string(option) + " " + exact(value);
+    };
     for (const std::string& file : a.files)
-        command += " " + file;
-    if (!a.specimen.empty())
-        command += " --specimen " + a.specimen;
-    if (!a.protocol.empty())
-        command += " --protocol " + a.protocol;
-    return command + " --out " + a.out;
+        command += " " + word(file);
+    add("--specimen", a.specimen);
+    add("--protocol", a.protocol);
+    add("--scene", a.scene);
+    number("--rate", a.rate, 0.0);
+    number("--speed", a.speed, 0.0);
+    number("--tolerance", a.tolerance, 0.0);
+    number("--from-turning-point", a.fromTurningPoint, 0.0);
+    number("--average", a.average, 1.0);
+    for (const auto& [option, values] :
+         {std::pair{"--accept", &a.accept}, std::pair{"--cut", &a.cut}, std::pair{"--keep", &a.keep}})
+        for (const std::string& value : *values)
+            add(option, value);
+    add("--units", a.units);
+    if (!alone) {
+        const auto sign = [](int s) { return s == 0 ? "" : s > 0 ? "positive" : "negative"; };
+        add("--columns", a.columns);
+        add("--displacement", sign(a.displacementSign));
+        add("--force", sign(a.forceSign));
+        add("--force-zero", a.forceZero);
+    }
+    add("--out", a.out);
+    return command;
 }
 
 /// The options as hints. Errors name the option.
@@ -129,7 +171,8 @@ int import(const ImportArguments& a) {
         files->emplace_back("experiment.json", description->json);
         files->emplace_back("import.json", importing::accountJson(*imported, *description));
         files->emplace_back("import.txt", account);
-        files->emplace_back("import.html", importPage(*imported, commandOf(a)));
+        files->emplace_back("import.html", importPage(*imported, commandOf(a, imported->sources.size() == 1 &&
+                                                                                  imported->runs.size() == 1)));
         error = record::writeAtomically(folder.path(), *files).error();
     }
     if (!error.empty()) {

@@ -73,6 +73,28 @@ TEST_CASE("the worked example of the how-to page", "[importing]") {
     CHECK(json["specimens"][0]["clamp"]["initial_point_m"][1].get<double>() == Approx(0.0466529).margin(0.3e-3));
 }
 
+TEST_CASE("the command of the page holds every option that was given", "[importing]") {
+    const Folder folder;
+    Style s;
+    s.head = "time,displacement,force";
+    const std::string file = folder.write("an export.csv", exported(s) + "1;2\n"), out = folder.path + "/out",
+                      options =
+                          " --units s,mm,N --tolerance 0.5 --accept jumps --cut falls --cut break --keep saturation ";
+    CommandResult end = start("import '" + file + "'" + options + "--out " + out);
+    INFO(end.text);
+    REQUIRE(end.code == 0);
+    std::string page = contentOf(out + "/import.html");
+    for (const char* option : {"--units s,mm,N", "--tolerance 0.5", "--accept jumps", "--cut falls", "--cut break",
+                               "--keep saturation", "an export.csv' "})
+        CHECK_THAT(page, Contains(option));
+    const std::string other = folder.write("other.csv", exported()); // of several files the options are those given
+    end = start("import '" + file + "' " + other + " --units s,mm,N --force positive --force-zero none --out " + out);
+    INFO(end.text);
+    REQUIRE(end.code == 0);
+    page = contentOf(out + "/import.html");
+    CHECK_THAT(page, Contains("--force positive") && Contains("--force-zero none"));
+}
+
 TEST_CASE("the page shows decisions and a command that repeats the import", "[importing]") {
     const Folder folder;
     const std::string file = std::string(SC_SOURCE_DIR) + "/examples/import/shell_on_cylinder.csv",

@@ -50,7 +50,9 @@ void tellColumns(Draft& d, bool alone) {
         const std::string unit = h.quantity == Quantity::Counter ? "" : " [" + h.unit.name + "]";
         const std::string what =
             columnText(t, c) + " is " + name(h.quantity) + (h.marker.empty() ? "" : " of " + h.marker) + unit;
-        if (h.unitStated || h.quantity == Quantity::Counter)
+        if (h.byUnit)
+            remark(t, Remark::Kind::Assumed, l.namesLine, what + ", by its unit: the word is not known");
+        else if (h.unitStated || h.quantity == Quantity::Counter)
             remark(t, Remark::Kind::Understood, l.unitsLine > 0 ? l.unitsLine : l.namesLine, what);
         else
             remark(t, Remark::Kind::Assumed, l.namesLine, what + ": no unit is stated, and its numbers have fractions");
@@ -164,6 +166,28 @@ bool isMeasured(Quantity q) {
     return q == Quantity::Time || q == Quantity::Displacement || q == Quantity::Force;
 }
 
+/// Headings in a language that is not known: the only column with a unit of time, length or force, where no heading
+/// names the quantity.
+void readUnits(Table& t) {
+    for (const Quantity q : {Quantity::Time, Quantity::Displacement, Quantity::Force}) {
+        std::size_t count = 0, found = 0;
+        bool named = false;
+        for (std::size_t c = 0; c < t.layout.columns; ++c) {
+            const Heading& h = t.headings[c];
+            named = named || h.quantity == q;
+            if (h.quantity != Quantity::None || h.other || h.unit.measures != q || !t.layout.numeric[c])
+                continue;
+            ++count;
+            found = c;
+        }
+        if (named || count != 1)
+            continue;
+        t.headings[found].quantity = q;
+        t.headings[found].rank = 1;
+        t.headings[found].unitStated = t.headings[found].byUnit = true;
+    }
+}
+
 /// First column of each specimen where specimens stand side by side: the same quantities in the same order, each with
 /// its own clock or under its own title. Empty: the table has one specimen.
 std::vector<std::size_t> specimensOf(const Table& t) {
@@ -220,6 +244,8 @@ Result<std::vector<Table>> chooseColumns(const std::vector<std::string_view>& li
     };
     if (const Status read = readHeadings(whole, hints); !read)
         return failed(read.error(), 0);
+    if (hints.columns.empty())
+        readUnits(whole);
     std::vector<std::size_t> starts = specimensOf(whole);
     const bool alone = starts.empty();
     if (alone)

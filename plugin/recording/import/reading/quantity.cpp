@@ -208,8 +208,10 @@ bool endsWithOther(const std::string& word) {
 void findQuantity(const std::vector<std::string>& words, Quantity measured, Heading& h) {
     int penalty = 0;
     for (const std::string& word : words) {
-        if (has(kOther, word) || endsWithOther(word))
+        if (has(kOther, word) || endsWithOther(word)) {
+            h.other = true;
             return;
+        }
         penalty += has(kSecond, word) ? 2 : 0;
     }
     bool agrees = false; // "extension from preload (mm)" is no load

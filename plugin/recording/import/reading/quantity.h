@@ -31,6 +31,8 @@ struct Heading {
     std::string marker; ///< name of the marker
     Unit unit;
     bool unitStated = false;
+    bool other = false;      ///< its words name something else: a stress, a rate, a cycle
+    bool byUnit = false;     ///< its words are not known: the unit alone says what it is
     std::string unknownUnit; ///< what stands in the unit's place but is none
     int rank = 0;            ///< how sure: of several columns of one quantity the one with the highest rank is taken
 };

@@ -185,3 +185,22 @@ TEST_CASE("header entries are read with their units", "[importing]") {
     REQUIRE(bare);
     CHECK_FALSE(bare->unitStated);
 }
+
+TEST_CASE("headings in an unknown language are read by their units", "[importing]") {
+    for (const char* head : {"Tijd [s];Verplaatsing [mm];Kracht [N]", "Χρόνος (s);Μετατόπιση (mm);Δύναμη (N)",
+                             "Czas;Przemieszczenie;Siła\ns;mm;N"}) {
+        Style s;
+        s.head = head;
+        s.separator = ';';
+        s.decimal = ',';
+        const auto all = read(exported(s));
+        INFO(head << ": " << all.error());
+        REQUIRE(all);
+        checkValues(all->runs[0]);
+    }
+    Style s; // two lengths: which is it?
+    s.head = "Tijd [s],Verplaatsing [mm],Breedte [mm]";
+    CHECK_THAT(errorOf(exported(s)), Contains("--columns"));
+    s.head = "Tijd [s],Verplaatsing [mm],Cycle force [N]"; // not a force of every row
+    CHECK_THAT(errorOf(exported(s)), Contains("neither a force"));
+}

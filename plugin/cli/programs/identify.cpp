@@ -120,10 +120,11 @@ Subcommand describeImport(CLI::App& app) {
         "stay where they are), the unit of the force is doubtful")
         ->check(CLI::IsMember({"dropped", "jumps", "marks", "units"}).description(""))
         ->type_name("dropped|jumps|marks|units");
-    addRepeatable(*subcommand, "--cut", a.cut,
-                  "leave out the rows after a break, or after the first sudden fall of the force")
-        ->check(CLI::IsMember({"break", "falls"}).description(""))
-        ->type_name("break|falls");
+    addRepeatable(
+        *subcommand, "--cut", a.cut,
+        "leave out the rows after a break, the first sudden fall of the force, or the first gap in the samples")
+        ->check(CLI::IsMember({"break", "falls", "gaps"}).description(""))
+        ->type_name("break|falls|gaps");
     addRepeatable(*subcommand, "--keep", a.keep, "keep the force where the sensor is saturated")
         ->check(CLI::IsMember({"saturation"}).description(""))
         ->type_name("saturation");

@@ -12,8 +12,9 @@ using Kind = Remark::Kind;
 
 constexpr std::size_t kFlat = 5;    ///< equal rows at the largest force; halved: a rounded top counts as saturated
 constexpr double kFlatLonger = 4.0; ///< times any other stretch of equal forces; doubled: coarse sensors hide it
-constexpr double kBroken = 0.05;    ///< of the largest force is what a broken specimen may carry at most
-constexpr double kSudden = 0.2;     ///< of the largest force lost within two rows; halved: snaps of noise are told
+constexpr double kGap = 3.5;     ///< usual steps; halved: a single late row is a gap; doubled: six rows are lost unsaid
+constexpr double kBroken = 0.05; ///< of the largest force is what a broken specimen may carry at most
+constexpr double kSudden = 0.2;  ///< of the largest force lost within two rows; halved: snaps of noise are told
 
 double peakOf(const std::vector<double>& f) {
     double peak = 0.0;
@@ -117,6 +118,25 @@ void tellFalls(ImportedRun& run, const std::vector<double>& f, const Hints& hint
         cutFrom(run, first, hints.driveTolerance);
 }
 
+/// Dropped samples.
+void tellGaps(ImportedRun& run, const Hints& hints) {
+    const std::vector<double>& time = *run.signals.find(Quantity::Time);
+    std::size_t gaps = 0, first = 0;
+    for (std::size_t i = 1; i < time.size(); ++i)
+        if (time[i] - time[i - 1] > kGap / run.rate)
+            first = gaps++ == 0 ? i : first;
+    if (gaps == 0)
+        return;
+    const bool cut = hints.cut.count("gaps") > 0 && first >= kFlat;
+    run.remarks.push_back(
+        {cut ? Kind::Omitted : Kind::Understood, run.signals.line[first],
+         std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + " in the samples, the first after " +
+             shown(time[first - 1]) + " s" +
+             (cut ? "; the " + std::to_string(time.size() - first) + " rows behind it are left out" : "")});
+    if (cut)
+        cutFrom(run, first, hints.driveTolerance);
+}
+
 } // namespace
 
 void censorSaturation(ImportedRun& run, const Hints& hints) {
@@ -125,6 +145,7 @@ void censorSaturation(ImportedRun& run, const Hints& hints) {
 }
 
 void findEvents(ImportedRun& run, const Hints& hints) {
+    tellGaps(run, hints);
     const std::vector<double>* force = run.signals.find(Quantity::Force);
     if (force == nullptr || force->size() < 10)
         return;

@@ -8,8 +8,8 @@ namespace supercircle::importing {
 /// Rows at the limit of the sensor lose their force (`--keep saturation`: they keep it).
 void censorSaturation(ImportedRun& run, const Hints& hints);
 
-/// Tells sudden falls and a break of a run whose force is zeroed. Rows after them stay; `--cut falls`, `--cut break`:
-/// they go.
+/// Tells gaps of a run, and sudden falls and a break if its force is zeroed. Rows after them stay; `--cut gaps`,
+/// `--cut falls`, `--cut break`: they go.
 void findEvents(ImportedRun& run, const Hints& hints);
 
 } // namespace supercircle::importing

@@ -26,15 +26,6 @@ constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30; ///< ten million 
 void findMotion(ImportedRun& run, const Hints& hints) {
     const std::vector<double>& time = *run.signals.find(Quantity::Time);
     run.rate = 1.0 / experiment::medianStep(time);
-    std::size_t gaps = 0, firstGap = 0;
-    for (std::size_t i = 1; i < time.size(); ++i)
-        if (time[i] - time[i - 1] > 3.5 / run.rate) {
-            firstGap = gaps++ == 0 ? i : firstGap;
-        }
-    if (gaps > 0)
-        run.remarks.push_back({Kind::Understood, run.signals.line[firstGap],
-                               std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") +
-                                   " in the samples, the first after " + shown(time[firstGap - 1]) + " s"});
     const std::vector<double>* d = run.signals.find(Quantity::Displacement);
     if (d == nullptr)
         return;

@@ -68,7 +68,7 @@ struct Hints {
     double driveTolerance = 0.0;      ///< m; 0: from the data
     std::vector<Unit> units;          ///< of columns whose heading states none
     std::set<std::string> accept;     ///< faults that are taken as they are: "dropped", "jumps", "marks", "units"
-    std::set<std::string> cut;        ///< events from which on rows are removed: "break", "falls"
+    std::set<std::string> cut;        ///< events from which on rows are removed: "break", "falls", "gaps"
     std::set<std::string> keep;       ///< events whose rows are kept as they are: "saturation"
     ForceZero forceZero;
     int fromTurningPoint = 0; ///< angles: rows before this turning point are removed; 0: none

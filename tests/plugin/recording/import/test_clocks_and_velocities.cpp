@@ -167,6 +167,17 @@ TEST_CASE("a slip is told, kept, and cut where wanted", "[importing]") {
     CHECK_THAT(importing::account(*cut), Contains("100 rows from here on are left out"));
 }
 
+TEST_CASE("a gap in the samples is told, and cut where wanted", "[importing]") {
+    const std::string text = exported(Style{}, 0, 100) + exported(Style{}, 130).substr(Style{}.head.size() + 1);
+    CHECK_THAT(accountOf(text), Contains("understood line 102: 1 gap in the samples, the first after 4.95 s"));
+    importing::Hints hints;
+    hints.cut = {"gaps"};
+    const auto cut = read(text, hints);
+    REQUIRE(cut);
+    checkValues(cut->runs[0], 1e-6, 0, 100);
+    CHECK(cut->runs[0].drive.time.back() == Approx(4.95));
+}
+
 TEST_CASE("a break is found above an offset of the sensor", "[importing]") {
     const std::string text =
         pushed(300, [](int i, double way) { return 0.8 + (i < 200 ? std::max(0.0, 2.0 * (way - 1.0)) : 0.0); });

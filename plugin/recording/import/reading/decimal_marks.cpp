@@ -141,6 +141,10 @@ void replaceCell(MarkedLines& m, std::size_t line, std::size_t column, const std
 
 void placeColumn(const Table& t, std::size_t column, MarkedLines& m) {
     const Layout& l = t.layout;
+    const std::vector<double>& values = t.signals.channels[static_cast<std::size_t>(t.channelOf[column])].values;
+    const bool jumps = jumpsTooOften(values, t.headings[column].quantity);
+    if (!jumps && static_cast<double>(t.lost + t.odd) <= kMostUnreadable * static_cast<double>(values.size()))
+        return; // a sound file is not read twice
     const std::vector<Digits> cells = digitsOf(m.lines, l, column);
     const auto count = [&](const auto& which) {
         return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), which));
@@ -148,10 +152,8 @@ void placeColumn(const Table& t, std::size_t column, MarkedLines& m) {
     const std::size_t open = count([](const Digits&d) { return d.open; }),
                       right = count([](const Digits&d) { return d.marks == 1 && !d.open; }),
                       several = count([](const Digits&d) { return d.marks > 1; });
-    const std::vector<double>& values = t.signals.channels[static_cast<std::size_t>(t.channelOf[column])].values;
     if (open == 0 || right < kFewestRight ||
-        (!jumpsTooOften(values, t.headings[column].quantity) &&
-         static_cast<double>(several) <= kMostUnreadable * static_cast<double>(cells.size())))
+        (!jumps && static_cast<double>(several) <= kMostUnreadable * static_cast<double>(cells.size())))
         return;
     const std::vector<std::size_t> behind = smoothest(cells);
     std::size_t moved = 0, first = 0;

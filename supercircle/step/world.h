@@ -164,7 +164,7 @@ struct Settings {
     double rejectPenetration = 0.02; ///< h, a step that deepens penetration beyond this is redone smaller
     double recovery = 20.0;          ///< h/s, at which gaps of joints close and shells put into each other part
     int maxIterations = 4;           ///< linearisations per step
-    coulomb::SolverOptions contact;
+    coulomb::SolverOptions contact;  ///< absoluteImpulse: of the paper's shell, see impulseScale
     int threads = 1;
     bool acceptUnconverged = false;      ///< a step whose contact problem missed its tolerance is counted, not cut
     std::uint64_t sweepAbove = 1U << 30; ///< contacts; larger problems get capped sweeps: bounded time ...
@@ -328,6 +328,11 @@ void shiftOrigin(World& world, const Vec2& by);
 [[nodiscard]] double lengthOf(const World& world, double given, const contact::Candidate& c);
 /// Thickness of the thinnest rod, m; infinite without rods.
 [[nodiscard]] double thinnest(const World& world);
+/// The forces of the softest and of the lightest rod over those of the paper's shell, 1; without rods 1. It is the
+/// smaller of B / R and, under gravity, lambda g R^2: forces that bend the rods, and weights, times R, as periods grow
+/// with R. SolverOptions::absoluteImpulse, which is given for that shell, is multiplied by it. R: of the mean natural
+/// curvature, or for a nearly straight rod that of three quarters of a circle.
+[[nodiscard]] double impulseScale(const World& world);
 /// Of a list sorted by id; nullptr if it is not there.
 [[nodiscard]] const Body* findBody(const std::vector<Body>& bodies, BodyId id);
 /// Index of the body in World::bodies, -1 if it is not there.

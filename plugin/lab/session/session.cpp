@@ -68,7 +68,6 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * sizeRatio_;
     if (scene.numerics.dt_max > 0.0)
         s.dtMin = std::min(s.dtMin, scene.numerics.dt_max);
-    s.contact.absoluteImpulse *= sizeRatio_ * sizeRatio_ * sizeRatio_;
     fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
     s.secondOrder = !scene.numerics.quasi_static.value_or(scene.protocol.has_value());

@@ -77,6 +77,8 @@ public:
     const double* rows() const { return rows_.data(); }
     /// Free mass-normalised velocities of all bodies in one array.
     const std::vector<double>& freeVelocity() const { return free_; }
+    /// What the digits of the free velocities cannot tell apart at a contact, m/s.
+    double speedRoundOff() const;
     std::size_t bodyOffset(std::size_t b) const { return bodies_[b].velocity; }
     std::size_t bodyPadded(std::size_t b) const { return bodies_[b].padded; }
 

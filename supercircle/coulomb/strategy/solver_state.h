@@ -11,16 +11,16 @@ namespace supercircle::coulomb {
 /// Target of all methods of one solve.
 struct SolveTarget {
     double contactResidual = 1e-8; ///< to be reached, 1
-    double impulse = 1e-13;        ///< N s; also solved if every natural-map error is below, see reached()
-    /// A small impulse error excuses a larger residual, but not for very thin or light bodies, whose impulses are all
-    /// small: r = 0 would pass as the solution.
-    static constexpr double kExcused = 1e-3;      ///< of the contact residual, 1
-    static constexpr double kSpeedAtRest = 1e-11; ///< m/s, round-off of the velocities
+    double impulse = 1e-13;        ///< N s, natural-map error that excuses a residual up to kExcused, not beyond:
+                                   ///< else r = 0 would pass as the solution where all impulses are small
+    double speed = 0.0;            ///< m/s, round-off of the velocities: bodies at rest close no faster
+    static constexpr double kExcused = 1e-3; ///< of the contact residual, 1
     bool reached(const Residual& residual) const {
-        return residual.contactResidual <= contactResidual ||
-               (residual.impulseError <= impulse &&
-                (residual.contactResidual <= kExcused || residual.speedError <= kSpeedAtRest));
+        return residual.contactResidual <= contactResidual || isRoundOff(residual) ||
+               (residual.impulseError <= impulse && residual.contactResidual <= kExcused);
     }
+    /// All that is left is round-off of the data, whatever its ratio to free velocities that are round-off as well.
+    bool isRoundOff(const Residual& residual) const { return residual.speedError <= speed; }
 };
 
 struct SolverState {

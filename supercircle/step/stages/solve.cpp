@@ -14,6 +14,7 @@ namespace {
 /// One call of the contact solver, counted.
 void solveOnce(const World& world, const Settings& settings, TrialStep& t) {
     coulomb::SolverOptions options = settings.contact;
+    options.absoluteImpulse *= t.impulseScale;
     if (t.stage.candidates.size() > settings.sweepAbove) {
         options.method = coulomb::Method::Accelerated;
         options.maxGaussSeidelIterations = settings.cappedSweeps;

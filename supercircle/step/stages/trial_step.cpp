@@ -18,6 +18,7 @@ void TrialStep::begin(const World& world, const Settings& settings) {
     result.crossings.clear();
     result.overlaps.clear();
     linearisations = widenings = 0;
+    impulseScale = step::impulseScale(world);
     SC_ASSERT(dt > 0.0 && h > 0.0, "a step takes time, a shell is thick");
     SC_ASSERT(result.range.size() == world.rods.size(), "one range a rod");
     rods.resize(world.rods.size());

@@ -61,6 +61,7 @@ struct TrialStep {
     double overlapAtStart = 0.0;  ///< deepest, in lengths of its pair, times h, m
     int linearisations = 0;       ///< so far in this trial
     int widenings = 0;            ///< of the candidates' range in this trial
+    double impulseScale = 1.0;    ///< of the world (world.h)
     int threads = 1;              ///< of stage.loop; 0: it is the host's
     Stage reached = Stage::Drive; ///< the last stage of this trial
 

@@ -34,7 +34,6 @@ ForceCurve press(double R, int shellCount) {
     step::Settings& s = shells.stepper().settings();
     s.dtMax *= a;
     s.dtMin *= a;
-    s.contact.absoluteImpulse *= a * a * a; // N s, meant for shells of some centimetres like the two above
     REQUIRE(shells.attach_to_crosshead("plate"));
     for (int i = 0; i < shellCount; ++i) {
         ShellDef d;

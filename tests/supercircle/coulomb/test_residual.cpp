@@ -85,6 +85,47 @@ TEST_CASE("a residual of some percent is never converged, however light the body
     }
 }
 
+TEST_CASE("no impulse that is small in newtons seconds makes a residual of three percent converged") {
+    // Body at 3 m/s to the side that closes at 1 m/s, in units that scale masses and impulses by 1e-30 to 1e30.
+    for (const double scale : {1e-30, 1e-12, 1.0, 1e12, 1e30}) {
+        Problem problem = particle(scale, 3.0, -1.0, 0.5);
+        problem.r0 = scale * 0.97 * Eigen::Vector2d(1.0, -0.5);
+        SolverOptions options;
+        options.method = Method::None;
+        options.absoluteImpulse *= scale;
+        Solver solver;
+        Eigen::VectorXd r;
+        std::vector<Eigen::VectorXd> v;
+        const SolveReport report = solver.solve(problem, options, r, v);
+        INFO("scale " << scale << ", residual " << report.contactResidual);
+        CHECK_FALSE(report.converged);
+        CHECK(report.contactResidual == Approx(evaluateResidual(problem, problem.r0).contactResidual).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("bodies at rest whose free velocities are round-off are solved, slow ones are not") {
+    // Free velocities of 1 unit of the last digit at the contact, out of terms of 1 m/s, need no impulse. A thousand
+    // times as much is beyond what the sums of two terms leave, and must be stopped.
+    Problem problem = particle(1.0, 0.0, -1.0, 0.5);
+    for (const double scale : {1e-12, 1.0, 1e12}) {
+        for (const double units : {1.0, 1000.0}) {
+            problem.bodies[0].vFree[1] = -scale;
+            problem.contacts[0].w =
+                Eigen::Vector2d(scale * (1.0 - units * std::numeric_limits<double>::epsilon()), 0.0);
+            SolverOptions options;
+            options.method = Method::None;
+            options.absoluteImpulse = 0.0;
+            Solver solver;
+            Eigen::VectorXd r;
+            std::vector<Eigen::VectorXd> v;
+            const SolveReport report = solver.solve(problem, options, r, v);
+            INFO("scale " << scale << ", units " << units << ", residual " << report.contactResidual);
+            CHECK(report.converged == (units == 1.0));
+            CHECK((report.contactResidual <= options.tolerance) == (units == 1.0));
+        }
+    }
+}
+
 TEST_CASE("numbers that are not finite never pass") {
     const Problem problem = particle(2.0, 3.0, -1.0, 0.5);
     CHECK(std::isinf(

@@ -33,11 +33,16 @@ bool contains(const Box& outer, const Box& inner) {
     return (outer.lower.array() <= inner.lower.array()).all() && (inner.upper.array() <= outer.upper.array()).all();
 }
 
+double surfaceReach(const Rod& rod) {
+    const double element = rod.model.longestElement(), h = rod.model.definition().thickness;
+    return std::max(0.5 * element, 0.25 * element + 0.75 * h);
+}
+
 Box reachOf(const World& world, const Rod& rod, const rod::Kinematics& kin, double speed, double frame) {
     Box box = emptyBox();
     const effects::Adhesion& pull = rod.effects.adhesion;
     const double way = std::max(2.0 * frame * (speed + frame * world.gravity.norm()), wayOfHolds(rod, frame));
-    const double pad = way + rod.model.longestElement() + (pull.on() ? pull.model.range : 0.0);
+    const double pad = way + 2.0 * surfaceReach(rod) + (pull.on() ? pull.model.range : 0.0);
     for (int i = 0; i <= rod.model.elements(); ++i)
         widen(box, kin.node(i), pad);
     return box;

@@ -11,8 +11,11 @@ void widen(Box& box, const Vec2& point, double pad);
 [[nodiscard]] bool meet(const Box& a, const Box& b);
 [[nodiscard]] bool contains(const Box& outer, const Box& inner);
 
+/// How far from its nodes the surface of a rod lies, with the margin of contacts, m: arcs bulge by less than a quarter
+/// of their length, and the surface is half a thickness away from them.
+[[nodiscard]] double surfaceReach(const Rod& rod);
 /// Where a rod at `kin` may come to in `frame` s: its nodes at twice its speed (m/s) and twice its fall or as far as
-/// its holds go, one element more for the arcs between them, and as far as its surface attracts.
+/// its holds go, twice the reach of its surface, and as far as that attracts.
 [[nodiscard]] Box reachOf(const World& world, const Rod& rod, const rod::Kinematics& kin, double speed, double frame);
 /// The same of a piece of a body in a state.
 [[nodiscard]] Box reachOf(const World& world, const BodyState& state, const BodyOutline& piece, double frame);

@@ -24,9 +24,9 @@ Box hull(const std::vector<Box>& boxes) {
     return all;
 }
 
-/// Whether the rod at `kin` may meet an outline that was not read: arcs lie within half a length of their nodes.
+/// Whether the rod at `kin` may meet an outline that was not read.
 bool outside(const Rod& r, const rod::Kinematics& kin, const Box& region) {
-    const double bulge = 0.5 * r.model.longestElement();
+    const double bulge = surfaceReach(r);
     for (int i = 0; i <= r.model.elements(); ++i) {
         const Vec2 p = kin.node(i);
         if (((p.array() - bulge) < region.lower.array()).any() || ((p.array() + bulge) > region.upper.array()).any())

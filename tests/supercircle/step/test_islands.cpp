@@ -185,4 +185,23 @@ TEST_CASE("an observer sees all shells at one time", "[step][islands]") {
     CHECK(rising);
 }
 
+TEST_CASE("strips thicker than their arcs are long meet in one island") {
+    // Arcs of 1 mm, centre lines 4 mm apart: the surfaces touch, while nodes and arcs are far from each other.
+    Scene s;
+    s.host.g.setZero();
+    rod::RodDefinition d = strip(0.05, 100.0, 50);
+    d.thickness = 0.004;
+    put(s.world, d, {0.0, 0.5}, 0.0, 0.4);
+    put(s.world, d, {0.0, 0.5 + d.thickness + 1e-6}, 0.0, 0.4, {0.0, -0.05});
+    const double momentum = s.world.rods[1].model.mass() * 0.05;
+    s.advance(24, 1.0 / 240.0); // 5 mm, if nothing is met
+    CHECK(s.world.counters.penetrationMax < s.stepper.settings().rejectPenetration * d.thickness);
+    CHECK(s.world.rods[1].kin.node(25).y() - s.world.rods[0].kin.node(25).y() > 0.98 * d.thickness);
+    double after = 0.0;
+    for (const step::Rod& r : s.world.rods)
+        for (std::size_t g = 0; g < r.u.size(); ++g)
+            after -= r.gauss.mass[g] * r.u[g].y();
+    CHECK(after == Approx(momentum).epsilon(1e-9)); // round-off of some hundred steps
+}
+
 } // namespace supercircle::test

@@ -32,18 +32,38 @@ bool excessiveCurvature(const rod::RodModel& model, const Eigen::VectorXd& q) {
     return false;
 }
 
+/// Which rods are near another or an outline, or are carried by the machine.
+void markNear(const World& world, const TrialStep& t, std::vector<char>& near) {
+    near.clear();
+    for (const Rod& r : world.rods)
+        near.push_back(std::any_of(r.holds.begin(), r.holds.end(), [](const Hold& h) { return h.onCrosshead; }) ? 1
+                                                                                                                : 0);
+    for (const contact::Candidate& c : t.stage.candidates)
+        for (const std::int32_t side : {c.a.rod, c.b.rod})
+            if (side >= 0)
+                near[static_cast<std::size_t>(side)] = 1;
+}
+
+/// The least length that limits the motion of a rod which is held and near nothing, over its own: only the rows of its
+/// holds are those of mid-step, and no thickness matters to them. Half of it doubles the steps of a thin clamped rod
+/// that swings, which damp it less; twice as much doubles what its held end strays, the square of the motion over R.
+constexpr double kHeldShare = 0.012;
+
 /// Largest error and motion; runaways; whether a rod moved beyond the candidates' range, which is then widened.
 bool measure(const World& world, const Settings& settings, TrialStep& t) {
     t.error = t.moved = 0.0;
     t.result.runaways.clear();
     bool outOfRange = false;
     SC_ASSERT(t.result.range.size() == t.rods.size(), "one range a rod");
+    std::vector<char>& near = t.stage.marked;
+    markNear(world, t, near);
     for (std::size_t i = 0; i < t.rods.size(); ++i) {
         const RodWork& w = t.rods[i];
         const double relative = t.relative(t.lengths[i]);
         t.error = std::max(t.error, w.error * relative);
+        const double least = near[i] ? 0.0 : kHeldShare * world.rods[i].model.definition().length;
         if (w.touching)
-            t.moved = std::max(t.moved, w.moved * relative);
+            t.moved = std::max(t.moved, w.moved * t.relative(std::max(t.lengths[i], least)));
         if (!w.frozen && excessiveCurvature(world.rods[i].model, w.q1))
             t.result.runaways.push_back(i);
         if (w.shift > t.result.range[i] + 0.4 * settings.margin * t.h) {

@@ -92,6 +92,21 @@ void noteThin(Context& context, ObjectReader& reader, const ShellDef& d) {
     context.note(thickness != nullptr ? *thickness : reader.node(), reader.pointerTo("thickness"), text);
 }
 
+/// The model is that of a thin rod.
+void noteThick(Context& context, ObjectReader& reader, const ShellDef& d) {
+    constexpr double most = 0.2 * (1.0 + 1e-9); // of the radius; a formula may round
+    const double ratio = d.thickness / (std::isinf(d.radius) ? lengthOf(d) / (2.0 * M_PI) : std::abs(d.radius));
+    if (ratio <= most)
+        return;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "a thickness of %.2g of the radius, more than 0.2: shells are computed as thin rods, whose forces "
+                  "are off by about that share",
+                  ratio);
+    const Node* thickness = reader.find("thickness");
+    context.note(thickness != nullptr ? *thickness : reader.node(), reader.pointerTo("thickness"), text);
+}
+
 void readMaterial(ObjectReader& reader, ShellDef& d) {
     d.thickness = reader.number("thickness", d.thickness, positive);
     d.width = reader.number("width", d.width, positive);
@@ -146,6 +161,7 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
     else {
         checkEnds(context, reader, d);
         noteThin(context, reader, d);
+        noteThick(context, reader, d);
     }
     return d;
 }

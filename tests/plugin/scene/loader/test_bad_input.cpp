@@ -301,6 +301,18 @@ TEST_CASE("a very thin shell loads with a note of what it costs") {
     CHECK(problems.empty());
 }
 
+TEST_CASE("a very thick shell loads with a note of what a thin rod leaves out") {
+    std::vector<Problem> problems;
+    REQUIRE(loadText(shellWith("\"thickness\": 0.006, \"phi_bar\": 0.5"), "text.json", {}, problems));
+    REQUIRE(problems.size() == 1);
+    CHECK(problems[0].pointer == "/shell/0/thickness");
+    CHECK(contains(problems[0].what, "a thickness of 0.3 of the radius, more than 0.2"));
+    problems.clear();
+    REQUIRE(
+        loadText(shellWith("\"thickness\": {\"expr\": \"0.2*0.02\"}, \"phi_bar\": 0.5"), "text.json", {}, problems));
+    CHECK(problems.empty());
+}
+
 TEST_CASE("names must be known and unique") {
     const std::string shells = "{\"shell\": [{\"name\": \"upper\"}], \"duration\": 1, ";
     const Problem p = only(shells + "\"hold\": [{\"shell\": \"uper\"}]}");

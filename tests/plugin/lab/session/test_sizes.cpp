@@ -15,7 +15,7 @@ lab::RunResult pressOfSize(double R, double phiBar) {
     const double k = R / 0.0192;
     std::string text = with(contentOf(path), "\"R\": 0.0192", "\"R\": " + std::to_string(R));
     text = with(text, "\"value\": 1e-8", "\"value\": " + std::to_string(k) + "e-8");
-    text = with(text, "\"value\": 0.0005, \"min\": 1e-6, \"max\": 0.004",
+    text = with(text, "\"value\": 0.0005, \"min\": 1e-6, \"max\": 0.001",
                 "\"value\": " + std::to_string(k * 500.0) + "e-6, \"min\": 1e-9, \"max\": 1");
     text = with(text, "\"density\": { \"param\"",
                 "\"width\": " + std::to_string(k * 1e4) + "e-6, \"density\": { \"param\"");

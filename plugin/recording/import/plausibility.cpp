@@ -1,6 +1,7 @@
 #include "plugin/recording/import/plausibility.h"
 
 #include "plugin/recording/import/reading/metadata.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "plugin/recording/import/reading/column_choice.h"
 
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
 
 #include <algorithm>
@@ -103,7 +104,7 @@ const char* unitsFor(Quantity q) {
 
 /// Two digits are enough to write it.
 bool isRound(double x) {
-    const double digits = x / std::pow(10.0, std::floor(std::log10(x)) - 1.0);
+    const double digits = x / math::pow(10.0, std::floor(math::log10(x)) - 1.0);
     return std::abs(digits - std::round(digits)) < 0.02;
 }
 
@@ -136,7 +137,7 @@ Status chooseOne(Draft& d, const std::vector<std::size_t>& candidates) {
     std::size_t best = candidates.front(), second = candidates.front();
     double most = -1.0, next = -1.0;
     for (const std::size_t c : candidates) {
-        double score = std::pow(10.0, t.headings[c].rank / kRankStep) * (t.headings[c].unitStated ? kDecisive : 1.0);
+        double score = math::pow(10.0, t.headings[c].rank / kRankStep) * (t.headings[c].unitStated ? kDecisive : 1.0);
         if (candidates.size() > 1) {
             const std::vector<double> values = sampleOf(d, c);
             score *= clock ? clockQuality(values) : sensorQuality(values);

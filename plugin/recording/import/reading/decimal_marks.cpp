@@ -4,6 +4,7 @@
 #include "plugin/recording/import/reading/decimal_marks.h"
 
 #include "plugin/recording/import/whole.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +63,7 @@ bool takeApart(std::string_view cell, Digits& d) {
 }
 
 double valueOf(const Digits& d, std::size_t behind) {
-    return (d.negative ? -1.0 : 1.0) * std::stod(d.digits) / std::pow(10.0, static_cast<double>(behind));
+    return (d.negative ? -1.0 : 1.0) * std::stod(d.digits) / math::pow(10.0, static_cast<double>(behind));
 }
 
 double change(double a, double b) {

@@ -2,6 +2,7 @@
 
 #include "plugin/recording/import/reading/quantity.h"
 #include "plugin/recording/import/reading/text.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -340,7 +341,7 @@ double scoreOf(const Trial& t, const Layout& l) {
     for (std::size_t c = 0; l.firstDataLine > 0 && c < l.columns; ++c)
         if (const Quantity q = headingOf(l.names[c], l.units[c]).quantity; l.numeric[c] && q != Quantity::None)
             named.insert(q);
-    return scoreOf(t) * std::pow(kNamed, static_cast<double>(named.size()));
+    return scoreOf(t) * math::pow(kNamed, static_cast<double>(named.size()));
 }
 
 } // namespace

@@ -71,8 +71,8 @@ struct FrameReport {
     /// One line on a frame that ended early, was made in many attempts or lost a shell: why, and what closing gaps
     /// injected. Empty: there is nothing to say.
     std::string why;
-    double work = 0.0;             ///< that the frame took, in units of set_frame_budget
-    double injected = 0.0;         ///< by closing gaps in this frame, J (EnergyBalance::injected)
+    double work = 0.0;     ///< that the frame took, in units of set_frame_budget
+    double injected = 0.0; ///< by closing gaps in this frame, J (EnergyBalance::injected)
     /// Alarm: energy that islands ended the frame with and that nobody gave, J; 0 up to a thousandth of what moves and
     /// what closing gaps may bring in. It says that positions are forced: look for what pushes things into each other.
     double energy_gained = 0.0;

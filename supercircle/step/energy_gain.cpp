@@ -1,7 +1,7 @@
 #include "supercircle/step/energy_gain.h"
 
 #include "supercircle/step/contact_memory.h"
-#include "supercircle/step/contacts/gap_closing.h"
+#include "supercircle/step/contacts/contact_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,8 +25,8 @@ double boundOfGain(const EnergyBalance& before, const World& world, const Settin
     double moved = std::max({0.0, before.kinetic, now.kinetic}) + std::max({0.0, before.bending, now.bending}) +
                    std::abs(now.work - before.work) + std::abs(now.toBodies - before.toBodies);
     double rows = 0.0;
-    const double overlap = 2.0 * settings.rejectPenetration; // h, closes in one step (contact_rows.cpp)
-    const double parting = settings.recovery + overlap / (kShortStep * settings.dtMax);
+    const OverlapClosing overlaps = overlapClosing(settings, 1.0);
+    const double parting = overlaps.fastest(settings.fixedDt);                         // h/s
     const auto addRow = [&](const Rod& r, double speed, double force, double atOnce) { // h/s, N, h
         const double h = lengthOf(r, settings.length);
         rows += 0.5 * r.model.mass() * speed * speed * h * h + force * (settings.recovery * dt + atOnce) * h;
@@ -45,7 +45,7 @@ double boundOfGain(const EnergyBalance& before, const World& world, const Settin
             addRow(world.rods[static_cast<std::size_t>(i)], settings.recovery, l.force.norm(), 0.0);
     for (const contact::Candidate& c : world.candidates) {
         const ContactImpulse* f = findImpulse(world.impulses, c.id);
-        addRow(world.rods[static_cast<std::size_t>(c.a.rod)], parting, f ? f->normal : 0.0, overlap);
+        addRow(world.rods[static_cast<std::size_t>(c.a.rod)], parting, f ? f->normal : 0.0, overlaps.overlap);
     }
     for (const Body& b : world.bodies)
         if (b.dynamic) {

@@ -344,7 +344,8 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
         out.budgetExhausted = left > 0 && budget.exhausted();
     }
     out.work = budget.used();
-    if (const double gained = gainedEnergy(balance, world); gained > boundOfGain(balance, world, settings_, frame))
+    const double gained = gainedEnergy(balance, world);
+    if (gained > 0.0 && gained > boundOfGain(balance, world, settings_, frame))
         out.gained = gained;
     for (Rod& r : world.rods) {
         r.dtNext = world.dtNext;

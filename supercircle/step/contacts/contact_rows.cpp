@@ -123,16 +123,16 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     }
     if (out.b < 0)
         out.Hb.resize(2, 0); // only now: a contact that keeps its bodies keeps its storage
-    // No step makes overlaps deeper than stage.overlap: deeper ones were put there, and to close them at once would be
+    // No step makes overlaps deeper than that: deeper ones were put there, and to close them at once would be
     // an explosion. To close others at once is a motion that no shorter step makes smaller, so a short one closes its
     // share of them: 20 um in 1.3 us were a blow of 115 N, and a frame of 1 ps brought in 600 J. Surfaces that give
     // overlap under load as they should, and their springs bound the force.
     const double scale = lengthOf(world, stage.length, c) / stage.h;
-    const bool deep = gapAtStart < -scale * stage.overlap;
+    const bool deep = gapAtStart < -scale * stage.overlaps.overlap;
     const bool put = isOverlap(world, c.a.rod, c.b.rod, c.outline, false) || withinJoined(world, c.a.rod, c.outline);
     k.damping = put && deep && out.a >= 0 ? contactDamping(world, rods, c) : 0.0;
-    const double atOnce = put || deep ? 0.0 : scale * stage.overlap / std::max(dt, stage.shortStep); // m/s
-    const double closing = gapAtStart / dt, fastest = -atOnce - scale * stage.recovery;
+    const double closing = gapAtStart / dt;
+    const double fastest = -scale * (put || deep ? stage.overlaps.recovery : stage.overlaps.fastest(dt));
     out.w.x() += closing < fastest && complianceOf(world, c).x() <= 0.0 ? fastest : closing;
     // A held point against what does not yield: no impulse can move it, and holds are not broken by contact.
     if (out.a >= 0 && out.b < 0 && out.Ha.row(0).norm() <= 1e-9)
@@ -291,6 +291,11 @@ void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& fu
     reduced.noalias() = full * w.Z;
     reduced *= sign;
     offset += sign * (full * w.vp);
+}
+
+OverlapClosing overlapClosing(const Settings& settings, double h) {
+    return {2.0 * settings.rejectPenetration * h, settings.fixedDt <= 0.0 ? kShortStep * settings.dtMax : 0.0,
+            settings.recovery * h};
 }
 
 void predictMotion(const World& world, ContactStage& stage) {

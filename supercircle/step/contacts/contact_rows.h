@@ -80,12 +80,10 @@ struct ContactStage {
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
     std::vector<std::pair<int, int>> passing; ///< rods, and outlines that they pass from behind, sorted
     bool behind = false;                      ///< detection last found contacts of what comes from behind
-    double h = 0.0;                           ///< thinnest shell, which the next three are given for, m
+    double h = 0.0;                           ///< thinnest shell, which `overlaps` is given for, m
     double length = 0.0;                      ///< Settings::length
-    double overlap = 0.0;                     ///< deeper overlaps are not closed at once, m
-    double shortStep = 0.0;                   ///< s, others close in one step, no faster than in one of this size
-    double recovery = 0.0;                    ///< the rest at this speed, m/s
-    coulomb::Problem problem;                 ///< contacts: of the candidates, of linkRows, of the host, of pushes
+    OverlapClosing overlaps;
+    coulomb::Problem problem; ///< contacts: of the candidates, of linkRows, of the host, of pushes
     coulomb::Solver solver;
     coulomb::SolveReport report;
     contact::Detector detector;
@@ -105,6 +103,9 @@ struct ContactStage {
     std::vector<Eigen::LLT<Eigen::MatrixXd>> blockFactors;
     std::vector<double> row;
 };
+
+/// How overlaps of pairs of the thickness `h` m close.
+[[nodiscard]] OverlapClosing overlapClosing(const Settings& settings, double h);
 
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);

@@ -31,4 +31,13 @@ struct GapClosing {
 /// short steps make half as fast. With this value no quasi-static run of the golden list changes.
 constexpr double kShortStep = 1.0 / 64.0;
 
+/// How fast overlaps close that steps make themselves, and others.
+struct OverlapClosing {
+    double overlap = 0.0;   ///< deeper ones were put there, m
+    double shortStep = 0.0; ///< s
+    double recovery = 0.0;  ///< of what was put there, and of the others beyond their share, m/s
+    /// In a step of `dt` s, of what steps make themselves, m/s.
+    [[nodiscard]] double fastest(double dt) const { return overlap / std::max(dt, shortStep) + recovery; }
+};
+
 } // namespace supercircle::step

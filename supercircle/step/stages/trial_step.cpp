@@ -4,7 +4,6 @@
 #include "supercircle/step/stages/stages.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace supercircle::step {
 
@@ -36,9 +35,7 @@ void TrialStep::begin(const World& world, const Settings& settings) {
     }
     stage.h = h;
     stage.length = settings.length;
-    stage.overlap = 2.0 * settings.rejectPenetration * h;
-    stage.shortStep = settings.fixedDt <= 0.0 ? kShortStep * settings.dtMax : 0.0;
-    stage.recovery = settings.recovery * h;
+    stage.overlaps = overlapClosing(settings, h);
     for (std::size_t i = 0; i < rods.size(); ++i)
         rods[i].closing.speed = settings.recovery * lengthOf(world.rods[i], settings.length);
 }

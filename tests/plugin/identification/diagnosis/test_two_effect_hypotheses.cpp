@@ -101,11 +101,17 @@ TEST_CASE("a law whose signature grows a hundredfold just above its threshold is
     CHECK(settled[0] > 1.0001); // half of the linearised gain is reached from 0.3 to 1.7 times the hidden force
     CHECK(settled[0] < 1.0007);
     const FitResult found = fit(evaluator, likelihood, ParameterPoint{base.point.nominal, {{0, settled}}});
+    // The derivative changes a hundredfold within a step: with the few refreshes of a search a fit ends up to 2 % above
+    // the hidden numbers, with more of them in the noise.
     const ParameterPoint hidden{{103.0, 0.08}, {{0, {1.0004}}}};
     const auto noise = likelihood.residual(evaluator.simulateAllRuns({hidden}, Fidelity::Fine).front());
     REQUIRE(noise);
-    CHECK(found.chiSquared <
-          1.02 * noise->squaredNorm()); // a fit ends up to 2 % above the least: derivatives are steep here
+    CHECK(found.chiSquared < 1.02 * noise->squaredNorm());
+    FitSettings patient;
+    patient.iterations = 60;
+    patient.refreshes = patient.nominalRefreshes = 8;
+    const FitResult best = fit(evaluator, likelihood, ParameterPoint{base.point.nominal, {{0, settled}}}, patient);
+    CHECK(best.chiSquared < 1.2 * static_cast<double>(likelihood.countedRows())); // noise
     CHECK(found.point.terms[0].values[0] == Approx(1.0004).epsilon(5e-5));
 }
 

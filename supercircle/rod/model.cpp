@@ -89,6 +89,10 @@ RodModel::RodModel(RodDefinition definition) : definition_(std::move(definition)
     const bool odd = elements_ % 2 == 1;
     computeLengths();
     longest_ = *std::max_element(lengths_.begin(), lengths_.end());
+    double turn = 0.0; // rad
+    for (std::size_t i = 0; i < lengths_.size(); ++i)
+        turn += std::abs(definition_.naturalCurvature[i]) * lengths_[i];
+    radius_ = definition_.length / (turn >= 1.0 ? turn : 1.5 * M_PI);
     if (odd) {
         sides_[0].push_back({half, dofOfElement(half), mid, 0.5 * elementLength(half)});
         sides_[1].push_back({half, dofOfElement(half), mid, -0.5 * elementLength(half)});

@@ -69,6 +69,9 @@ public:
     /// Length of one element, m.
     [[nodiscard]] double elementLength(int element) const { return lengths_[static_cast<std::size_t>(element)]; }
     [[nodiscard]] double longestElement() const { return longest_; }
+    /// Of the mean natural curvature, m; of a nearly straight rod (less than 1 rad in all) as if it were three quarters
+    /// of a circle.
+    [[nodiscard]] double meanRadius() const { return radius_; }
     /// Arc length of node i (0 .. N) from the first tip, m.
     [[nodiscard]] double nodeS(int node) const { return nodeS_[static_cast<std::size_t>(node)]; }
     /// The element on which arc length s lies; at a node the element after it, beyond an end the end element.
@@ -88,7 +91,7 @@ private:
     bool equal_ = true;
     std::vector<double> lengths_;
     std::vector<double> nodeS_;
-    double longest_ = 0.0;
+    double longest_ = 0.0, radius_ = 0.0;
     std::vector<Segment> sides_[2];
 };
 

@@ -237,10 +237,7 @@ double impulseScale(const World& world) {
     double least = std::numeric_limits<double>::infinity();
     for (const Rod& r : world.rods) {
         const rod::RodDefinition& d = r.model.definition();
-        double turn = 0.0; // of the rod, rad
-        for (int i = 0; i < r.model.elements(); ++i)
-            turn += std::abs(d.naturalCurvature[static_cast<std::size_t>(i)]) * r.model.elementLength(i);
-        const double radius = d.length / (turn >= 1.0 ? turn : 1.5 * M_PI);
+        const double radius = r.model.meanRadius();
         least = std::min(least, d.bendingModulus / radius / kStiffness);
         if (gravity > 0.0)
             least = std::min(least, d.linearMass * radius * gravity * radius / kWeight);

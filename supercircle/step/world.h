@@ -330,8 +330,7 @@ void shiftOrigin(World& world, const Vec2& by);
 [[nodiscard]] double thinnest(const World& world);
 /// The forces of the softest and of the lightest rod over those of the paper's shell, 1; without rods 1. It is the
 /// smaller of B / R and, under gravity, lambda g R^2: forces that bend the rods, and weights, times R, as periods grow
-/// with R. SolverOptions::absoluteImpulse, which is given for that shell, is multiplied by it. R: of the mean natural
-/// curvature, or for a nearly straight rod that of three quarters of a circle.
+/// with R. SolverOptions::absoluteImpulse, which is given for that shell, is multiplied by it. R: RodModel::meanRadius.
 [[nodiscard]] double impulseScale(const World& world);
 /// Of a list sorted by id; nullptr if it is not there.
 [[nodiscard]] const Body* findBody(const std::vector<Body>& bodies, BodyId id);

@@ -1,6 +1,7 @@
 #include "supercircle/step/contacts/contact_rows.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/contacts/excluded_pairs.h"
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/contacts/link_rows.h"
 #include "supercircle/step/contacts/one_sided.h"

@@ -39,11 +39,6 @@ LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double d
 /// Energy of the links and what they leave for the next step; the counterpart of recordContacts.
 void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt);
 
-/// Pairs that do not collide because a link says so, sorted; see excluded().
-void collectExcluded(const World& world, ContactStage& stage);
-/// Whether the contacts of this pair are left out: vetoed, joined or apart.
-bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB, int outline);
-
 /// Moves targets and lengths on by a step.
 void advanceLinks(World& world, double dt);
 

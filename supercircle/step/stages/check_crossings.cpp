@@ -1,7 +1,7 @@
 // Stage CheckCrossings: no centre line crosses another one or enters a solid on its way from start to end. A pair that
 // crosses at the start has not got there by its motion: no step is short enough for it, and it becomes an overlap.
 
-#include "supercircle/step/contacts/link_rows.h"
+#include "supercircle/step/contacts/excluded_pairs.h"
 #include "supercircle/step/contacts/overlaps.h"
 #include "supercircle/step/stages/stages.h"
 #include "supercircle/support/invariants.h"

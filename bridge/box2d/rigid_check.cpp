@@ -229,6 +229,9 @@ std::string checkJoint(const JointDefinition& j, std::size_t bodies, double scal
         if (!bounded(value, 1e12))
             return std::string(name) + " is not finite or too large";
     }
+    if (j.spring.on() || j.friction.sticking > 0.0)
+        return "Box2D has no springs or dry friction in joints; `supercircle replay` plays an experiment with this "
+               "scene";
     if (j.enableLimit && j.lowerLimit > j.upperLimit)
         return "lowerLimit is above upperLimit";
     if (j.maxMotorForce < 0.0 || j.maxTorque < 0.0 || j.frequency < 0.0 || j.dampingRatio < 0.0)

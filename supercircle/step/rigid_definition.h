@@ -72,6 +72,22 @@ enum class JointKind : std::uint8_t {
     Mouse
 };
 
+/// A spring and a damper along the motion that a joint leaves free: angle of a revolute joint, way of a prismatic one,
+/// length of a distance joint. The force is stiffness x (1 + cubic x^2) + viscosity dx/dt with x = coordinate - rest.
+struct JointSpring {
+    double stiffness = 0.0; ///< N/m or N m/rad
+    double cubic = 0.0;     ///< 1/m^2 or 1/rad^2, of either sign
+    double viscosity = 0.0; ///< N s/m or N m s/rad
+    double rest = 0.0;      ///< m or rad
+    [[nodiscard]] bool on() const { return stiffness != 0.0 || viscosity != 0.0; }
+};
+
+/// Dry friction against that motion.
+struct JointFriction {
+    double sliding = 0.0;  ///< N or N m
+    double sticking = 0.0; ///< N or N m, largest at rest
+};
+
 struct JointDefinition {
     std::string name;
     JointKind kind = JointKind::Revolute;
@@ -101,6 +117,8 @@ struct JointDefinition {
     std::int32_t joint1 = -1;          ///< gear: indices into the joints, revolute or prismatic
     std::int32_t joint2 = -1;
     Vec2 target = Vec2::Zero(); ///< m, mouse, in the world
+    JointSpring spring;         ///< Box2D has none of the two: scenes with them are played by `replay`
+    JointFriction friction;
 };
 
 struct RigidWorldDefinition {

@@ -87,7 +87,7 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
     force.names = {"time_s", name + "_recorded" + unit, name + "_simulated" + unit, "residual" + unit};
     force.columns = {run.readings.time, scaled(run.readings.force, c.perUnit), scaled(simulated, c.perUnit),
                      scaled(done.comparison.residual, c.perUnit)};
-    if (!e.scene) {
+    if (!experiment::isFree(e)) {
         force.names.insert(force.names.begin() + 1, "displacement_mm");
         force.columns.insert(force.columns.begin() + 1, scaled(run.readings.displacement, 1e3));
     }
@@ -200,7 +200,7 @@ void simulateRuns(Replay& replay, bool quiet) {
         };
         ReplayedRun done{names[k], {}, {}};
         done.simulated = replay::simulate(replay.experiment, k, replay.parameters, replay.resolution, options);
-        done.comparison = replay::compare(run, done.simulated, {}, !replay.experiment.scene);
+        done.comparison = replay::compare(run, done.simulated, {}, !experiment::isFree(replay.experiment));
         replay.runs.push_back(std::move(done));
     }
     line.clear();
@@ -221,7 +221,7 @@ std::string writeAll(const Replay& replay, const std::string& folder) {
 
 void print(const Replay& replay, const std::string& folder) {
     const double k = experiment::channel(replay.experiment).perUnit;
-    const char* const unit = experiment::channel(replay.experiment).unit;
+    const char* const unit = experiment::channel(replay.experiment).unit.c_str();
     for (const ReplayedRun& run : replay.runs) {
         const replay::Comparison& c = run.comparison;
         std::printf("%s: peak %.4g %s recorded, %.4g %s simulated; rms error %.3g %s (%.2f %%), largest %.3g %s",

@@ -2,7 +2,9 @@
 
 #include "plugin/identification/replay/free_scales.h"
 #include "plugin/identification/replay/multibody.h"
+#include "plugin/identification/replay/plane.h"
 #include "plugin/scene/loader/loader.h"
+#include "supercircle/effects/backlash.h"
 #include "supercircle/effects/sensor.h"
 #include "supercircle/support/trig.h"
 
@@ -14,18 +16,39 @@ namespace supercircle::replay {
 namespace {
 
 using experiment::Experiment;
-using experiment::Quantity;
+using scene::Observation;
+using Quantity = Observation::Quantity;
 using experiment::Run;
 using step::Vec2;
 
+/// Longest step of the shortest time constant of springs, fine: the amplitude falls by 3e-8 a period. Half of it costs
+/// twice the steps, twice as much 1e-6 a period.
+constexpr double kOfShortest = 0.05;
+
 /// A channel over time with its rate. Cubic interpolation is accurate to the fourth power of the step.
 struct Track {
-    std::vector<double> value, rate;
+    std::vector<double> value, rate; ///< without rates (forces, accelerations): those of parabolas through the steps
 
     [[nodiscard]] double at(const std::vector<double>& time, std::size_t row, double t) const {
         const double h = time[row + 1] - time[row], s = (t - time[row]) / h, r = 1.0 - s;
+        if (h <= 0.0)
+            return value[row + 1];
+        if (rate.empty())
+            return r * value[row] + s * value[row + 1] +
+                   r * s * (r * bend(time, row) + s * bend(time, row + 1)) * h * h;
         return r * r * (1.0 + 2.0 * s) * value[row] + s * s * (1.0 + 2.0 * r) * value[row + 1] +
                h * (r * r * s * rate[row] - s * s * r * rate[row + 1]);
+    }
+
+private:
+    /// Minus half of the second derivative at a step; 0 at the ends and beside steps that an event has cut.
+    [[nodiscard]] double bend(const std::vector<double>& time, std::size_t k) const {
+        if (k == 0 || k + 1 >= time.size())
+            return 0.0;
+        const double a = time[k] - time[k - 1], b = time[k + 1] - time[k];
+        if (a < 0.9 * b || b < 0.9 * a)
+            return 0.0;
+        return -((value[k + 1] - value[k]) / b - (value[k] - value[k - 1]) / a) / (a + b);
     }
 };
 
@@ -47,22 +70,15 @@ std::optional<scene::Scene> sceneOf(const Experiment& e, std::size_t run, const 
 class Recorder {
 public:
     Recorder(const Experiment& e, const Multibody& multibody)
-        : e_(e), linkage_(multibody), tracks_(1 + 2 * e.markers.size()), body_(multibody.find(e.scene->body)) {
+        : e_(e), linkage_(multibody), tracks_(1 + 2 * e.markers.size()), observation_(e.scene->observation),
+          body_(observation_.of == Observation::Of::Body ? multibody.find(observation_.target) : 0) {
         for (const experiment::Marker& m : e.markers)
             carriers_.push_back(multibody.find(m.body));
     }
 
     void read() {
         time.push_back(linkage_.time());
-        const Multibody::Pose p = linkage_.pose(body_);
-        const Quantity q = e_.scene->quantity;
-        put(0,
-            q == Quantity::Angle ? p.angle
-            : q == Quantity::X   ? p.origin.x()
-                                 : p.origin.y(),
-            q == Quantity::Angle ? p.spin
-            : q == Quantity::X   ? p.velocity.x()
-                                 : p.velocity.y());
+        observe();
         for (std::size_t m = 0; m < e_.markers.size(); ++m) {
             const Multibody::Pose b = linkage_.pose(carriers_[m]);
             const double c = math::cos(b.angle), s = math::sin(b.angle);
@@ -70,6 +86,42 @@ public:
             const Vec2 r(c * l.x - s * l.y, s * l.x + c * l.y);
             put(1 + 2 * m, b.origin.x() + r.x(), b.velocity.x() - b.spin * r.y());
             put(2 + 2 * m, b.origin.y() + r.y(), b.velocity.y() + b.spin * r.x());
+        }
+    }
+    /// The channel that is compared.
+    void observe() {
+        const Quantity q = observation_.quantity;
+        if (q == Quantity::Force || q == Quantity::Travel) {
+            tracks_[0].value.push_back(q == Quantity::Travel ? linkage_.travel() : linkage_.forces(body_).machine);
+            return;
+        }
+        const Multibody::Pose p = linkage_.pose(body_);
+        const Vec2 r = rotated({observation_.local.x, observation_.local.y}, p.angle);
+        const Vec2 position = p.origin + r, velocity = p.velocity + crossSpin(p.spin, r);
+        switch (q) {
+        case Quantity::Angle:
+            return put(0, p.angle, p.spin);
+        case Quantity::X:
+            return put(0, position.x(), velocity.x());
+        case Quantity::Y:
+            return put(0, position.y(), velocity.y());
+        default:
+            break;
+        }
+        const Multibody::Forces f = linkage_.forces(body_);
+        const Vec2 acceleration = f.acceleration + crossSpin(f.angularAcceleration, r) - p.spin * p.spin * r;
+        switch (q) {
+        case Quantity::Spin:
+            return put(0, p.spin, f.angularAcceleration);
+        case Quantity::Vx:
+            return put(0, velocity.x(), acceleration.x());
+        case Quantity::Vy:
+            return put(0, velocity.y(), acceleration.y());
+        case Quantity::AngularAcceleration:
+            tracks_[0].value.push_back(f.angularAcceleration);
+            return;
+        default:
+            tracks_[0].value.push_back(q == Quantity::Ax ? acceleration.x() : acceleration.y());
         }
     }
     /// Values of a channel at increasing times; times after the last step are omitted.
@@ -96,6 +148,7 @@ private:
     const Experiment& e_;
     const Multibody& linkage_;
     std::vector<Track> tracks_;
+    const Observation& observation_;
     int body_;
     std::vector<int> carriers_;
 };
@@ -113,10 +166,13 @@ void readOut(const Experiment& e, const Run& run, const Parameters& p, const eff
     r.time = run.readings.time.empty() ? evenTimes(run, run.samplingRate) : run.readings.time;
     r.force = recorder.sampled(0, r.time);
     r.time.resize(r.force.size());
-    r.displacement.assign(r.time.size(), 0.0);
     out.trace.time = recorder.time;
     out.trace.force = recorder.values(0);
-    out.trace.displacement.assign(recorder.time.size(), 0.0);
+    for (experiment::Readings* rows : {&r, &out.trace}) {
+        rows->displacement.clear();
+        for (const double t : rows->time)
+            rows->displacement.push_back(experiment::commanded(run, t));
+    }
     effects::SensorChain rows(model), steps(model);
     for (std::size_t k = 0; k < r.time.size(); ++k)
         r.force[k] = p.readingZero + (model.on() ? rows.read(r.time[k], r.force[k]) : r.force[k]);
@@ -160,19 +216,29 @@ Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters&
         return out;
     const effects::Model extra = effects::modelFor(p.effects, "all");
     scene->rigid.gravity = Vec2(p.gravity.x, p.gravity.y) + extra.gravity;
-    Multibody multibody(scene->rigid, extra.bodies);
+    Multibody multibody(scene->rigid, extra.bodies, extra.contact.friction);
     if (out.failure = multibody.failure(); !out.failure.empty())
         return out;
-    if (multibody.find(e.scene->body) < 0) {
-        out.failure = "there is no body \"" + e.scene->body + "\"";
+    const Observation& observed = e.scene->observation;
+    if (observed.of == Observation::Of::Body && multibody.find(observed.target) < 0) {
+        out.failure = "there is no body \"" + observed.target + "\"";
         return out;
+    }
+    if (e.scene->driven) {
+        const effects::DriveMotion drive =
+            effects::motionBehindBacklash({run.driveTime, run.driveDisplacement}, extra.apparatus.backlash);
+        multibody.drive(multibody.find(scene->protocol->body),
+                        Vec2(scene->protocol->direction.x, scene->protocol->direction.y), drive.time,
+                        drive.displacement);
     }
     Recorder recorder(e, multibody);
     recorder.read();
     const double end = run.driveTime.back();
+    const double ofShortest = kOfShortest * resolution.freeStep / Resolution{}.freeStep;
     constexpr double kOpen = 1e-5; // m, joint gap per step that means too long steps
     while (multibody.time() < end && out.failure.empty() && !out.stopped) {
-        multibody.advance(std::min(resolution.freeStep, end + 1e-6 - multibody.time()));
+        multibody.advance(
+            std::min({resolution.freeStep, ofShortest * multibody.shortestTime(), end + 1e-6 - multibody.time()}));
         recorder.read();
         if (!(multibody.jointGap() < kOpen) || !std::isfinite(multibody.energy()))
             out.failure = "the joints separated at t = " + std::to_string(multibody.time()) + " s";

@@ -1,9 +1,11 @@
 #include "plugin/identification/replay/multibody.h"
+#include "plugin/identification/replay/plane.h"
 #include "supercircle/support/dense.h"
-#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace supercircle::replay {
 
@@ -14,30 +16,20 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using rod::Vec2;
 
-double cross(const Vec2& a, const Vec2& b) {
-    return a.x() * b.y() - a.y() * b.x();
-}
-Vec2 rotated(const Vec2& v, double angle) {
-    const double c = math::cos(angle), s = math::sin(angle);
-    return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
-}
-Vec2 crossSpin(double spin, const Vec2& r) {
-    return {-spin * r.y(), spin * r.x()};
-}
-
 /// Solves A x = b, symmetric. With redundant joints (closed loops) any solution is accepted.
 VectorXd solved(const MatrixXd& a, const VectorXd& b) {
+    if (a.rows() == 0)
+        return {};
     if (a.rows() <= 3)
         return dense::solveLdlt(a, b);
     return dense::solveFullPivLu(a, b);
 }
 
-constexpr int kCircle = 64; ///< edges of a polygon for a circle in air: its drag is accurate to 1e-3
-
 } // namespace
 
-Multibody::Multibody(const step::RigidWorldDefinition& world, const effects::BodiesModel& extra)
-    : extra_(extra), gravity_(world.gravity) {
+Multibody::Multibody(const step::RigidWorldDefinition& world, const effects::BodiesModel& extra,
+                     const effects::FrictionModel& friction)
+    : extra_(extra), friction_(friction), gravity_(world.gravity) {
     for (const step::BodyDefinition& d : world.bodies)
         if (failure_.empty())
             addBody(d);
@@ -48,7 +40,7 @@ Multibody::Multibody(const step::RigidWorldDefinition& world, const effects::Bod
         failure_ = "no body of the scene can move";
     if (!failure_.empty())
         return;
-    state_ = VectorXd::Zero(6 * moving_ + 2);
+    state_ = VectorXd::Zero(6 * moving_ + 3);
     inverseMass_ = VectorXd::Zero(3 * moving_);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const Body& b = bodies_[i];
@@ -67,241 +59,107 @@ Multibody::Multibody(const step::RigidWorldDefinition& world, const effects::Bod
     if (!failure_.empty())
         return;
     updateTurning(); // before projectJoints(), which needs to know sticking joints
-    projectJoints();
+    projectJoints(true);
     updateFriction();
 }
 
-void Multibody::addFixture(const step::FixtureDefinition& f, Body& body, bool massKnown, double& mass, Vec2& moment,
-                           double& inertia) const {
-    std::vector<Vec2> corners = f.vertices;
-    bool closed = f.shape == step::ShapeKind::Polygon || f.shape == step::ShapeKind::Loop;
-    if (f.shape == step::ShapeKind::Circle) {
-        closed = true;
-        corners.clear();
-        for (int i = 0; i < kCircle; ++i)
-            corners.push_back(f.centre + f.radius * rotated(Vec2::UnitX(), 2.0 * M_PI * i / kCircle));
-        const double m = massKnown ? 0.0 : f.density * M_PI * f.radius * f.radius;
-        mass += m;
-        moment += m * f.centre;
-        inertia += m * (0.5 * f.radius * f.radius + f.centre.squaredNorm());
-    } else if (f.shape == step::ShapeKind::Polygon && !massKnown) {
-        for (std::size_t i = 0; i < corners.size(); ++i) {
-            const Vec2 a = corners[i], b = corners[(i + 1) % corners.size()];
-            const double m = 0.5 * f.density * cross(a, b); // triangle with the origin
-            mass += m;
-            moment += m * (a + b) / 3.0;
-            inertia += m * (a.squaredNorm() + a.dot(b) + b.squaredNorm()) / 6.0;
-        }
-    }
-    if (f.sensor)
-        return;
-    const bool solidRight = f.shape == step::ShapeKind::Chain || f.shape == step::ShapeKind::Loop;
-    for (std::size_t i = 0; i + (closed ? 0 : 1) < corners.size(); ++i) {
-        const Vec2 a = corners[i], b = corners[(i + 1) % corners.size()];
-        const Vec2 t = (b - a).normalized();
-        const Vec2 out = solidRight ? Vec2(-t.y(), t.x()) : Vec2(t.y(), -t.x());
-        body.edges.push_back({a, b, out});
-        if (f.twoSided)
-            body.edges.push_back({b, a, -out});
-    }
+void Multibody::drive(int body, const Vec2& direction, std::vector<double> time, std::vector<double> displacement) {
+    driven_ = body;
+    direction_ = direction;
+    driveTime_ = std::move(time);
+    driveDisplacement_ = std::move(displacement);
+    segment_ = 1;
+    time_ = state_[timeIndex()] = driveTime_.front();
+    projectJoints(false); // the drive may start at any speed
+    updateTurning();
+    projectJoints(true);
+    updateFriction();
 }
 
-void Multibody::addBody(const step::BodyDefinition& d) {
-    Body b;
-    b.name = d.name;
-    double mass = 0.0, inertia = 0.0; // about the origin
-    Vec2 moment = Vec2::Zero();
-    for (const step::FixtureDefinition& f : d.fixtures)
-        addFixture(f, b, d.massData.has_value(), mass, moment, inertia);
-    if (d.massData) {
-        mass = d.massData->mass;
-        moment = mass * d.massData->centre;
-        inertia = d.massData->inertia;
-    }
-    const bool moves = d.type == step::BodyType::Dynamic && d.active;
-    if (moves && !(mass > 0.0))
-        failure_ = "body \"" + d.name + "\" has no mass";
-    if (d.type == step::BodyType::Kinematic && (!d.linearVelocity.isZero(0.0) || d.angularVelocity != 0.0))
-        failure_ = "body \"" + d.name + "\" is kinematic; free scenes have no driven bodies";
-    b.mass = mass;
-    b.centre = mass > 0.0 ? Vec2(moment / mass) : Vec2(Vec2::Zero());
-    b.inertia = inertia - mass * b.centre.squaredNorm();
-    b.inverseInertia = d.fixedRotation || !(b.inertia > 0.0) ? 0.0 : 1.0 / b.inertia;
-    b.linearDamping = d.linearDamping;
-    b.angularDamping = d.angularDamping;
-    b.gravityScale = d.gravityScale;
-    b.angle = d.angle;
-    b.position = d.position + rotated(b.centre, d.angle);
-    for (Edge& e : b.edges) {
-        e.from -= b.centre;
-        e.to -= b.centre;
-    }
-    if (moves)
-        b.moving = static_cast<int>(moving_++);
-    bodies_.push_back(std::move(b));
-}
-
-void Multibody::addJoint(const step::JointDefinition& d) {
-    const auto count = static_cast<std::int32_t>(bodies_.size());
-    if (d.bodyA < 0 || d.bodyB < 0 || d.bodyA >= count || d.bodyB >= count)
-        return;
-    const bool soft = d.kind == step::JointKind::Weld && d.frequency > 0.0;
-    if ((d.kind != step::JointKind::Revolute && d.kind != step::JointKind::Weld) || soft || d.enableLimit ||
-        (d.enableMotor && d.maxMotorForce > 0.0)) {
-        failure_ =
-            "joint \"" + d.name + "\": free scenes support revolute joints and stiff welds without limits or motors";
-        return;
-    }
-    Joint j;
-    j.a = d.bodyA;
-    j.b = d.bodyB;
-    j.onA = d.anchorA - bodies_[static_cast<std::size_t>(d.bodyA)].centre;
-    j.onB = d.anchorB - bodies_[static_cast<std::size_t>(d.bodyB)].centre;
-    j.weld = d.kind == step::JointKind::Weld;
-    j.refAngle = d.refAngle;
-    joints_.push_back(j);
-}
-
-Vec2 Multibody::positionOf(const Body& b, const VectorXd& y) const {
-    return b.moving < 0 ? b.position : Vec2(y.segment<2>(3 * b.moving));
-}
-
-double Multibody::angleOf(const Body& b, const VectorXd& y) const {
-    return b.moving < 0 ? b.angle : y[3 * b.moving + 2];
-}
-
-double Multibody::relativeSpin(const Joint& j, const VectorXd& y) const {
-    const auto spin = [&](int body) {
-        const int m = bodies_[static_cast<std::size_t>(body)].moving;
-        return m < 0 ? 0.0 : y[3 * moving_ + 3 * m + 2];
-    };
-    return spin(j.b) - spin(j.a);
-}
-
-/// Rows: two per joint, one more per weld, and one per sticking joint if `withResting`. `bias` is dJ/dt v.
-void Multibody::jacobian(const VectorXd& y, MatrixXd& J, VectorXd& bias, bool withResting) const {
-    Index rows = 0;
-    for (const Joint& j : joints_)
-        rows += 2 + (j.weld || (withResting && j.turning == 0) ? 1 : 0);
-    J.setZero(rows, 3 * moving_);
-    bias.setZero(rows);
-    Index at = 0;
-    for (const Joint& j : joints_) {
-        const bool turns = !j.weld && !(withResting && j.turning == 0);
-        for (const int side : {-1, 1}) {
-            const Body& b = bodies_[static_cast<std::size_t>(side < 0 ? j.a : j.b)];
-            if (b.moving < 0)
-                continue;
-            const Index c = 3 * b.moving;
-            const Vec2 r = rotated(side < 0 ? j.onA : j.onB, angleOf(b, y));
-            const double w = y[3 * moving_ + c + 2], s = side;
-            J(at, c) = s;
-            J(at + 1, c + 1) = s;
-            J(at, c + 2) = -s * r.y();
-            J(at + 1, c + 2) = s * r.x();
-            bias.segment<2>(at) -= s * w * w * r;
-            if (!turns)
-                J(at + 2, c + 2) = s;
-        }
-        at += turns ? 2 : 3;
-    }
-}
-
-/// Air pressure on edges that move outwards. The normal speed is linear on an edge, so three Gauss points on its
-/// positive part are exact.
-void Multibody::airOn(const Body& b, const VectorXd& y, VectorXd& force, double& power) const {
-    const Index at = 3 * b.moving;
-    const Vec2 v = y.segment<2>(3 * moving_ + at);
-    const double w = y[3 * moving_ + at + 2], angle = angleOf(b, y);
-    const Vec2 drift = rotated(v, -angle); // in the body frame
-    Vec2 sum = Vec2::Zero();
-    double torque = 0.0;
-    for (const Edge& e : b.edges) {
-        const Vec2 way = e.to - e.from;
-        const double v0 = (drift + crossSpin(w, e.from)).dot(e.normal), v1 = (drift + crossSpin(w, e.to)).dot(e.normal);
-        if (v0 <= 0.0 && v1 <= 0.0)
-            continue;
-        const double from = v0 < 0.0 ? v0 / (v0 - v1) : 0.0, to = v1 < 0.0 ? v0 / (v0 - v1) : 1.0;
-        constexpr double kAt[] = {-0.7745966692414834, 0.0, 0.7745966692414834},
-                         kWeight[] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
-        for (int g = 0; g < 3; ++g) {
-            const double s = 0.5 * (from + to) + 0.5 * (to - from) * kAt[g];
-            const double speed = v0 + s * (v1 - v0);
-            const double p = (extra_.airLinear + extra_.airQuadratic * speed) * speed;
-            const double f = p * kWeight[g] * (to - from) * way.norm();
-            sum -= f * e.normal;
-            torque -= f * cross(e.from + s * way, e.normal);
-        }
-    }
-    const Vec2 total = rotated(sum, angle) - b.mass * b.linearDamping * v;
-    const double turning = torque - b.inertia * b.angularDamping * w;
-    force.segment<2>(at) += total;
-    force[at + 2] += turning;
-    power -= total.dot(v) + turning * w;
+Multibody::Motion Multibody::motionOf(const Body& b, const VectorXd& y) const {
+    if (b.moving >= 0)
+        return {y.segment<2>(3 * b.moving), y.segment<2>(3 * moving_ + 3 * b.moving), y[3 * b.moving + 2],
+                y[3 * moving_ + 3 * b.moving + 2]};
+    const double t = y[timeIndex()];
+    if (driven_ < 0 || &b != &bodies_[static_cast<std::size_t>(driven_)])
+        return {b.position + t * b.velocity, b.velocity, b.angle + t * b.spin, b.spin};
+    const double speed = (driveDisplacement_[segment_] - driveDisplacement_[segment_ - 1]) /
+                         (driveTime_[segment_] - driveTime_[segment_ - 1]);
+    const double way = driveDisplacement_[segment_ - 1] + speed * (t - driveTime_[segment_ - 1]);
+    return {b.position + way * direction_, speed * direction_, b.angle, 0.0};
 }
 
 Multibody::Rates Multibody::rates(const VectorXd& y) const {
     const Index n = 3 * moving_;
-    const bool dryOn = extra_.bearingTorque > 0.0 || extra_.bearingArm > 0.0;
+    const double since = y[timeIndex()] - time_;
+    const bool dryOn = anyDryFriction();
     VectorXd force = VectorXd::Zero(n);
-    double intoAir = 0.0, intoBearings = 0.0;
+    double intoAir = 0.0, intoJoints = 0.0;
     for (const Body& b : bodies_)
         if (b.moving >= 0) {
             force.segment<2>(3 * b.moving) += b.mass * b.gravityScale * gravity_;
             airOn(b, y, force, intoAir);
         }
-    const auto addTorque = [&](const Joint& j, double torque, VectorXd& f) { // on b, opposite on a
-        if (const int m = bodies_[static_cast<std::size_t>(j.b)].moving; m >= 0)
-            f[3 * m + 2] += torque;
-        if (const int m = bodies_[static_cast<std::size_t>(j.a)].moving; m >= 0)
-            f[3 * m + 2] -= torque;
-    };
-    for (const Joint& j : joints_)
-        if (!j.weld) {
-            const double w = relativeSpin(j, y);
-            addTorque(j, -extra_.bearingViscosity * w, force);
-            intoBearings += extra_.bearingViscosity * w * w;
-        }
     Rates out;
-    out.holdingTorque = out.dryTorque = VectorXd::Zero(static_cast<Index>(joints_.size()));
-    out.dryTorque.setConstant(extra_.bearingTorque);
-    MatrixXd J;
-    VectorXd bias, total, reaction;
-    jacobian(y, J, bias, dryOn);
-    const MatrixXd WJ = inverseMass_.asDiagonal() * J.transpose();
-    const MatrixXd A = J * WJ;
+    std::vector<Coordinate> ways;
+    for (const Joint& j : joints_) {
+        ways.push_back(j.free() || j.springs ? coordinate(j, y) : Coordinate{});
+        const Coordinate& c = ways.back();
+        const double viscosity =
+            j.spring.viscosity + (j.kind == step::JointKind::Revolute ? extra_.bearingViscosity : 0.0);
+        const double x = c.value - j.spring.rest;
+        const double elastic = j.spring.stiffness * x * (1.0 + j.spring.cubic * x * x);
+        if (viscosity != 0.0 || elastic != 0.0)
+            apply(j, c.row, -elastic - viscosity * c.rate, force, out.onDriven);
+        intoJoints += viscosity * c.rate * c.rate;
+    }
+    const auto count = static_cast<Index>(joints_.size());
+    out.holding = out.dry = VectorXd::Zero(count);
+    for (std::size_t i = 0; i < joints_.size(); ++i)
+        out.dry[static_cast<Index>(i)] = dryFriction(joints_[i], 0.0, ways[i].rate, since);
+    const Rows rows = rowsAt(y, dryOn);
+    const MatrixXd WJ = inverseMass_.asDiagonal() * rows.J.transpose();
+    const MatrixXd A = rows.J * WJ;
+    VectorXd total, reaction;
+    Eigen::Vector3d sliding;
     constexpr int kMost = 50; // friction torque proportional to the reaction: a contraction by arm / length each round
     for (int round = 0; round < kMost; ++round) {
         total = force;
+        sliding.setZero();
         for (std::size_t i = 0; i < joints_.size() && dryOn; ++i)
-            if (!joints_[i].weld && joints_[i].turning != 0)
-                addTorque(joints_[i], -joints_[i].turning * out.dryTorque[static_cast<Index>(i)], total);
-        reaction = J.rows() > 0 ? solved(A, -bias - WJ.transpose() * total) : VectorXd();
+            if (hasDryFriction(joints_[i]) && joints_[i].turning != 0)
+                apply(joints_[i], ways[i].row, -joints_[i].turning * out.dry[static_cast<Index>(i)], total, sliding);
+        reaction = solved(A, -rows.bias - WJ.transpose() * total);
         double change = 0.0;
         Index at = 0;
         for (std::size_t i = 0; i < joints_.size(); ++i) {
             const Joint& j = joints_[i];
             const auto k = static_cast<Index>(i);
-            const double dryTorque = extra_.bearingTorque + extra_.bearingArm * reaction.segment<2>(at).norm();
-            change = std::max(change, std::abs(dryTorque - out.dryTorque[k]) - 1e-13 * dryTorque);
-            out.dryTorque[k] = dryTorque;
-            const bool three = j.weld || (dryOn && j.turning == 0);
-            out.holdingTorque[k] = three && !j.weld ? reaction[at + 2] : 0.0;
-            at += three ? 3 : 2;
+            const auto own = static_cast<Index>(rowsOf(j));
+            const double dry = dryFriction(j, own > 0 ? reaction.segment(at, own).norm() : 0.0, ways[i].rate, since);
+            change = std::max(change, std::abs(dry - out.dry[k]) - 1e-13 * dry);
+            out.dry[k] = dry;
+            const bool sticks = dryOn && hasDryFriction(j) && j.turning == 0;
+            out.holding[k] = sticks ? reaction[at + own] : 0.0;
+            at += own + (sticks ? 1 : 0);
         }
         if (extra_.bearingArm <= 0.0 || change <= 0.0)
             break;
     }
+    out.onDriven += sliding;
+    if (driven_ >= 0 && reaction.size() > 0)
+        out.onDriven += rows.driven.transpose() * reaction;
     for (std::size_t i = 0; i < joints_.size() && dryOn; ++i)
-        if (!joints_[i].weld)
-            intoBearings += joints_[i].turning * out.dryTorque[static_cast<Index>(i)] * relativeSpin(joints_[i], y);
+        if (hasDryFriction(joints_[i]))
+            intoJoints += joints_[i].turning * out.dry[static_cast<Index>(i)] * ways[i].rate;
     out.of.resize(y.size());
     out.of.head(n) = y.segment(n, n);
     out.of.segment(n, n) = inverseMass_.cwiseProduct(total);
-    if (J.rows() > 0)
+    if (rows.J.rows() > 0)
         out.of.segment(n, n) += WJ * reaction;
-    out.of[2 * n] = intoBearings;
+    out.of[2 * n] = intoJoints;
     out.of[2 * n + 1] = intoAir;
+    out.of[2 * n + 2] = 1.0;
     return out;
 }
 
@@ -314,45 +172,44 @@ VectorXd Multibody::rungeKuttaStep(double h) const {
 }
 
 /// Projects positions and velocities onto the joints, weighted by mass.
-void Multibody::projectJoints() {
+void Multibody::projectJoints(bool withResting) {
     if (joints_.empty())
         return;
-    MatrixXd J;
-    VectorXd bias;
     const Index n = 3 * moving_;
     constexpr int kRounds = 2; // Newton: gaps of 1e-9 m fall to 1e-18
     for (int round = 0; round < kRounds; ++round) {
-        jacobian(state_, J, bias, false);
-        VectorXd gap = VectorXd::Zero(J.rows());
+        const Rows rows = rowsAt(state_, false);
+        if (rows.J.rows() == 0)
+            break;
+        VectorXd gap(rows.J.rows());
         Index at = 0;
         for (const Joint& j : joints_) {
-            const Body &a = bodies_[static_cast<std::size_t>(j.a)], &b = bodies_[static_cast<std::size_t>(j.b)];
-            gap.segment<2>(at) = positionOf(b, state_) + rotated(j.onB, angleOf(b, state_)) - positionOf(a, state_) -
-                                 rotated(j.onA, angleOf(a, state_));
-            if (j.weld)
-                gap[at + 2] = angleOf(b, state_) - angleOf(a, state_) - j.refAngle;
-            at += j.weld ? 3 : 2;
+            const VectorXd own = gapsOf(j, state_);
+            gap.segment(at, own.size()) = own;
+            at += own.size();
         }
-        const MatrixXd WJ = inverseMass_.asDiagonal() * J.transpose();
-        state_.head(n) -= WJ * solved(J * WJ, gap);
+        const MatrixXd WJ = inverseMass_.asDiagonal() * rows.J.transpose();
+        state_.head(n) -= WJ * solved(rows.J * WJ, gap);
     }
-    jacobian(state_, J, bias, extra_.bearingTorque > 0.0 || extra_.bearingArm > 0.0);
-    const MatrixXd WJ = inverseMass_.asDiagonal() * J.transpose();
-    state_.segment(n, n) -= WJ * solved(J * WJ, J * state_.segment(n, n));
+    const Rows rows = rowsAt(state_, withResting && anyDryFriction());
+    if (rows.J.rows() == 0)
+        return;
+    const MatrixXd WJ = inverseMass_.asDiagonal() * rows.J.transpose();
+    state_.segment(n, n) -= WJ * solved(rows.J * WJ, rows.J * state_.segment(n, n) + rows.given);
 }
 
-/// A joint with relative spin slides.
+/// A joint in relative motion slides.
 void Multibody::updateTurning() {
-    constexpr double kNone = 1e-12; // rad/s
+    constexpr double kNone = 1e-12; // rad/s, m/s
     for (Joint& j : joints_)
-        if (j.turning == 0 && std::abs(relativeSpin(j, state_)) > kNone)
-            j.turning = relativeSpin(j, state_) > 0.0 ? 1 : -1;
+        if (j.free() && j.turning == 0 && std::abs(relativeRate(j, state_)) > kNone)
+            j.turning = relativeRate(j, state_) > 0.0 ? 1 : -1;
 }
 
-/// Determines which joints stick and the sliding direction of the others: a joint without spin sticks if its friction
-/// torque suffices, otherwise it starts against the torque that would hold it.
+/// Determines which joints stick and the sliding direction of the others: a joint without relative motion sticks if its
+/// friction suffices, otherwise it starts against the force that would hold it.
 void Multibody::updateFriction() {
-    if (extra_.bearingTorque <= 0.0 && extra_.bearingArm <= 0.0)
+    if (!anyDryFriction())
         return;
     updateTurning();
     for (std::size_t round = 0; round <= joints_.size(); ++round) {
@@ -361,44 +218,82 @@ void Multibody::updateFriction() {
         double most = 1.0;
         for (std::size_t i = 0; i < joints_.size(); ++i) {
             const auto k = static_cast<Index>(i);
-            const double share = now.dryTorque[k] > 0.0 ? std::abs(now.holdingTorque[k]) / now.dryTorque[k] : 2.0;
-            if (!joints_[i].weld && joints_[i].turning == 0 && share > most) {
+            const double share = now.dry[k] > 0.0 ? std::abs(now.holding[k]) / now.dry[k] : 2.0;
+            if (hasDryFriction(joints_[i]) && joints_[i].turning == 0 && share > most) {
                 worst = k;
                 most = share;
             }
         }
         if (worst < 0)
             return;
-        joints_[static_cast<std::size_t>(worst)].turning = now.holdingTorque[worst] > 0.0 ? -1 : 1;
+        joints_[static_cast<std::size_t>(worst)].turning = now.holding[worst] > 0.0 ? -1 : 1;
     }
 }
 
-void Multibody::advance(double step) {
-    const bool dryOn = extra_.bearingTorque > 0.0 || extra_.bearingArm > 0.0;
-    double h = step;
-    VectorXd next = rungeKuttaStep(h);
-    Joint* stops = nullptr;
-    for (Joint& j : joints_) {
-        if (!dryOn || j.weld || j.turning == 0 || relativeSpin(j, next) * j.turning >= 0.0)
+bool Multibody::slips(std::size_t joint, const VectorXd& y) const {
+    const Rates there = rates(y);
+    const auto k = static_cast<Index>(joint);
+    return std::abs(there.holding[k]) > there.dry[k] * (1.0 + 1e-12);
+}
+
+Multibody::Joint* Multibody::firstEvent(double& h, VectorXd& next) {
+    Joint* first = nullptr;
+    const double step = h;
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        Joint& j = joints_[i];
+        if (!hasDryFriction(j))
             continue;
-        // Bisection for zero spin, because shortly after a reversal the spin is near zero at both ends.
+        const bool rests = j.turning == 0;
+        const auto happened = [&](const VectorXd& y) {
+            return rests ? slips(i, y) : relativeRate(j, y) * j.turning < 0.0;
+        };
+        if (!happened(next))
+            continue;
+        // Bisection: shortly after a reversal the rate is near zero at both ends.
         double from = 0.0, to = h;
-        for (int i = 0; i < 60 && to - from > 1e-15 * step; ++i) {
+        for (int k = 0; k < 60 && to - from > 1e-15 * step; ++k) {
             const double middle = 0.5 * (from + to);
-            (relativeSpin(j, rungeKuttaStep(middle)) * j.turning > 0.0 ? from : to) = middle;
+            const VectorXd there = rungeKuttaStep(middle);
+            const bool before = rests ? !slips(i, there) : relativeRate(j, there) * j.turning > 0.0;
+            (before ? from : to) = middle;
         }
         h = to;
         next = rungeKuttaStep(h);
-        stops = &j;
+        first = &j;
     }
+    return first;
+}
+
+void Multibody::advance(double step) {
+    double h = step;
+    bool turns = false; // the drive changes its speed at the end of the step
+    if (driven_ >= 0 && segment_ + 1 < driveTime_.size() && time_ + h >= driveTime_[segment_]) {
+        h = driveTime_[segment_] - time_;
+        turns = true;
+    }
+    VectorXd next = rungeKuttaStep(h);
+    Joint* const event = anyDryFriction() ? firstEvent(h, next) : nullptr;
+    for (Joint& j : joints_)
+        if (friction_.on() && hasDryFriction(j))
+            effects::advance(friction_, j.site,
+                             0.5 * (std::abs(relativeRate(j, state_)) + std::abs(relativeRate(j, next))), h);
     state_ = next;
     time_ += h;
     ++steps_;
-    if (stops != nullptr)
-        stops->turning = 0;
-    projectJoints();
-    if (dryOn)
-        updateFriction();
+    if (event != nullptr) {
+        turns = false;
+        if (event->turning != 0)
+            event->turning = 0;
+    }
+    if (turns) {
+        time_ = driveTime_[segment_++];
+        state_[timeIndex()] = time_;
+        projectJoints(false);
+        updateTurning();
+    }
+    state_[timeIndex()] = time_;
+    projectJoints(true);
+    updateFriction();
 }
 
 int Multibody::find(const std::string& name) const {
@@ -410,25 +305,67 @@ int Multibody::find(const std::string& name) const {
 
 Multibody::Pose Multibody::pose(int body) const {
     const Body& b = bodies_[static_cast<std::size_t>(body)];
+    const Motion m = motionOf(b, state_);
     Pose p;
-    p.angle = angleOf(b, state_);
+    p.angle = m.angle;
     const Vec2 r = rotated(b.centre, p.angle);
-    p.origin = positionOf(b, state_) - r;
-    if (b.moving >= 0) {
-        p.spin = state_[3 * moving_ + 3 * b.moving + 2];
-        p.velocity = Vec2(state_.segment<2>(3 * moving_ + 3 * b.moving)) - crossSpin(p.spin, r);
-    }
+    p.origin = m.position - r;
+    p.spin = m.spin;
+    p.velocity = m.velocity - crossSpin(p.spin, r);
     return p;
+}
+
+Multibody::Forces Multibody::forces(int body) const {
+    const Rates now = rates(state_);
+    Forces out;
+    out.machine = -now.onDriven.head<2>().dot(direction_);
+    const Body& b = bodies_[static_cast<std::size_t>(body)];
+    if (b.moving >= 0) {
+        const Index at = 3 * moving_ + 3 * b.moving;
+        const Vec2 r = rotated(b.centre, motionOf(b, state_).angle);
+        const double w = state_[at + 2];
+        out.angularAcceleration = now.of[at + 2];
+        out.acceleration = Vec2(now.of.segment<2>(at)) - crossSpin(out.angularAcceleration, r) + w * w * r;
+    }
+    return out;
+}
+
+double Multibody::travel() const {
+    if (driven_ < 0)
+        return 0.0;
+    const Body& b = bodies_[static_cast<std::size_t>(driven_)];
+    return (motionOf(b, state_).position - b.position).dot(direction_);
+}
+
+double Multibody::shortestTime() const {
+    double most = 0.0; // 1/s
+    for (const Joint& j : joints_) {
+        if (!j.spring.on())
+            continue;
+        const Coordinate c = coordinate(j, state_);
+        double mobility = 0.0; // 1/kg, not less than that with the other joints
+        for (const auto& [body, row] : {std::pair{j.a, &c.row.a}, std::pair{j.b, &c.row.b}})
+            if (const int m = bodies_[static_cast<std::size_t>(body)].moving; m >= 0)
+                mobility += row->cwiseAbs2().dot(inverseMass_.segment<3>(3 * m));
+        const double x = c.value - j.spring.rest;
+        const double stiffness = j.spring.stiffness * (1.0 + 3.0 * j.spring.cubic * x * x);
+        most = std::max({most, std::sqrt(std::abs(stiffness) * mobility), j.spring.viscosity * mobility});
+    }
+    return most > 0.0 ? 1.0 / most : std::numeric_limits<double>::infinity();
 }
 
 double Multibody::energy() const {
     double sum = 0.0;
     for (const Body& b : bodies_)
         if (b.moving >= 0) {
-            const Vec2 v = state_.segment<2>(3 * moving_ + 3 * b.moving);
-            const double w = state_[3 * moving_ + 3 * b.moving + 2];
-            sum += 0.5 * b.mass * v.squaredNorm() + 0.5 * b.inertia * w * w -
-                   b.mass * b.gravityScale * gravity_.dot(positionOf(b, state_));
+            const Motion m = motionOf(b, state_);
+            sum += 0.5 * b.mass * m.velocity.squaredNorm() + 0.5 * b.inertia * m.spin * m.spin -
+                   b.mass * b.gravityScale * gravity_.dot(m.position);
+        }
+    for (const Joint& j : joints_)
+        if (j.spring.on()) {
+            const double x = coordinate(j, state_).value - j.spring.rest;
+            sum += 0.5 * j.spring.stiffness * x * x * (1.0 + 0.5 * j.spring.cubic * x * x);
         }
     return sum;
 }
@@ -459,10 +396,10 @@ double Multibody::reach() const {
 double Multibody::jointGap() const {
     double most = 0.0;
     for (const Joint& j : joints_) {
-        const Body &a = bodies_[static_cast<std::size_t>(j.a)], &b = bodies_[static_cast<std::size_t>(j.b)];
-        const Vec2 gap = positionOf(b, state_) + rotated(j.onB, angleOf(b, state_)) - positionOf(a, state_) -
-                         rotated(j.onA, angleOf(a, state_));
-        most = std::max(most, gap.norm());
+        const VectorXd gaps = gapsOf(j, state_);
+        const Index places = j.kind == step::JointKind::Revolute || j.kind == step::JointKind::Weld ? 2 : 1;
+        if (gaps.size() > 0)
+            most = std::max(most, gaps.head(places).norm());
     }
     return most;
 }

@@ -105,6 +105,11 @@ Target findFree(Parameters& p, const std::string& name) {
     return {};
 }
 
+const char* unitOf(scene::Observation::Quantity quantity) {
+    constexpr const char* kUnits[] = {"rad", "m", "m", "rad/s", "m/s", "m/s", "rad/s^2", "m/s^2", "m/s^2", "N", "m"};
+    return kUnits[static_cast<std::size_t>(quantity)];
+}
+
 /// Names, units and intervals of a free scene, in the order of Parameters::scene.
 std::vector<ParameterInfo> freeList(const Experiment& e) {
     std::vector<ParameterInfo> all;
@@ -120,8 +125,7 @@ std::vector<ParameterInfo> freeList(const Experiment& e) {
     for (const Surrounding& s : kSurroundings)
         if (ofGravity(s))
             all.push_back({s.name, s.unit, s.about, s.stated(e)});
-    all.push_back({"reading_zero", e.scene->quantity == experiment::Quantity::Angle ? "rad" : "m",
-                   "reading at pose zero", exact(0.0, e.scene->zeroHalfWidth)});
+    all.push_back({"reading_zero", unitOf(e.scene->observation.quantity), "reading at pose zero", e.scene->zero});
     return all;
 }
 
@@ -158,6 +162,7 @@ Parameters nominal(const Experiment& e) {
         for (std::size_t r = 0; r < e.runs.size(); ++r)
             for (const experiment::SceneParameter& s : e.runs[r].parameters)
                 p.scene.push_back({s.name, static_cast<int>(r), s.stated.value});
+        p.readingZero = e.scene->zero.value;
         return p;
     }
     p.friction = e.friction.value;
@@ -186,8 +191,17 @@ std::vector<ParameterInfo> parameterList(const Experiment& e) {
 bool acts(const Experiment& experiment, effects::Key key) {
     switch (key) {
     case effects::Key::BearingFriction:
+        return experiment.scene && experiment.scene->turns;
     case effects::Key::AirDrag:
         return experiment.scene.has_value();
+    case effects::Key::StaticFrictionExcess:
+    case effects::Key::RateDependentFriction:
+    case effects::Key::Wear:
+        return !experiment.scene || experiment.scene->rubs;
+    case effects::Key::Backlash:
+        return !experiment::isFree(experiment);
+    case effects::Key::SensorDrift:
+        return !experiment.scene || experiment.scene->observation.of == scene::Observation::Of::Machine;
     case effects::Key::Gravity:
     case effects::Key::SensorGain:
     case effects::Key::SensorDelay:
@@ -201,8 +215,8 @@ std::string checkEffects(const Parameters& parameters, const Experiment& experim
     for (const effects::Setting& s : parameters.effects)
         if (!effects::isOff(s) && !acts(experiment, s.key))
             return "effect " + effects::catalog()[static_cast<std::size_t>(s.key)].name +
-                   (experiment.scene ? " does not act on a free scene of rigid bodies"
-                                     : " acts only on the rigid bodies of a free scene, which this experiment is not");
+                   (experiment.scene ? " has nothing to act on in this scene of rigid bodies"
+                                     : " acts only on the rigid bodies of a scene, which this experiment is not");
     std::vector<std::string> known;
     for (const Specimen& s : experiment.specimens)
         known.push_back(s.id);

@@ -74,9 +74,10 @@ void drawLegend(Canvas& canvas, double x, double y) {
 void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::Run& run, const ReplayedRun& done) {
     const Columns c{run.readings, done.simulated.readings, done.comparison};
     const experiment::Channel& channel = experiment::channel(e);
-    const bool free = e.scene.has_value();
+    const bool free = experiment::isFree(e);
     const auto unitFor = [&](double size) {
-        return free ? graphics::DisplayUnit{channel.perUnit, channel.unit} : graphics::readableUnit(size, "N");
+        return free || channel.unit != "N" ? graphics::DisplayUnit{channel.perUnit, channel.unit}
+                                           : graphics::readableUnit(size, "N");
     };
     const graphics::DisplayUnit unit = unitFor(c.comparison.peakRecorded);
     const double worst = *std::max_element(c.comparison.residual.begin(), c.comparison.residual.end(),

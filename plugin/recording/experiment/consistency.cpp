@@ -137,6 +137,8 @@ void judgeRuns(const Experiment& e, std::vector<Contradiction>& out) {
         const std::string pointer = "/runs/" + std::to_string(i);
         if (!files.insert(run.file).second)
             out.push_back({pointer + "/file", "another run has the same file \"" + run.file + "\"", {}, true});
+        if (run.driveDisplacement.empty()) // a scene without a machine
+            continue;
         const auto [lo, hi] = std::minmax_element(run.driveDisplacement.begin(), run.driveDisplacement.end());
         if (*hi == *lo && !e.scene)
             out.push_back({pointer + "/drive_displacement_mm", "the crosshead does not move", {}, false});

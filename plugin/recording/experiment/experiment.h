@@ -3,11 +3,13 @@
 // readings. SI units throughout, also where files use millimetres.
 
 #include "plugin/api/include/supercircle/definitions.hpp"
+#include "plugin/scene/loader/scene.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::experiment {
@@ -27,7 +29,8 @@ enum class Protocol : std::uint8_t {
     ArchBetweenPlates,
     RingBetweenPlates, ///< a closed ring
     TetheredStrip,     ///< a bow: strings from both ends to the crosshead
-    FreeScene          ///< freely moving rigid bodies of a scene file, without a testing machine
+    FreeScene,         ///< freely moving rigid bodies of a scene file, without a testing machine
+    Scene              ///< a scene file, with a testing machine if it has a protocol
 };
 
 /// Part that carries a clamp or an obstacle.
@@ -95,25 +98,33 @@ struct SceneParameter {
     std::string unit{}, about{}; ///< as the scene has them
 };
 
-enum class Quantity : std::uint8_t { Angle, X, Y };
-
-/// A freely moving mechanism, and the recorded pose of one body.
-struct FreeScene {
-    std::string file;                       ///< scene file, as named in the description
-    std::string text;                       ///< its content; empty if only the description was loaded
-    std::vector<SceneParameter> parameters; ///< common to all runs
-    std::string body;
-    Quantity quantity = Quantity::Angle;
-    double zeroHalfWidth = 0.0; ///< rad or m, of the reading at pose zero
-};
-
 /// The channel by which runs are compared, as named in files and messages.
 struct Channel {
-    const char* name;   ///< "force", "angle", "x", "y"
-    const char* unit;   ///< in files: "N", "deg", "mm"
-    const char* column; ///< NAME_UNIT
-    double perUnit;     ///< file unit per SI unit (N, rad, m)
+    std::string name;     ///< "force", or what is observed
+    std::string unit;     ///< in files: "N", "deg", "mm"
+    std::string column;   ///< of the CSV files
+    double perUnit = 1.0; ///< file unit per SI unit (N, rad, m)
+    double sign = 1.0;    ///< of the file's numbers against the scene's, +-1
 };
+
+/// A mechanism of a scene file, and what is recorded of it.
+struct FreeScene {
+    std::string file;                       ///< scene file or shipped scene, as named in the description
+    std::string text;                       ///< its content; empty if only the description was loaded
+    std::vector<SceneParameter> parameters; ///< common to all runs
+    std::string observe;                    ///< name of the observation in the scene; empty: `observation` is described
+    scene::Observation observation;
+    Channel channel;
+    Stated zero;         ///< reading where the scene says 0, SI unit of the observation
+    bool driven = false; ///< a machine moves a body of the scene
+    bool turns = true;   ///< it has revolute joints
+    bool rubs = false;   ///< its joints have dry friction of their own
+};
+
+/// Whether the scene is one that comes with the program: a name without ending and folder.
+inline bool namesShipped(const FreeScene& scene) {
+    return scene.file.find_first_of("./\\") == std::string::npos;
+}
 
 /// Marker positions over time. x[m][k], y[m][k]: marker m of Experiment::markers in row k, m; NaN: not seen.
 struct MarkerTracks {
@@ -126,7 +137,7 @@ struct Readings {
     std::vector<double> time;         ///< s, increasing
     std::vector<double> displacement; ///< m, of the crosshead, positive downwards
     /// Positive while the specimen resists loading, N; NaN: missing. In free scenes the recorded pose
-    /// (FreeScene::quantity), rad or m; runs are compared by this column.
+    /// (FreeScene::observation), SI unit; runs are compared by this column.
     std::vector<double> force;
 };
 
@@ -136,6 +147,9 @@ struct Run {
     std::vector<double> driveTime;         ///< s, break points of the drive, increasing
     std::vector<double> driveDisplacement; ///< m, positive downwards; linear between the break points
     double samplingRate = 0.0;             ///< Hz
+    double start = 0.0;                    ///< s, scenes: time of the file at which the simulation begins
+    /// From, to: rows in between are not compared, s.
+    std::vector<std::pair<double, double>> ignored;
     std::string specimenState;
     /// The specimens with their markers were mounted end for end; they bend to the same side.
     bool specimenReversed = false;
@@ -163,7 +177,8 @@ struct Experiment {
     std::string text; ///< content of the file; empty: not from a file
     Protocol protocol = Protocol::ShellOnRigidCylinder;
     std::string description;
-    Point gravity{0.0, -9.81}; ///< as declared, m/s^2
+    Point gravity{0.0, -9.81};   ///< as declared, m/s^2
+    bool gravityOfScene = false; ///< it is that of the scene
     std::vector<Specimen> specimens;
     std::vector<Obstacle> obstacles;
     Stated friction;                ///< coefficient of all contacts, 1
@@ -172,8 +187,13 @@ struct Experiment {
     Sensors sensors;
     std::vector<Marker> markers;
     std::vector<Bowstring> strings;
-    std::optional<FreeScene> scene; ///< of Protocol::FreeScene
+    std::optional<FreeScene> scene; ///< of Protocol::FreeScene and Protocol::Scene
 };
+
+/// Whether nothing is driven by a testing machine.
+inline bool isFree(const Experiment& experiment) {
+    return experiment.scene && !experiment.scene->driven;
+}
 
 /// Name of a protocol in the files.
 const char* name(Protocol protocol);

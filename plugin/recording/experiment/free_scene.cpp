@@ -1,6 +1,7 @@
 #include "plugin/recording/experiment/free_scene.h"
 
 #include "plugin/scene/loader/loader.h"
+#include "plugin/scene/loader/shipped.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
@@ -12,11 +13,11 @@ namespace supercircle::experiment {
 namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-constexpr Channel kForce{"force", "N", "force_N", 1.0};
-constexpr Channel kAngle{"angle", "deg", "angle_deg", kDegrees};
-constexpr Channel kAngleRad{"angle", "rad", "angle_rad", 1.0};
-constexpr Channel kX{"x", "mm", "x_mm", 1e3};
-constexpr Channel kY{"y", "mm", "y_mm", 1e3};
+const Channel kForce{"force", "N", "force_N", 1.0, 1.0};
+const Channel kAngle{"angle", "deg", "angle_deg", kDegrees, 1.0};
+const Channel kAngleRad{"angle", "rad", "angle_rad", 1.0, 1.0};
+const Channel kX{"x", "mm", "x_mm", 1e3, 1.0};
+const Channel kY{"y", "mm", "y_mm", 1e3, 1.0};
 
 /// The scene with the nominal parameters of a run.
 Result<scene::Scene> nominalScene(const Experiment& e, const Run& run, const std::string& path,
@@ -47,9 +48,13 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
         p.nearest = near;
         problems.push_back(std::move(p));
     };
-    if (!s.shells.empty() || s.drop || s.protocol)
-        complain("a free scene has rigid bodies only: no shells, no \"drop\", no \"protocol\"",
-                 "freely moving bodies on joints");
+    const bool free = e.protocol == Protocol::FreeScene;
+    if (!s.shells.empty() || s.drop || (free && s.protocol))
+        complain(free ? "a free scene has rigid bodies only: no shells, no \"drop\", no \"protocol\""
+                      : "experiments cannot be simulated by scenes with shells yet; older protocols describe strips",
+                 "bodies on joints");
+    if (s.protocol && s.protocol->body.empty())
+        complain("the machine of the scene moves no body", "a \"protocol\" with a \"body\"");
     std::vector<std::string> names;
     for (const step::BodyDefinition& b : s.rigid.bodies)
         names.push_back(b.name);
@@ -57,7 +62,8 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
         if (std::find(names.begin(), names.end(), body) == names.end())
             complain("there is no body \"" + body + "\", whose pose is recorded", {}, nearestName(body, names));
     };
-    need(e.scene->body);
+    if (e.scene->observation.of == scene::Observation::Of::Body)
+        need(e.scene->observation.target);
     for (const Marker& m : e.markers)
         need(m.body);
 }
@@ -65,13 +71,11 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
 } // namespace
 
 const Channel& channel(const Experiment& e) {
-    if (!e.scene)
-        return kForce;
-    return e.scene->quantity == Quantity::Angle ? kAngle : e.scene->quantity == Quantity::X ? kX : kY;
+    return e.scene ? e.scene->channel : kForce;
 }
 
 std::vector<Channel> columnsOf(const Experiment& e) {
-    if (e.scene && e.scene->quantity == Quantity::Angle)
+    if (e.scene && e.scene->observe.empty() && e.scene->observation.quantity == scene::Observation::Quantity::Angle)
         return {kAngle, kAngleRad};
     return {channel(e)};
 }
@@ -107,11 +111,12 @@ FreeScene readFreeScene(Context& context, Object& top) {
     if (const Node* node = top.required("observed", "an object")) {
         Object observed(context, *node, top.pointerTo("observed"));
         if (observed.valid()) {
-            s.body = observed.text("body");
-            s.quantity = static_cast<Quantity>(observed.choice("quantity", {"angle", "x", "y"}));
-            s.zeroHalfWidth = s.quantity == Quantity::Angle
-                                  ? observed.number("zero_unc_deg", 0.0, scene::notNegative) / kDegrees
-                                  : 1e-3 * observed.number("zero_unc_mm", 0.0, scene::notNegative);
+            s.observation.target = observed.text("body");
+            const std::size_t quantity = observed.choice("quantity", {"angle", "x", "y"}); // as Observation::Quantity
+            s.observation.quantity = static_cast<scene::Observation::Quantity>(quantity);
+            s.channel = quantity == 0 ? kAngle : quantity == 1 ? kX : kY;
+            s.zero.halfWidth = quantity == 0 ? observed.number("zero_unc_deg", 0.0, scene::notNegative) / kDegrees
+                                             : 1e-3 * observed.number("zero_unc_mm", 0.0, scene::notNegative);
         }
         observed.finish();
     }
@@ -137,8 +142,96 @@ std::vector<Bowstring> readStrings(Context& context, Object& top) {
     return all;
 }
 
+FreeScene readScene(Context& context, Object& top, Sensors& sensors) {
+    FreeScene s;
+    s.file = top.text("scene");
+    s.parameters = readSceneParameters(context, top, "scene_parameters");
+    const std::vector<ArrayItem> channels = top.array("channels", true);
+    if (channels.size() > 1)
+        top.error("channels", "only one channel can be compared", "the one that tells most");
+    if (channels.empty())
+        return s;
+    Object object(context, channels.front());
+    if (!object.valid())
+        return s;
+    s.observe = object.text("observe");
+    s.channel.column = object.text("column");
+    s.channel.unit = object.text("unit", "");
+    s.channel.sign = object.number("sign", 1.0, {-1.0, 1.0, false});
+    if (std::abs(s.channel.sign) != 1.0)
+        object.error("sign", "a sign of " + std::to_string(s.channel.sign), "1 or -1");
+    sensors.forceNoise = object.number("noise_std", 0.0, scene::notNegative);
+    if (const Node* node = object.find("zero")) {
+        Object zero(context, *node, object.pointerTo("zero"));
+        if (zero.valid())
+            s.zero = {zero.number("value", 0.0, scene::anyNumber), zero.number("unc", 0.0, scene::notNegative)};
+        zero.finish();
+    }
+    object.finish();
+    return s;
+}
+
+/// The scene file: beside the experiment, or a shipped one, which is named without an ending. Empty: there is none.
+std::string pathOf(const Experiment& e) {
+    if (namesShipped(*e.scene))
+        return scene::shippedScene(e.scene->file);
+    return (std::filesystem::path(e.file).parent_path() / e.scene->file).string();
+}
+
+/// Finds what the channel observes, and whether the scene is driven.
+void takeObservation(Experiment& e, const scene::Scene& s, const std::string& path,
+                     std::vector<scene::Problem>& problems) {
+    FreeScene& own = *e.scene;
+    const auto any = [&](auto has) { return std::any_of(s.rigid.joints.begin(), s.rigid.joints.end(), has); };
+    if (e.gravityOfScene)
+        e.gravity = {s.rigid.gravity.x(), s.rigid.gravity.y()};
+    own.turns = any([](const step::JointDefinition& j) { return j.kind == step::JointKind::Revolute; });
+    own.rubs = any([](const step::JointDefinition& j) { return j.friction.sticking > 0.0; });
+    if (own.observe.empty())
+        return;
+    const auto complain = [&](const std::string& pointer, const std::string& what, const std::string& expected,
+                              const std::string& nearest = {}) {
+        scene::Problem p;
+        p.file = e.file;
+        p.pointer = pointer;
+        p.what = what;
+        p.expected = expected;
+        p.nearest = nearest;
+        problems.push_back(std::move(p));
+    };
+    std::vector<std::string> names;
+    for (const scene::Observation& o : s.observe)
+        names.push_back(o.name);
+    const auto at = std::find(names.begin(), names.end(), own.observe);
+    if (at == names.end()) {
+        complain("/channels/0/observe", "the scene " + path + " observes no \"" + own.observe + "\"",
+                 names.empty() ? "a scene with \"observe\"" : "", nearestName(own.observe, names));
+        return;
+    }
+    own.observation = s.observe[static_cast<std::size_t>(at - names.begin())];
+    own.driven = s.protocol.has_value();
+    if (const std::string why = setChannel(own); !why.empty())
+        complain("/channels/0", why, "a unit at the end of \"column\", or \"unit\"");
+    e.sensors.forceNoise /= own.channel.perUnit;
+    for (std::size_t i = 0; i < e.runs.size(); ++i)
+        if (e.runs[i].driveDisplacement.empty() == own.driven)
+            complain("/runs/" + std::to_string(i),
+                     own.driven ? "the scene has a machine, the run no drive"
+                                : "the scene has no machine that is driven",
+                     own.driven ? "drive_time_s and drive_displacement_mm" : "a run without drive_time_s");
+}
+
 void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
-    const std::string path = (std::filesystem::path(e.file).parent_path() / e.scene->file).string();
+    const std::string path = pathOf(e);
+    if (path.empty()) {
+        scene::Problem p;
+        p.file = e.file;
+        p.pointer = "/scene";
+        p.what = "no scene \"" + e.scene->file + "\" comes with the program";
+        p.expected = "one of " + scene::shippedNames() + ", or a file NAME.json";
+        problems.push_back(std::move(p));
+        return;
+    }
     const auto text = scene::readFile(path, problems);
     if (!text)
         return;
@@ -147,6 +240,8 @@ void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
         std::vector<scene::Problem> found;
         const auto scene = nominalScene(e, run, path, found);
         if (scene) {
+            if (&run == &e.runs.front())
+                takeObservation(e, *scene, path, found);
             judgeScene(e, *scene, path, found);
             takeWords(*scene, e.scene->parameters);
             takeWords(*scene, run.parameters);

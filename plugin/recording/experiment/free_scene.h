@@ -11,6 +11,18 @@ std::vector<SceneParameter> readSceneParameters(Context& context, Object& object
 
 /// /scene, /scene_parameters and /observed.
 FreeScene readFreeScene(Context& context, Object& top);
+/// /scene, /scene_parameters and /channels, whose noise goes to `sensors`.
+FreeScene readScene(Context& context, Object& top, Sensors& sensors);
+
+/// A unit of a column: how it is written, and units per SI unit.
+struct Unit {
+    const char* name;
+    double perUnit;
+};
+/// Units in which a quantity may be recorded, the SI unit first.
+std::vector<Unit> unitsOf(scene::Observation::Quantity quantity);
+/// Completes channel and zero of a scene whose observation is known. @return what is wrong, or nothing
+std::string setChannel(FreeScene& scene);
 
 /// /strings
 std::vector<Bowstring> readStrings(Context& context, Object& top);

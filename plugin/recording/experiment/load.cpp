@@ -19,8 +19,8 @@ using scene::notNegative;
 using scene::positive;
 
 constexpr std::array kProtocolNames = {
-    "shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor", "arch_between_plates", "ring_between_plates",
-    "tethered_strip",          "free_scene"};
+    "shell_on_rigid_cylinder", "two_shells",     "strip_on_rigid_floor", "arch_between_plates",
+    "ring_between_plates",     "tethered_strip", "free_scene",           "scene"};
 const std::vector<std::string> kCarriers = {"ground", "machine_head"};
 constexpr Limits kShare{0.0, 1.0, false};
 
@@ -123,11 +123,15 @@ Obstacle readObstacle(Context& context, const ArrayItem& place) {
     return o;
 }
 
-/// The drive; a free scene has a time only.
-void readDrive(Object& object, bool free, Run& run) {
-    if (free) {
+/// The drive; a free scene has a time only. A scene without a time lasts as long as its rows.
+void readDrive(Object& object, Protocol protocol, Run& run) {
+    if (protocol == Protocol::FreeScene) {
         run.driveTime = {0.0, object.number("duration_s", positive)};
         run.driveDisplacement = {0.0, 0.0};
+        return;
+    }
+    if (protocol == Protocol::Scene && object.find("drive_time_s") == nullptr) {
+        run.driveTime = {0.0, object.number("duration_s", 0.0, positive)};
         return;
     }
     run.driveTime = object.numbers("drive_time_s", scene::anyNumber);
@@ -147,16 +151,40 @@ void readDrive(Object& object, bool free, Run& run) {
         }
 }
 
-Run readRun(Context& context, const ArrayItem& place, bool free) {
+/// `ignore_s`: pairs of times.
+void readIgnored(Context& context, Object& object, Run& run) {
+    if (object.find("ignore_s") == nullptr)
+        return;
+    for (const ArrayItem& item : object.array("ignore_s", false)) {
+        const std::vector<Node>& ends = item.node->children;
+        if (item.node->kind != Node::Kind::Array || ends.size() != 2) {
+            context.error(*item.node, item.pointer, "not a part of the recording", "[from, to], s");
+            continue;
+        }
+        const double from = numberAt(context, ends[0], item.pointer + "/0", scene::anyNumber);
+        const double to = numberAt(context, ends[1], item.pointer + "/1", scene::anyNumber);
+        if (!(to > from))
+            context.error(*item.node, item.pointer, "it ends before it begins", "[from, to], s");
+        run.ignored.emplace_back(from, to);
+    }
+}
+
+Run readRun(Context& context, const ArrayItem& place, Protocol protocol, bool free) {
     Object object(context, place);
     Run run;
     if (!object.valid())
         return run;
     run.file = object.text("file");
-    readDrive(object, free, run);
+    readDrive(object, protocol, run);
+    readIgnored(context, object, run);
     if (free)
         run.parameters = readSceneParameters(context, object, "parameters");
-    run.samplingRate = object.number("sampling_hz", positive);
+    if (protocol == Protocol::Scene) {
+        run.start = object.number("start_s", 0.0, scene::anyNumber);
+        run.samplingRate = object.number("sampling_hz", 0.0, positive);
+    } else {
+        run.samplingRate = object.number("sampling_hz", positive);
+    }
     run.specimenState = object.text("specimen_state_at_start", "");
     if (!free)
         run.specimenReversed = object.flag("specimen_turned", false);
@@ -190,8 +218,9 @@ Sensors readSensors(Context& context, const Node& node, const std::string& point
     if (!object.valid())
         return s;
     const Channel& c = channel(e);
-    s.forceNoise =
-        object.number(std::string(c.name) + "_noise_std_" + c.unit + "_approx", 0.0, notNegative) / c.perUnit;
+    s.forceNoise = e.sensors.forceNoise;
+    if (e.protocol != Protocol::Scene) // whose channel says it
+        s.forceNoise = object.number(c.name + "_noise_std_" + c.unit + "_approx", 0.0, notNegative) / c.perUnit;
     s.forceZeroWindow = zeroWindow(object, object.text("force_zero", ""));
     s.forceUnitConfirmed = object.flag("force_unit_confirmed", false);
     s.displacementChannel = object.text("displacement_channel", "");
@@ -313,15 +342,18 @@ void readTop(Context& context, Experiment& e) {
     e.protocol = static_cast<Protocol>(
         top.choice("protocol", std::vector<std::string>(kProtocolNames.begin(), kProtocolNames.end())));
     e.description = top.text("description", "");
-    e.gravity = top.pair("gravity_m_s2");
+    const bool scene = e.protocol == Protocol::Scene;
+    e.gravityOfScene = scene && top.find("gravity_m_s2") == nullptr;
+    if (!e.gravityOfScene)
+        e.gravity = top.pair("gravity_m_s2");
     for (const char* words : {"frame", "arc_convention", "contact_thickness"})
         top.text(words, "");
     const std::string meaning = top.text("uncertainty_meaning", "half-width of a uniform interval");
     if (meaning != "half-width of a uniform interval")
         top.note("uncertainty_meaning", "interpreted as the half-width of a uniform interval");
-    const bool free = e.protocol == Protocol::FreeScene && top.find("protocol") != nullptr;
+    const bool free = (scene || e.protocol == Protocol::FreeScene) && top.find("protocol") != nullptr;
     if (free) {
-        e.scene = readFreeScene(context, top);
+        e.scene = scene ? readScene(context, top, e.sensors) : readFreeScene(context, top);
     } else {
         e.specimens = readSpecimens(context, top);
         for (const ArrayItem& place : top.array("obstacles", false))
@@ -337,7 +369,7 @@ void readTop(Context& context, Experiment& e) {
     }
     e.initialGapHalfWidth = top.number("initial_gap_unc_m", 0.0, notNegative);
     for (const ArrayItem& place : top.array("runs", true))
-        e.runs.push_back(readRun(context, place, free));
+        e.runs.push_back(readRun(context, place, e.protocol, free));
     if (const Node* node = top.find("sensors"))
         e.sensors = readSensors(context, *node, top.pointerTo("sensors"), e);
     e.markers = readMarkers(context, top, e.specimens, free);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
 namespace supercircle::experiment {
 
@@ -68,6 +69,14 @@ Result<record::Series> readTable(const std::string& path, const record::CsvOptio
     return record::parseCsv(*text, path, options);
 }
 
+/// Rows that are not compared count as missing.
+void ignoreRows(Run& run) {
+    for (std::size_t i = 0; i < run.readings.force.size(); ++i)
+        for (const auto& [from, to] : run.ignored)
+            if (run.readings.time[i] + run.start >= from && run.readings.time[i] + run.start <= to)
+                run.readings.force[i] = std::numeric_limits<double>::quiet_NaN();
+}
+
 void readReadings(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
     record::CsvOptions options;
     options.required = {"time_s", "displacement_mm", "force_N"};
@@ -80,9 +89,27 @@ void readReadings(const Experiment& e, Run& run, const std::string& path, std::v
     run.readings.displacement = scaled(*csv->find("displacement_mm"), 1e-3);
     run.readings.force = *csv->find("force_N");
     checkReadings(e, run, path, problems);
+    ignoreRows(run);
 }
 
-/// A free scene's run: times and one column of a pose.
+/// The rows of a scene's run from its start on, with what the description leaves to them.
+void beginAtStart(Run& run) {
+    Readings& r = run.readings;
+    const auto first =
+        static_cast<std::ptrdiff_t>(std::lower_bound(r.time.begin(), r.time.end(), run.start - 1e-9) - r.time.begin());
+    r.time.erase(r.time.begin(), r.time.begin() + first);
+    r.force.erase(r.force.begin(), r.force.begin() + first);
+    for (double& t : r.time)
+        t = std::max(0.0, t - run.start);
+    if (r.time.size() < 2)
+        return;
+    if (run.samplingRate <= 0.0)
+        run.samplingRate = 1.0 / medianStep(r.time);
+    if (run.driveDisplacement.empty() && run.driveTime.back() <= 0.0)
+        run.driveTime.back() = r.time.back();
+}
+
+/// A scene's run: times and one column.
 void readPose(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
     record::CsvOptions options;
     options.required = {"time_s"};
@@ -93,14 +120,21 @@ void readPose(const Experiment& e, Run& run, const std::string& path, std::vecto
     }
     std::string wanted;
     for (const Channel& c : columnsOf(e)) {
-        wanted += (wanted.empty() ? "" : " or ") + std::string(c.column);
+        wanted += (wanted.empty() ? "" : " or ") + c.column;
         const std::vector<double>* column = csv->find(c.column);
         if (column == nullptr)
             continue;
         run.readings.time = *csv->find("time_s");
-        run.readings.force = scaled(*column, 1.0 / c.perUnit);
-        run.readings.displacement.assign(run.readings.time.size(), 0.0);
+        run.readings.force = scaled(*column, c.sign / c.perUnit);
+        if (e.protocol == Protocol::Scene)
+            beginAtStart(run);
+        if (run.driveDisplacement.empty())
+            run.driveDisplacement = {0.0, 0.0};
+        run.readings.displacement.clear();
+        for (const double t : run.readings.time)
+            run.readings.displacement.push_back(commanded(run, t));
         checkReadings(e, run, path, problems);
+        ignoreRows(run);
         return;
     }
     reportCsv(problems, path, path + ":1:1: there is no column " + wanted + "; expected what /observed names");
@@ -139,7 +173,7 @@ void refuseOutside(const Experiment& e, std::vector<scene::Problem>& problems) {
         p.expected = "a file in it; --allow-outside reads others";
         problems.push_back(std::move(p));
     };
-    if (e.scene)
+    if (e.scene && !namesShipped(*e.scene))
         look(e.scene->file, "/scene");
     for (std::size_t i = 0; i < e.runs.size(); ++i) {
         look(e.runs[i].file, "/runs/" + std::to_string(i) + "/file");

@@ -71,6 +71,7 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     readHolds(context, top, scene.shells, scene.holds);
     readDrop(context, top, scene.drop);
     readProtocol(context, top, scene, scene.protocol);
+    readObservations(context, top, scene);
     readEffects(context, top, scene);
     readNumerics(context, top, scene.numerics);
     readReport(context, top, scene.report);

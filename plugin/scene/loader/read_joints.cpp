@@ -33,6 +33,59 @@ void readMotor(ObjectReader& reader, JointDefinition& j) {
     }
 }
 
+/// "spring": in metres, or in radians of a revolute joint.
+void readSpring(Context& context, const Node& node, const std::string& pointer, JointDefinition& j) {
+    ObjectReader reader(context, node, pointer);
+    if (!reader.valid())
+        return;
+    const bool turns = j.kind == JointKind::Revolute;
+    j.spring.stiffness = reader.number(turns ? "stiffness_N_m_rad" : "stiffness_N_m", 0.0);
+    j.spring.cubic = reader.number(turns ? "cubic_1_rad2" : "cubic_1_m2", 0.0);
+    j.spring.viscosity = reader.number(turns ? "viscosity_N_m_s_rad" : "viscosity_N_s_m", 0.0, notNegative);
+    j.spring.rest = reader.number(turns ? "rest_rad" : "rest_m", 0.0);
+    reader.finish();
+}
+
+/// "friction": a torque of a revolute joint, a coefficient and a normal force of a prismatic one.
+void readFriction(Context& context, const Node& node, const std::string& pointer, JointDefinition& j) {
+    ObjectReader reader(context, node, pointer);
+    if (!reader.valid())
+        return;
+    if (j.kind == JointKind::Revolute) {
+        j.friction.sliding = reader.number("torque_N_m", 0.0, notNegative);
+        j.friction.sticking = reader.number("static_torque_N_m", j.friction.sliding, notNegative);
+    } else {
+        const double normal = reader.number("normal_force_N", 0.0, notNegative);
+        const double sliding = reader.number("coefficient", 0.0, notNegative);
+        j.friction.sliding = sliding * normal;
+        j.friction.sticking = normal * reader.number("static_coefficient", sliding, notNegative);
+        reader.require("normal_force_N", "the force that presses the surfaces together, N");
+    }
+    reader.finish();
+    if (j.friction.sticking < j.friction.sliding)
+        context.error(node, pointer, "friction at rest below that of sliding", "a static value that is not smaller");
+}
+
+/// What acts along the free motion of a joint.
+void readMechanics(Context& context, ObjectReader& reader, JointDefinition& j) {
+    const bool slides = j.kind == JointKind::Prismatic, turns = j.kind == JointKind::Revolute;
+    const auto misplaced = [&](const Node& node, const char* key, const char* expected) {
+        context.error(node, reader.pointerTo(key), "this type of joint takes none", expected);
+    };
+    if (const Node* spring = reader.find("spring")) {
+        if (slides || turns || j.kind == JointKind::Distance)
+            readSpring(context, *spring, reader.pointerTo("spring"), j);
+        else
+            misplaced(*spring, "spring", "a spring of a revolute, prismatic or distance joint");
+    }
+    if (const Node* friction = reader.find("friction")) {
+        if (slides || turns)
+            readFriction(context, *friction, reader.pointerTo("friction"), j);
+        else
+            misplaced(*friction, "friction", "the friction of a revolute or prismatic joint");
+    }
+}
+
 void readBodies(Context& context, ObjectReader& reader, std::size_t bodies, JointDefinition& j) {
     const std::size_t before = context.errors();
     for (const char* key : {"bodyA", "bodyB"}) {
@@ -133,6 +186,7 @@ JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t 
     j.frequency = reader.number("frequency", reader.number("springFrequency", 0.0, notNegative), notNegative);
     j.dampingRatio = reader.number("dampingRatio", reader.number("springDampingRatio", 0.0, notNegative), notNegative);
     j.correctionFactor = reader.number("correctionFactor", j.correctionFactor, {0.0, 1.0});
+    readMechanics(context, reader, j);
     if (rope)
         readRope(reader, j);
     else if (j.kind == JointKind::Pulley)

@@ -68,6 +68,29 @@ struct Protocol {
     std::vector<ProtocolSegment> segments; ///< cycles unrolled
 };
 
+/// A quantity that a scene lets be observed, as an instrument would record it.
+struct Observation {
+    enum class Of : std::uint8_t { Body, Shell, Machine } of = Of::Body;
+    enum class Quantity : std::uint8_t {
+        Angle, ///< rad, from +x counter-clockwise
+        X,     ///< m
+        Y,
+        Spin, ///< rad/s
+        Vx,   ///< m/s
+        Vy,
+        AngularAcceleration, ///< rad/s^2
+        Ax,                  ///< m/s^2
+        Ay,
+        Force, ///< N, of the machine, positive while it is resisted
+        Travel ///< m, of the machine
+    };
+    std::string name;
+    std::string target;        ///< name of the body or shell
+    Point local{};             ///< in the body's frame, m
+    double arc_fraction = 0.5; ///< of the shell
+    Quantity quantity = Quantity::X;
+};
+
 /// Settings of the numerics; the defaults are those of Quality::Laboratory.
 struct Numerics {
     double dt_max = 0.0;     ///< s; 0: from the crosshead's speed (R / 500 of travel), 4 ms without a crosshead
@@ -131,6 +154,7 @@ struct Scene {
     std::vector<HoldDef> holds;
     std::optional<Drop> drop;
     std::optional<Protocol> protocol;
+    std::vector<Observation> observe;
     std::vector<effects::Setting> effects; ///< gravity and misalignment are already applied to the scene
     Numerics numerics;
     Report report;

@@ -20,6 +20,8 @@ void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out);
 
 /// protocol; bodies and holds must have been read.
 void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::optional<Protocol>& out);
+/// observe[]; bodies, shells and protocol must have been read.
+void readObservations(Context& context, ObjectReader& top, Scene& scene);
 /// effects[]; call it after shells, holds, bodies and protocol.
 void readEffects(Context& context, ObjectReader& top, Scene& scene);
 void readNumerics(Context& context, ObjectReader& top, Numerics& out);

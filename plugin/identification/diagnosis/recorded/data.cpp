@@ -166,7 +166,7 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     const experiment::Channel& channel = experiment::channel(e);
     data.channel = channel.name;
     data.unit = channel.unit;
-    data.free = e.scene.has_value();
+    data.free = experiment::isFree(e);
     data.statedForceNoise = channel.perUnit * e.sensors.forceNoise;
     data.statedMarkerNoise = e.sensors.markerNoise;
     data.displacementNoise = e.sensors.displacementNoise;

@@ -33,8 +33,10 @@ experiment::Experiment pendulum() {
     std::vector<scene::Problem> problems;
     s.text = scene::readFile(std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json", problems).value();
     s.parameters = {{"length", {0.124, 0.003}, "m", ""}};
-    s.body = "rod";
-    s.zeroHalfWidth = 0.5 * kDegree;
+    s.observation.target = "rod";
+    s.observation.quantity = scene::Observation::Quantity::Angle;
+    s.channel = {"angle", "deg", "angle_deg", 1.0 / kDegree, 1.0};
+    s.zero.halfWidth = 0.5 * kDegree;
     e.scene = s;
     e.sensors.forceNoise = 0.1 * kDegree;
     for (const double angle : {-60.0, -110.0, -150.0}) {
@@ -128,7 +130,7 @@ TEST_CASE("a pendulum fit converges to one minimum from every start", "[diagnosi
     // there.
     experiment::Experiment e = pendulum();
     e.scene->parameters[0].stated.halfWidth = 0.006;
-    e.scene->zeroHalfWidth = kDegree;
+    e.scene->zero.halfWidth = kDegree;
     for (experiment::Run& run : e.runs)
         run.parameters[1].stated.halfWidth = 1.5;
     replay::Parameters truth = replay::nominal(e);

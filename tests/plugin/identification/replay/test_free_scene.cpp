@@ -105,7 +105,7 @@ TEST_CASE("effects that do not fit a scene are rejected", "[replay][free]") {
     const Folder folder;
     const std::string experiment = imported(folder), out = " --out " + folder.path + "/x";
     CHECK_THAT(start("replay " + experiment + " --effect plasticity:My_over_B_1_m=3" + out).text,
-               Contains("free scene of rigid bodies"));
+               Contains("in this scene of rigid bodies"));
     CHECK_THAT(start("replay " + baselinePath(106) + " --effect air_drag:linear_N_s_m2=1" + out).text,
                Contains("which this experiment is not"));
     json wrong = test::jsonOf(experiment);

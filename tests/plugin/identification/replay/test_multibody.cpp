@@ -114,7 +114,7 @@ TEST_CASE("dry friction dissipates torque times angle in every half oscillation,
     CHECK(l.pose(1).spin == 0.0);
     CHECK(std::abs(std::sin(l.pose(1).angle)) <= 0.02);
     CHECK(std::abs(l.pose(1).angle) > 1e-6); // not at the frictionless equilibrium
-    CHECK(l.energy() + l.bearingLoss() == Approx(-kWeight * std::cos(1.2)).margin(1e-7 * kWeight)); // 2 ms steps
+    CHECK(l.energy() + l.jointLoss() == Approx(-kWeight * std::cos(1.2)).margin(1e-7 * kWeight)); // 2 ms steps
 }
 
 TEST_CASE("dry friction keeps the initial spin", "[replay][free]") {
@@ -212,8 +212,8 @@ TEST_CASE("energy is balanced with all effects, and joints stay closed", "[repla
     double lost = 0.0;
     for (int i = 0; i < 4000 && l.time() < 4.0; ++i) {
         l.advance(1e-3);
-        CHECK(l.bearingLoss() + l.airLoss() >= lost); // losses never decrease
-        lost = l.bearingLoss() + l.airLoss();
+        CHECK(l.jointLoss() + l.airLoss() >= lost); // losses never decrease
+        lost = l.jointLoss() + l.airLoss();
         REQUIRE(l.jointGap() < 1e-12);
     }
     CHECK(lost > 0.2 * (start + 2.0 * kWeight)); // the losses are substantial

@@ -1,0 +1,65 @@
+// Units of recorded channels.
+
+#include "plugin/recording/experiment/free_scene.h"
+
+#include <algorithm>
+
+namespace supercircle::experiment {
+
+namespace {
+
+using Quantity = scene::Observation::Quantity;
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+constexpr double kStandardGravity = 9.80665; // m/s^2
+
+bool endsWith(const std::string& text, const std::string& end) {
+    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+} // namespace
+
+std::vector<Unit> unitsOf(Quantity quantity) {
+    switch (quantity) {
+    case Quantity::Angle:
+        return {{"rad", 1.0}, {"deg", kDegrees}};
+    case Quantity::Spin:
+        return {{"rad_s", 1.0}, {"deg_s", kDegrees}};
+    case Quantity::AngularAcceleration:
+        return {{"rad_s2", 1.0}, {"deg_s2", kDegrees}};
+    case Quantity::Vx:
+    case Quantity::Vy:
+        return {{"m_s", 1.0}, {"mm_s", 1e3}};
+    case Quantity::Ax:
+    case Quantity::Ay:
+        return {{"m_s2", 1.0}, {"mm_s2", 1e3}, {"g", 1.0 / kStandardGravity}};
+    case Quantity::Force:
+        return {{"N", 1.0}, {"kN", 1e-3}, {"mN", 1e3}};
+    default:
+        return {{"m", 1.0}, {"mm", 1e3}, {"um", 1e6}};
+    }
+}
+
+std::string setChannel(FreeScene& s) {
+    Channel& c = s.channel;
+    c.name = s.observe;
+    const std::vector<Unit> units = unitsOf(s.observation.quantity);
+    std::string all;
+    const Unit* found = nullptr;
+    for (const Unit& u : units) {
+        all += (all.empty() ? "" : ", ") + std::string(u.name);
+        if (c.unit.empty() ? endsWith(c.column, std::string("_") + u.name) : c.unit == u.name)
+            found = &u;
+    }
+    if (found == nullptr)
+        return (c.unit.empty() ? "the column \"" + c.column + "\" names no unit"
+                               : "\"" + c.unit + "\" is no unit of this channel") +
+               "; " + c.name + " is recorded in " + all;
+    c.unit = found->name;
+    c.perUnit = found->perUnit;
+    s.zero.value *= c.sign / c.perUnit;
+    s.zero.halfWidth /= c.perUnit;
+    return {};
+}
+
+} // namespace supercircle::experiment

@@ -2,16 +2,22 @@
 // Characteristic scales of effects on the bodies of a free scene.
 
 #include "plugin/recording/experiment/experiment.h"
+#include "plugin/recording/experiment/natural_units.h"
 
 namespace supercircle::replay {
 
 struct FreeScales {
-    double length = 0.1;  ///< m, farthest point of a moving body from its nearest joint
-    double torque = 1e-2; ///< N m, weight of all moving bodies times half of that length
-    double spin = 10.0;   ///< rad/s, sqrt(g / length)
+    double length = 0.1;   ///< m, farthest point of a moving body from its nearest joint
+    double torque = 1e-2;  ///< N m, weight of all moving bodies times half of that length
+    double spin = 10.0;    ///< rad/s, sqrt(g / length); without gravity the fastest released body's
+    double fastest = 10.0; ///< rad/s, the larger of both
 };
 
 /// Scales of the scene with its nominal parameters; the defaults where it cannot be simulated.
 FreeScales freeScales(const experiment::Experiment& experiment);
+
+/// Natural units of any experiment: those of its specimens, or of the bodies of its free scene, whose reference is a
+/// pendulum with the defaults above.
+experiment::NaturalUnits naturalUnits(const experiment::Experiment& experiment);
 
 } // namespace supercircle::replay

@@ -6,6 +6,7 @@
 #include "plugin/scene/loader/loader.h"
 #include "supercircle/effects/backlash.h"
 #include "supercircle/effects/sensor.h"
+#include "supercircle/support/elementary.h"
 #include "supercircle/support/trig.h"
 
 #include <algorithm>
@@ -199,10 +200,28 @@ FreeScales freeScales(const Experiment& e) {
     if (!scene || !multibody.failure().empty())
         return out;
     out.length = multibody.reach();
-    const double g = std::max(1e-3, scene->rigid.gravity.norm());
-    out.torque = 0.5 * multibody.mass() * g * out.length;
-    out.spin = std::sqrt(g / out.length);
+    double released = 0.0; // rad/s
+    for (const step::BodyDefinition& b : scene->rigid.bodies)
+        if (b.type == step::BodyType::Dynamic)
+            released = std::max({released, std::abs(b.angularVelocity), b.linearVelocity.norm() / out.length});
+    const double duration = e.runs.front().driveTime.back(),
+                 byGravity = std::sqrt(math::hypot(e.gravity.x, e.gravity.y) / out.length);
+    constexpr double kTurns = 10.0; // of a body at rest without gravity, in a run
+    out.spin = byGravity > 0.0 ? byGravity : released > 0.0 ? released : 2.0 * M_PI * kTurns / duration;
+    out.fastest = std::max(out.spin, released);
+    out.torque = 0.5 * multibody.mass() * out.spin * out.spin * out.length * out.length;
     return out;
+}
+
+experiment::NaturalUnits naturalUnits(const Experiment& e) {
+    if (!e.scene)
+        return experiment::unitsOfSpecimens(e);
+    const FreeScales own = freeScales(e), reference;
+    experiment::NaturalUnits u;
+    u.length = own.length / reference.length;
+    u.time = u.settling = reference.fastest / own.fastest;
+    u.force = own.torque / reference.torque / u.length;
+    return u;
 }
 
 Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters& p, const Resolution& resolution,
@@ -234,13 +253,15 @@ Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters&
     Recorder recorder(e, multibody);
     recorder.read();
     const double end = run.driveTime.back();
+    const experiment::NaturalUnits units = naturalUnits(e);
+    const double step = resolution.in(units).freeStep;
     const double ofShortest = kOfShortest * resolution.freeStep / Resolution{}.freeStep;
-    constexpr double kOpen = 1e-5; // m, joint gap per step that means too long steps
+    const double open = 1e-5 * units.length; // m, joint gap per step that means too long steps
     while (multibody.time() < end && out.failure.empty() && !out.stopped) {
         multibody.advance(
-            std::min({resolution.freeStep, ofShortest * multibody.shortestTime(), end + 1e-6 - multibody.time()}));
+            std::min({step, ofShortest * multibody.shortestTime(), end + 1e-6 * units.time - multibody.time()}));
         recorder.read();
-        if (!(multibody.jointGap() < kOpen) || !std::isfinite(multibody.energy()))
+        if (!(multibody.jointGap() < open) || !std::isfinite(multibody.energy()))
             out.failure = "the joints separated at t = " + std::to_string(multibody.time()) + " s";
         if (options.progress)
             options.progress(std::min(1.0, multibody.time() / end));

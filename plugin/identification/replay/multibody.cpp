@@ -53,7 +53,8 @@ Multibody::Multibody(const step::RigidWorldDefinition& world, const effects::Bod
         const Vec2 r = rotated(b.centre, b.angle);
         state_.segment<3>(3 * moving_ + at) << d.linearVelocity + crossSpin(d.angularVelocity, r), d.angularVelocity;
     }
-    if (jointGap() > 1e-3)
+    constexpr double kMeets = 0.01; // of the length of the largest body
+    if (jointGap() > kMeets * reach())
         failure_ =
             "the bodies do not meet in their joints: the largest gap is " + std::to_string(1e3 * jointGap()) + " mm";
     if (!failure_.empty())

@@ -75,7 +75,10 @@ std::vector<double> evenTimes(const Run& run, double rate) {
 ///
 /// While the drive brakes or rests, d is given and x follows by 1 / (1 + c K) of the difference, K the stiffness of the
 /// specimen. A full correction would oscillate for c K > 1 (decision 0152).
+///
+/// Lengths and times are those of the reference specimen, in units of the set-up (experiment::NaturalUnits).
 class Drive {
+    static constexpr double kApproach = 1.0; ///< s, duration of the motion to the start of a run
     static constexpr double kBraking = 5e-3; ///< s, duration of braking
     static constexpr double kSettle = 2e-4;  ///< s, see updateSeriesForce()
 
@@ -89,7 +92,7 @@ public:
         const effects::DriveMotion drive =
             effects::motionBehindBacklash({run_.driveTime, run_.driveDisplacement}, apparatus_.backlash);
         if (drive.displacement.front() != 0.0) // the crosshead moves from displacement 0 to the start of the run
-            rig_.move(drive.displacement.front(), 1.0, {});
+            rig_.move(drive.displacement.front(), kApproach * rig_.units().settling, {});
         trace_.forces.push_back({clock_, rig_.force()});
         addMarkers(clock_);
         lastDisplacement_ = seriesForceAt_ = rig_.displacement();
@@ -104,7 +107,8 @@ public:
             const double t0 = drive.time[i - 1], t1 = drive.time[i];
             const double from = drive.displacement[i - 1], to = drive.displacement[i];
             const bool rests = i + 1 < drive.time.size() && drive.displacement[i + 1] == to && to != from;
-            const double brake = rests ? std::min({kBraking, t1 - t0, drive.time[i + 1] - t1}) : 0.0;
+            const double brake =
+                rests ? std::min({kBraking * rig_.units().time, t1 - t0, drive.time[i + 1] - t1}) : 0.0;
             leg(t0 + delay, t1 - 0.5 * brake, from, to - 0.5 * brake * (to - from) / (t1 - t0));
             delay = 0.5 * brake;
             if (rests && rig_.failure().empty() && !stopped_)
@@ -127,7 +131,7 @@ private:
     /// mean is meaningless.
     [[nodiscard]] bool meanCounts() const { return rig_.meanForce().known && !followsDrive_; }
 
-    /// Force in the series compliance and the crosshead position there, smoothed over 2 um of travel and without impact
+    /// Force in the series compliance and the crosshead position there, smoothed over a short travel and without impact
     /// spikes of an inextensible strip, which a compliance would absorb.
     void updateSeriesForce() {
         constexpr double kSmooth = 2e-6; // m
@@ -138,8 +142,8 @@ private:
         const double force = known ? rig_.meanForce().force : rig_.force();
         if (std::abs(force) >= impact_)
             return;
-        const double settled = followsDrive_ ? (rig_.time() - time) / kSettle : 0.0;
-        const double share = -math::expm1(-std::abs(travel) / kSmooth - settled);
+        const double settled = followsDrive_ ? (rig_.time() - time) / (kSettle * rig_.units().time) : 0.0;
+        const double share = -math::expm1(-std::abs(travel) / (kSmooth * rig_.units().length) - settled);
         seriesForce_ += share * (force - seriesForce_);
         seriesForceAt_ += share * (rig_.displacement() - (known ? 0.5 * travel : 0.0) - seriesForceAt_);
     }
@@ -159,10 +163,11 @@ private:
         const double open = goal - position();
         const double force = seriesForce_, displacement = rig_.displacement();
         followsDrive_ = true;
-        rig_.move(std::abs(open) > kNear ? open / ratio() : 0.0, duration, observe);
+        const double length = rig_.units().length;
+        rig_.move(std::abs(open) > kNear * length ? open / ratio() : 0.0, duration, observe);
         followsDrive_ = false;
         const double moved = rig_.displacement() - displacement;
-        if (std::abs(moved) <= kFar)
+        if (std::abs(moved) <= kFar * length)
             return;
         if ((goal - position()) * open < 0.0)
             stiffness_ = std::max(stiffness_, (seriesForce_ - force) / moved);
@@ -173,14 +178,16 @@ private:
     /// The drive rests at `to`; relaxation moves the crosshead.
     void rest(double to, double duration, const std::function<bool()>& observe) {
         constexpr double kShortest = 2e-3, kLongest = 0.5, kNear = 5e-7; // s, s, m of the drive
+        const experiment::NaturalUnits& units = rig_.units();
+        const double shortest = kShortest * units.time, longest = kLongest * units.settling,
+                     near = kNear * units.length;
         double done = 0.0;
-        for (double piece = kShortest; done < duration && !stopped_ && rig_.failure().empty();) {
+        for (double piece = shortest; done < duration && !stopped_ && rig_.failure().empty();) {
             const bool last = duration - done < 1.5 * piece;
             const double next = last ? duration - done : piece;
             followTo(to, next, observe);
             done = last ? duration : done + next;
-            piece =
-                std::abs(to - position()) < kNear ? std::min(1.3 * piece, kLongest) : std::max(0.7 * piece, kShortest);
+            piece = std::abs(to - position()) < near ? std::min(1.3 * piece, longest) : std::max(0.7 * piece, shortest);
         }
     }
 
@@ -219,15 +226,16 @@ private:
         constexpr double kNear = 1e-7, kPart = 0.8, kOfLeg = 0.05, kFirst = 0.005, kSlowest = 20.0; // m, then 1
         constexpr double kAlike = 1.25;                                                             // ratios
         stiffness_ = std::max(stiffness_, stiffest_);
+        const double near = kNear * rig_.units().length;
         double part = kFirst;
         for (int i = 0; i < 400 && !arrived && !stopped_ && rig_.failure().empty(); ++i) {
             const double left = to - position();
-            if (left * speed <= kNear * std::abs(speed))
+            if (left * speed <= near * std::abs(speed))
                 break;
             const double travel = std::copysign(std::min(kPart * std::abs(left), part * length), left);
             const double force = seriesForce_, displacement = rig_.displacement(), expected = ratio();
             rig_.move(travel / std::min(kSlowest, expected), travel / speed, observe);
-            const double enough = std::min(kNear, 0.2 * std::abs(travel) / kSlowest);
+            const double enough = std::min(near, 0.2 * std::abs(travel) / kSlowest);
             if (const double moved = rig_.displacement() - displacement; std::abs(moved) > enough)
                 stiffness_ = std::max(0.0, (seriesForce_ - force) / moved);
             stiffest_ = std::max(stiffest_, stiffness_);
@@ -418,6 +426,15 @@ Resolution Resolution::fine() {
 
 Resolution Resolution::coarse() {
     return {15, 1e-6, 5e-5, 0.5, 5e-3};
+}
+
+Resolution Resolution::in(const experiment::NaturalUnits& units) const {
+    Resolution r = *this;
+    r.positionTolerance *= units.length;
+    r.travelMax *= units.length;
+    r.dtMax *= units.settling;
+    r.freeStep *= units.time;
+    return r;
 }
 
 Resolution Resolution::finer() {

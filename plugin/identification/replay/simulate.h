@@ -3,6 +3,7 @@
 
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/recording/experiment/experiment.h"
+#include "plugin/recording/experiment/natural_units.h"
 
 #include <atomic>
 #include <cstdint>
@@ -12,13 +13,16 @@
 
 namespace supercircle::replay {
 
-/// Resolution of a simulation.
+/// Resolution of a simulation. Lengths and times are those of the reference specimen; they scale with the set-up.
 struct Resolution {
     int elements = 31;               ///< arcs per specimen, at least (rod::elementsMeetingAt of the clamp)
     double positionTolerance = 4e-7; ///< m, local error of a position per step
     double travelMax = 2e-5;         ///< m, longest travel of the crosshead in one step
     double dtMax = 0.5;              ///< s, longest step
     double freeStep = 2e-3;          ///< s, step of a free scene
+
+    /// The same for a set-up, in SI units.
+    [[nodiscard]] Resolution in(const experiment::NaturalUnits& units) const;
 
     /// For residuals (cost and accuracy: simulate.cpp).
     static Resolution fine();

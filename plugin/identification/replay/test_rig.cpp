@@ -11,6 +11,7 @@
 
 #include "plugin/identification/replay/strung_bow.h"
 #include "supercircle/rod/equilibrium.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +29,11 @@ using experiment::Specimen;
 using rod::Vec2;
 
 constexpr double kThinnest = 1e-3; ///< share of the thickness used for zero
-constexpr double kRest = 2.0;      ///< s, settling time of a standing specimen
-constexpr double kParting = 1e-3;  ///< m/s, separation speed of initial overlaps
+
+// Of the reference specimen (experiment::NaturalUnits).
+constexpr double kRest = 2.0;       ///< s, settling time of a standing specimen
+constexpr double kFirstStep = 1e-3; ///< s
+constexpr double kParting = 1e-3;   ///< m/s, separation speed of initial overlaps
 
 Vec2 vec(const Point& p) {
     return {p.x, p.y};
@@ -63,7 +67,8 @@ double lowest(const rod::RodModel& model, const Eigen::VectorXd& q) {
 } // namespace
 
 TestRig::TestRig(const Experiment& e, const Parameters& p, const Resolution& resolution, bool specimenReversed)
-    : resolution_(resolution), stepper_(step::Settings{}), turned_(specimenReversed) {
+    : units_(experiment::unitsOfSpecimens(e)), resolution_(resolution.in(units_)), stepper_(step::Settings{}),
+      turned_(specimenReversed) {
     if (p.specimens.size() != e.specimens.size()) {
         failure_ = "the parameters are for another number of specimens";
         return;
@@ -99,6 +104,17 @@ TestRig::TestRig(const Experiment& e, const Parameters& p, const Resolution& res
     settle();
 }
 
+/// Ratio of impulses to those of the reference: the smaller of bending forces and weights, times the period.
+double TestRig::impulseOf(const Parameters& p) const {
+    constexpr double kWeight = 1270.0 * 0.010 * 0.0005 * 0.0192 * 9.81; // N, of a radius of the reference specimen
+    double force = units_.force;
+    const double gravity = math::hypot(p.gravity.x, p.gravity.y);
+    for (const SpecimenParameters& s : p.specimens)
+        if (gravity > 0.0)
+            force = std::min(force, s.linearMass * 0.0192 * units_.length * gravity / kWeight);
+    return force * units_.settling;
+}
+
 /// Core tolerances scale with the thinnest rod; here they must scale with the actual specimen.
 void TestRig::chooseSettings(const Parameters& p) {
     double h = std::numeric_limits<double>::infinity();
@@ -107,7 +123,10 @@ void TestRig::chooseSettings(const Parameters& p) {
     step::Settings& s = stepper_.settings();
     s.length = h;
     s.localError = resolution_.positionTolerance / h;
-    s.recovery = kParting / h;
+    s.recovery = kParting * (units_.length / units_.time) / h;
+    s.dtMin *= units_.time;
+    // The world's own scale of impulses takes periods as proportional to lengths.
+    s.contact.absoluteImpulse *= impulseOf(p) / step::impulseScale(world_);
     s.secondOrder = false; // quasi-static: what vibrates is damped
 }
 
@@ -241,8 +260,8 @@ void TestRig::addSpecimen(const Specimen& s, const SpecimenParameters& own, cons
 
 /// Lets standing specimens settle (backward Euler with long steps); clamped ones are in equilibrium.
 void TestRig::settle() {
-    world_.dtNext = 1e-3;
-    if (!move(0.0, kRest, {}))
+    world_.dtNext = kFirstStep * units_.settling;
+    if (!move(0.0, kRest * units_.settling, {}))
         return;
     step::restEffects(world_);
     start_ = world_.time;

@@ -3,6 +3,7 @@
 // or carried by the crosshead, so no host engine is needed.
 
 #include "plugin/identification/replay/simulate.h"
+#include "plugin/recording/experiment/natural_units.h"
 #include "supercircle/step/stepper.h"
 
 #include <optional>
@@ -44,6 +45,7 @@ public:
     [[nodiscard]] rod::Vec2 point(std::size_t specimen, double arcFraction) const;
     /// Largest present change of curvature from the natural one, 1/m.
     [[nodiscard]] double bend() const;
+    [[nodiscard]] const experiment::NaturalUnits& units() const { return units_; }
     [[nodiscard]] const step::Counters& counters() const { return world_.counters; }
 
 private:
@@ -69,11 +71,13 @@ private:
     /// The strings of a bow; `half` is the length of each.
     void addStrings(const experiment::Experiment& e, double half);
     void chooseSettings(const Parameters& p);
+    [[nodiscard]] double impulseOf(const Parameters& p) const;
     void settle();
     [[nodiscard]] double frictionCorrection(double lost, double stored, double work) const;
     void readMeanForce();
 
-    Resolution resolution_;
+    experiment::NaturalUnits units_;
+    Resolution resolution_; ///< in SI units
     step::World world_;
     step::Stepper stepper_;
     std::string failure_;

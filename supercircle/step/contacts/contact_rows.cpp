@@ -187,7 +187,7 @@ void addGive(const World& world, double dt, const std::vector<ContactImpulse>& w
     }
     if (!any)
         return;
-    constexpr double kRigid = 1e-12; // m/N, along the direction that does not give
+    constexpr double kRigid = 1e-7; // of the give, along the direction that does not give
     std::vector<Eigen::Index> size;
     for (const coulomb::Body& b : stage.problem.bodies)
         size.push_back(b.vFree.size());
@@ -203,7 +203,7 @@ void addGive(const World& world, double dt, const std::vector<ContactImpulse>& w
             const Eigen::Index at = n + 2 * static_cast<Eigen::Index>(j);
             SC_ASSERT(at + 2 <= body.A.rows(), "two unknowns a compliant contact");
             for (int axis = 0; axis < 2; ++axis)
-                body.A(at + axis, at + axis) = dt * dt / std::max(k.give[axis], kRigid);
+                body.A(at + axis, at + axis) = dt * dt / std::max(k.give[axis], kRigid * k.give.maxCoeff());
         }
     }
     const auto widen = [&](std::int32_t body, Eigen::Matrix<double, 2, Eigen::Dynamic>& rows) {

@@ -5,6 +5,7 @@
 #include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
 #include "plugin/identification/diagnosis/simulation_cache.h"
 #include "plugin/identification/replay/compare.h"
+#include "plugin/identification/replay/free_scales.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/table/text.h"
@@ -95,8 +96,9 @@ replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t ru
             way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
         time = e.runs[run].driveTime[i] - e.runs[run].driveTime.front();
     }
-    const double longest = e.scene ? resolution.freeStep : resolution.dtMax;
-    const double most = 15000.0 + 20.0 * (way / resolution.travelMax + time / longest);
+    const replay::Resolution actual = resolution.in(replay::naturalUnits(e));
+    const double longest = e.scene ? actual.freeStep : actual.dtMax;
+    const double most = 15000.0 + 20.0 * (way / actual.travelMax + time / longest);
     std::atomic<bool> enough{false};
     int steps = 0;
     double share = 0.0; // of the drive

@@ -24,7 +24,9 @@ const std::vector<Effect>& catalog() {
                                              sensorGain(),
                                              sensorDelay(),
                                              bearingFriction(),
-                                             airDrag()};
+                                             airDrag(),
+                                             guideFriction(),
+                                             nonlinearSpring()};
     return kAll;
 }
 

@@ -84,6 +84,8 @@ Model modelFor(const std::vector<Setting>& settings, std::string_view shell);
 /// Whether the effect acts on shells and their contacts, inside the step. Gravity is the host's; apparatus, sensor and
 /// rigid bodies belong to whoever drives and measures.
 bool actsOnShells(const Effect& effect);
+/// Whether the effect acts on the joints and bodies of mechanisms, which the replay simulates.
+bool actsOnMechanisms(const Effect& effect);
 /// The settings of the shell called `shell` that act on it, given to "all": modelFor(...) of them is its model.
 std::vector<Setting> settingsFor(const std::vector<Setting>& settings, std::string_view shell);
 /// Names of the shells in the settings, for checks.

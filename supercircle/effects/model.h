@@ -38,6 +38,8 @@ enum class Key : std::uint8_t {
     SensorDelay,
     BearingFriction,
     AirDrag,
+    GuideFriction,
+    NonlinearSpring,
     Count
 };
 inline constexpr std::size_t kKeys = static_cast<std::size_t>(Key::Count);
@@ -197,17 +199,23 @@ struct SensorModel {
     }
 };
 
-/// Bearings of rigid bodies and the air around them (entries/air_drag.cpp, entries/bearing_friction.cpp).
+/// Joints of rigid bodies and the air around them (entries/air_drag.cpp, entries/bearing_friction.cpp, ...).
 struct BodiesModel {
-    double bearingTorque = 0.0;    ///< dry, N m
-    double bearingArm = 0.0;       ///< dry torque over reaction, m
-    double bearingViscosity = 0.0; ///< torque over spin, N m s
-    double airLinear = 0.0;        ///< force per length over speed, N s/m^2
-    double airQuadratic = 0.0;     ///< force per length over speed squared, N s^2/m^3
+    double bearingTorque = 0.0;      ///< dry, N m
+    double bearingArm = 0.0;         ///< dry torque over reaction, m
+    double bearingViscosity = 0.0;   ///< torque over spin, N m s
+    double airLinear = 0.0;          ///< force per length over speed, N s/m^2
+    double airQuadratic = 0.0;       ///< force per length over speed squared, N s^2/m^3
+    double guideForce = 0.0;         ///< dry, N
+    double guideViscosity = 0.0;     ///< force over speed, N s/m
+    double guideQuadratic = 0.0;     ///< force over speed squared, N s^2/m^2
+    double springCubic = 0.0;        ///< added to that of springs, 1/m^2
+    double turningSpringCubic = 0.0; ///< the same of turning springs, 1/rad^2
 
     [[nodiscard]] bool on() const {
         return bearingTorque > 0.0 || bearingArm > 0.0 || bearingViscosity > 0.0 || airLinear > 0.0 ||
-               airQuadratic > 0.0;
+               airQuadratic > 0.0 || guideForce > 0.0 || guideViscosity > 0.0 || guideQuadratic > 0.0 ||
+               springCubic != 0.0 || turningSpringCubic != 0.0;
     }
 };
 

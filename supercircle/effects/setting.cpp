@@ -172,9 +172,14 @@ Model modelFor(const std::vector<Setting>& settings, std::string_view shell) {
     return model;
 }
 
+bool actsOnMechanisms(const Effect& effect) {
+    return effect.key == Key::BearingFriction || effect.key == Key::AirDrag || effect.key == Key::GuideFriction ||
+           effect.key == Key::NonlinearSpring;
+}
+
 bool actsOnShells(const Effect& effect) {
     return effect.slot != Slot::Apparatus && effect.slot != Slot::Sensor && effect.key != Key::Gravity &&
-           effect.key != Key::BearingFriction && effect.key != Key::AirDrag;
+           !actsOnMechanisms(effect);
 }
 
 std::vector<Setting> settingsFor(const std::vector<Setting>& settings, std::string_view shell) {

@@ -25,6 +25,9 @@ using step::Vec2;
 /// Longest step of the shortest time constant of springs, fine: the amplitude falls by 3e-8 a period. Half of it costs
 /// twice the steps, twice as much 1e-6 a period.
 constexpr double kOfShortest = 0.05;
+/// The same behind a machine, where the shortest time is that of a load cell that follows: its phase errs by 1e-5 of a
+/// turn. Half of it doubles the cost of a stiff load cell.
+constexpr double kOfShortestDriven = 0.2;
 
 /// A channel over time with its rate. Cubic interpolation is accurate to the fourth power of the step.
 struct Track {
@@ -194,22 +197,40 @@ void readOut(const Experiment& e, const Run& run, const Parameters& p, const eff
 
 FreeScales freeScales(const Experiment& e) {
     FreeScales out;
+    out.turns = false;
     std::string why;
     const auto scene = e.scene && !e.runs.empty() ? sceneOf(e, 0, nominal(e), why) : std::nullopt;
     const Multibody multibody(scene ? scene->rigid : step::RigidWorldDefinition{}, {});
     if (!scene || !multibody.failure().empty())
         return out;
-    out.length = multibody.reach();
+    const Multibody::Elongations moved = multibody.elongations();
+    out.shaped = multibody.reach() > 0.0;
+    out.twist = moved.angle;
+    out.way = moved.length;
+    for (const experiment::Run& run : e.runs)
+        for (const double d : run.driveDisplacement)
+            out.way = std::max(out.way, std::abs(d));
+    out.length = out.shaped ? multibody.reach() : out.way > 0.0 ? out.way : out.length;
+    for (const step::JointDefinition& j : scene->rigid.joints) {
+        const bool turning = j.kind == step::JointKind::Revolute;
+        out.turns = out.turns || turning;
+        out.slides = out.slides || (j.kind == step::JointKind::Prismatic && j.friction.sticking <= 0.0);
+        (turning ? out.turningSprings : out.springs) =
+            (turning ? out.turningSprings : out.springs) || j.spring.stiffness != 0.0;
+    }
     double released = 0.0; // rad/s
     for (const step::BodyDefinition& b : scene->rigid.bodies)
         if (b.type == step::BodyType::Dynamic)
             released = std::max({released, std::abs(b.angularVelocity), b.linearVelocity.norm() / out.length});
     const double duration = e.runs.front().driveTime.back(),
-                 byGravity = std::sqrt(math::hypot(e.gravity.x, e.gravity.y) / out.length);
+                 byGravity = std::max(std::sqrt(math::hypot(e.gravity.x, e.gravity.y) / out.length),
+                                      e.scene->driven ? 0.0 : multibody.stiffness());
     constexpr double kTurns = 10.0; // of a body at rest without gravity, in a run
     out.spin = byGravity > 0.0 ? byGravity : released > 0.0 ? released : 2.0 * M_PI * kTurns / duration;
     out.fastest = std::max(out.spin, released);
-    out.torque = 0.5 * multibody.mass() * out.spin * out.spin * out.length * out.length;
+    out.torque = std::max(0.5 * multibody.mass() * out.spin * out.spin * out.length * out.length,
+                          std::max(moved.torque, moved.force * out.length));
+    out.force = out.torque / out.length;
     return out;
 }
 
@@ -255,7 +276,8 @@ Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters&
     const double end = run.driveTime.back();
     const experiment::NaturalUnits units = naturalUnits(e);
     const double step = resolution.in(units).freeStep;
-    const double ofShortest = kOfShortest * resolution.freeStep / Resolution{}.freeStep;
+    const double ofShortest =
+        (e.scene->driven ? kOfShortestDriven : kOfShortest) * resolution.freeStep / Resolution{}.freeStep;
     const double open = 1e-5 * units.length; // m, joint gap per step that means too long steps
     while (multibody.time() < end && out.failure.empty() && !out.stopped) {
         multibody.advance(

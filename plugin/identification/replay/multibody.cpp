@@ -53,8 +53,8 @@ Multibody::Multibody(const step::RigidWorldDefinition& world, const effects::Bod
         const Vec2 r = rotated(b.centre, b.angle);
         state_.segment<3>(3 * moving_ + at) << d.linearVelocity + crossSpin(d.angularVelocity, r), d.angularVelocity;
     }
-    constexpr double kMeets = 0.01; // of the length of the largest body
-    if (jointGap() > kMeets * reach())
+    constexpr double kMeets = 0.01, kPoint = 0.1; // of the length of the largest body, m for bodies without shape
+    if (jointGap() > kMeets * (reach() > 0.0 ? reach() : kPoint))
         failure_ =
             "the bodies do not meet in their joints: the largest gap is " + std::to_string(1e3 * jointGap()) + " mm";
     if (!failure_.empty())
@@ -106,10 +106,9 @@ Multibody::Rates Multibody::rates(const VectorXd& y) const {
     for (const Joint& j : joints_) {
         ways.push_back(j.free() || j.springs ? coordinate(j, y) : Coordinate{});
         const Coordinate& c = ways.back();
-        const double viscosity =
-            j.spring.viscosity + (j.kind == step::JointKind::Revolute ? extra_.bearingViscosity : 0.0);
+        const double viscosity = viscosityOf(j, c.rate);
         const double x = c.value - j.spring.rest;
-        const double elastic = j.spring.stiffness * x * (1.0 + j.spring.cubic * x * x);
+        const double elastic = j.spring.stiffness * x * (1.0 + cubicOf(j) * x * x);
         if (viscosity != 0.0 || elastic != 0.0)
             apply(j, c.row, -elastic - viscosity * c.rate, force, out.onDriven);
         intoJoints += viscosity * c.rate * c.rate;
@@ -338,21 +337,48 @@ double Multibody::travel() const {
     return (motionOf(b, state_).position - b.position).dot(direction_);
 }
 
+/// Rate of a coordinate over an impulse along it, without other joints: not less than with them, 1/kg or 1/(kg m^2).
+double Multibody::mobility(const Coordinate& c, const Joint& j) const {
+    double sum = 0.0;
+    for (const auto& [body, row] : {std::pair{j.a, &c.row.a}, std::pair{j.b, &c.row.b}})
+        if (const int m = bodies_[static_cast<std::size_t>(body)].moving; m >= 0)
+            sum += row->cwiseAbs2().dot(inverseMass_.segment<3>(3 * m));
+    return sum;
+}
+
 double Multibody::shortestTime() const {
     double most = 0.0; // 1/s
     for (const Joint& j : joints_) {
         if (!j.spring.on())
             continue;
         const Coordinate c = coordinate(j, state_);
-        double mobility = 0.0; // 1/kg, not less than that with the other joints
-        for (const auto& [body, row] : {std::pair{j.a, &c.row.a}, std::pair{j.b, &c.row.b}})
-            if (const int m = bodies_[static_cast<std::size_t>(body)].moving; m >= 0)
-                mobility += row->cwiseAbs2().dot(inverseMass_.segment<3>(3 * m));
-        const double x = c.value - j.spring.rest;
-        const double stiffness = j.spring.stiffness * (1.0 + 3.0 * j.spring.cubic * x * x);
-        most = std::max({most, std::sqrt(std::abs(stiffness) * mobility), j.spring.viscosity * mobility});
+        const double x = c.value - j.spring.rest, stiffness = j.spring.stiffness * (1.0 + 3.0 * cubicOf(j) * x * x);
+        most =
+            std::max({most, std::sqrt(std::abs(stiffness) * mobility(c, j)), viscosityOf(j, c.rate) * mobility(c, j)});
     }
     return most > 0.0 ? 1.0 / most : std::numeric_limits<double>::infinity();
+}
+
+double Multibody::stiffness() const {
+    double most = 0.0;
+    for (const Joint& j : joints_)
+        if (j.spring.stiffness > 0.0)
+            most = std::max(most, std::sqrt(j.spring.stiffness * mobility(coordinate(j, state_), j)));
+    return most;
+}
+
+Multibody::Elongations Multibody::elongations() const {
+    Elongations out;
+    for (const Joint& j : joints_) {
+        if (!j.spring.on())
+            continue;
+        const double x = std::abs(coordinate(j, state_).value - j.spring.rest);
+        const double pull = std::abs(j.spring.stiffness * x * (1.0 + cubicOf(j) * x * x));
+        const bool turning = j.kind == step::JointKind::Revolute;
+        (turning ? out.angle : out.length) = std::max(turning ? out.angle : out.length, x);
+        (turning ? out.torque : out.force) = std::max(turning ? out.torque : out.force, pull);
+    }
+    return out;
 }
 
 double Multibody::energy() const {
@@ -366,7 +392,7 @@ double Multibody::energy() const {
     for (const Joint& j : joints_)
         if (j.spring.on()) {
             const double x = coordinate(j, state_).value - j.spring.rest;
-            sum += 0.5 * j.spring.stiffness * x * x * (1.0 + 0.5 * j.spring.cubic * x * x);
+            sum += 0.5 * j.spring.stiffness * x * x * (1.0 + 0.5 * cubicOf(j) * x * x);
         }
     return sum;
 }
@@ -391,7 +417,7 @@ double Multibody::reach() const {
             most = std::max(most, nearest);
         }
     }
-    return most > 0.0 ? most : 0.1;
+    return most;
 }
 
 double Multibody::jointGap() const {

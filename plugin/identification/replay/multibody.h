@@ -61,7 +61,16 @@ public:
     [[nodiscard]] double airLoss() const { return state_[lossIndex() + 1]; }
     [[nodiscard]] double jointGap() const; ///< m, largest
     [[nodiscard]] double mass() const;     ///< kg, of all moving bodies
-    [[nodiscard]] double reach() const;    ///< m, farthest corner of a moving body from its nearest joint
+    /// Farthest corner of a moving body from its nearest joint, m; 0: none has a shape.
+    [[nodiscard]] double reach() const;
+    /// How far springs are from rest now, and their largest force (N) and torque (N m).
+    struct Elongations {
+        double length = 0.0, angle = 0.0; ///< m, rad
+        double force = 0.0, torque = 0.0;
+    };
+    [[nodiscard]] Elongations elongations() const;
+    /// Fastest rate of the springs alone, rad/s.
+    [[nodiscard]] double stiffness() const;
     [[nodiscard]] std::uint64_t steps() const { return steps_; }
 
 private:
@@ -92,6 +101,8 @@ private:
         bool springs = false;                 ///< a distance joint that is a spring
         int turning = 0;                      ///< sign of the relative motion that dry friction opposes; 0: sticking
         effects::Site site;
+        /// Whether its friction is stated: a contact, not a guide.
+        [[nodiscard]] bool own() const { return sticking > 0.0; }
         [[nodiscard]] bool free() const {
             return kind == step::JointKind::Revolute || kind == step::JointKind::Prismatic;
         }
@@ -144,6 +155,9 @@ private:
     [[nodiscard]] Eigen::VectorXd gapsOf(const Joint& j, const Eigen::VectorXd& y) const;
     void write(const Joint& j, const Row& row, Eigen::Index at, const Eigen::VectorXd& y, Rows& rows) const;
     [[nodiscard]] Rows rowsAt(const Eigen::VectorXd& y, bool withResting) const;
+    [[nodiscard]] double mobility(const Coordinate& c, const Joint& j) const;
+    [[nodiscard]] double cubicOf(const Joint& j) const;
+    [[nodiscard]] double viscosityOf(const Joint& j, double rate) const;
     void apply(const Joint& j, const Row& row, double force, Eigen::VectorXd& on, Eigen::Vector3d& driven) const;
     [[nodiscard]] double dryFriction(const Joint& j, double reaction, double rate, double since) const;
     [[nodiscard]] Rates rates(const Eigen::VectorXd& y) const;

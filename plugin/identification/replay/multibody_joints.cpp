@@ -4,6 +4,7 @@
 #include "plugin/identification/replay/plane.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace supercircle::replay {
@@ -43,7 +44,8 @@ void Multibody::addJoint(const step::JointDefinition& d) {
 
 bool Multibody::hasDryFriction(const Joint& j) const {
     const bool bearing = j.kind == JointKind::Revolute && (extra_.bearingTorque > 0.0 || extra_.bearingArm > 0.0);
-    return j.free() && (bearing || j.sliding > 0.0 || j.sticking > 0.0);
+    const bool guide = j.kind == JointKind::Prismatic && extra_.guideForce > 0.0 && !j.own();
+    return j.free() && (bearing || guide || j.sliding > 0.0 || j.sticking > 0.0);
 }
 
 bool Multibody::anyDryFriction() const {
@@ -187,6 +189,20 @@ Multibody::Rows Multibody::rowsAt(const VectorXd& y, bool withResting) const {
     return rows;
 }
 
+/// Cubic part of a spring over the linear one, 1/m^2 or 1/rad^2.
+double Multibody::cubicOf(const Joint& j) const {
+    return j.spring.cubic + (j.kind == JointKind::Revolute ? extra_.turningSpringCubic : extra_.springCubic);
+}
+
+/// Force of a damper over the rate of its coordinate.
+double Multibody::viscosityOf(const Joint& j, double rate) const {
+    if (j.kind == JointKind::Revolute)
+        return j.spring.viscosity + extra_.bearingViscosity;
+    if (j.kind != JointKind::Prismatic || j.own())
+        return j.spring.viscosity;
+    return j.spring.viscosity + extra_.guideViscosity + extra_.guideQuadratic * std::abs(rate);
+}
+
 /// A force along a row, on B and against A.
 void Multibody::apply(const Joint& j, const Row& row, double force, VectorXd& on, Eigen::Vector3d& driven) const {
     for (const auto& [body, part] : {std::pair{j.a, &row.a}, std::pair{j.b, &row.b}}) {
@@ -199,7 +215,9 @@ void Multibody::apply(const Joint& j, const Row& row, double force, VectorXd& on
 
 /// Dry friction of a joint, `since` s after the start of a step: of sliding at `rate`, or the largest at rest.
 double Multibody::dryFriction(const Joint& j, double reaction, double rate, double since) const {
-    const double bearing = j.kind == JointKind::Revolute ? extra_.bearingTorque + extra_.bearingArm * reaction : 0.0;
+    const double bearing = j.kind == JointKind::Revolute ? extra_.bearingTorque + extra_.bearingArm * reaction
+                           : j.own()                     ? 0.0
+                                                         : extra_.guideForce;
     const double own = j.turning == 0 ? j.sticking : j.sliding;
     if (own <= 0.0)
         return bearing;

@@ -193,6 +193,8 @@ bool acts(const Experiment& experiment, effects::Key key) {
     case effects::Key::BearingFriction:
         return experiment.scene && experiment.scene->turns;
     case effects::Key::AirDrag:
+    case effects::Key::GuideFriction:
+    case effects::Key::NonlinearSpring:
         return experiment.scene.has_value();
     case effects::Key::StaticFrictionExcess:
     case effects::Key::RateDependentFriction:

@@ -20,7 +20,7 @@ bool readEffect(Context& context, const ArrayItem& place, const Scene& scene, ef
     if (index >= names.size())
         return false;
     const effects::Effect& effect = effects::catalog()[index];
-    if (effect.key == effects::Key::BearingFriction || effect.key == effects::Key::AirDrag) {
+    if (effects::actsOnMechanisms(effect)) {
         context.error(*reader.find("key"), reader.pointerTo("key"),
                       effect.name + " acts on the rigid bodies of a free scene (replay, sensitivity, diagnose)",
                       "an effect on shells, contacts, apparatus or sensor");

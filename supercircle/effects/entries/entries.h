@@ -57,5 +57,7 @@ Effect sensorGain();
 Effect sensorDelay();
 Effect bearingFriction();
 Effect airDrag();
+Effect guideFriction();
+Effect nonlinearSpring();
 
 } // namespace supercircle::effects

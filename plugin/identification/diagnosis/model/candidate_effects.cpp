@@ -205,16 +205,19 @@ void localEffects(CandidateBuilder& w, const ExperimentScales& s, const std::vec
     }
 }
 
-void contacts(CandidateBuilder& w, const ExperimentScales& s) {
+/// @param compliant contacts may give before they slide
+void frictionLaws(CandidateBuilder& w, const ExperimentScales& s, bool compliant) {
     w.variant("static_friction_excess").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
     w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration);
     for (const double dc : {2e-5, 1e-4, 5e-4})
         w.probe({1.4, dc, 3.0});
     w.probe({1.4, 1e-4, 0.5});
-    w.variant("static_friction_excess", "elastic before sliding").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
-    w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration).extent("presliding_m", 5e-7, 5e-5);
-    for (const double dc : {1e-4, 5e-4})
-        w.probe({1.4, dc, 3.0, 3e-6});
+    if (compliant) {
+        w.variant("static_friction_excess", "elastic before sliding").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
+        w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration).extent("presliding_m", 5e-7, 5e-5);
+        for (const double dc : {1e-4, 5e-4})
+            w.probe({1.4, dc, 3.0, 3e-6});
+    }
     const char* laws[] = {"Stribeck", "logarithmic", "viscous"};
     for (int law = 0; law < 3; ++law) {
         w.variant("rate_dependent_friction", laws[law]).with("law", law);
@@ -224,6 +227,10 @@ void contacts(CandidateBuilder& w, const ExperimentScales& s) {
     }
     w.variant("wear").amplitude("change", -0.9, 3.0, 0.1).extent("distance_m", 0.05 * s.travel, 50.0 * s.travel);
     w.probe({0.3, s.travel}).probe({-0.3, s.travel}).probe({0.3, 5.0 * s.travel});
+}
+
+void contacts(CandidateBuilder& w, const ExperimentScales& s) {
+    frictionLaws(w, s, true);
     const double attraction =
         s.modulus / (s.radius * s.radius * s.radius); // N/m, load that bends a shell by its radius
     constexpr double hump = 9.0 / 16.0; // integral of 27/4 x (1 - x)^2: work of separation per length of rod
@@ -247,18 +254,13 @@ void contacts(CandidateBuilder& w, const ExperimentScales& s) {
     w.probe({0.0, -5.0}).probe({1.0, 0.0}).probe({0.0, 5.0});
 }
 
-void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
-    const double stiff = s.force / (0.02 * s.travel);
-    w.variant("machine_compliance").amplitude("k_N_m", 0.02 * stiff, 1e12, 3.0 * stiff, Scale::Reciprocal);
-    w.probe({5.0 * stiff}).probe({stiff}).probe({0.1 * stiff}); // the last one yields by a fifth of the travel
+void backlashOfReversals(CandidateBuilder& w, const ExperimentScales& s) {
     w.variant("backlash", "taken up at reversals").with("law", 0);
     w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).probe({1e-2 * s.travel}).probe({3e-2 * s.travel});
-    w.variant("backlash", "taken up by the force").with("law", 1);
-    w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).extent("force_N", 1e-4 * s.force, s.force);
-    w.probe({1e-2 * s.travel, 0.02 * s.force}).probe({3e-2 * s.travel, 0.1 * s.force});
-    w.variant("misalignment", "offset").amplitude("offset_m", -0.3 * s.radius, 0.3 * s.radius, 0.01 * s.radius);
-    w.probe({0.05 * s.radius}).probe({-0.05 * s.radius}).probe({0.015 * s.radius});
-    w.variant("misalignment", "tilt").amplitude("tilt_rad", -0.3, 0.3, 0.01).probe({0.03}).probe({-0.03}).probe({0.1});
+}
+
+/// Of a load cell.
+void sensors(CandidateBuilder& w, const ExperimentScales& s) {
     w.variant("sensor_drift", "towards an end").amplitude("a_N", -s.force, s.force, 0.02 * s.force);
     w.extent("tau_s", 0.5, 5.0 * s.duration);
     w.probe({0.05 * s.force, 0.2 * s.duration}).probe({0.05 * s.force, s.duration}).probe({0.05 * s.force, 2.0});
@@ -269,27 +271,88 @@ void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
     w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.05}).probe({0.2});
 }
 
-/// Candidates for the bodies of a free scene. Relevant amplitudes are a hundredth of the torque of the weight.
-void bodies(CandidateBuilder& w, const replay::FreeScales& s) {
-    const double torque = 0.01 * s.torque, viscous = torque / s.spin;
-    const double linear = 3.0 * viscous / math::pow(s.length, 3), // of a rod hinged at its end
-        square = 4.0 * viscous / (s.spin * math::pow(s.length, 4));
+void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
+    const double stiff = s.force / (0.02 * s.travel);
+    w.variant("machine_compliance").amplitude("k_N_m", 0.02 * stiff, 1e12, 3.0 * stiff, Scale::Reciprocal);
+    w.probe({5.0 * stiff}).probe({stiff}).probe({0.1 * stiff}); // the last one yields by a fifth of the travel
+    backlashOfReversals(w, s);
+    w.variant("backlash", "taken up by the force").with("law", 1);
+    w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).extent("force_N", 1e-4 * s.force, s.force);
+    w.probe({1e-2 * s.travel, 0.02 * s.force}).probe({3e-2 * s.travel, 0.1 * s.force});
+    w.variant("misalignment", "offset").amplitude("offset_m", -0.3 * s.radius, 0.3 * s.radius, 0.01 * s.radius);
+    w.probe({0.05 * s.radius}).probe({-0.05 * s.radius}).probe({0.015 * s.radius});
+    w.variant("misalignment", "tilt").amplitude("tilt_rad", -0.3, 0.3, 0.01).probe({0.03}).probe({-0.03}).probe({0.1});
+    sensors(w, s);
+}
+
+double square(double v) {
+    return v * v;
+}
+
+void bearings(CandidateBuilder& w, double torque, double viscous, double length) {
     w.variant("bearing_friction", "dry").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
     w.probe({torque}).probe({0.2 * torque});
-    w.variant("bearing_friction", "dry, with the load").amplitude("arm_m", 0.0, 0.2 * s.length, 5e-3 * s.length);
-    w.probe({5e-3 * s.length}).probe({1e-3 * s.length});
+    w.variant("bearing_friction", "dry, with the load").amplitude("arm_m", 0.0, 0.2 * length, 5e-3 * length);
+    w.probe({5e-3 * length}).probe({1e-3 * length});
     w.variant("bearing_friction", "viscous").amplitude("viscous_N_m_s", 0.0, 100.0 * viscous, viscous);
     w.probe({viscous}).probe({0.2 * viscous});
     w.variant("bearing_friction", "dry and viscous").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
     w.amplitude("viscous_N_m_s", 0.0, 100.0 * viscous, viscous).probe({0.5 * torque, 0.5 * viscous});
+}
+
+/// @param force N, viscous N s/m, speed m/s
+void guides(CandidateBuilder& w, double force, double viscous, double speed) {
+    const double quadratic = viscous / speed;
+    w.variant("guide_friction", "dry")
+        .amplitude("force_N", 0.0, 50.0 * force, force)
+        .probe({force})
+        .probe({0.2 * force});
+    w.variant("guide_friction", "viscous").amplitude("viscous_N_s_m", 0.0, 100.0 * viscous, viscous);
+    w.probe({viscous}).probe({0.2 * viscous});
+    w.variant("guide_friction", "quadratic").amplitude("quadratic_N_s2_m2", 0.0, 100.0 * quadratic, quadratic);
+    w.probe({quadratic}).probe({0.2 * quadratic});
+    w.variant("guide_friction", "dry and viscous").amplitude("force_N", 0.0, 50.0 * force, force);
+    w.amplitude("viscous_N_s_m", 0.0, 100.0 * viscous, viscous).probe({0.5 * force, 0.5 * viscous});
+}
+
+void air(CandidateBuilder& w, const replay::FreeScales& s, double viscous) {
+    const double linear = 3.0 * viscous / math::pow(s.length, 3), // of a rod hinged at its end
+        square = 4.0 * viscous / (s.spin * math::pow(s.length, 4));
     w.variant("air_drag", "linear").amplitude("linear_N_s_m2", 0.0, 100.0 * linear, linear);
     w.probe({linear}).probe({0.2 * linear});
     w.variant("air_drag", "quadratic").amplitude("quadratic_N_s2_m3", 0.0, 100.0 * square, square);
     w.probe({square}).probe({0.2 * square});
     w.variant("air_drag", "linear and quadratic").amplitude("linear_N_s_m2", 0.0, 100.0 * linear, linear);
     w.amplitude("quadratic_N_s2_m3", 0.0, 100.0 * square, square).probe({0.5 * linear, 0.5 * square});
+}
+
+/// Candidates for the bodies of a free scene. Relevant amplitudes are a hundredth of the torque of the weight.
+void bodies(CandidateBuilder& w, const replay::FreeScales& s, const Experiment& e) {
+    const double torque = 0.01 * s.torque, viscous = torque / s.spin;
+    if (s.turns)
+        bearings(w, torque, viscous, s.length);
+    if (s.slides)
+        guides(w, 0.01 * s.force, 0.01 * s.force / (s.way * s.spin), s.way * s.spin);
+    if (s.springs)
+        w.variant("nonlinear_spring")
+            .amplitude("cubic_1_m2", -0.3 / square(s.way), 10.0 / square(s.way), 0.05 / square(s.way))
+            .probe({0.05 / square(s.way)})
+            .probe({-0.05 / square(s.way)});
+    if (s.turningSprings)
+        w.variant("nonlinear_spring", "turning")
+            .amplitude("cubic_1_rad2", -0.3 / square(s.twist), 10.0 / square(s.twist), 0.05 / square(s.twist))
+            .probe({0.05 / square(s.twist)})
+            .probe({-0.05 / square(s.twist)});
+    if (s.shaped)
+        air(w, s, viscous);
+    if (e.scene->rubs)
+        frictionLaws(w, scalesOf(e), false);
+    if (e.scene->driven)
+        backlashOfReversals(w, scalesOf(e));
     w.variant("gravity").amplitude("x_m_s2", -15.0, 15.0, 0.5).amplitude("y_m_s2", -25.0, 25.0, 1.0);
     w.probe({0.0, -0.5}).probe({0.3, 0.0});
+    if (e.scene->observation.of == scene::Observation::Of::Machine)
+        return sensors(w, scalesOf(e));
     w.variant("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.03});
     w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, 1.0, 0.01).probe({0.01});
     w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.01});
@@ -309,7 +372,7 @@ CandidateEffects candidateEffectsFor(const Experiment& e, const std::vector<std:
     }
     CandidateBuilder w(candidateEffects, without);
     if (e.scene) {
-        bodies(w, replay::freeScales(e));
+        bodies(w, replay::freeScales(e), e);
         w.finish();
         return candidateEffects;
     }

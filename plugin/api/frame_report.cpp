@@ -37,7 +37,7 @@ std::string injected(const step::InjectedEnergy& before, const step::InjectedEne
                                                      {"joints", after.link - before.link},
                                                      {"holds", after.hold - before.hold},
                                                      {"bodies moved by the host", after.drift - before.drift},
-                                                     {"rolling", after.rolling - before.rolling}};
+                                                     {"turning forces", after.rolling - before.rolling}};
     const auto* most = std::max_element(std::begin(causes), std::end(causes),
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
     return text("injected %.3g J, most by %s", after.sum() - before.sum(), most->first);

@@ -26,7 +26,7 @@ struct InjectedEnergy {
     double link = 0.0;    ///< joints closed
     double hold = 0.0;    ///< held points and ends of rings brought to their places
     double drift = 0.0;   ///< copies of bodies brought to their originals
-    double rolling = 0.0; ///< contact forces whose points roll
+    double rolling = 0.0; ///< forces whose rows turn within a step, contacts' points roll (contact_stiffness.h)
 
     [[nodiscard]] double sum() const { return contact + link + hold + drift + rolling; }
     InjectedEnergy& operator+=(const InjectedEnergy& o) {

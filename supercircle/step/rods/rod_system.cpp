@@ -1,6 +1,7 @@
 #include "supercircle/step/rods/rod_system.h"
 
 #include "supercircle/step/applied_forces.h"
+#include "supercircle/step/contacts/contact_stiffness.h"
 #include "supercircle/step/rods/effect_terms.h"
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/support/invariants.h"
@@ -228,15 +229,7 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         for (int i = 0; i < rod.model.elements(); ++i)
             energies.damping +=
                 dt * rod.dampingTime * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * w.v[i] * w.v[i];
-    for (const Rolling& roll : std::span(w.rolling).first(w.rollingCount)) {
-        const double rate = roll.tau.dot(w.v);
-        energies.rollingWork -= roll.c * rate * (0.5 * dt * rate - roll.tau.dot(w.qk - rod.q) - roll.lagAngle);
-    }
-    if (w.loaded) {
-        w.difference = 0.5 * dt * w.v - (w.qk - rod.q);
-        w.product.noalias() = w.axial * w.difference;
-        energies.rollingWork -= dt * w.v.dot(w.product);
-    }
+    energies.rollingWork = turningWork(rod, dt, w);
     if (w.C.rows() > 0) {
         HoldWork& held = w.held;
         held.rhs = -w.rhs - w.contactImpulse;

@@ -35,7 +35,7 @@ struct RodEnergies {
     double damping = 0.0;      ///< taken by the shell's own damping
     double loadWork = 0.0;     ///< work of forces and mouse joints
     double effects = 0.0;      ///< taken by effects
-    double rollingWork = 0.0;  ///< of contact forces while their points roll and turn (contact_stiffness.h)
+    double rollingWork = 0.0;  ///< of forces whose rows turn and roll within the step (contact_stiffness.h)
 };
 /// Accepts the attempt: state, material velocities, hold reactions.
 RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w);

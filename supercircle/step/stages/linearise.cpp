@@ -4,6 +4,7 @@
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contacts/adhesion.h"
+#include "supercircle/step/contacts/contact_stiffness.h"
 #include "supercircle/step/contacts/cull.h"
 #include "supercircle/step/contacts/friction_state.h"
 #include "supercircle/step/contacts/link_rows.h"
@@ -52,6 +53,14 @@ const std::vector<contact::Candidate>& startCandidates(const World& world, const
         t.kept = t.candidates(world);
     std::erase_if(t.kept, [&](const contact::Candidate& c) { return isOfFreeRod(t.rods, c); });
     return t.kept;
+}
+
+/// Whether forces bring in energy because their rows turn.
+bool forcesTurn(const World& world, TrialStep& t) {
+    for (std::size_t i = 0; i < t.rods.size(); ++i)
+        if (t.rods[i].solved() && turnsTooMuch(world.rods[i], t.dt, t.rods[i]))
+            return true;
+    return false;
 }
 
 /// Whether links, mouse joints or effects ask for another linearisation.
@@ -113,8 +122,9 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
     const double reject = settings.rejectPenetration * t.h, tolerance = settings.relinearise * t.h;
     const bool deeper = e.deepest > reject && e.deepest > t.overlapAtStart + 0.1 * reject;
     const bool off = e.loaded > tolerance || (e.deepest > tolerance && e.deepest > t.overlapAtStart);
+    const bool turning = forcesTurn(world, t);
     const bool inAHurry = t.result.work.units() >= t.hurryAt;
-    if ((deeper || off || jointsOrEffectsOff(world, tolerance, t)) && !inAHurry &&
+    if ((deeper || off || turning || jointsOrEffectsOff(world, tolerance, t)) && !inAHurry &&
         ++t.linearisations < settings.maxIterations) {
         forEachRod(t.stage.loop, t.rods.size(), [&](std::size_t i) {
             if (t.rods[i].solved())
@@ -132,6 +142,8 @@ bool relinearise(const World& world, const Settings& settings, TrialStep& t) {
     else if (const LinkGaps g = linkGaps(world, t.rods, t.dt, t.stage);
              adaptive && g.after > reject && g.after > 1.1 * g.before)
         t.result.reason = Reason::LinkGap;
+    else if (turning && adaptive)
+        t.result.reason = Reason::LocalError;
     return false;
 }
 

@@ -61,3 +61,44 @@ TEST_CASE("a frame of a picosecond does not throw apart what was put into each o
     CHECK(mostGained == 0.0);
     CHECK(fastest < (20.0 + 0.04 * 64.0 / s.dtMax) * d.thickness); // of the pair, so that no side is faster
 }
+
+TEST_CASE("pins that are drawn apart beyond the arc between them bring no energy from nowhere", "[step][energy]") {
+    // The arc goes straight, and the reactions have no bound. They act on rows that turn within the step, and what
+    // stands for that knows the reactions of the step before: it brought in a half of all the energy in one step.
+    const bool game = GENERATE(false, true);
+    const double speed = GENERATE(0.1, 1.0, 10.0);
+    const step::Settings s = game ? step::gameSettings() : step::Settings{};
+    step::World w;
+    rod::RodDefinition d = strip(0.0665, 1.0, 9);
+    d.naturalCurvature.assign(9, 30.0);
+    put(w, d, {0.0, 0.0}, 0.0, 0.3);
+    for (const double at : {0.0541, 0.0645}) {
+        step::Hold h;
+        h.s = at;
+        h.clamped = false;
+        h.target.point = w.rods[0].kin.point(rod::locate(w.rods[0].model, at));
+        w.rods[0].holds.push_back(h);
+    }
+    const Vec2 apart = w.rods[0].holds[1].target.point - w.rods[0].holds[0].target.point;
+    w.rods[0].holds[1].target.velocity = speed * apart.normalized();
+    const double closing = s.recovery * w.rods[0].model.definition().thickness; // m/s
+    step::Stepper stepper(s);
+    double worst = 0.0, broughtIn = 0.0;
+    int steps = 0;
+    const auto observer = [&](const step::World& now) {
+        const step::EnergyBalance& b = now.energyBalance;
+        const double byGaps = 0.5 * now.rods[0].model.mass() * closing * closing;
+        if (now.dt > 2.0 * s.dtMin) // the smallest step is taken as it is
+            worst = std::max(worst, (b.injected.rolling - broughtIn - byGaps) / (b.kinetic + b.bending));
+        broughtIn = b.injected.rolling;
+        ++steps;
+        return false;
+    };
+    for (int k = 0; k < 20; ++k) {
+        const step::FrameResult r = stepper.advance(w, 0.005, nullptr, observer);
+        REQUIRE(r.failure.empty());
+        CHECK(r.gained == 0.0);
+    }
+    CHECK(steps > 20);
+    CHECK(worst <= 0.1 * 1.001); // contact_stiffness.cpp; the balance of a step closes to round-off
+}

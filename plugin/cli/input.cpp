@@ -14,8 +14,8 @@ namespace {
 /// Kind of a file that is no scene, by its schema or by keys that scenes do not have. Empty if it may be a scene; the
 /// loader then reports its problems.
 std::string otherKind(const scene::Node& root) {
-    const scene::Node* schema = root.find("schema");
-    const std::string name = schema != nullptr ? schema->text : "";
+    const std::optional<scene::Node> schema = root.find("schema");
+    const std::string name = schema ? schema->text() : "";
     const auto startsWith = [&](const char* prefix) { return name.rfind(prefix, 0) == 0; };
     if (startsWith("supercircle-scene/"))
         return {};
@@ -23,12 +23,12 @@ std::string otherKind(const scene::Node& root) {
         return "an experiment (schema \"" + name + "\")";
     if (startsWith("supercircle-sweep/"))
         return "a sweep (schema \"" + name + "\")";
-    const bool rigid = root.find("body") != nullptr || root.find("shell") != nullptr || root.find("drop") != nullptr;
-    if (rigid || schema != nullptr)
+    const bool rigid = root.find("body") || root.find("shell") || root.find("drop");
+    if (rigid || schema)
         return {};
-    if (root.find("runs") != nullptr && root.find("specimens") != nullptr)
+    if (root.find("runs") && root.find("specimens"))
         return "an experiment";
-    if (root.find("scene") != nullptr && (root.find("sweep") != nullptr || root.find("parameters") != nullptr))
+    if (root.find("scene") && (root.find("sweep") || root.find("parameters")))
         return "a sweep";
     return {};
 }
@@ -64,7 +64,7 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
     if (text) {
         std::vector<scene::Problem> ignored; // the loader reports them again
         const auto document = scene::parseDocument(*text, file, ignored);
-        if (const std::string kind = document ? otherKind(document->root) : ""; !kind.empty()) {
+        if (const std::string kind = document ? otherKind(document->root()) : ""; !kind.empty()) {
             const bool experiment = kind.find("experiment") != std::string::npos;
             std::fprintf(stderr, "%s:1:1: /schema: this is %s, not a scene; %s\n", file.c_str(), kind.c_str(),
                          experiment ? "`supercircle replay` simulates one whose \"schema\" says rod-recordings/1"
@@ -96,8 +96,8 @@ std::string schemaOf(const std::string& file) {
     if (!text)
         return "";
     const auto document = scene::parseDocument(*text, file, ignored);
-    const scene::Node* schema = document ? document->root.find("schema") : nullptr;
-    return schema != nullptr ? schema->text : "";
+    const std::optional<scene::Node> schema = document ? document->root().find("schema") : std::nullopt;
+    return schema ? schema->text() : "";
 }
 
 } // namespace supercircle::cli

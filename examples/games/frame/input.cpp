@@ -17,10 +17,10 @@ Script Script::load(const std::string& path, std::string& error) {
     if (document) {
         scene::Scope scope;
         scene::Context context{*document, problems, scope};
-        if (document->root.kind != scene::Node::Kind::Array)
-            context.error(document->root, "", "a script is a list of inputs", "[ ... ]");
+        if (document->root().kind() != scene::Node::Kind::Array)
+            context.error(document->root(), "", "a script is a list of inputs", "[ ... ]");
         int number = 0;
-        for (const scene::Node& node : document->root.children) {
+        for (const scene::Node& node : document->root().children()) {
             scene::ObjectReader reader(context, node, "/" + std::to_string(number++));
             Event e;
             reader.require("t", "a time, s");
@@ -29,19 +29,19 @@ Script Script::load(const std::string& path, std::string& error) {
                 {"key", Event::Kind::Key}, {"down", Event::Kind::Down}, {"up", Event::Kind::Up}};
             int count = 0;
             for (const auto& [word, kind] : words)
-                if (reader.find(word) != nullptr) {
+                if (reader.find(word)) {
                     e.kind = kind;
                     e.text = reader.string(word, "");
                     ++count;
                 }
-            if (reader.find("mouse") != nullptr) {
+            if (reader.find("mouse")) {
                 const Eigen::Vector2d to = reader.vector("mouse", Eigen::Vector2d::Zero());
                 e.kind = Event::Kind::Mouse;
                 e.to = {to.x(), to.y()};
                 e.over = reader.number("over", 0.0, scene::notNegative);
                 ++count;
             }
-            if (reader.find("button") != nullptr) {
+            if (reader.find("button")) {
                 const std::vector<std::string> kinds{"down", "up", "click"};
                 e.kind = Event::Kind::Button;
                 e.text = kinds[reader.choice("button", kinds, 2)];

@@ -35,13 +35,13 @@ public:
     Loader(std::string file, scene::Context& context) : file_(std::move(file)), context_(context) {}
 
     void load(Request& r) {
-        scene::ObjectReader root(context_, context_.document.root, "");
+        scene::ObjectReader root(context_, context_.document.root(), "");
         root.ignore({"schema"});
         quantities(root, r.quantities);
         table(root, "recorded", r.quantities, r.recorded);
         table(root, "nominal", r.quantities, r.nominal);
         for (const scene::ArrayItem& place : root.array("effects")) {
-            scene::ObjectReader entry(context_, *place.node, place.pointer);
+            scene::ObjectReader entry(context_, place.node, place.pointer);
             if (!entry.valid())
                 continue;
             Ensemble e;
@@ -56,16 +56,16 @@ public:
 
 private:
     void quantities(scene::ObjectReader& root, std::vector<std::string>& names) {
-        const scene::Node* list = root.find("quantities");
-        if (list == nullptr)
+        const std::optional<scene::Node> list = root.find("quantities");
+        if (!list)
             return;
         std::vector<std::string> stated;
         for (const scene::ArrayItem& place : root.array("quantities"))
-            if (place.node->kind == scene::Node::Kind::String && !place.node->text.empty())
-                stated.push_back(place.node->text);
+            if (place.node.kind() == scene::Node::Kind::String && !place.node.text().empty())
+                stated.push_back(place.node.text());
             else
-                context_.error(*place.node, place.pointer, "this is not a column name", "the name of a column");
-        if (list->kind == scene::Node::Kind::Array && list->children.empty())
+                context_.error(place.node, place.pointer, "this is not a column name", "the name of a column");
+        if (list->kind() == scene::Node::Kind::Array && list->children().empty())
             context_.error(*list, root.pointerTo("quantities"), "the list of quantities is empty", "names of columns");
         if (!stated.empty())
             names = std::move(stated);
@@ -74,13 +74,13 @@ private:
     void table(scene::ObjectReader& in, const char* key, const std::vector<std::string>& quantities, Ensemble& out) {
         constexpr std::size_t kLeast = 4; // for a covariance
         out.label = key;
-        const scene::Node* name = in.find(key);
+        const std::optional<scene::Node> name = in.find(key);
         if (!in.require(key, "the name of a CSV file with a row for each stack") || in.string(key, "").empty())
             return;
         const auto wrong = [&](const std::string& what, const std::string& expected = {}) {
             context_.error(*name, in.pointerTo(key), what, expected);
         };
-        const std::string path = (fs::path(file_).parent_path() / name->text).string();
+        const std::string path = (fs::path(file_).parent_path() / name->text()).string();
         std::vector<scene::Problem> unread;
         const auto text = scene::readFile(path, unread);
         if (!text)
@@ -143,8 +143,8 @@ std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
     const auto text = scene::readFile(a.file, problems);
     const auto document =
         text ? scene::parseDocument(*text, a.file, problems) : Result<scene::Document>::failure(text.error());
-    const scene::Node* schema = document ? document->root.find("schema") : nullptr;
-    if (schema == nullptr || schema->text != "stack-ensembles/1")
+    const std::optional<scene::Node> schema = document ? document->root().find("schema") : std::nullopt;
+    if (!schema || schema->text() != "stack-ensembles/1")
         return std::nullopt;
     Request request;
     scene::Scope none;

@@ -20,16 +20,16 @@ constexpr const char* schemaName = "supercircle-sweep/1";
 constexpr std::int64_t kMaxSeed = std::int64_t{1} << 53; // larger ones are not whole in a JSON number
 
 std::optional<double> plainNumber(Context& context, const Node& node, const std::string& pointer) {
-    if (node.kind == Node::Kind::Number && std::isfinite(node.number))
-        return node.number;
-    context.error(node, pointer, std::string("this is ") + scene::kindName(node.kind), "a number");
+    if (node.kind() == Node::Kind::Number && std::isfinite(node.number()))
+        return node.number();
+    context.error(node, pointer, std::string("this is ") + scene::kindName(node.kind()), "a number");
     return std::nullopt;
 }
 
 /// Values of one axis: a list, or {"from", "to", "count"} evenly spaced with both ends.
 std::vector<double> readAxis(Context& context, const Node& node, const std::string& pointer) {
     std::vector<double> values;
-    if (node.kind == Node::Kind::Object) {
+    if (node.kind() == Node::Kind::Object) {
         ObjectReader object(context, node, pointer);
         for (const char* key : {"from", "to", "count"})
             object.require(key, "a number");
@@ -41,15 +41,14 @@ std::vector<double> readAxis(Context& context, const Node& node, const std::stri
                 count == 1 ? from : from + (to - from) * (static_cast<double>(i) / static_cast<double>(count - 1)));
         return values;
     }
-    if (node.kind != Node::Kind::Array || node.children.empty()) {
+    if (node.kind() != Node::Kind::Array || node.children().empty()) {
         context.error(node, pointer, "no values", "a list of numbers, or {\"from\", \"to\", \"count\"}");
         return values;
     }
-    for (std::size_t i = 0; i < node.children.size(); ++i) {
-        const std::string place = pointer + "/" + std::to_string(i);
-        if (const auto value = plainNumber(context, node.children[i], place)) {
+    for (const auto& [item, place] : scene::ArrayItems(node.children(), pointer)) {
+        if (const auto value = plainNumber(context, item, place)) {
             if (std::find(values.begin(), values.end(), *value) != values.end())
-                context.error(node.children[i], place, "this value appears twice");
+                context.error(item, place, "this value appears twice");
             values.push_back(*value);
         }
     }
@@ -59,15 +58,15 @@ std::vector<double> readAxis(Context& context, const Node& node, const std::stri
 /// An object of numbers by name.
 std::vector<ParameterValue> readParameterValues(Context& context, const Node& node, const std::string& pointer) {
     std::vector<ParameterValue> values;
-    if (node.kind != Node::Kind::Object) {
-        context.error(node, pointer, std::string("this is ") + scene::kindName(node.kind),
+    if (node.kind() != Node::Kind::Object) {
+        context.error(node, pointer, std::string("this is ") + scene::kindName(node.kind()),
                       "an object of parameters and their values");
         return values;
     }
-    for (const Node& child : node.children)
-        if (child.key != "about")
-            if (const auto value = plainNumber(context, child, pointer + "/" + scene::pointerToken(child.key)))
-                values.emplace_back(child.key, *value);
+    for (const Node& child : node.children())
+        if (child.key() != "about")
+            if (const auto value = plainNumber(context, child, pointer + "/" + scene::pointerToken(child.key())))
+                values.emplace_back(child.key(), *value);
     return values;
 }
 
@@ -75,7 +74,7 @@ std::vector<ParameterValue> readParameterValues(Context& context, const Node& no
 void readCases(Context& context, ObjectReader& top, SweepDefinition& sweep) {
     std::vector<std::vector<double>> rows;
     for (const scene::ArrayItem& item : top.array("cases")) {
-        const std::vector<ParameterValue> values = readParameterValues(context, *item.node, item.pointer);
+        const std::vector<ParameterValue> values = readParameterValues(context, item.node, item.pointer);
         if (rows.empty())
             for (const ParameterValue& s : values)
                 sweep.names.push_back(s.first);
@@ -85,11 +84,11 @@ void readCases(Context& context, ObjectReader& top, SweepDefinition& sweep) {
                 if (s.first == name)
                     row.push_back(s.second);
         if (row.size() != sweep.names.size() || row.size() != values.size()) {
-            context.error(*item.node, item.pointer, "this case does not name the parameters of the first one");
+            context.error(item.node, item.pointer, "this case does not name the parameters of the first one");
             continue;
         }
         if (std::find(rows.begin(), rows.end(), row) != rows.end())
-            context.error(*item.node, item.pointer, "this case appears twice");
+            context.error(item.node, item.pointer, "this case appears twice");
         rows.push_back(std::move(row));
     }
     if (!rows.empty())
@@ -110,19 +109,19 @@ void multiply(SweepDefinition& sweep, const std::string& name, const std::vector
 void readGrid(Context& context, ObjectReader& top, SweepDefinition& sweep) {
     sweep.sets = {{}};
     readCases(context, top, sweep);
-    const Node* grid = top.find("grid");
-    if (grid == nullptr)
+    const std::optional<Node> grid = top.find("grid");
+    if (!grid)
         return;
-    if (grid->kind != Node::Kind::Object) {
-        context.error(*grid, "/grid", std::string("this is ") + scene::kindName(grid->kind),
+    if (grid->kind() != Node::Kind::Object) {
+        context.error(*grid, "/grid", std::string("this is ") + scene::kindName(grid->kind()),
                       "an object of parameters and their values");
         return;
     }
-    for (const Node& axis : grid->children) {
-        const std::string pointer = "/grid/" + scene::pointerToken(axis.key);
-        if (axis.key == "about")
+    for (const Node& axis : grid->children()) {
+        const std::string pointer = "/grid/" + scene::pointerToken(axis.key());
+        if (axis.key() == "about")
             continue;
-        if (std::find(sweep.names.begin(), sweep.names.end(), axis.key) != sweep.names.end()) {
+        if (std::find(sweep.names.begin(), sweep.names.end(), axis.key()) != sweep.names.end()) {
             context.keyError(axis, pointer, "this parameter varies in \"cases\" already");
             continue;
         }
@@ -132,16 +131,16 @@ void readGrid(Context& context, ObjectReader& top, SweepDefinition& sweep) {
             return;
         }
         if (!values.empty())
-            multiply(sweep, axis.key, values);
+            multiply(sweep, axis.key(), values);
     }
 }
 
 std::vector<std::int64_t> readSeeds(Context& context, ObjectReader& top) {
-    const Node* node = top.find("seeds");
-    if (node == nullptr)
+    const std::optional<Node> node = top.find("seeds");
+    if (!node)
         return {1};
     std::vector<std::int64_t> seeds;
-    if (node->kind == Node::Kind::Object) {
+    if (node->kind() == Node::Kind::Object) {
         ObjectReader object(context, *node, "/seeds");
         object.require("last", "a whole number");
         const std::int64_t first = object.integer("first", 1, 0, kMaxSeed);
@@ -170,19 +169,19 @@ std::vector<std::int64_t> readSeeds(Context& context, ObjectReader& top) {
 void readReport(Context& context, ObjectReader& top, SweepDefinition& sweep) {
     if (!sweep.names.empty())
         sweep.x = sweep.names.front();
-    const Node* node = top.find("report");
-    if (node == nullptr)
+    const std::optional<Node> node = top.find("report");
+    if (!node)
         return;
     ObjectReader object(context, *node, "/report");
     sweep.x = object.string("x", sweep.x);
-    if (object.find("x") != nullptr && std::find(sweep.names.begin(), sweep.names.end(), sweep.x) == sweep.names.end())
+    if (object.find("x") && std::find(sweep.names.begin(), sweep.names.end(), sweep.x) == sweep.names.end())
         context.error(*object.find("x"), "/report/x", "no parameter \"" + sweep.x + "\" varies",
                       "one of \"grid\" or \"cases\"", nearestName(sweep.x, sweep.names));
     object.finish();
 }
 
 void readTop(Context& context, SweepDefinition& sweep) {
-    ObjectReader top(context, context.document.root, "");
+    ObjectReader top(context, context.document.root(), "");
     if (!top.valid())
         return;
     if (top.require("schema", std::string("\"") + schemaName + "\"")) {
@@ -198,7 +197,7 @@ void readTop(Context& context, SweepDefinition& sweep) {
         sweep.scene = (std::filesystem::path(sweep.file).parent_path() / scene).lexically_normal().string();
     }
     readGrid(context, top, sweep);
-    if (const Node* fixed = top.find("fixed"))
+    if (const std::optional<Node> fixed = top.find("fixed"))
         sweep.fixed = readParameterValues(context, *fixed, "/fixed");
     for (const ParameterValue& s : sweep.fixed)
         if (std::find(sweep.names.begin(), sweep.names.end(), s.first) != sweep.names.end())
@@ -208,7 +207,7 @@ void readTop(Context& context, SweepDefinition& sweep) {
     readReport(context, top, sweep);
     top.finish();
     if (sweep.sets.size() * sweep.seeds.size() > maxRuns)
-        context.error(context.document.root, "", "too many runs", "at most " + std::to_string(maxRuns));
+        context.error(context.document.root(), "", "too many runs", "at most " + std::to_string(maxRuns));
 }
 
 } // namespace

@@ -82,23 +82,23 @@ std::vector<Channel> columnsOf(const Experiment& e) {
 
 std::vector<SceneParameter> readSceneParameters(Context& context, Object& object, const std::string& key) {
     std::vector<SceneParameter> all;
-    const Node* node = object.find(key);
-    if (node == nullptr)
+    const std::optional<Node> node = object.find(key);
+    if (!node)
         return all;
     const std::string pointer = object.pointerTo(key);
-    if (node->kind != Node::Kind::Object) {
+    if (node->kind() != Node::Kind::Object) {
         context.error(*node, pointer, "not an object", "{\"NAME\": {\"value\": 1, \"unc\": 0.1}, ...}");
         return all;
     }
-    for (const Node& child : node->children) {
-        const std::string at = pointer + "/" + child.key;
-        if (child.kind != Node::Kind::Object) {
-            all.push_back({child.key, {numberAt(context, child, at, scene::anyNumber), 0.0}, {}, {}});
+    for (const Node& child : node->children()) {
+        const std::string at = pointer + "/" + child.key();
+        if (child.kind() != Node::Kind::Object) {
+            all.push_back({child.key(), {numberAt(context, child, at, scene::anyNumber), 0.0}, {}, {}});
             continue;
         }
         Object stated(context, child, at);
         const double value = stated.number("value", scene::anyNumber);
-        all.push_back({child.key, {value, stated.number("unc", 0.0, scene::notNegative)}, {}, {}});
+        all.push_back({child.key(), {value, stated.number("unc", 0.0, scene::notNegative)}, {}, {}});
         stated.finish();
     }
     return all;
@@ -108,7 +108,7 @@ FreeScene readFreeScene(Context& context, Object& top) {
     FreeScene s;
     s.file = top.text("scene");
     s.parameters = readSceneParameters(context, top, "scene_parameters");
-    if (const Node* node = top.required("observed", "an object")) {
+    if (const std::optional<Node> node = top.required("observed", "an object")) {
         Object observed(context, *node, top.pointerTo("observed"));
         if (observed.valid()) {
             s.observation.target = observed.text("body");
@@ -125,7 +125,7 @@ FreeScene readFreeScene(Context& context, Object& top) {
 
 std::vector<Bowstring> readStrings(Context& context, Object& top) {
     std::vector<Bowstring> all;
-    if (top.find("strings") == nullptr)
+    if (!top.find("strings"))
         return all;
     for (const ArrayItem& place : top.array("strings", false)) {
         Object object(context, place);
@@ -146,12 +146,12 @@ FreeScene readScene(Context& context, Object& top, Sensors& sensors) {
     FreeScene s;
     s.file = top.text("scene");
     s.parameters = readSceneParameters(context, top, "scene_parameters");
-    const std::vector<ArrayItem> channels = top.array("channels", true);
+    const auto channels = top.array("channels", true);
     if (channels.size() > 1)
         top.error("channels", "only one channel can be compared", "the one that tells most");
     if (channels.empty())
         return s;
-    Object object(context, channels.front());
+    Object object(context, *channels.begin());
     if (!object.valid())
         return s;
     s.observe = object.text("observe");
@@ -161,7 +161,7 @@ FreeScene readScene(Context& context, Object& top, Sensors& sensors) {
     if (std::abs(s.channel.sign) != 1.0)
         object.error("sign", "a sign of " + std::to_string(s.channel.sign), "1 or -1");
     sensors.forceNoise = object.number("noise_std", 0.0, scene::notNegative);
-    if (const Node* node = object.find("zero")) {
+    if (const std::optional<Node> node = object.find("zero")) {
         Object zero(context, *node, object.pointerTo("zero"));
         if (zero.valid())
             s.zero = {zero.number("value", 0.0, scene::anyNumber), zero.number("unc", 0.0, scene::notNegative)};

@@ -80,7 +80,7 @@ Specimen readSpecimen(Context& context, const ArrayItem& place) {
     s.bendingModulus = readRelative(object, "bending_modulus_N_m2", "bending_modulus_rel_unc", positive);
     s.stretchModulus = object.number("stretch_modulus_N", 0.0, notNegative);
     s.linearMass = readRelative(object, "linear_mass_kg_m", "linear_mass_rel_unc", positive);
-    if (const Node* clamp = object.required("clamp", "an object"))
+    if (const std::optional<Node> clamp = object.required("clamp", "an object"))
         s.clamp = readClamp(context, *clamp, object.pointerTo("clamp"), s.length);
     if (s.thickness.lower() <= 0.0 && s.thickness.value > 0.0)
         object.error("thickness_unc_m", "the thickness may be zero within this", "less than thickness_m");
@@ -94,7 +94,7 @@ std::vector<Specimen> readSpecimens(Context& context, Object& top) {
         all.push_back(readSpecimen(context, place));
         for (std::size_t i = 0; i + 1 < all.size(); ++i)
             if (all[i].id == all.back().id)
-                context.error(*place.node, place.pointer + "/id", "there are two specimens \"" + all[i].id + "\"");
+                context.error(place.node, place.pointer + "/id", "there are two specimens \"" + all[i].id + "\"");
     }
     return all;
 }
@@ -114,7 +114,7 @@ Obstacle readObstacle(Context& context, const ArrayItem& place) {
         const double size = math::hypot(o.normal.x, o.normal.y);
         if (size > 0.0)
             o.normal = {o.normal.x / size, o.normal.y / size};
-        else if (object.find("normal_towards_specimen") != nullptr)
+        else if (object.find("normal_towards_specimen"))
             object.error("normal_towards_specimen", "a direction of length 0",
                          "a vector from the plane to the specimen");
     }
@@ -130,7 +130,7 @@ void readDrive(Object& object, Protocol protocol, Run& run) {
         run.driveDisplacement = {0.0, 0.0};
         return;
     }
-    if (protocol == Protocol::Scene && object.find("drive_time_s") == nullptr) {
+    if (protocol == Protocol::Scene && !object.find("drive_time_s")) {
         run.driveTime = {0.0, object.number("duration_s", 0.0, positive)};
         return;
     }
@@ -153,18 +153,19 @@ void readDrive(Object& object, Protocol protocol, Run& run) {
 
 /// `ignore_s`: pairs of times.
 void readIgnored(Context& context, Object& object, Run& run) {
-    if (object.find("ignore_s") == nullptr)
+    if (!object.find("ignore_s"))
         return;
     for (const ArrayItem& item : object.array("ignore_s", false)) {
-        const std::vector<Node>& ends = item.node->children;
-        if (item.node->kind != Node::Kind::Array || ends.size() != 2) {
-            context.error(*item.node, item.pointer, "not a part of the recording", "[from, to], s");
+        std::vector<double> ends;
+        for (const Node& end : item.node.children())
+            ends.push_back(numberAt(context, end, item.pointer + "/" + std::to_string(ends.size()), scene::anyNumber));
+        if (item.node.kind() != Node::Kind::Array || ends.size() != 2) {
+            context.error(item.node, item.pointer, "not a part of the recording", "[from, to], s");
             continue;
         }
-        const double from = numberAt(context, ends[0], item.pointer + "/0", scene::anyNumber);
-        const double to = numberAt(context, ends[1], item.pointer + "/1", scene::anyNumber);
+        const double from = ends[0], to = ends[1];
         if (!(to > from))
-            context.error(*item.node, item.pointer, "it ends before it begins", "[from, to], s");
+            context.error(item.node, item.pointer, "it ends before it begins", "[from, to], s");
         run.ignored.emplace_back(from, to);
     }
 }
@@ -235,7 +236,7 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
     std::vector<std::string> ids;
     for (const Specimen& s : specimens)
         ids.push_back(s.id);
-    if (top.find("markers") == nullptr)
+    if (!top.find("markers"))
         return all;
     for (const ArrayItem& place : top.array("markers", false)) {
         Object object(context, place);
@@ -245,14 +246,14 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
         m.name = object.text("name");
         if (free) {
             m.body = object.text("body");
-            m.local = object.find("local_point_m") != nullptr ? object.pair("local_point_m") : Point{};
+            m.local = object.find("local_point_m") ? object.pair("local_point_m") : Point{};
             object.finish();
             all.push_back(std::move(m));
             continue;
         }
         const std::string id = object.text("specimen");
         const auto found = std::find(ids.begin(), ids.end(), id);
-        if (found == ids.end() && object.find("specimen") != nullptr)
+        if (found == ids.end() && object.find("specimen"))
             object.error("specimen", "there is no specimen \"" + id + "\"", {}, nearestName(id, ids));
         m.specimen = found == ids.end() ? 0 : static_cast<std::size_t>(found - ids.begin());
         m.arcFraction = object.number("arc_fraction", kShare);
@@ -285,7 +286,7 @@ void checkProtocol(Context& context, Object& top, const Experiment& e) {
         std::any_of(e.strings.begin(), e.strings.end(),
                     [](const Bowstring& s) { return s.carriedBy == Carrier::Crosshead; });
     if (!moved)
-        context.error(context.document.root, "", "the crosshead carries nothing",
+        context.error(context.document.root(), "", "the crosshead carries nothing",
                       "a clamp, an obstacle or a string carried by \"machine_head\"");
     need(e.specimens.size() == (e.protocol == Protocol::TwoShells ? 2U : 1U), "specimens",
          e.protocol == Protocol::TwoShells ? "two specimens" : "one specimen");
@@ -311,39 +312,45 @@ void checkProtocol(Context& context, Object& top, const Experiment& e) {
 }
 
 /// Node of a JSON pointer; the deepest existing one.
-const Node& nodeAt(const Node& root, const std::string& pointer) {
-    const Node* at = &root;
+Node nodeAt(const Node& root, const std::string& pointer) {
+    Node at = root;
     for (std::size_t from = 1; from <= pointer.size();) {
         const std::size_t to = std::min(pointer.find('/', from), pointer.size());
         const std::string token = pointer.substr(from, to - from);
-        const Node* next = nullptr;
-        if (at->kind == Node::Kind::Array) {
-            std::size_t index = at->children.size();
+        std::optional<Node> next;
+        if (at.kind() == Node::Kind::Array) {
+            const std::size_t size = at.children().size();
+            std::size_t index = size;
             std::from_chars(token.data(), token.data() + token.size(), index);
-            next = index < at->children.size() ? &at->children[index] : nullptr;
+            if (index < size) {
+                auto child = at.children().begin();
+                while (index-- > 0)
+                    ++child;
+                next = *child;
+            }
         } else {
-            next = at->find(token);
+            next = at.find(token);
         }
-        if (next == nullptr)
+        if (!next)
             break;
-        at = next;
+        at = *next;
         from = to + 1;
     }
-    return *at;
+    return at;
 }
 
 void readTop(Context& context, Experiment& e) {
-    Object top(context, context.document.root, "");
+    Object top(context, context.document.root(), "");
     if (!top.valid())
         return;
-    if (const std::string schema = top.text("schema"); schema != schemaName && top.find("schema") != nullptr)
+    if (const std::string schema = top.text("schema"); schema != schemaName && top.find("schema"))
         top.error("schema", "this is \"" + schema + "\", not an experiment of this version",
                   std::string("\"") + schemaName + "\"");
     e.protocol = static_cast<Protocol>(
         top.choice("protocol", std::vector<std::string>(kProtocolNames.begin(), kProtocolNames.end())));
     e.description = top.text("description", "");
     const bool scene = e.protocol == Protocol::Scene;
-    e.gravityOfScene = scene && top.find("gravity_m_s2") == nullptr;
+    e.gravityOfScene = scene && !top.find("gravity_m_s2");
     if (!e.gravityOfScene)
         e.gravity = top.pair("gravity_m_s2");
     for (const char* words : {"frame", "arc_convention", "contact_thickness"})
@@ -351,7 +358,7 @@ void readTop(Context& context, Experiment& e) {
     const std::string meaning = top.text("uncertainty_meaning", "half-width of a uniform interval");
     if (meaning != "half-width of a uniform interval")
         top.note("uncertainty_meaning", "interpreted as the half-width of a uniform interval");
-    const bool free = (scene || e.protocol == Protocol::FreeScene) && top.find("protocol") != nullptr;
+    const bool free = (scene || e.protocol == Protocol::FreeScene) && top.find("protocol").has_value();
     if (free) {
         e.scene = scene ? readScene(context, top, e.sensors) : readFreeScene(context, top);
     } else {
@@ -360,7 +367,7 @@ void readTop(Context& context, Experiment& e) {
             e.obstacles.push_back(readObstacle(context, place));
         e.strings = readStrings(context, top);
     }
-    if (const Node* node = free ? nullptr : top.required("friction", "an object")) {
+    if (const std::optional<Node> node = free ? std::nullopt : top.required("friction", "an object")) {
         Object friction(context, *node, top.pointerTo("friction"));
         if (friction.valid())
             e.friction = {friction.number("coefficient", notNegative),
@@ -370,7 +377,7 @@ void readTop(Context& context, Experiment& e) {
     e.initialGapHalfWidth = top.number("initial_gap_unc_m", 0.0, notNegative);
     for (const ArrayItem& place : top.array("runs", true))
         e.runs.push_back(readRun(context, place, e.protocol, free));
-    if (const Node* node = top.find("sensors"))
+    if (const std::optional<Node> node = top.find("sensors"))
         e.sensors = readSensors(context, *node, top.pointerTo("sensors"), e);
     e.markers = readMarkers(context, top, e.specimens, free);
     top.finish();
@@ -379,7 +386,7 @@ void readTop(Context& context, Experiment& e) {
     if (scene::anyError(context.problems))
         return;
     for (const Contradiction& r : contradictions(e)) {
-        const Node& node = nodeAt(context.document.root, r.pointer);
+        const Node node = nodeAt(context.document.root(), r.pointer);
         if (r.error)
             context.error(node, r.pointer, r.what, r.expected);
         else

@@ -23,13 +23,13 @@ double numberAt(Context& context, const Node& node, const std::string& pointer, 
 class Object {
 public:
     Object(Context& context, const Node& node, std::string pointer);
-    Object(Context& context, const ArrayItem& place) : Object(context, *place.node, place.pointer) {}
+    Object(Context& context, const ArrayItem& place) : Object(context, place.node, place.pointer) {}
 
     [[nodiscard]] bool valid() const { return reader_.valid(); }
     [[nodiscard]] std::string pointerTo(const std::string& key) const { return reader_.pointerTo(key); }
-    const Node* find(const std::string& key);
+    std::optional<Node> find(const std::string& key);
     /// Reports the absence of the key.
-    const Node* required(const std::string& key, const std::string& expected);
+    std::optional<Node> required(const std::string& key, const std::string& expected);
     double number(const std::string& key, const Limits& limits);                       ///< required
     double number(const std::string& key, double fallback, const Limits& limits);      ///< optional
     std::string text(const std::string& key);                                          ///< required
@@ -38,7 +38,7 @@ public:
     std::vector<double> numbers(const std::string& key, const Limits& limits);         ///< required
     Point pair(const std::string& key);                                                ///< required, [x, y]
     std::size_t choice(const std::string& key, const std::vector<std::string>& words); ///< required
-    std::vector<ArrayItem> array(const std::string& key, bool mustHaveItems);          ///< required
+    scene::ArrayItems array(const std::string& key, bool mustHaveItems);               ///< required
     void error(const std::string& key, const std::string& what, const std::string& expected = {},
                const std::string& nearest = {});
     void note(const std::string& key, const std::string& what);

@@ -15,7 +15,7 @@ Result<std::string> readSpecimenFile(const std::string& file) {
     const auto document = text ? scene::parseDocument(*text, file, problems) : Result<scene::Document>::failure("");
     if (!document)
         return Own::failure(problems.front().toString());
-    if (document->root.kind != scene::Node::Kind::Object)
+    if (document->root().kind() != scene::Node::Kind::Object)
         return Own::failure(file + ":1:1: this is no JSON object");
     return text;
 }

@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
-#include <unordered_set>
+#include <functional>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -48,16 +50,6 @@ public:
         return start;
     }
 
-    /// Items of the array that has just been opened if it holds no texts and nothing nested; 0: it does.
-    [[nodiscard]] std::size_t flatItems() const {
-        const std::size_t end = text_.find_first_of("[]{}\"", at_);
-        if (end == std::string::npos || text_[end] != ']')
-            return 0;
-        return static_cast<std::size_t>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
-                                                   text_.begin() + static_cast<std::ptrdiff_t>(end), ',')) +
-               1;
-    }
-
 private:
     void skipString() {
         for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_)
@@ -70,39 +62,97 @@ private:
     std::size_t at_ = 0;
 };
 
-/// Receives the parser's events and builds the tree.
-class TreeBuilder : public nlohmann::json_sax<json> {
+/// The string that begins at `offset` as it stands in valid JSON text, without its quotes.
+std::string_view rawString(const std::string& text, std::size_t offset) {
+    std::size_t end = offset + 1;
+    for (; text[end] != '"'; ++end)
+        if (text[end] == '\\')
+            ++end;
+    return std::string_view(text).substr(offset + 1, end - offset - 1);
+}
+
+std::string stringAt(const std::string& text, std::size_t offset) {
+    const std::string_view raw = rawString(text, offset);
+    if (raw.find('\\') == std::string_view::npos)
+        return std::string(raw);
+    return json::parse(raw.data() - 1, raw.data() + raw.size() + 1).get<std::string>(); // with its quotes
+}
+
+bool stringEquals(const std::string& text, std::size_t offset, const std::string& wanted) {
+    const std::string_view raw = rawString(text, offset);
+    return raw.find('\\') == std::string_view::npos ? raw == wanted : stringAt(text, offset) == wanted;
+}
+
+/// Values and keys of a text, exact if it is valid: growing would hold the tokens twice.
+std::size_t countTokens(const std::string& text) {
+    TokenScanner scanner(text);
+    std::size_t count = 0;
+    for (std::size_t at = scanner.next(); at < text.size(); at = scanner.next())
+        count += isAny(text[at], "}]") ? 0 : 1;
+    return count;
+}
+
+/// Keys of an open object, to find a key that stands twice. Holds their tokens in a table with open addressing.
+class KeySet {
 public:
-    TreeBuilder(Document& document, std::vector<Problem>& problems)
+    /// False if the key is there already.
+    bool insert(const Document& document, std::uint32_t token, const std::string& key) {
+        if (2 * (count_ + 1) > slots_.size())
+            grow(document);
+        std::uint32_t& slot = find(document, key);
+        if (slot != none)
+            return false;
+        slot = token;
+        ++count_;
+        return true;
+    }
+
+private:
+    static constexpr std::uint32_t none = ~0U;
+
+    std::uint32_t& find(const Document& document, const std::string& key) {
+        std::size_t at = std::hash<std::string>{}(key) & (slots_.size() - 1);
+        while (slots_[at] != none && !stringEquals(document.text, document.tokens[slots_[at]].offset, key))
+            at = (at + 1) & (slots_.size() - 1);
+        return slots_[at];
+    }
+
+    void grow(const Document& document) {
+        const std::vector<std::uint32_t> old = std::move(slots_);
+        slots_.assign(std::max<std::size_t>(8, 2 * old.size()), none);
+        for (const std::uint32_t token : old)
+            if (token != none)
+                find(document, stringAt(document.text, document.tokens[token].offset)) = token;
+    }
+
+    std::vector<std::uint32_t> slots_; ///< a power of two
+    std::size_t count_ = 0;
+};
+
+/// Receives the parser's events and notes the tokens.
+class TokenCollector : public nlohmann::json_sax<json> {
+public:
+    TokenCollector(Document& document, std::vector<Problem>& problems)
         : document_(document), problems_(problems), scanner_(document.text) {}
 
-    bool null() override { return !tooMany() && add(Node::Kind::Null) != nullptr; }
-    bool boolean(bool value) override {
-        if (tooMany())
-            return false;
-        add(Node::Kind::Boolean)->boolean = value;
-        return true;
-    }
-    bool number_integer(number_integer_t value) override { return number(static_cast<double>(value)); }
-    bool number_unsigned(number_unsigned_t value) override { return number(static_cast<double>(value)); }
-    bool number_float(number_float_t value, const string_t&) override { return number(value); }
-    bool string(string_t& value) override {
-        if (tooMany())
-            return false;
-        add(Node::Kind::String)->text = value;
-        return true;
-    }
+    bool null() override { return add(); }
+    bool boolean(bool) override { return add(); }
+    bool number_integer(number_integer_t) override { return add(); }
+    bool number_unsigned(number_unsigned_t) override { return add(); }
+    bool number_float(number_float_t, const string_t&) override { return add(); }
+    bool string(string_t&) override { return add(); }
     bool binary(binary_t&) override { return false; } // does not occur in JSON text
-    bool start_object(std::size_t) override { return open(Node::Kind::Object); }
-    bool start_array(std::size_t) override { return open(Node::Kind::Array); }
+    bool start_object(std::size_t) override { return open(); }
+    bool start_array(std::size_t) override { return open(); }
     bool end_object() override { return close(); }
     bool end_array() override { return close(); }
 
     bool key(string_t& value) override {
-        key_ = value;
-        keyOffset_ = scanner_.next();
-        if (!keys_.back().insert(value).second && ++duplicates_ <= maxErrors)
-            problems_.push_back(document_.problemAt(keyOffset_, pointer() + "/" + pointerToken(value),
+        const std::size_t offset = scanner_.next();
+        const std::size_t token = push(offset);
+        if (!open_.back().keys.insert(document_, static_cast<std::uint32_t>(token), value) &&
+            ++duplicates_ <= maxErrors)
+            problems_.push_back(document_.problemAt(offset, pointer() + "/" + pointerToken(value),
                                                     "duplicate key \"" + value + "\"", "every key once in an object"));
         return true;
     }
@@ -127,70 +177,59 @@ public:
     }
 
 private:
-    bool tooMany() {
-        if (++values_ <= maxValues)
+    /// An array or object that is not closed yet.
+    struct Open {
+        std::size_t token = 0;
+        std::size_t items = 0;
+        KeySet keys;
+    };
+
+    std::size_t push(std::size_t offset) {
+        const std::size_t index = document_.tokens.size();
+        document_.tokens.push_back({static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(index + 1)});
+        return index;
+    }
+
+    bool add() {
+        const std::size_t offset = scanner_.next();
+        if (++values_ > maxValues) {
+            problems_.push_back(document_.problemAt(offset, pointer(), "the file holds too many values",
+                                                    "at most " + std::to_string(maxValues)));
             return false;
-        problems_.push_back(document_.problemAt(scanner_.next(), pointer(), "the file holds too many values",
-                                                "at most " + std::to_string(maxValues)));
+        }
+        if (!open_.empty())
+            ++open_.back().items;
+        push(offset);
         return true;
     }
 
-    bool number(double value) {
-        if (tooMany())
+    bool open() {
+        if (!add())
             return false;
-        add(Node::Kind::Number)->number = value;
-        return true;
-    }
-
-    Node* add(Node::Kind kind) {
-        Node node;
-        node.kind = kind;
-        node.offset = scanner_.next();
-        node.keyOffset = node.offset;
-        if (stack_.empty()) {
-            document_.root = std::move(node);
-            return &document_.root;
-        }
-        Node& parent = *stack_.back();
-        if (parent.kind == Node::Kind::Object) {
-            node.key = key_;
-            node.keyOffset = keyOffset_;
-        }
-        parent.children.push_back(std::move(node));
-        return &parent.children.back();
-    }
-
-    bool open(Node::Kind kind) {
-        if (tooMany())
-            return false;
-        Node* node = add(kind);
-        if (stack_.size() >= static_cast<std::size_t>(maxDepth)) {
-            problems_.push_back(document_.problemAt(node->offset, {}, "nested too deeply",
+        const std::size_t token = document_.tokens.size() - 1;
+        if (open_.size() >= static_cast<std::size_t>(maxDepth)) {
+            problems_.push_back(document_.problemAt(document_.tokens[token].offset, {}, "nested too deeply",
                                                     "at most " + std::to_string(maxDepth) + " levels"));
             return false;
         }
-        // A parent gets no further children while a child is open, so these pointers stay valid.
-        stack_.push_back(node);
-        keys_.emplace_back();
-        if (kind == Node::Kind::Array) // growing would hold the items twice
-            node->children.reserve(std::min(scanner_.flatItems(), maxValues));
+        open_.push_back({token, 0, {}});
         return true;
     }
 
     bool close() {
         scanner_.next();
-        stack_.pop_back();
-        keys_.pop_back();
+        document_.tokens[open_.back().token].end = static_cast<std::uint32_t>(document_.tokens.size());
+        open_.pop_back();
         return true;
     }
 
     /// Pointer of the innermost open array or object.
     [[nodiscard]] std::string pointer() const {
         std::string result;
-        for (std::size_t i = 1; i < stack_.size(); ++i)
-            result += stack_[i - 1]->kind == Node::Kind::Object
-                          ? "/" + pointerToken(stack_[i]->key)
-                          : "/" + std::to_string(stack_[i - 1]->children.size() - 1);
+        for (std::size_t i = 1; i < open_.size(); ++i)
+            result += document_.text[document_.tokens[open_[i - 1].token].offset] == '{'
+                          ? "/" + pointerToken(stringAt(document_.text, document_.tokens[open_[i].token - 1].offset))
+                          : "/" + std::to_string(open_[i - 1].items - 1);
         return result;
     }
 
@@ -214,22 +253,92 @@ private:
     Document& document_;
     std::vector<Problem>& problems_;
     TokenScanner scanner_;
-    std::vector<Node*> stack_;
-    std::vector<std::unordered_set<std::string>> keys_;
-    std::string key_;
-    std::size_t keyOffset_ = 0;
+    std::vector<Open> open_;
     std::size_t duplicates_ = 0, values_ = 0;
 };
 
+/// Bytes between two noted places: what a message costs at most, so that many on one long line stay cheap.
+constexpr std::size_t placeStep = 4096;
+
+void advance(Document::Place& place, char c) {
+    if (c == '\n')
+        place = {place.line + 1, 1};
+    else if ((static_cast<unsigned char>(c) & 0xC0U) != 0x80U)
+        ++place.column;
+}
+
 } // namespace
 
-const Node* Node::find(const std::string& name) const {
-    if (kind != Kind::Object)
-        return nullptr;
-    for (const Node& child : children)
-        if (child.key == name)
-            return &child;
-    return nullptr;
+Node::Kind Node::kind() const {
+    switch (document_->text[offset()]) {
+    case '{':
+        return Kind::Object;
+    case '[':
+        return Kind::Array;
+    case '"':
+        return Kind::String;
+    case 't':
+    case 'f':
+        return Kind::Boolean;
+    case 'n':
+        return Kind::Null;
+    default:
+        return Kind::Number;
+    }
+}
+
+bool Node::boolean() const {
+    return document_->text[offset()] == 't';
+}
+
+double Node::number() const {
+    if (kind() != Kind::Number)
+        return 0.0;
+    const std::string& text = document_->text;
+    double value = 0.0; // stays for a number below the smallest; the parser refuses those above the largest
+    std::from_chars(text.data() + offset(), text.data() + text.size(), value);
+    return value;
+}
+
+std::string Node::text() const {
+    return kind() == Kind::String ? stringAt(document_->text, offset()) : std::string();
+}
+
+std::string Node::key() const {
+    return keyIndex_ == index_ ? std::string() : stringAt(document_->text, keyOffset());
+}
+
+std::size_t Node::keyOffset() const {
+    return document_->tokens[keyIndex_].offset;
+}
+
+std::size_t Node::offset() const {
+    return document_->tokens[index_].offset;
+}
+
+Node::Children Node::children() const {
+    const bool keyed = kind() == Kind::Object;
+    return {{*document_, index_ + 1, keyed}, {*document_, document_->tokens[index_].end, keyed}};
+}
+
+Node::Children::Iterator& Node::Children::Iterator::operator++() {
+    index_ = document_->tokens[index_ + (keyed_ ? 1 : 0)].end;
+    return *this;
+}
+
+std::size_t Node::Children::size() const {
+    std::size_t count = 0;
+    for (Iterator i = begin_; i != end_; ++i)
+        ++count;
+    return count;
+}
+
+std::optional<Node> Node::find(const std::string& name) const {
+    if (kind() == Kind::Object)
+        for (const Node& child : children())
+            if (stringEquals(document_->text, child.keyOffset(), name))
+                return child;
+    return std::nullopt;
 }
 
 const char* kindName(Node::Kind kind) {
@@ -263,20 +372,20 @@ std::string pointerToken(const std::string& key) {
     return result;
 }
 
-void Document::position(std::size_t offset, int& line, int& column) const {
-    const auto after = std::upper_bound(lineStarts.begin(), lineStarts.end(), offset);
-    const std::size_t index = static_cast<std::size_t>(after - lineStarts.begin()) - 1;
-    line = static_cast<int>(index + 1);
-    column = 1;
-    for (std::size_t i = lineStarts[index]; i < offset && i < text.size(); ++i)
-        if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U)
-            ++column;
+Document::Place Document::place(std::size_t offset) const {
+    const std::size_t noted = std::min(offset / placeStep, places.size() - 1);
+    Place at = places[noted];
+    for (std::size_t i = noted * placeStep; i < std::min(offset, text.size()); ++i)
+        advance(at, text[i]);
+    return at;
 }
 
 Problem Document::problemAt(std::size_t offset, std::string pointer, std::string what, std::string expected) const {
     Problem p;
     p.file = file;
-    position(offset, p.line, p.column);
+    const Place at = place(offset);
+    p.line = at.line;
+    p.column = at.column;
     p.pointer = std::move(pointer);
     p.what = std::move(what);
     p.expected = std::move(expected);
@@ -289,10 +398,14 @@ Result<Document> parseDocument(std::string text, const std::string& file, std::v
     Document document;
     document.file = file;
     document.text = std::move(text);
-    document.lineStarts.push_back(0);
-    for (std::size_t i = 0; i < document.text.size(); ++i)
-        if (document.text[i] == '\n')
-            document.lineStarts.push_back(i + 1);
+    document.places.reserve(document.text.size() / placeStep + 1);
+    document.places.emplace_back();
+    Document::Place at;
+    for (std::size_t i = 0; i < document.text.size(); ++i) {
+        advance(at, document.text[i]);
+        if ((i + 1) % placeStep == 0)
+            document.places.push_back(at);
+    }
     if (document.text.find_first_not_of(" \t\r\n") == std::string::npos) {
         problems.push_back(document.problemAt(0, {}, "the file is empty", "a JSON object"));
         return failed();
@@ -302,8 +415,9 @@ Result<Document> parseDocument(std::string text, const std::string& file, std::v
         problems.push_back(document.problemAt(zero, {}, "zero byte in the text", "JSON text in UTF-8"));
         return failed();
     }
-    TreeBuilder builder(document, problems);
-    const bool complete = json::sax_parse(document.text, &builder);
+    document.tokens.reserve(std::min(countTokens(document.text), 2 * maxValues));
+    TokenCollector collector(document, problems);
+    const bool complete = json::sax_parse(document.text, &collector);
     if (!complete && problems.size() == before)
         problems.push_back(document.problemAt(0, {}, "not JSON"));
     if (!complete || problems.size() != before)

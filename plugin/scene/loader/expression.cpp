@@ -106,8 +106,8 @@ std::string rangeText(const Parameter& p) {
 struct Scope::Entry {
     enum class State { Open, Busy, Done, Failed };
     bool isParameter = false;
-    const Node* node = nullptr;      ///< whole declaration
-    const Node* valueNode = nullptr; ///< the value, null if missing
+    std::optional<Node> node;      ///< whole declaration
+    std::optional<Node> valueNode; ///< the value, empty if missing
     std::string pointer;
     Parameter parameter;    ///< name and value also for constants
     std::string formerName; ///< of a parameter, accepted from outside; empty: none
@@ -137,17 +137,17 @@ std::vector<std::string> Scope::names() const {
 }
 
 bool Scope::acceptName(Context& context, const Node& node, const std::string& pointer) {
-    if (!isIdentifier(node.key)) {
-        context.keyError(node, pointer, "\"" + node.key + "\" is not a valid name",
+    if (!isIdentifier(node.key())) {
+        context.keyError(node, pointer, "\"" + node.key() + "\" is not a valid name",
                          "a letter, then letters, digits and underscores, at most 64");
         return false;
     }
-    if (node.key == "pi" || isFunction(node.key)) {
-        context.keyError(node, pointer, "the name \"" + node.key + "\" is reserved for formulas", "another name");
+    if (node.key() == "pi" || isFunction(node.key())) {
+        context.keyError(node, pointer, "the name \"" + node.key() + "\" is reserved for formulas", "another name");
         return false;
     }
-    if (byName_.count(node.key) > 0) {
-        context.keyError(node, pointer, "\"" + node.key + "\" is already a parameter", "another name");
+    if (byName_.count(node.key()) > 0) {
+        context.keyError(node, pointer, "\"" + node.key() + "\" is already a parameter", "another name");
         return false;
     }
     if (entries_.size() >= maxNames) {
@@ -162,14 +162,14 @@ void Scope::declareParameter(Context& context, const Node& node, const std::stri
         return;
     auto entry = std::make_unique<Entry>();
     entry->isParameter = true;
-    entry->node = &node;
+    entry->node = node;
     entry->pointer = pointer;
     Parameter& p = entry->parameter;
-    p.name = node.key;
+    p.name = node.key();
     ObjectReader reader(context, node, pointer);
     if (reader.valid()) {
         entry->valueNode = reader.find("value");
-        if (entry->valueNode == nullptr)
+        if (!entry->valueNode)
             reader.require("value", "a number or {\"expr\": formula}");
         p.unit = reader.string("unit", p.unit);
         p.about = reader.string("about", p.about);
@@ -187,18 +187,18 @@ void Scope::declareConstant(Context& context, const Node& node, const std::strin
     if (!acceptName(context, node, pointer))
         return;
     auto entry = std::make_unique<Entry>();
-    entry->node = &node;
-    entry->valueNode = &node;
+    entry->node = node;
+    entry->valueNode = node;
     entry->pointer = pointer;
-    entry->parameter.name = node.key;
-    if (node.find("value") != nullptr) { // the long form, with room for an "about"
+    entry->parameter.name = node.key();
+    if (node.find("value")) { // the long form, with room for an "about"
         ObjectReader reader(context, node, pointer);
         entry->valueNode = reader.find("value");
         entry->parameter.unit = reader.string("unit", "1");
         entry->parameter.about = reader.string("about", "");
         reader.finish();
     }
-    byName_[node.key] = entry.get();
+    byName_[node.key()] = entry.get();
     entries_.push_back(std::move(entry));
 }
 
@@ -213,8 +213,8 @@ std::string Scope::presentName(Context& context, const std::string& name, const 
     return name;
 }
 
-void Scope::override(Context& context, const std::vector<Override>& overrides, const Node* parameters) {
-    const Node& at = parameters != nullptr ? *parameters : context.document.root;
+void Scope::override(Context& context, const std::vector<Override>& overrides, const std::optional<Node>& parameters) {
+    const Node at = parameters ? *parameters : context.document.root();
     std::vector<std::string> known;
     for (const auto& entry : entries_)
         if (entry->isParameter)
@@ -234,19 +234,19 @@ void Scope::override(Context& context, const std::vector<Override>& overrides, c
     }
 }
 
-void Scope::declare(Context& context, const Node* parameters, const Node* constants,
+void Scope::declare(Context& context, const std::optional<Node>& parameters, const std::optional<Node>& constants,
                     const std::vector<Override>& overrides) {
-    const auto block = [&](const Node* node, const char* name, auto&& each) {
-        if (node == nullptr)
+    const auto block = [&](const std::optional<Node>& node, const char* name, auto&& each) {
+        if (!node)
             return;
         const std::string pointer = std::string("/") + name;
-        if (node->kind != Node::Kind::Object) {
-            context.error(*node, pointer, std::string("\"") + name + "\" is " + kindName(node->kind), "an object");
+        if (node->kind() != Node::Kind::Object) {
+            context.error(*node, pointer, std::string("\"") + name + "\" is " + kindName(node->kind()), "an object");
             return;
         }
-        for (const Node& child : node->children)
-            if (child.key != "about")
-                each(child, pointer + "/" + pointerToken(child.key));
+        for (const Node& child : node->children())
+            if (child.key() != "about")
+                each(child, pointer + "/" + pointerToken(child.key()));
     };
     block(parameters, "parameters", [&](const Node& n, const std::string& p) { declareParameter(context, n, p); });
     block(constants, "constants", [&](const Node& n, const std::string& p) { declareConstant(context, n, p); });
@@ -273,9 +273,10 @@ bool Scope::resolve(Context& context, Entry& entry, const Node& at, const std::s
     std::optional<double> value;
     if (entry.overridden)
         value = entry.overridden;
-    else if (entry.valueNode != nullptr)
-        value = readNumber(context, *entry.valueNode, entry.pointer + (entry.valueNode != entry.node ? "/value" : ""),
-                           anyNumber);
+    else if (entry.valueNode)
+        value =
+            readNumber(context, *entry.valueNode,
+                       entry.pointer + (entry.valueNode->offset() != entry.node->offset() ? "/value" : ""), anyNumber);
     --depth_;
     entry.state = value ? Entry::State::Done : Entry::State::Failed;
     entry.parameter.value = value.value_or(0.0);
@@ -288,7 +289,7 @@ bool Scope::resolve(Context& context, Entry& entry, const Node& at, const std::s
 bool Scope::checkParameter(Context& context, Entry& entry) {
     Parameter& p = entry.parameter;
     const auto limit = [&](const char* key, double& target) {
-        if (const Node* node = entry.node->find(key))
+        if (const std::optional<Node> node = entry.node->find(key))
             target = readNumber(context, *node, entry.pointer + "/" + key, anyNumber).value_or(target);
     };
     limit("min", p.min);
@@ -310,7 +311,7 @@ bool Scope::checkParameter(Context& context, Entry& entry) {
     char number[32];
     std::snprintf(number, sizeof number, "%.10g", p.value);
     const std::string said = entry.overridden ? "the value given for \"" : "the value of \"";
-    context.error(entry.valueNode != nullptr ? *entry.valueNode : *entry.node, entry.pointer + "/value",
+    context.error(entry.valueNode ? *entry.valueNode : *entry.node, entry.pointer + "/value",
                   said + p.name + "\", " + number + "," + fault, rangeText(p));
     return false;
 }
@@ -334,10 +335,7 @@ std::optional<double> Scope::evaluate(Context& context, const std::string& formu
                                       const std::string& pointer) {
     const auto fail = [&](std::size_t column, const std::string& what, const std::string& expected,
                           const std::string& nearest) {
-        Node place = at;
-        place.offset = at.offset + 1 + std::min(column, formula.size()); // 1: the opening quote
-        place.children.clear();
-        context.error(place, pointer, what, expected, nearest);
+        context.errorAt(at.offset() + 1 + std::min(column, formula.size()), pointer, what, expected, nearest);
         return std::nullopt;
     };
     if (formula.size() > maxFormula)

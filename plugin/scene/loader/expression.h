@@ -30,7 +30,7 @@ public:
     Scope& operator=(const Scope&) = delete;
 
     /// Reads the blocks `parameters` and `constants` (either may be null) and the overrides; reports all errors.
-    void declare(Context& context, const Node* parameters, const Node* constants,
+    void declare(Context& context, const std::optional<Node>& parameters, const std::optional<Node>& constants,
                  const std::vector<Override>& overrides);
 
     /// Value of a parameter or constant; empty (after a report at `at`) if there is none.
@@ -51,7 +51,7 @@ private:
     void declareParameter(Context& context, const Node& node, const std::string& pointer);
     void declareConstant(Context& context, const Node& node, const std::string& pointer);
     std::string presentName(Context& context, const std::string& name, const Node& at) const;
-    void override(Context& context, const std::vector<Override>& overrides, const Node* parameters);
+    void override(Context& context, const std::vector<Override>& overrides, const std::optional<Node>& parameters);
     [[nodiscard]] bool resolve(Context& context, Entry& entry, const Node& at, const std::string& pointer);
     [[nodiscard]] bool checkParameter(Context& context, Entry& entry);
     std::vector<std::string> names() const;

@@ -13,20 +13,20 @@ constexpr const char* schemaName = "supercircle-scene/1";
 
 /// A rigid world without "schema" is an export of R.U.B.E. or b2dJson, which leave out what is zero.
 void recogniseExport(Context& context, ObjectReader& top) {
-    const Node* world = top.find("body") != nullptr ? top.find("body") : top.find("joint");
-    context.rubeExport = world != nullptr && top.find("schema") == nullptr;
+    const std::optional<Node> world = top.find("body") ? top.find("body") : top.find("joint");
+    context.rubeExport = world && !top.find("schema");
     const auto keys = {"shell", "hold", "drop", "protocol", "game", "parameters", "constants", "lengthScale"};
     if (context.rubeExport &&
-        std::any_of(keys.begin(), keys.end(), [&](const char* key) { return top.find(key) != nullptr; }))
-        context.note(*world, top.pointerTo(world->key),
+        std::any_of(keys.begin(), keys.end(), [&](const char* key) { return top.find(key).has_value(); }))
+        context.note(*world, top.pointerTo(world->key()),
                      "no \"schema\": absent keys of bodies and \"gravity\" are zeros, as R.U.B.E. exports mean them; "
                      "a scene has \"schema\": \"" +
                          std::string(schemaName) + "\"");
 }
 
 void checkSchema(Context& context, ObjectReader& top) {
-    const Node* node = top.find("schema");
-    if (node == nullptr)
+    const std::optional<Node> node = top.find("schema");
+    if (!node)
         return;
     const std::string name = top.string("schema", schemaName);
     if (name != schemaName)
@@ -42,28 +42,28 @@ void noteRestitution(Context& context, ObjectReader& top, const Scene& scene) {
         });
     };
     const bool shells = !scene.shells.empty() || scene.drop;
-    const Node* bodies = top.find("body");
-    if (shells && bodies != nullptr && std::any_of(scene.rigid.bodies.begin(), scene.rigid.bodies.end(), bounces))
+    const std::optional<Node> bodies = top.find("body");
+    if (shells && bodies && std::any_of(scene.rigid.bodies.begin(), scene.rigid.bodies.end(), bounces))
         context.note(*bodies, "/body",
                      "shells ignore \"restitution\" of fixtures; it acts between bodies only "
                      "(docs/how-to/rigid_bodies_and_limits.md)");
 }
 
 void readTop(Context& context, const std::vector<Override>& overrides, Scene& scene) {
-    ObjectReader top(context, context.document.root, "");
+    ObjectReader top(context, context.document.root(), "");
     if (!top.valid())
         return;
-    if (const Node* project = top.find("metaworld")) {
+    if (const std::optional<Node> project = top.find("metaworld")) {
         context.keyError(*project, "/metaworld", "this is a R.U.B.E. project",
                          "a scene: open the project in R.U.B.E., export it as JSON and load that file");
         return;
     }
     checkSchema(context, top);
     recogniseExport(context, top);
-    const Node* parameters = top.find("parameters");
+    const std::optional<Node> parameters = top.find("parameters");
     context.scope.declare(context, parameters, top.find("constants"), overrides);
     scene.name = top.string("name", std::filesystem::path(scene.file).stem().string());
-    if (context.document.root.find("about") != nullptr)
+    if (context.document.root().find("about"))
         scene.about = top.string("about", "");
     scene.rigid.lengthScale = top.number("lengthScale", scene.rigid.lengthScale, positive);
     readRigid(context, top, scene.rigid);
@@ -80,7 +80,7 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     noteRestitution(context, top, scene);
     top.finish();
     if (!scene.protocol && !scene.game && scene.duration == 0.0)
-        context.note(context.document.root, "", "neither \"protocol\" nor \"duration\": no time is simulated");
+        context.note(context.document.root(), "", "neither \"protocol\" nor \"duration\": no time is simulated");
     scene.parameters = context.scope.parameters();
 }
 

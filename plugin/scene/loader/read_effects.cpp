@@ -9,7 +9,7 @@ namespace {
 
 /// One entry of "effects"; false after a report.
 bool readEffect(Context& context, const ArrayItem& place, const Scene& scene, effects::Setting& out) {
-    ObjectReader reader(context, *place.node, place.pointer);
+    ObjectReader reader(context, place.node, place.pointer);
     const std::size_t start = context.errors();
     std::vector<std::string> names;
     for (const effects::Effect& e : effects::catalog())
@@ -31,7 +31,7 @@ bool readEffect(Context& context, const ArrayItem& place, const Scene& scene, ef
         if (!why.empty())
             context.error(*reader.find(key), reader.pointerTo(key), why);
     };
-    if (reader.find("shell") != nullptr) {
+    if (reader.find("shell")) {
         const std::string shell = reader.string("shell", "all");
         complain("shell", effects::set(out, "shell", shell));
         std::vector<std::string> known{"all"};
@@ -42,11 +42,11 @@ bool readEffect(Context& context, const ArrayItem& place, const Scene& scene, ef
                           "the name of a shell, or \"all\"", nearestName(shell, known));
     }
     for (const effects::Parameter& p : effect.parameters) {
-        const Node* node = reader.find(p.name);
-        if (node == nullptr)
+        const std::optional<Node> node = reader.find(p.name);
+        if (!node)
             continue;
         const std::size_t before = context.errors();
-        if (node->kind == Node::Kind::String) {
+        if (node->kind() == Node::Kind::String) {
             const std::string value = reader.string(p.name, "");
             if (context.errors() == before)
                 complain(p.name, effects::set(out, p.name, value));

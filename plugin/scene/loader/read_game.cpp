@@ -14,11 +14,11 @@ const std::vector<std::string> kKinds{"egg_drop", "lander", "clip"};
 
 /// "#rrggbb"; the fallback after a report.
 std::uint32_t readColour(Context& context, ObjectReader& reader, std::uint32_t fallback) {
-    const Node* node = reader.find("colour");
-    if (node == nullptr)
+    const std::optional<Node> node = reader.find("colour");
+    if (!node)
         return fallback;
-    const std::string& t = node->text;
-    const bool hex = node->kind == Node::Kind::String && t.size() == 7 && t[0] == '#' &&
+    const std::string t = node->text();
+    const bool hex = node->kind() == Node::Kind::String && t.size() == 7 && t[0] == '#' &&
                      std::all_of(t.begin() + 1, t.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
     if (hex)
         return static_cast<std::uint32_t>(std::stoul(t.substr(1), nullptr, 16));
@@ -27,7 +27,7 @@ std::uint32_t readColour(Context& context, ObjectReader& reader, std::uint32_t f
 }
 
 GamePart readPart(Context& context, const ArrayItem& place) {
-    ObjectReader reader(context, *place.node, place.pointer);
+    ObjectReader reader(context, place.node, place.pointer);
     GamePart p;
     reader.require("name", "a text");
     p.name = reader.string("name", "");
@@ -39,7 +39,7 @@ GamePart readPart(Context& context, const ArrayItem& place) {
     p.mu = reader.number("mu", p.mu, notNegative);
     p.elements = static_cast<int>(reader.integer("elements", p.elements, 3, 200));
     p.cost = reader.number("cost", p.cost, notNegative);
-    if (reader.find("at") != nullptr) {
+    if (reader.find("at")) {
         const Eigen::Vector2d at = reader.vector("at", Eigen::Vector2d::Zero());
         p.at = Point{at.x(), at.y()};
     }
@@ -48,8 +48,8 @@ GamePart readPart(Context& context, const ArrayItem& place) {
 }
 
 void readArea(Context& context, ObjectReader& game, const std::string& key, Point& lower, Point& upper) {
-    const Node* node = game.find(key);
-    if (node == nullptr)
+    const std::optional<Node> node = game.find(key);
+    if (!node)
         return;
     ObjectReader area(context, *node, game.pointerTo(key));
     const std::size_t before = context.errors();
@@ -67,9 +67,9 @@ void readArea(Context& context, ObjectReader& game, const std::string& key, Poin
 /// Name of a body of the wanted type.
 std::string readBody(Context& context, ObjectReader& game, const std::string& key, const Scene& scene,
                      step::BodyType type, const char* typeText) {
-    const Node* node = game.find(key);
+    const std::optional<Node> node = game.find(key);
     const std::string name = game.string(key, "");
-    if (node == nullptr || node->kind != Node::Kind::String)
+    if (!node || node->kind() != Node::Kind::String)
         return name;
     std::vector<std::string> names;
     const step::BodyDefinition* found = nullptr;
@@ -101,8 +101,8 @@ void requireForKind(ObjectReader& game, const std::string& kind) {
 } // namespace
 
 void readGame(Context& context, ObjectReader& top, const Scene& scene, std::optional<Game>& out) {
-    const Node* node = top.find("game");
-    if (node == nullptr)
+    const std::optional<Node> node = top.find("game");
+    if (!node)
         return;
     ObjectReader game(context, *node, "/game");
     if (!game.valid())
@@ -123,7 +123,7 @@ void readGame(Context& context, ObjectReader& top, const Scene& scene, std::opti
     g.limit = game.number("limit", g.limit, positive);
     g.budget = game.number("budget", g.budget, positive);
     g.heights = game.numbers("heights", positive);
-    if (const Node* heights = game.find("heights"); heights != nullptr && g.heights.empty())
+    if (const std::optional<Node> heights = game.find("heights"); heights && g.heights.empty())
         context.error(*heights, "/game/heights", "no height", "at least one, m");
     g.fuel = game.number("fuel", g.fuel, positive);
     g.thrust = game.number("thrust", g.thrust, positive);
@@ -131,7 +131,7 @@ void readGame(Context& context, ObjectReader& top, const Scene& scene, std::opti
     g.speed = game.number("speed", g.speed, positive);
     for (const ArrayItem& place : game.array("part"))
         g.parts.push_back(readPart(context, place));
-    if (const Node* parts = game.find("part"); parts != nullptr && (g.parts.empty() || g.parts.size() > 9))
+    if (const std::optional<Node> parts = game.find("part"); parts && (g.parts.empty() || g.parts.size() > 9))
         context.error(*parts, "/game/part", std::to_string(g.parts.size()) + " parts", "1 to 9");
     game.finish();
     out = std::move(g);

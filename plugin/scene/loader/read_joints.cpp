@@ -72,13 +72,13 @@ void readMechanics(Context& context, ObjectReader& reader, JointDefinition& j) {
     const auto misplaced = [&](const Node& node, const char* key, const char* expected) {
         context.error(node, reader.pointerTo(key), "this type of joint takes none", expected);
     };
-    if (const Node* spring = reader.find("spring")) {
+    if (const std::optional<Node> spring = reader.find("spring")) {
         if (slides || turns || j.kind == JointKind::Distance)
             readSpring(context, *spring, reader.pointerTo("spring"), j);
         else
             misplaced(*spring, "spring", "a spring of a revolute, prismatic or distance joint");
     }
-    if (const Node* friction = reader.find("friction")) {
+    if (const std::optional<Node> friction = reader.find("friction")) {
         if (slides || turns)
             readFriction(context, *friction, reader.pointerTo("friction"), j);
         else
@@ -91,7 +91,7 @@ void readBodies(Context& context, ObjectReader& reader, std::size_t bodies, Join
     for (const char* key : {"bodyA", "bodyB"}) {
         reader.require(key, "the index of a body");
         const auto index = static_cast<std::int32_t>(reader.integer(key, 0, 0, 1000000));
-        if (const Node* node = reader.find(key); node != nullptr && static_cast<std::size_t>(index) >= bodies)
+        if (const std::optional<Node> node = reader.find(key); node && static_cast<std::size_t>(index) >= bodies)
             context.error(*node, reader.pointerTo(key), "there is no body " + std::to_string(index),
                           "an index into \"body\", which counts from 0 and has " + std::to_string(bodies) +
                               (bodies == 1 ? " item" : " items"));
@@ -155,23 +155,23 @@ void checkGear(Context& context, const ArrayItem& place, const RigidWorldDefinit
     const auto& two = world.joints[static_cast<std::size_t>(j.joint2)];
     for (const JointDefinition* part : {&one, &two}) {
         if (part->kind != JointKind::Revolute && part->kind != JointKind::Prismatic) {
-            context.error(*place.node, place.pointer, "the gear joins joints of another type",
+            context.error(place.node, place.pointer, "the gear joins joints of another type",
                           "\"joint1\" and \"joint2\" of type \"revolute\" or \"prismatic\"");
             return;
         }
         if (world.bodies[static_cast<std::size_t>(part->bodyB)].type != step::BodyType::Dynamic) {
-            context.error(*place.node, place.pointer, "the gear turns a body that is not dynamic",
+            context.error(place.node, place.pointer, "the gear turns a body that is not dynamic",
                           "a \"bodyB\" of type 2 in both joints");
             return;
         }
     }
     if (one.bodyB == two.bodyB)
-        context.error(*place.node, place.pointer, "the gear joins a body to itself",
+        context.error(place.node, place.pointer, "the gear joins a body to itself",
                       "two joints with different \"bodyB\"");
 }
 
 JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t bodies, std::size_t joints) {
-    ObjectReader reader(context, *place.node, place.pointer, true);
+    ObjectReader reader(context, place.node, place.pointer, true);
     JointDefinition j;
     j.name = reader.string("name", "");
     reader.require("type", "a kind of joint");
@@ -198,7 +198,7 @@ JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t 
     reader.ignore({"jointSpeed", "linearOffset", "customProperties", "maxTorque", "path"});
     reader.finish();
     if (j.enableLimit && j.lowerLimit > j.upperLimit)
-        context.error(*place.node, place.pointer, "the joint's limits are empty", "lowerLimit <= upperLimit");
+        context.error(place.node, place.pointer, "the joint's limits are empty", "lowerLimit <= upperLimit");
     return j;
 }
 
@@ -207,13 +207,17 @@ JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t 
 void readJoints(Context& context, ObjectReader& top, RigidWorldDefinition& out) {
     const std::size_t before = context.errors();
     const auto places = top.array("joint");
+    const std::size_t count = places.size();
     for (const ArrayItem& place : places)
-        out.joints.push_back(readJoint(context, place, out.bodies.size(), places.size()));
+        out.joints.push_back(readJoint(context, place, out.bodies.size(), count));
     if (context.errors() != before)
         return;
-    for (std::size_t i = 0; i < places.size(); ++i)
-        if (out.joints[i].kind == JointKind::Gear)
-            checkGear(context, places[i], out, out.joints[i]);
+    auto joint = out.joints.begin();
+    for (const ArrayItem& place : places) {
+        if (joint->kind == JointKind::Gear)
+            checkGear(context, place, out, *joint);
+        ++joint;
+    }
 }
 
 } // namespace supercircle::scene

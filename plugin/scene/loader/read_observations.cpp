@@ -15,8 +15,8 @@ const std::vector<std::string> quantities = {"angle", "x",  "y",  "spin",  "vx",
 std::string readTarget(Context& context, ObjectReader& reader, const char* key, const std::vector<std::string>& names) {
     reader.require(key, "the name of what is observed");
     const std::string target = reader.string(key, "");
-    const Node* node = reader.find(key);
-    if (node != nullptr && node->kind == Node::Kind::String &&
+    const std::optional<Node> node = reader.find(key);
+    if (node && node->kind() == Node::Kind::String &&
         std::find(names.begin(), names.end(), target) == names.end())
         context.error(*node, reader.pointerTo(key), "there is no " + std::string(key) + " named \"" + target + "\"", {},
                       nearestName(target, names));
@@ -26,7 +26,7 @@ std::string readTarget(Context& context, ObjectReader& reader, const char* key, 
 Observation readObservation(Context& context, const ArrayItem& place, const Scene& scene) {
     using Of = Observation::Of;
     using Quantity = Observation::Quantity;
-    ObjectReader reader(context, *place.node, place.pointer);
+    ObjectReader reader(context, place.node, place.pointer);
     Observation o;
     if (!reader.valid())
         return o;
@@ -51,12 +51,12 @@ Observation readObservation(Context& context, const ArrayItem& place, const Scen
     }
     reader.finish();
     const bool ofMachine = o.quantity == Quantity::Force || o.quantity == Quantity::Travel;
-    if (const Node* node = reader.find("quantity"); node != nullptr && ofMachine != (o.of == Of::Machine))
+    if (const std::optional<Node> node = reader.find("quantity"); node && ofMachine != (o.of == Of::Machine))
         context.error(*node, reader.pointerTo("quantity"),
                       o.of == Of::Machine ? "a machine has no such quantity" : "only a machine has this quantity",
                       o.of == Of::Machine ? "\"force\" or \"travel\"" : "\"of\": \"machine\"");
     if (o.of == Of::Machine && !scene.protocol)
-        context.error(*place.node, place.pointer, "the scene has no machine", "a \"protocol\" that moves a body");
+        context.error(place.node, place.pointer, "the scene has no machine", "a \"protocol\" that moves a body");
     return o;
 }
 
@@ -67,7 +67,7 @@ void readObservations(Context& context, ObjectReader& top, Scene& scene) {
         scene.observe.push_back(readObservation(context, place, scene));
         for (std::size_t i = 0; i + 1 < scene.observe.size(); ++i)
             if (scene.observe[i].name == scene.observe.back().name)
-                context.error(*place.node, place.pointer,
+                context.error(place.node, place.pointer,
                               "there are two observations named \"" + scene.observe[i].name + "\"");
     }
 }

@@ -22,7 +22,7 @@ public:
 
 private:
     void readOne(const ArrayItem& item, int cycle) {
-        ObjectReader reader(context_, *item.node, item.pointer);
+        ObjectReader reader(context_, item.node, item.pointer);
         if (!reader.valid())
             return;
         reader.renamed("travel", "speed_m_s");
@@ -30,17 +30,17 @@ private:
         reader.renamed("moves", "segments");
         int kinds = 0;
         for (const char* key : {"speed_m_s", "hold", "settle", "repeat"})
-            kinds += reader.find(key) != nullptr ? 1 : 0;
+            kinds += reader.find(key) ? 1 : 0;
         if (kinds != 1) {
-            context_.error(*item.node, item.pointer, kinds == 0 ? "a segment of no kind" : "a segment of several kinds",
+            context_.error(item.node, item.pointer, kinds == 0 ? "a segment of no kind" : "a segment of several kinds",
                            "one of \"speed_m_s\", \"hold\", \"settle\", \"repeat\"");
             reader.ignore({"stop_when", "loading", "cycle", "segments"});
             reader.finish();
             return;
         }
-        if (reader.find("speed_m_s") != nullptr)
+        if (reader.find("speed_m_s"))
             travel(reader, cycle);
-        else if (reader.find("repeat") != nullptr)
+        else if (reader.find("repeat"))
             repeat(reader, cycle);
         else
             wait(reader, cycle);
@@ -64,8 +64,8 @@ private:
     }
 
     void readStop(ObjectReader& reader, StopCondition& stop) {
-        const Node* node = reader.find("stop_when");
-        if (node == nullptr)
+        const std::optional<Node> node = reader.find("stop_when");
+        if (!node)
             return;
         ObjectReader conditions(context_, *node, reader.pointerTo("stop_when"));
         if (!conditions.valid())
@@ -82,7 +82,7 @@ private:
 
     void wait(ObjectReader& reader, int cycle) {
         ProtocolSegment segment;
-        const bool hold = reader.find("hold") != nullptr;
+        const bool hold = reader.find("hold").has_value();
         segment.kind = hold ? ProtocolSegment::Kind::Hold : ProtocolSegment::Kind::Settle;
         segment.cycle = cycle;
         segment.stop_when.time = reader.number(hold ? "hold" : "settle", 0.0, notNegative);
@@ -128,8 +128,8 @@ private:
 void checkCrosshead(Context& context, ObjectReader& reader, const Scene& scene, const Protocol& protocol) {
     const bool holds = std::any_of(scene.holds.begin(), scene.holds.end(),
                                    [](const HoldDef& h) { return h.base == HoldBase::Moving; });
-    const Node* body = reader.find("body");
-    if (body == nullptr) {
+    const std::optional<Node> body = reader.find("body");
+    if (!body) {
         const bool travels =
             std::any_of(protocol.segments.begin(), protocol.segments.end(),
                         [](const ProtocolSegment& s) { return s.kind == ProtocolSegment::Kind::Travel; });
@@ -138,7 +138,7 @@ void checkCrosshead(Context& context, ObjectReader& reader, const Scene& scene, 
                           "\"body\" (a kinematic body), or a hold with \"base\": \"moving\"");
         return;
     }
-    if (body->kind != Node::Kind::String)
+    if (body->kind() != Node::Kind::String)
         return; // reported already
     std::vector<std::string> names;
     int count = 0;
@@ -168,11 +168,11 @@ void checkCrosshead(Context& context, ObjectReader& reader, const Scene& scene, 
 } // namespace
 
 void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::optional<Protocol>& out) {
-    const Node* node = top.find("protocol");
-    if (node == nullptr) {
+    const std::optional<Node> node = top.find("protocol");
+    if (!node) {
         for (const HoldDef& h : scene.holds)
             if (h.base == HoldBase::Moving)
-                context.note(context.document.root, "/hold",
+                context.note(context.document.root(), "/hold",
                              "a hold is attached to the crosshead, but no \"protocol\" moves it");
         return;
     }
@@ -198,13 +198,13 @@ void readProtocol(Context& context, ObjectReader& top, const Scene& scene, std::
 }
 
 void readNumerics(Context& context, ObjectReader& top, Numerics& out) {
-    const Node* node = top.find("numerics");
-    if (node == nullptr)
+    const std::optional<Node> node = top.find("numerics");
+    if (!node)
         return;
     ObjectReader reader(context, *node, "/numerics");
     out.dt_max = reader.number("dt_max", out.dt_max, positive);
     out.dt_min = reader.number("dt_min", out.dt_min, positive);
-    if (reader.find("quasi_static") != nullptr)
+    if (reader.find("quasi_static"))
         out.quasi_static = reader.boolean("quasi_static", false);
     out.fixed_dt = reader.number("fixed_dt", out.fixed_dt, notNegative);
     out.tolerance = reader.number("tolerance", out.tolerance, positive);
@@ -220,8 +220,8 @@ const std::vector<std::string>& reportKinds() {
 }
 
 void readReport(Context& context, ObjectReader& top, Report& out) {
-    const Node* node = top.find("report");
-    if (node == nullptr)
+    const std::optional<Node> node = top.find("report");
+    if (!node)
         return;
     ObjectReader reader(context, *node, "/report");
     out.kind = reportKinds()[reader.choice("kind", reportKinds(), 0)];

@@ -28,8 +28,8 @@ std::vector<Vec2> readVertices(Context& context, ObjectReader& shape) {
     std::vector<Vec2> vertices;
     if (!shape.require("vertices", "{\"x\": [...], \"y\": [...]}"))
         return vertices;
-    const Node* node = shape.find("vertices");
-    if (node == nullptr)
+    const std::optional<Node> node = shape.find("vertices");
+    if (!node)
         return vertices;
     ObjectReader lists(context, *node, shape.pointerTo("vertices"), true);
     const std::vector<double> x = lists.numbers("x");
@@ -178,10 +178,10 @@ void readChain(Context& context, const Node& node, const std::string& pointer, F
 
 void readShape(Context& context, ObjectReader& reader, FixtureDefinition& f, double scale) {
     const char* keys[] = {"circle", "polygon", "chain", "loop", "edge"};
-    const Node* shape = nullptr;
+    std::optional<Node> shape;
     int count = 0;
     for (const char* key : keys) {
-        if (const Node* node = reader.find(key)) {
+        if (const std::optional<Node> node = reader.find(key)) {
             shape = node;
             ++count;
         }
@@ -193,12 +193,12 @@ void readShape(Context& context, ObjectReader& reader, FixtureDefinition& f, dou
                       "one of \"circle\", \"polygon\", \"chain\", \"loop\", \"edge\"");
         return;
     }
-    const std::string pointer = reader.pointerTo(shape->key);
-    if (shape->key == "circle") {
+    const std::string pointer = reader.pointerTo(shape->key());
+    if (shape->key() == "circle") {
         readCircle(context, *shape, pointer, f, scale);
-    } else if (shape->key == "edge") {
+    } else if (shape->key() == "edge") {
         readEdge(context, *shape, pointer, f, scale);
-    } else if (shape->key == "polygon") {
+    } else if (shape->key() == "polygon") {
         ObjectReader polygon(context, *shape, pointer, true);
         const std::size_t before = context.errors();
         f.vertices = readVertices(context, polygon);
@@ -206,12 +206,12 @@ void readShape(Context& context, ObjectReader& reader, FixtureDefinition& f, dou
         if (context.errors() == before)
             checkPolygon(context, *shape, pointer, f.vertices, scale);
     } else {
-        readChain(context, *shape, pointer, f, shape->key == "loop", scale);
+        readChain(context, *shape, pointer, f, shape->key() == "loop", scale);
     }
 }
 
 FixtureDefinition readFixture(Context& context, const ArrayItem& place, double scale) {
-    ObjectReader reader(context, *place.node, place.pointer, true);
+    ObjectReader reader(context, place.node, place.pointer, true);
     FixtureDefinition f;
     if (context.rubeExport)
         f.density = f.friction = 0.0;
@@ -230,7 +230,7 @@ FixtureDefinition readFixture(Context& context, const ArrayItem& place, double s
 }
 
 void readMassData(ObjectReader& reader, BodyDefinition& body) {
-    const bool given = reader.find("massData-mass") != nullptr;
+    const bool given = reader.find("massData-mass").has_value();
     step::MassData data;
     data.mass = reader.number("massData-mass", 0.0, notNegative);
     data.centre = reader.vector("massData-center", Vec2::Zero());
@@ -240,16 +240,16 @@ void readMassData(ObjectReader& reader, BodyDefinition& body) {
 }
 
 BodyDefinition readBody(Context& context, const ArrayItem& place, double scale) {
-    ObjectReader reader(context, *place.node, place.pointer, true);
+    ObjectReader reader(context, place.node, place.pointer, true);
     BodyDefinition b;
     b.awake = !context.rubeExport;
     b.name = reader.string("name", "");
-    if (const Node* type = reader.find("type"); type != nullptr && type->kind == Node::Kind::String)
+    if (const std::optional<Node> type = reader.find("type"); type && type->kind() == Node::Kind::String)
         context.error(*type, reader.pointerTo("type"), "this is a text", "0 (static), 1 (kinematic) or 2 (dynamic)");
     else
         b.type = static_cast<BodyType>(reader.integer("type", 0, 0, 2));
     b.position = reader.vector("position", b.position);
-    if (const Node* position = reader.find("position"))
+    if (const std::optional<Node> position = reader.find("position"))
         checkReach(context, *position, reader.pointerTo("position"), b.position.norm(), scale);
     b.angle = reader.number("angle", b.angle);
     b.linearVelocity = reader.vector("linearVelocity", b.linearVelocity);
@@ -275,7 +275,7 @@ BodyDefinition readBody(Context& context, const ArrayItem& place, double scale) 
 void readRigid(Context& context, ObjectReader& top, step::RigidWorldDefinition& out) {
     if (context.rubeExport)
         out.gravity.setZero();
-    if (const Node* gravity = top.find("gravity"))
+    if (const std::optional<Node> gravity = top.find("gravity"))
         out.gravity = readVector(context, *gravity, "/gravity", true).value_or(out.gravity);
     for (const ArrayItem& place : top.array("body"))
         out.bodies.push_back(readBody(context, place, out.lengthScale));
@@ -286,7 +286,7 @@ void readRigid(Context& context, ObjectReader& top, step::RigidWorldDefinition& 
     top.ignore({"image", "customProperties", "collisionbitplanes"});
     for (const char* key : {"velocityIterations", "positionIterations", "stepsPerSecond", "autoClearForces",
                             "warmStarting", "continuousPhysics", "subStepping"})
-        if (const Node* node = top.find(key))
+        if (const std::optional<Node> node = top.find(key))
             context.note(*node, top.pointerTo(key), std::string("\"") + key + "\" of R.U.B.E. has no effect here");
 }
 

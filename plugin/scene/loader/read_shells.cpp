@@ -13,10 +13,10 @@ constexpr int minElements = 3, maxElements = 1000;
 
 /// One curvature for all elements, or one for each.
 std::vector<double> readCurvatures(Context& context, ObjectReader& reader, const std::string& key, int elements) {
-    const Node* node = reader.find(key);
-    if (node == nullptr)
+    const std::optional<Node> node = reader.find(key);
+    if (!node)
         return {};
-    if (node->kind != Node::Kind::Array)
+    if (node->kind() != Node::Kind::Array)
         return std::vector<double>(static_cast<std::size_t>(elements), reader.number(key, 0.0));
     std::vector<double> values = reader.numbers(key);
     if (values.size() != static_cast<std::size_t>(elements)) {
@@ -29,12 +29,12 @@ std::vector<double> readCurvatures(Context& context, ObjectReader& reader, const
 
 /// Natural radius, m; "infinite" means a straight strip.
 double readRadius(Context& context, ObjectReader& reader, double fallback) {
-    const Node* node = reader.find("radius");
-    if (node != nullptr && node->kind == Node::Kind::String) {
-        if (node->text == "infinite")
+    const std::optional<Node> node = reader.find("radius");
+    if (node && node->kind() == Node::Kind::String) {
+        if (node->text() == "infinite")
             return std::numeric_limits<double>::infinity();
-        context.error(*node, reader.pointerTo("radius"), "unknown value \"" + node->text + "\"",
-                      "a number > 0 in m, or \"infinite\"", nearestName(node->text, {"infinite"}));
+        context.error(*node, reader.pointerTo("radius"), "unknown value \"" + node->text() + "\"",
+                      "a number > 0 in m, or \"infinite\"", nearestName(node->text(), {"infinite"}));
         return fallback;
     }
     return reader.number("radius", fallback, positive);
@@ -88,8 +88,8 @@ void noteThin(Context& context, ObjectReader& reader, const ShellDef& d) {
     std::snprintf(text, sizeof text,
                   "a thickness of 1/%.0f of the radius takes about %.0f times the steps of a shell of 1/1000",
                   1.0 / ratio, usual / ratio);
-    const Node* thickness = reader.find("thickness");
-    context.note(thickness != nullptr ? *thickness : reader.node(), reader.pointerTo("thickness"), text);
+    const std::optional<Node> thickness = reader.find("thickness");
+    context.note(thickness ? *thickness : reader.node(), reader.pointerTo("thickness"), text);
 }
 
 /// The model is that of a thin rod.
@@ -103,8 +103,8 @@ void noteThick(Context& context, ObjectReader& reader, const ShellDef& d) {
                   "a thickness of %.2g of the radius, more than 0.2: shells are computed as thin rods, whose forces "
                   "are off by about that share",
                   ratio);
-    const Node* thickness = reader.find("thickness");
-    context.note(thickness != nullptr ? *thickness : reader.node(), reader.pointerTo("thickness"), text);
+    const std::optional<Node> thickness = reader.find("thickness");
+    context.note(thickness ? *thickness : reader.node(), reader.pointerTo("thickness"), text);
 }
 
 void readMaterial(ObjectReader& reader, ShellDef& d) {
@@ -120,7 +120,7 @@ void readPose(Context& context, ObjectReader& reader, ShellDef& d) {
     const Eigen::Vector2d position = reader.vector("position", {d.position.x, d.position.y});
     d.position = {position.x(), position.y()};
     d.angle = reader.number("angle", d.angle);
-    if (const Node* angle = reader.find("angle"); angle != nullptr && std::abs(d.angle) > 4.0 * M_PI)
+    if (const std::optional<Node> angle = reader.find("angle"); angle && std::abs(d.angle) > 4.0 * M_PI)
         context.note(*angle, reader.pointerTo("angle"),
                      "angles are in rad: this one makes more than two turns; {\"expr\": \"pi\"} is half a turn");
     const Eigen::Vector2d velocity = reader.vector("velocity", {d.velocity.x, d.velocity.y});
@@ -168,10 +168,10 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
 
 void readShells(Context& context, ObjectReader& top, std::vector<ShellDef>& out) {
     for (const ArrayItem& place : top.array("shell")) {
-        ShellDef d = readShell(context, *place.node, place.pointer, false);
+        ShellDef d = readShell(context, place.node, place.pointer, false);
         const bool taken = std::any_of(out.begin(), out.end(), [&](const ShellDef& o) { return o.name == d.name; });
         if (!d.name.empty() && taken)
-            context.error(*place.node->find("name"), place.pointer + "/name",
+            context.error(*place.node.find("name"), place.pointer + "/name",
                           "there is already a shell named \"" + d.name + "\"", "a different name for each shell");
         out.push_back(std::move(d));
     }
@@ -180,9 +180,8 @@ void readShells(Context& context, ObjectReader& top, std::vector<ShellDef>& out)
 namespace {
 
 HoldBase readBase(ObjectReader& reader) {
-    const Node* old = reader.superseded("on_machine", "\"base\": \"moving\"", "base");
-    const bool moving =
-        old != nullptr ? reader.boolean("on_machine", false) : reader.choice("base", {"fixed", "moving"}, 0) == 1;
+    const std::optional<Node> old = reader.superseded("on_machine", "\"base\": \"moving\"", "base");
+    const bool moving = old ? reader.boolean("on_machine", false) : reader.choice("base", {"fixed", "moving"}, 0) == 1;
     return moving ? HoldBase::Moving : HoldBase::Fixed;
 }
 
@@ -194,7 +193,7 @@ void readHolds(Context& context, ObjectReader& top, const std::vector<ShellDef>&
         if (!d.name.empty())
             names.push_back(d.name);
     for (const ArrayItem& place : top.array("hold")) {
-        ObjectReader reader(context, *place.node, place.pointer);
+        ObjectReader reader(context, place.node, place.pointer);
         HoldDef h;
         reader.require("shell", "the name of a shell");
         h.shell = reader.string("shell", "");
@@ -202,8 +201,8 @@ void readHolds(Context& context, ObjectReader& top, const std::vector<ShellDef>&
         h.kind = reader.choice("kind", {"clamp", "pin"}, 0) == 0 ? HoldKind::Clamp : HoldKind::Pin;
         h.base = readBase(reader);
         reader.finish();
-        const Node* shell = reader.find("shell");
-        if (shell != nullptr && shell->kind == Node::Kind::String &&
+        const std::optional<Node> shell = reader.find("shell");
+        if (shell && shell->kind() == Node::Kind::String &&
             std::find(names.begin(), names.end(), h.shell) == names.end())
             context.error(*shell, reader.pointerTo("shell"), "there is no shell named \"" + h.shell + "\"",
                           names.empty() ? "a shell with a name" : "", nearestName(h.shell, names));
@@ -212,14 +211,14 @@ void readHolds(Context& context, ObjectReader& top, const std::vector<ShellDef>&
 }
 
 void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out) {
-    const Node* node = top.find("drop");
-    if (node == nullptr)
+    const std::optional<Node> node = top.find("drop");
+    if (!node)
         return;
     ObjectReader reader(context, *node, "/drop");
     reader.renamed("together", "batch_size");
     Drop drop;
     if (reader.require("shell", "the shell to drop"))
-        if (const Node* shell = reader.find("shell"))
+        if (const std::optional<Node> shell = reader.find("shell"))
             drop.shell = readShell(context, *shell, "/drop/shell", true);
     drop.count = static_cast<int>(reader.integer("count", drop.count, 1, 100000));
     const std::size_t before = context.errors();

@@ -41,29 +41,29 @@ std::optional<double> hexFloat(const std::string& text) {
 
 /// Value of {"param": name} or {"expr": formula}.
 std::optional<double> readReference(Context& context, const Node& node, const std::string& pointer) {
-    const Node* param = node.find("param");
-    const Node* expr = node.find("expr");
+    const std::optional<Node> param = node.find("param");
+    const std::optional<Node> expr = node.find("expr");
     const char* wanted = "a number, {\"param\": name} or {\"expr\": formula}";
-    for (const Node& child : node.children) {
-        if (child.key != "param" && child.key != "expr" && child.key != "about") {
-            context.keyError(child, pointer + "/" + pointerToken(child.key),
-                             "unknown key \"" + child.key + "\" where a number stands", wanted,
-                             nearestName(child.key, {"param", "expr"}));
+    for (const Node& child : node.children()) {
+        if (child.key() != "param" && child.key() != "expr" && child.key() != "about") {
+            context.keyError(child, pointer + "/" + pointerToken(child.key()),
+                             "unknown key \"" + child.key() + "\" where a number stands", wanted,
+                             nearestName(child.key(), {"param", "expr"}));
             return std::nullopt;
         }
     }
-    if ((param != nullptr) == (expr != nullptr)) {
-        context.error(node, pointer, param != nullptr ? "both \"param\" and \"expr\"" : "not a number", wanted);
+    if (param.has_value() == expr.has_value()) {
+        context.error(node, pointer, param ? "both \"param\" and \"expr\"" : "not a number", wanted);
         return std::nullopt;
     }
-    const Node& text = param != nullptr ? *param : *expr;
-    const std::string where = pointer + "/" + text.key;
-    if (text.kind != Node::Kind::String) {
-        context.error(text, where, "\"" + text.key + "\" is " + kindName(text.kind), "a text");
+    const Node text = param ? *param : *expr;
+    const std::string where = pointer + "/" + text.key();
+    if (text.kind() != Node::Kind::String) {
+        context.error(text, where, "\"" + text.key() + "\" is " + kindName(text.kind()), "a text");
         return std::nullopt;
     }
-    return param != nullptr ? context.scope.value(context, text.text, text, where)
-                            : context.scope.evaluate(context, text.text, text, where);
+    return param ? context.scope.value(context, text.text(), text, where)
+                 : context.scope.evaluate(context, text.text(), text, where);
 }
 
 /// Reports the error, or counts it: the place of each takes time proportional to the length of its line.
@@ -90,16 +90,21 @@ void report(Context& context, std::size_t offset, const std::string& pointer, co
 
 void Context::error(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected,
                     const std::string& nearest) {
-    report(*this, at.offset, pointer, what, expected, nearest);
+    errorAt(at.offset(), pointer, what, expected, nearest);
+}
+
+void Context::errorAt(std::size_t offset, const std::string& pointer, const std::string& what,
+                      const std::string& expected, const std::string& nearest) {
+    report(*this, offset, pointer, what, expected, nearest);
 }
 
 void Context::keyError(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected,
                        const std::string& nearest) {
-    report(*this, at.keyOffset, pointer, what, expected, nearest);
+    report(*this, at.keyOffset(), pointer, what, expected, nearest);
 }
 
 void Context::note(const Node& at, const std::string& pointer, const std::string& what) {
-    Problem p = document.problemAt(at.keyOffset, pointer, what);
+    Problem p = document.problemAt(at.keyOffset(), pointer, what);
     p.severity = Problem::Severity::Note;
     problems.push_back(std::move(p));
 }
@@ -115,17 +120,17 @@ void Context::noteRenamed(const Node& at, const std::string& pointer, const std:
 std::optional<double> readNumber(Context& context, const Node& node, const std::string& pointer, const Limits& limits,
                                  bool hex) {
     std::optional<double> value;
-    if (node.kind == Node::Kind::Number) {
-        value = node.number;
-    } else if (node.kind == Node::Kind::Object) {
+    if (node.kind() == Node::Kind::Number) {
+        value = node.number();
+    } else if (node.kind() == Node::Kind::Object) {
         value = readReference(context, node, pointer);
         if (!value)
             return value;
     } else {
-        if (hex && node.kind == Node::Kind::String)
-            value = hexFloat(node.text);
+        if (hex && node.kind() == Node::Kind::String)
+            value = hexFloat(node.text());
         if (!value) {
-            context.error(node, pointer, std::string("this is ") + kindName(node.kind),
+            context.error(node, pointer, std::string("this is ") + kindName(node.kind()),
                           limitsText(limits) + ", {\"param\": name} or {\"expr\": formula}");
             return value;
         }
@@ -143,10 +148,10 @@ std::optional<double> readNumber(Context& context, const Node& node, const std::
 }
 
 std::optional<Eigen::Vector2d> readVector(Context& context, const Node& node, const std::string& pointer, bool hex) {
-    if (node.kind == Node::Kind::Number && node.number == 0.0)
+    if (node.kind() == Node::Kind::Number && node.number() == 0.0)
         return Eigen::Vector2d(0.0, 0.0); // b2dJson's short form of the origin
-    if (node.kind != Node::Kind::Object) {
-        context.error(node, pointer, std::string("this is ") + kindName(node.kind), "{\"x\": ..., \"y\": ...} or 0");
+    if (node.kind() != Node::Kind::Object) {
+        context.error(node, pointer, std::string("this is ") + kindName(node.kind()), "{\"x\": ..., \"y\": ...} or 0");
         return std::nullopt;
     }
     ObjectReader reader(context, node, pointer, hex);
@@ -164,7 +169,7 @@ ObjectReader::ObjectReader(Context& context, const Node& node, std::string point
     : context_(context), node_(node), pointer_(std::move(pointer)), hex_(hex) {
     known_.emplace_back("about");
     if (!valid())
-        context_.error(node, pointer_, std::string("this is ") + kindName(node.kind), "an object");
+        context_.error(node, pointer_, std::string("this is ") + kindName(node.kind()), "an object");
 }
 
 std::string ObjectReader::pointerTo(const std::string& key) const {
@@ -175,18 +180,19 @@ std::string ObjectReader::pointerTo(const std::string& key) const {
 }
 
 void ObjectReader::renamed(const std::string& old, const std::string& now) {
-    if (superseded(old, "\"" + now + "\"", now) != nullptr && node_.find(now) == nullptr)
+    if (superseded(old, "\"" + now + "\"", now) && !node_.find(now))
         aliases_.emplace_back(now, old);
 }
 
-const Node* ObjectReader::superseded(const std::string& old, const std::string& successor, const std::string& now) {
+std::optional<Node> ObjectReader::superseded(const std::string& old, const std::string& successor,
+                                             const std::string& now) {
     oldNames_.push_back(old);
     makeKnown(now);
-    const Node* node = node_.find(old);
-    if (node == nullptr)
-        return nullptr;
+    const std::optional<Node> node = node_.find(old);
+    if (!node)
+        return node;
     const std::string where = pointer_ + "/" + pointerToken(old);
-    if (node_.find(now) != nullptr)
+    if (node_.find(now))
         context_.keyError(*node, where, "both \"" + old + "\" and \"" + now + "\"",
                           "\"" + now + "\" alone: \"" + old + "\" is its name before 0.2");
     else
@@ -202,7 +208,7 @@ void ObjectReader::makeKnown(const std::string& key) {
         known_.push_back(key);
 }
 
-const Node* ObjectReader::find(const std::string& key) {
+std::optional<Node> ObjectReader::find(const std::string& key) {
     makeKnown(key);
     for (const auto& [now, old] : aliases_)
         if (now == key)
@@ -211,13 +217,13 @@ const Node* ObjectReader::find(const std::string& key) {
 }
 
 double ObjectReader::number(const std::string& key, double fallback, const Limits& limits) {
-    const Node* node = find(key);
-    return node == nullptr ? fallback : readNumber(context_, *node, pointerTo(key), limits, hex_).value_or(fallback);
+    const std::optional<Node> node = find(key);
+    return !node ? fallback : readNumber(context_, *node, pointerTo(key), limits, hex_).value_or(fallback);
 }
 
 std::int64_t ObjectReader::integer(const std::string& key, std::int64_t fallback, std::int64_t min, std::int64_t max) {
-    const Node* node = find(key);
-    if (node == nullptr)
+    const std::optional<Node> node = find(key);
+    if (!node)
         return fallback;
     const auto value = readNumber(context_, *node, pointerTo(key), anyNumber, hex_);
     if (!value)
@@ -233,73 +239,74 @@ std::int64_t ObjectReader::integer(const std::string& key, std::int64_t fallback
 }
 
 bool ObjectReader::boolean(const std::string& key, bool fallback) {
-    const Node* node = find(key);
-    if (node == nullptr)
+    const std::optional<Node> node = find(key);
+    if (!node)
         return fallback;
-    if (node->kind == Node::Kind::Boolean)
-        return node->boolean;
-    context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind), "true or false");
+    if (node->kind() == Node::Kind::Boolean)
+        return node->boolean();
+    context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind()), "true or false");
     return fallback;
 }
 
 std::string ObjectReader::string(const std::string& key, const std::string& fallback) {
-    const Node* node = find(key);
-    if (node == nullptr)
+    const std::optional<Node> node = find(key);
+    if (!node)
         return fallback;
-    if (node->kind == Node::Kind::String)
-        return node->text;
-    context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind), "a text");
+    if (node->kind() == Node::Kind::String)
+        return node->text();
+    context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind()), "a text");
     return fallback;
 }
 
 Eigen::Vector2d ObjectReader::vector(const std::string& key, const Eigen::Vector2d& fallback) {
-    const Node* node = find(key);
-    return node == nullptr ? fallback : readVector(context_, *node, pointerTo(key), hex_).value_or(fallback);
+    const std::optional<Node> node = find(key);
+    return !node ? fallback : readVector(context_, *node, pointerTo(key), hex_).value_or(fallback);
 }
 
 std::size_t ObjectReader::choice(const std::string& key, const std::vector<std::string>& words, std::size_t fallback) {
-    const Node* node = find(key);
-    if (node == nullptr)
+    const std::optional<Node> node = find(key);
+    if (!node)
         return fallback;
     std::string all;
     for (const std::string& word : words)
         all += (all.empty() ? "\"" : ", \"") + word + "\"";
-    if (node->kind != Node::Kind::String) {
-        context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind), "one of " + all);
+    if (node->kind() != Node::Kind::String) {
+        context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind()), "one of " + all);
         return fallback;
     }
-    const auto found = std::find(words.begin(), words.end(), node->text);
+    const std::string text = node->text();
+    const auto found = std::find(words.begin(), words.end(), text);
     if (found == words.end()) {
-        context_.error(*node, pointerTo(key), "unknown value \"" + node->text + "\"", "one of " + all,
-                       nearestName(node->text, words));
+        context_.error(*node, pointerTo(key), "unknown value \"" + text + "\"", "one of " + all,
+                       nearestName(text, words));
         return fallback;
     }
     return static_cast<std::size_t>(found - words.begin());
 }
 
-std::vector<ArrayItem> ObjectReader::array(const std::string& key) {
-    std::vector<ArrayItem> items;
-    const Node* node = find(key);
-    if (node == nullptr)
-        return items;
-    if (node->kind != Node::Kind::Array) {
-        context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind), "an array");
-        return items;
+ArrayItems ObjectReader::array(const std::string& key) {
+    const std::optional<Node> node = find(key);
+    const auto nowhere = node_.children().end();
+    if (!node)
+        return {{nowhere, nowhere}, {}};
+    if (node->kind() != Node::Kind::Array) {
+        context_.error(*node, pointerTo(key), std::string("this is ") + kindName(node->kind()), "an array");
+        return {{nowhere, nowhere}, {}};
     }
-    for (std::size_t i = 0; i < node->children.size(); ++i)
-        items.push_back({&node->children[i], pointerTo(key) + "/" + std::to_string(i)});
-    return items;
+    return {node->children(), pointerTo(key)};
 }
 
 std::vector<double> ObjectReader::numbers(const std::string& key, const Limits& limits) {
+    const ArrayItems items = array(key);
     std::vector<double> values;
-    for (const ArrayItem& item : array(key))
-        values.push_back(readNumber(context_, *item.node, item.pointer, limits, hex_).value_or(0.0));
+    values.reserve(items.size());
+    for (const ArrayItem& item : items)
+        values.push_back(readNumber(context_, item.node, item.pointer, limits, hex_).value_or(0.0));
     return values;
 }
 
 bool ObjectReader::require(const std::string& key, const std::string& expected) {
-    if (!valid() || find(key) != nullptr)
+    if (!valid() || find(key))
         return true;
     context_.keyError(node_, pointer_, "\"" + key + "\" is missing", expected);
     return false;
@@ -313,9 +320,9 @@ void ObjectReader::ignore(std::initializer_list<const char*> keys) {
 void ObjectReader::finish() {
     if (!valid())
         return;
-    for (const Node& child : node_.children) {
-        if (std::find(known_.begin(), known_.end(), child.key) != known_.end() ||
-            std::find(oldNames_.begin(), oldNames_.end(), child.key) != oldNames_.end())
+    for (const Node& child : node_.children()) {
+        if (std::find(known_.begin(), known_.end(), child.key()) != known_.end() ||
+            std::find(oldNames_.begin(), oldNames_.end(), child.key()) != oldNames_.end())
             continue;
         if (context_.full()) {
             context_.keyError(child, {}, {});
@@ -325,8 +332,8 @@ void ObjectReader::finish() {
         if (known_.size() <= 12)
             for (const std::string& key : known_)
                 all += (all.empty() ? "one of " : ", ") + key;
-        context_.keyError(child, pointerTo(child.key), "unknown key \"" + child.key + "\"", all,
-                          nearestName(child.key, known_));
+        context_.keyError(child, pointerTo(child.key()), "unknown key \"" + child.key() + "\"", all,
+                          nearestName(child.key(), known_));
     }
 }
 

@@ -22,6 +22,9 @@ struct Context {
 
     void error(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected = {},
                const std::string& nearest = {});
+    /// Points at a byte of the text.
+    void errorAt(std::size_t offset, const std::string& pointer, const std::string& what,
+                 const std::string& expected = {}, const std::string& nearest = {});
     /// Points at the key of `at` instead of its value.
     void keyError(const Node& at, const std::string& pointer, const std::string& what, const std::string& expected = {},
                   const std::string& nearest = {});
@@ -51,8 +54,39 @@ inline constexpr Limits notNegative{0.0, std::numeric_limits<double>::infinity()
 
 /// An item of an array and its JSON pointer.
 struct ArrayItem {
-    const Node* node = nullptr;
+    Node node;
     std::string pointer;
+};
+
+/// Items of an array, to walk over.
+class ArrayItems {
+public:
+    class Iterator {
+    public:
+        Iterator(const std::string& pointer, Node::Children::Iterator at) : pointer_(&pointer), at_(at) {}
+        ArrayItem operator*() const { return {*at_, *pointer_ + "/" + std::to_string(index_)}; }
+        Iterator& operator++() {
+            ++at_;
+            ++index_;
+            return *this;
+        }
+        bool operator!=(const Iterator& other) const { return at_ != other.at_; }
+
+    private:
+        const std::string* pointer_;
+        Node::Children::Iterator at_;
+        std::size_t index_ = 0;
+    };
+
+    ArrayItems(Node::Children items, std::string pointer) : items_(items), pointer_(std::move(pointer)) {}
+    [[nodiscard]] Iterator begin() const { return {pointer_, items_.begin()}; }
+    [[nodiscard]] Iterator end() const { return {pointer_, items_.end()}; }
+    [[nodiscard]] bool empty() const { return items_.empty(); }
+    [[nodiscard]] std::size_t size() const { return items_.size(); } ///< takes a walk
+
+private:
+    Node::Children items_;
+    std::string pointer_;
 };
 
 /// A number: JSON number, {"param": name}, {"expr": formula}, or, if `hex`, the eight hex digits that b2dJson writes
@@ -69,7 +103,7 @@ public:
     /// Reports if `node` is not an object; then no key is found in it. `hex`: numbers may be b2dJson hex floats.
     ObjectReader(Context& context, const Node& node, std::string pointer, bool hex = false);
 
-    [[nodiscard]] bool valid() const { return node_.kind == Node::Kind::Object; }
+    [[nodiscard]] bool valid() const { return node_.kind() == Node::Kind::Object; }
     [[nodiscard]] const std::string& pointer() const { return pointer_; }
     [[nodiscard]] const Node& node() const { return node_; }
     /// JSON pointer of a key as it stands in the file.
@@ -80,10 +114,10 @@ public:
     void renamed(const std::string& old, const std::string& now);
     /// A key whose successor also has other values: its member, nullptr if absent. It gets a note that names the
     /// `successor`; the keys `old` and `now` in one object are an error.
-    const Node* superseded(const std::string& old, const std::string& successor, const std::string& now);
+    std::optional<Node> superseded(const std::string& old, const std::string& successor, const std::string& now);
 
     /// The member, nullptr if absent; the key is known from now on.
-    const Node* find(const std::string& key);
+    std::optional<Node> find(const std::string& key);
     double number(const std::string& key, double fallback, const Limits& limits = anyNumber);
     std::int64_t integer(const std::string& key, std::int64_t fallback, std::int64_t min, std::int64_t max);
     bool boolean(const std::string& key, bool fallback);
@@ -92,7 +126,7 @@ public:
     /// Index of a word in `words`, `fallback` if absent or (reported) none of them.
     std::size_t choice(const std::string& key, const std::vector<std::string>& words, std::size_t fallback);
     /// Items of an array; empty if absent.
-    std::vector<ArrayItem> array(const std::string& key);
+    ArrayItems array(const std::string& key);
     /// Array of numbers; empty if absent.
     std::vector<double> numbers(const std::string& key, const Limits& limits = anyNumber);
     /// Reports the absence of a key.
@@ -106,7 +140,7 @@ private:
     void makeKnown(const std::string& key);
 
     Context& context_;
-    const Node& node_;
+    Node node_;
     std::string pointer_;
     bool hex_;
     std::vector<std::string> known_;

@@ -124,7 +124,9 @@ experiment::Experiment pendulum(const Factors& f) {
     std::vector<scene::Problem> problems;
     s.text = scene::readFile(std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json", problems).value();
     s.parameters = {{"length", {0.124 * f.length, 0.0}, "m", ""}, {"thickness", {0.004 * f.length, 0.0}, "m", ""}};
-    s.body = "rod";
+    s.observation.target = "rod";
+    s.observation.quantity = scene::Observation::Quantity::Angle;
+    s.channel = {"angle", "deg", "angle_deg", 180.0 / M_PI, 1.0};
     e.scene = s;
     experiment::Run run;
     run.driveTime = {0.0, 4.0 * f.time};

@@ -111,26 +111,6 @@ TEST_CASE("a file of millions of values is refused before it takes the memory") 
     CHECK(p.pointer == "/a");
 }
 
-TEST_CASE("arrays of numbers are held once while they are read") {
-    std::vector<Problem> problems;
-    std::string flat = "[0", mixed = "[0";
-    for (int i = 1; i < 1000; ++i) {
-        flat += "," + std::to_string(i);
-        mixed += i == 500 ? ",[1,2]" : "," + std::to_string(i);
-    }
-    const auto document = parseDocument(
-        "{\"a\": " + flat + "], \"b\": " + mixed + "], \"c\": [], \"d\": [[1], [\"]\", 2]]}", "x", problems);
-    REQUIRE(document);
-    const std::vector<Node>& all = document->root.children;
-    CHECK(all[0].children.size() == 1000);
-    CHECK(all[0].children.capacity() == 1000); // it has not grown: growing holds the items twice
-    CHECK(all[0].children.back().number == 999.0);
-    CHECK(all[1].children.size() == 1000);
-    CHECK(all[1].children[500].children.capacity() == 2);
-    CHECK(all[2].children.empty());
-    CHECK(all[3].children[1].children[0].text == "]");
-}
-
 TEST_CASE("nesting beyond the limit is a message, not a crash") {
     for (const int depth : {200, 100000, 2000000}) {
         const auto n = static_cast<std::size_t>(depth);

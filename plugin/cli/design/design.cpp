@@ -86,13 +86,16 @@ int load(const DesignArguments& a, Design& design) {
     if (!std::filesystem::is_regular_file(path, error))
         return complain(kBadInput, path + ": there is no such file; `supercircle sweep` creates it");
     sweep::ResultStore store;
+    const auto failed = [&](const std::string& why) {
+        return complain(store.cannotWrite() ? kCannotWrite : kBadInput, why);
+    };
     if (const std::string why = store.open(path); !why.empty())
-        return complain(kBadInput, why);
+        return failed(why);
     if (const std::string why = store.checkFormat(); !why.empty())
-        return complain(kBadInput, why);
+        return failed(why);
     auto table = sweep::collect(design.sweep, store);
     if (!table)
-        return complain(kBadInput, table.error());
+        return failed(table.error());
     design.table = *std::move(table);
     const double shells = shellsOf(design.sweep);
     if (shells == 0.0 && a.shells > 0.0)

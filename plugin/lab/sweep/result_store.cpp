@@ -90,6 +90,18 @@ std::string ResultStore::open(const std::string& path) {
     return impl_->execute(kSchema);
 }
 
+bool ResultStore::cannotWrite() const {
+    switch (sqlite3_errcode(impl_->db)) {
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+        return true;
+    default:
+        return false;
+    }
+}
+
 Result<std::string> ResultStore::meta(const std::string& key) {
     Statement s(impl_->db, "SELECT value FROM meta WHERE key = ?");
     if (s.bind(key).step())

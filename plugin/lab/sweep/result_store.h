@@ -42,6 +42,8 @@ public:
 
     /// Opens or makes the file. Empty, or why not.
     [[nodiscard]] std::string open(const std::string& path);
+    /// Whether the last error is that the disk takes nothing (full, write-protected); reading needs room too.
+    [[nodiscard]] bool cannotWrite() const;
     /// Value of the table meta, empty if there is none.
     [[nodiscard]] Result<std::string> meta(const std::string& key);
     [[nodiscard]] std::string setMeta(const std::string& key, const std::string& value);

@@ -164,27 +164,14 @@ Status checkColumns(const Signals& s, const Table& t) {
     return {};
 }
 
-/// Every n-th row, a few thousand in all.
-Signals thinned(const Signals& all) {
-    constexpr std::size_t kRows = 4000; // four for each pixel of a picture
-    const std::size_t every = all.rows() / kRows + 1;
-    Signals few;
-    for (const Channel& c : all.channels) {
-        few.channels.push_back({c.quantity, c.marker, {}});
-        for (std::size_t i = 0; i < c.values.size(); i += every)
-            few.channels.back().values.push_back(c.values[i]);
-    }
-    for (std::size_t i = 0; i < all.rows(); i += every)
-        few.line.push_back(all.line[i]);
-    return few;
-}
-
 /// Runs of a table are added; a table of markers alone goes to the last run.
 Status addTable(const std::string& file, const Text& text, Table&& table, const Hints& hints, Imported& all) {
     Signals whole = std::move(table.signals);
     table.signals = {};
     const std::size_t index = all.sources.size();
-    Source source{file, text, std::move(table), whole.rows(), thinned(whole), 0, 0};
+    Signals raw = table.unplaced.rows() > 0 ? std::move(table.unplaced) : whole.thinned();
+    table.unplaced = {};
+    Source source{file, text, std::move(table), whole.rows(), std::move(raw), 0, 0};
     const bool onlyMarkers = !measures(whole, Quantity::Force) && !measures(whole, Quantity::Angle) &&
                              std::any_of(whole.channels.begin(), whole.channels.end(), isMarker);
     if (!onlyMarkers)

@@ -16,7 +16,7 @@ struct Source {
     Text text;   ///< encoding and line ends, without the text
     Table table; ///< layout, headings and remarks, without the signals
     std::size_t rows = 0;
-    Signals raw;                          ///< as read, thinned to a few thousand rows, for pictures
+    Signals raw;                          ///< the file's numbers before any correction, thinned, for pictures
     std::size_t candidates = 0, lost = 0; ///< lines with the numbers of a row, and how many of them are in no run
 };
 

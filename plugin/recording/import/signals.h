@@ -49,6 +49,7 @@ struct Signals {
     /// Rows first to last - 1.
     [[nodiscard]] Signals part(std::size_t first, std::size_t last) const;
     void erase(const std::vector<char>& gone); ///< removes marked rows
+    [[nodiscard]] Signals thinned() const;     ///< every n-th row, a few thousand in all, for pictures
 };
 
 /// What becomes the zero of the force.
@@ -82,6 +83,7 @@ struct Table {
     std::vector<Heading> headings; ///< per column of the file
     std::vector<int> channelOf;    ///< per column: index into track.channels, -1: not used
     Signals signals;
+    Signals unplaced;                   ///< thinned rows as the file has them, if decimal marks were placed
     std::size_t candidates = 0;         ///< lines with as many numbers as columns are needed
     std::size_t lost = 0;               ///< of these, lines that could not be used
     std::size_t firstLost = 0;          ///< line, from 1

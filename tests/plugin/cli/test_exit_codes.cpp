@@ -102,7 +102,6 @@ TEST_CASE("a disk that fills up is exit 4 and leaves no half file") {
         long bytes = 1024;
         Words kept{}; ///< what a later start goes on from
     };
-    // a database wants room to be read: of design see the standard output below
     const Full all[] = {
         {{"run", scene("shell_on_cylinder"), "--param", "elements=8"}},
         {{"sweep", kSweep}, 1024, {"out", "out/.lock", "out/results.sqlite"}},
@@ -124,6 +123,18 @@ TEST_CASE("a disk that fills up is exit 4 and leaves no half file") {
         CHECK_THAT(ending.err, Contains(folder / "out")); // which file
         CHECK(folder.entries() == full.kept);
     }
+}
+
+TEST_CASE("results that want room to be read are no bad input on a full disk") {
+    const Folder folder;
+    std::string sweep;
+    const std::string stored = sweepResults(folder, sweep);
+    const CommandResult ending = start({"design", sweep, "--results", stored, "--target", "peak_force_R2_over_B=0.06"},
+                                       {.directory = folder.path(), .fileSizeLimit = 1024});
+    INFO(ending.err);
+    CHECK(ending.code == 4);
+    CHECK_THAT(ending.err, Contains("results.sqlite"));
+    CHECK_FALSE(std::filesystem::exists(stored + "/design"));
 }
 
 TEST_CASE("a standard output that takes nothing is exit 4") {

@@ -228,6 +228,7 @@ void readMarkedRows(const std::vector<std::string_view>& lines, const Table& bla
         return;
     again.remarks.insert(again.remarks.end(), placed.remarks.begin(), placed.remarks.end());
     again.layout.decisions.insert(again.layout.decisions.end(), placed.decisions.begin(), placed.decisions.end());
+    again.unplaced = t.signals.thinned();
     t = std::move(again);
 }
 
@@ -312,6 +313,20 @@ void Signals::erase(const std::vector<char>& gone) {
     line.resize(to);
     for (std::size_t& b : breaks)
         b = place[b];
+}
+
+Signals Signals::thinned() const {
+    constexpr std::size_t kRows = 4000; // four for each pixel of a picture
+    const std::size_t every = rows() / kRows + 1;
+    Signals few;
+    for (const Channel& c : channels) {
+        few.channels.push_back({c.quantity, c.marker, {}});
+        for (std::size_t i = 0; i < c.values.size(); i += every)
+            few.channels.back().values.push_back(c.values[i]);
+    }
+    for (std::size_t i = 0; i < rows(); i += every)
+        few.line.push_back(line[i]);
+    return few;
 }
 
 std::string exampleOfColumns(std::size_t columns) {

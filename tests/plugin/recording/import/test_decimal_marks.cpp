@@ -54,6 +54,19 @@ TEST_CASE("lost decimal marks are placed by the neighbours", "[importing]") {
     }
 }
 
+TEST_CASE("the raw curve holds the numbers of the file, not those with marks placed", "[importing]") {
+    const int count = 2000; // all are drawn
+    const auto all = read(spoiled(33.3973, count));
+    REQUIRE(all);
+    const std::vector<double>& raw = *all->sources[0].raw.find(Quantity::Displacement);
+    REQUIRE(raw.size() == static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+        std::string text = reread(33.3973 + 0.0167 * i, 4);
+        std::replace(text.begin(), text.end(), ',', '.');
+        REQUIRE(raw[static_cast<std::size_t>(i)] == Approx(1e-3 * std::stod(text)).epsilon(1e-12)); // one rounding
+    }
+}
+
 TEST_CASE("marks are taken as they stand if this is asked for", "[importing]") {
     importing::Hints hints;
     hints.accept = {"marks"};

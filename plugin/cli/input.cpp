@@ -55,7 +55,8 @@ bool readOverrides(const std::vector<std::string>& parameters, std::vector<scene
     return true;
 }
 
-std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet) {
+std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters, bool quiet,
+                               bool mechanisms) {
     std::vector<scene::Override> overrides;
     if (!readOverrides(parameters, overrides))
         return std::nullopt;
@@ -81,6 +82,8 @@ std::optional<Input> loadScene(const std::string& file, const std::vector<std::s
     }
     if (!loaded)
         return std::nullopt;
+    if (mechanisms && scene::isMechanism(*loaded))
+        return Input{*std::move(loaded), nullptr};
     std::string why;
     std::shared_ptr<step::HostWorld> host = bridge::makeWorld(loaded->rigid, why);
     if (!host) {

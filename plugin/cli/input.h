@@ -22,8 +22,9 @@ struct Input {
                                  const char* option = "--param");
 
 /// Loads, checks and builds the rigid world; prints every problem to stderr (notes too unless `quiet`). Empty: exit 2.
+/// @param mechanisms whether scenes that Box2D cannot play are taken (scene::isMechanism), without a world
 [[nodiscard]] std::optional<Input> loadScene(const std::string& file, const std::vector<std::string>& parameters,
-                                             bool quiet = false);
+                                             bool quiet = false, bool mechanisms = false);
 
 /// The text of a file's "schema"; empty if there is none. Prints no problems.
 std::string schemaOf(const std::string& file);

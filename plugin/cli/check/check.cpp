@@ -38,16 +38,18 @@ int check(const std::string& file, const std::vector<std::string>& parameters) {
         return startSibling("check", "supercircle-identify", words);
     if (schema.rfind("supercircle-sweep/", 0) == 0)
         return startSibling("check", "supercircle-lab", words);
-    const auto input = loadScene(file, parameters);
+    const auto input = loadScene(file, parameters, false, true);
     if (!input)
         return kBadInput;
+    const scene::Scene& scene = input->scene;
+    const bool mechanism = scene::isMechanism(scene);
     // Only a session can tell whether the start is free of overlaps: it is interrupted before the first step.
     const std::atomic<bool> interrupt{true};
     lab::RunOptions options;
     options.interrupt = &interrupt;
     options.keepFrames = false;
-    const scene::Scene& scene = input->scene;
-    if (const lab::RunResult out = lab::runScene(scene, input->host, options); out.status == lab::RunStatus::BadScene) {
+    if (const lab::RunResult out = mechanism ? lab::RunResult{} : lab::runScene(scene, input->host, options);
+        out.status == lab::RunStatus::BadScene) {
         std::fprintf(stderr, "%s: %s\n", file.c_str(), out.message.c_str());
         return kBadInput;
     }
@@ -59,6 +61,8 @@ int check(const std::string& file, const std::vector<std::string>& parameters) {
         "%s: valid scene (%s%s, %s, %s)\n", file.c_str(), count(scene.shells.size(), "shell").c_str(), dropped.c_str(),
         scene.rigid.bodies.size() == 1 ? "1 body" : (std::to_string(scene.rigid.bodies.size()) + " bodies").c_str(),
         count(scene.parameters.size(), "parameter").c_str());
+    if (mechanism)
+        std::printf("  a mechanism for experiments: `replay` and `diagnose` simulate it, `run` does not\n");
     for (const scene::Parameter& p : scene.parameters)
         std::printf("  %-16s %-10.6g %-18s %-4s %s\n", p.name.c_str(), p.value, range(p).c_str(), p.unit.c_str(),
                     p.about.c_str());

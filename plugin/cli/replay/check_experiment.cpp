@@ -3,11 +3,32 @@
 #include "plugin/cli/subcommands.h"
 
 #include "plugin/identification/replay/parameters.h"
+#include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"
 
+#include <atomic>
 #include <cstdio>
 
 namespace supercircle::cli {
+
+namespace {
+
+/// Plays the first steps of each run. @return why one cannot be simulated, or nothing
+std::string firstSteps(const experiment::Experiment& e, const replay::Parameters& values) {
+    constexpr int kSteps = 20;
+    const std::vector<std::string> names = experiment::runNames(e, true);
+    for (std::size_t run = 0; run < e.runs.size(); ++run) {
+        std::atomic<bool> enough{false};
+        int steps = 0;
+        const replay::Simulated played = replay::simulate(e, run, values, replay::Resolution::coarse(),
+                                                          {&enough, [&](double) { enough = ++steps >= kSteps; }});
+        if (!played.failure.empty())
+            return names[run] + " cannot be simulated: " + played.failure;
+    }
+    return {};
+}
+
+} // namespace
 
 int checkExperiment(const std::string& file, const std::vector<std::string>& parameters) {
     std::vector<scene::Problem> problems;
@@ -26,9 +47,16 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
             std::fprintf(stderr, "--param %s=%.10g: %s\n", o.name.c_str(), o.value, why.c_str());
             return kBadInput;
         }
+    if (const std::string why = firstSteps(*loaded, values); !why.empty()) {
+        std::fprintf(stderr, "%s: it is valid, but %s\n", file.c_str(), why.c_str());
+        return kBadInput;
+    }
     std::printf("%s: valid experiment (%s, %zu specimens, %zu runs, %zu markers)\n", file.c_str(),
                 experiment::name(loaded->protocol), loaded->specimens.size(), loaded->runs.size(),
                 loaded->markers.size());
+    std::printf("  simulated as %s\n", !loaded->scene ? "rods that are moved slowly, their vibration damped"
+                                       : experiment::isFree(*loaded) ? "bodies on joints that move freely"
+                                                                     : "bodies on joints, one moved by the machine");
     for (const experiment::Run& run : loaded->runs)
         std::printf("  %-16s %zu samples, %g s%s\n", run.file.c_str(), run.readings.time.size(),
                     run.driveTime.back() - run.driveTime.front(), run.markers.time.empty() ? "" : ", with markers");

@@ -100,6 +100,11 @@ Result<Scene> loadText(const std::string& text, const std::string& file, const s
     return anyError(found) ? Result<Scene>::failure(errorText(found)) : Result<Scene>(std::move(scene));
 }
 
+bool isMechanism(const Scene& scene) {
+    return std::any_of(scene.rigid.joints.begin(), scene.rigid.joints.end(),
+                       [](const step::JointDefinition& j) { return j.spring.on() || j.friction.sticking > 0.0; });
+}
+
 Result<Scene> load(const std::string& path, const std::vector<Override>& overrides, std::vector<Problem>& problems) {
     const auto text = readFile(path, problems);
     return text ? loadText(*text, path, overrides, problems) : Result<Scene>::failure(text.error());

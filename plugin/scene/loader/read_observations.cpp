@@ -16,8 +16,7 @@ std::string readTarget(Context& context, ObjectReader& reader, const char* key, 
     reader.require(key, "the name of what is observed");
     const std::string target = reader.string(key, "");
     const std::optional<Node> node = reader.find(key);
-    if (node && node->kind() == Node::Kind::String &&
-        std::find(names.begin(), names.end(), target) == names.end())
+    if (node && node->kind() == Node::Kind::String && std::find(names.begin(), names.end(), target) == names.end())
         context.error(*node, reader.pointerTo(key), "there is no " + std::string(key) + " named \"" + target + "\"", {},
                       nearestName(target, names));
     return target;

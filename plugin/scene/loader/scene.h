@@ -162,4 +162,7 @@ struct Scene {
     double duration = 0.0; ///< s, for scenes without a protocol; a protocol ends with its last segment
 };
 
+/// Whether joints have springs or dry friction, which experiments simulate and Box2D does not.
+bool isMechanism(const Scene& scene);
+
 } // namespace supercircle::scene

@@ -76,6 +76,7 @@ struct DiagnoseArguments {
     std::int64_t seed = 1;            ///< not negative
     std::vector<std::string> without; ///< effects left out of the catalogue
     std::vector<std::string> ablate;  ///< parts left out: whitening, cross_validation, screening, open_set
+    double timeLimit = 10.0;          ///< minutes, 0: none
     bool skipNextExperiment = false;  ///< no next experiment is looked for
     bool quiet = false;
 };

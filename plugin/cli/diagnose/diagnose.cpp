@@ -16,7 +16,9 @@
 #include "supercircle/support/names.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -66,8 +68,11 @@ void print(const diagnosis::Diagnosis& d, const std::string& folder) {
                                                      {"an effect outside the catalogue", d.outsideCatalogue}};
     for (const auto& [what, probability] : others)
         std::printf("  %-38s probability %.3f\n", what, probability);
-    std::printf("%zu simulated runs, %s; results: %s/diagnosis.json, pictures: %s/report.html\n", d.forwardRuns,
-                graphics::readableDuration(d.elapsed).c_str(), folder.c_str(), folder.c_str());
+    for (const std::string& note : d.notes)
+        std::printf("%s\n", note.c_str());
+    std::printf("%zu simulated runs, %s (cpu_s %.1f); results: %s/diagnosis.json, pictures: %s/report.html\n",
+                d.forwardRuns, graphics::readableDuration(d.elapsed).c_str(), d.cpuSeconds, folder.c_str(),
+                folder.c_str());
 }
 
 diagnosis::Ablation ablationOf(const std::vector<std::string>& mustBeat) {
@@ -89,6 +94,7 @@ std::string cacheName(std::vector<std::string> without) {
 
 diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment,
                           const OutputFolder& folder, std::string& error) {
+    const auto begin = std::chrono::steady_clock::now();
     const diagnosis::ReplayModel model(experiment, a.without, &interrupted);
     if (interrupted) { // the model is incomplete
         diagnosis::Diagnosis none;
@@ -98,7 +104,10 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
     diagnosis::SimulationCache cache;
     if (error = cache.open(folder.path() + "/" + cacheName(a.without), model.identity()); !error.empty())
         return {};
-    diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), cache, &interrupted);
+    const auto end = begin + std::chrono::duration<double>(60.0 * a.timeLimit);
+    const bool limited = a.timeLimit > 0.0;
+    diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), cache, &interrupted,
+                                   [=] { return limited && std::chrono::steady_clock::now() >= end; });
     diagnosis::DiagnosisSettings settings;
     settings.seed = static_cast<std::uint64_t>(a.seed);
     settings.ablation = ablationOf(a.ablate);
@@ -106,6 +115,8 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
     ProgressLine line(a.quiet);
     settings.progress = [&](double fraction, const std::string& stage) { line.show(fraction, stage); };
     diagnosis::Diagnosis found = diagnosis::diagnose(diagnosis::recordedDataOf(experiment), evaluator, settings);
+    found.elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    found.cpuSeconds = static_cast<double>(std::clock()) / CLOCKS_PER_SEC; // of the program, reading included
     if (const std::string lost = cache.failure(); !lost.empty())
         std::fprintf(stderr, "%s; later simulations are not cached and would be repeated by the next diagnosis\n",
                      lost.c_str());

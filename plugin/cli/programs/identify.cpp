@@ -260,6 +260,13 @@ Subcommand describeDiagnose(CLI::App& app) {
     addRepeatable(*subcommand, "--without", a.without, "EFFECT[,EFFECT]: remove these from the catalogue (repeatable)")
         ->delimiter(',')
         ->type_name("EFFECT");
+    subcommand
+        ->add_option("--time-limit", a.timeLimit,
+                     "minutes after which nothing further is tried; the best verdict so far is written and says what\n"
+                     "was not tried. 0: no limit")
+        ->check(CLI::Range(0.0, 1e6).description(""))
+        ->type_name("MINUTES")
+        ->capture_default_str();
     subcommand->add_flag(
         "--skip-next-experiment", a.skipNextExperiment,
         "do not choose a next experiment (it takes a hundred simulations or more); a later command without this\n"

@@ -21,6 +21,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 namespace supercircle::diagnosis {
 
@@ -39,23 +40,15 @@ public:
         out_.channel = data_.channel;
         out_.unit = data_.unit;
         stage(0.0, "noise");
-        out_.noise = estimateNoise(data_);
-        if (!(out_.noise.total() > 0.0))
-            reportUnknownNoise();
-        else if (prepareBaseline() && !evaluator_.stopped()) {
-            examineBaseline();
-            if (!evaluator_.stopped())
-                summarise();
-            if (!evaluator_.stopped())
-                tryHypotheses(true);
-            if (!evaluator_.stopped() && out_.failure.empty())
-                conclude();
+        try {
+            decide();
+        } catch (const Stopped&) { // by an interrupt
         }
         if (data_.free) // markers sit on bodies, not along a specimen
             for (Localisation* l : {&out_.misfit, &out_.residualAfterBest})
                 for (ResidualWindow& w : l->significant)
                     w.arcFraction = -1.0;
-        out_.stopped = evaluator_.stopped();
+        out_.stopped = evaluator_.stop().interrupted();
         out_.forwardRuns = evaluator_.distinctRequests();
         out_.elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
         out_.cpuSeconds = static_cast<double>(std::clock() - cpuBegin_) / CLOCKS_PER_SEC;
@@ -63,6 +56,28 @@ public:
     }
 
 private:
+    void decide() {
+        out_.noise = estimateNoise(data_);
+        bool going = out_.noise.total() > 0.0;
+        if (!going)
+            reportUnknownNoise();
+        else if (!evaluator_.stop().attempt([&] {
+                     going = prepareBaseline();
+                     if (going) {
+                         examineBaseline();
+                         summarise();
+                     }
+                 })) {
+            reportNoTime();
+            return;
+        }
+        if (!going)
+            return;
+        tryHypotheses(true);
+        if (out_.failure.empty())
+            conclude();
+        noteNotTried();
+    }
     void stage(double fraction, const std::string& words) const {
         if (settings_.progress)
             settings_.progress(fraction, words);
@@ -81,6 +96,18 @@ private:
             screenEffects();
             locate();
         }
+    }
+    /// Does what a verdict can do without. If the time limit ends it, all is as before, and it is told.
+    template <class Work>
+    bool attempt(const std::string& what, const Work& work) {
+        const auto kept = std::tuple(baseline_, baselineScore_, grouping_, screened_, hypotheses_, out_.misfit,
+                                     out_.residualAfterBest, out_.homogeneity, out_.screening);
+        if (evaluator_.stop().attempt(work))
+            return true;
+        std::tie(baseline_, baselineScore_, grouping_, screened_, hypotheses_, out_.misfit, out_.residualAfterBest,
+                 out_.homogeneity, out_.screening) = kept;
+        out_.notTried.push_back(what);
+        return false;
     }
     /// Repeats the baseline fit from a point that the hypothesis search found, if it is better there.
     void repeatFrom(const ParameterPoint& from) {
@@ -107,6 +134,9 @@ private:
     }
 
     void reportUnknownNoise();
+    void reportNoTime();
+    void reportPriors();
+    void noteNotTried();
     bool prepareBaseline();
     bool fitWith(const Noise& noise);
     void locate();
@@ -115,6 +145,8 @@ private:
     void tryHypotheses(bool first);
     std::vector<Interval> profiled(FittedHypothesis& t, Eigen::MatrixXd& careful);
     [[nodiscard]] ParameterIntervals intervalsOf(const Entry& entry);
+    ParameterIntervals carefulIntervals(const Entry& entry, FittedHypothesis& hypotheses);
+    [[nodiscard]] std::vector<Interval> linearOf(const FitResult& f, const Eigen::MatrixXd& jacobian) const;
     void conclude();
     void computeWeights(ModelWeights& w);
     /// The residual of a hypothesis, localised as the baseline residual is.
@@ -153,12 +185,36 @@ Eigen::VectorXd forceResidual(const Likelihood& likelihood, std::size_t run, con
 
 /// All statistics are in units of the noise. Without a noise estimate the priors are the result.
 void Procedure::reportUnknownNoise() {
-    out_.verdict = "inconclusive";
     out_.statement =
         "The noise of the readings is not stated and cannot be estimated, because all readings of a run are "
         "equal or missing. State the noise (" +
         out_.channel + "_noise_std_" + out_.unit + "_approx), or record with a finer resolution.";
     out_.noise.source = "not stated, and cannot be estimated from equal readings";
+    reportPriors();
+}
+
+/// The time limit is over before anything can be compared with the fit without an effect.
+void Procedure::reportNoTime() {
+    out_.statement = "The time limit ended the diagnosis before the fit without an effect and its screening were "
+                     "complete. Nothing was compared. Allow more time with --time-limit; the simulations are kept.";
+    out_.misfit = {};
+    out_.screening.clear();
+    out_.notTried = {"all effects of the catalogue"};
+    reportPriors();
+    noteNotTried();
+}
+
+void Procedure::noteNotTried() {
+    if (out_.notTried.empty())
+        return;
+    std::string all;
+    for (const std::string& what : out_.notTried)
+        all += (all.empty() ? "" : "; ") + what;
+    out_.notes.push_back("The time limit ended the search. Not tried: " + all + ".");
+}
+
+void Procedure::reportPriors() {
+    out_.verdict = "inconclusive";
     out_.adequate = kPriorAdequate;
     out_.outsideCatalogue = kPriorOutsideCatalogue;
     out_.baselineTraining = out_.baselineHeldOut = out_.baselineChiSquaredPerReading =
@@ -201,7 +257,7 @@ void Procedure::locate() {
     for (std::size_t i = 0; i < simulated.size(); ++i)
         signatures.col(static_cast<Index>(i)) = *simulated[i];
     out_.misfit = localise(*likelihood_, baseline_.residual, freeColumns(evaluator_.model(), baseline_), settings_.seed,
-                           settings_.draws, signatures);
+                           settings_.draws, signatures, evaluator_.stop());
 }
 
 void Procedure::tryHypotheses(bool first) {
@@ -209,10 +265,13 @@ void Procedure::tryHypotheses(bool first) {
                             baseline_,       baselineScore_, screened_, out_.misfit.p, out_.noise.excessKurtosis,
                             noiseChiSquared_};
     SearchResult found = search(input, [&](double fraction, const std::string& words) { stage(fraction, words); });
+    if (!first && !found.notTried.empty())
+        throw Stopped{}; // the whole search before is better than a part of this one
     hypotheses_ = std::move(found.hypotheses);
     out_.residualAfterBest = std::move(found.residualAfterBest);
-    if (first && found.elsewhere && !evaluator_.stopped())
-        repeatFrom(*found.elsewhere);
+    out_.notTried = std::move(found.notTried);
+    if (first && found.elsewhere)
+        attempt("the fit without an effect from the parameters of the best law", [&] { repeatFrom(*found.elsewhere); });
 }
 
 void Procedure::screenEffects() {
@@ -249,11 +308,11 @@ void Procedure::summarise() {
 
 const Localisation& Procedure::residualOf(std::size_t model) {
     const auto at = residuals_.find(model);
-    return at != residuals_.end() ? at->second
-                                  : residuals_
-                                        .emplace(model, localiseResidual(evaluator_.model(), *likelihood_,
-                                                                         hypotheses_[model].fit, settings_))
-                                        .first->second;
+    return at != residuals_.end()
+               ? at->second
+               : residuals_
+                     .emplace(model, localiseResidual(evaluator_, *likelihood_, hypotheses_[model].fit, settings_))
+                     .first->second;
 }
 
 void Procedure::computeWeights(ModelWeights& w) {
@@ -340,25 +399,38 @@ std::vector<Interval> Procedure::profiled(FittedHypothesis& t, Eigen::MatrixXd& 
     return intervals;
 }
 
+std::vector<Interval> Procedure::linearOf(const FitResult& f, const Eigen::MatrixXd& jacobian) const {
+    const Variables v(evaluator_.model(), f.point);
+    return linearIntervals(v, f, jacobian,
+                           dispersionsOf(*likelihood_, v, f.residual, jacobian, chiSquaredPerReading(*likelihood_, f)));
+}
+
 /// Intervals by cost: the first effect and probable ones get careful derivatives, those above 0.3 with a significant
 /// misfit get profiles.
 ParameterIntervals Procedure::intervalsOf(const Entry& entry) {
     FittedHypothesis& hypotheses = hypotheses_[entry.model];
     const FitResult& f = hypotheses.fit;
-    const auto linear = [&](const Eigen::MatrixXd& jacobian) {
-        const Variables v(evaluator_.model(), f.point);
-        return linearIntervals(
-            v, f, jacobian,
-            dispersionsOf(*likelihood_, v, f.residual, jacobian, chiSquaredPerReading(*likelihood_, f)));
-    };
     const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
     if (!worth || evaluator_.stopped())
-        return {linear(f.jacobian), {}};
+        return {linearOf(f, f.jacobian), {}};
+    ParameterIntervals out;
+    const FittedHypothesis kept = hypotheses;
+    const bool careful = evaluator_.stop().attempt([&] { out = carefulIntervals(entry, hypotheses); });
+    if (careful)
+        return out;
+    hypotheses = kept;
+    out_.notTried.push_back("profiles of " + plainWords(entry.label));
+    return {linearOf(f, f.jacobian), {}};
+}
+
+/// By careful derivatives, or profiles.
+ParameterIntervals Procedure::carefulIntervals(const Entry& entry, FittedHypothesis& hypotheses) {
+    const FitResult& f = hypotheses.fit;
     ParameterIntervals out;
     Eigen::MatrixXd careful;
     if (entry.probability < 0.3 || out_.misfit.p > kFamilyWise) {
         careful = differentiateRobustly(evaluator_, *likelihood_, Variables(evaluator_.model(), f.point), f.x, 0.2);
-        out.intervals = linear(careful);
+        out.intervals = linearOf(f, careful);
     } else {
         out.intervals = profiled(hypotheses, careful);
     }
@@ -418,7 +490,8 @@ void Procedure::conclude() {
         out_.improvementCi = {};
     }
     present();
-    proposeNextExperiment();
+    if (!evaluator_.stop().attempt([&] { proposeNextExperiment(); }))
+        out_.notTried.push_back("the choice of a next experiment");
     out_.statement = statementOf(out_, e);
 }
 

@@ -4,6 +4,7 @@
 
 #include "plugin/identification/diagnosis/model/model.h"
 #include "plugin/identification/diagnosis/simulation_cache.h"
+#include "plugin/identification/diagnosis/stop.h"
 #include "supercircle/support/parallel.h"
 
 #include <atomic>
@@ -24,16 +25,17 @@ struct SimulationRequest {
 class Evaluator {
 public:
     /// @param loop parallel loop; empty: sequential
+    /// @param late whether the time limit is over (StopToken)
     Evaluator(const Model& model, std::size_t runs, parallel::For loop, SimulationCache& cache,
-              const std::atomic<bool>* interrupt = nullptr)
-        : model_(model), runs_(runs), loop_(std::move(loop)), cache_(cache), interrupt_(interrupt) {}
+              const std::atomic<bool>* interrupt = nullptr, std::function<bool()> late = {})
+        : model_(model), runs_(runs), loop_(std::move(loop)), cache_(cache), stop_(interrupt, std::move(late)) {}
 
+    /// Throws Stopped, as all that simulates.
     std::vector<Response> simulate(const std::vector<SimulationRequest>& requests);
     /// All runs at each point: result[point][run].
     std::vector<std::vector<Response>> simulateAllRuns(const std::vector<ParameterPoint>& points, Fidelity fidelity);
 
-    /// Predicts a candidate run at each point, without caching. `failure` is "interrupted" where the evaluator was
-    /// stopped.
+    /// Predicts a candidate run at each point, without caching.
     std::vector<CandidateRunResponse> predict(std::size_t candidateRun, const std::vector<ParameterPoint>& points);
 
     /// Repeats the cached simulations of one point. If readings differ, the cache belongs to another program or
@@ -45,7 +47,8 @@ public:
     [[nodiscard]] std::size_t distinctRequests() const {
         return distinctRequests_.size();
     } ///< distinct simulations so far, cached ones included
-    [[nodiscard]] bool stopped() const { return interrupt_ != nullptr && interrupt_->load(); }
+    [[nodiscard]] const StopToken& stop() const { return stop_; }
+    [[nodiscard]] bool stopped() const { return stop_.stopped(); }
     /// Called after each simulation, from any thread, never concurrently.
     std::function<void()> onRun;
 
@@ -56,7 +59,7 @@ private:
     std::size_t runs_;
     parallel::For loop_;
     SimulationCache& cache_;
-    const std::atomic<bool>* interrupt_;
+    StopToken stop_;
     std::set<std::string> distinctRequests_;
     std::mutex callbackMutex_;
 };

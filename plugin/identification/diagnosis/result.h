@@ -128,6 +128,7 @@ struct Diagnosis {
     [[nodiscard]] bool driven() const { return unit == "N"; } ///< otherwise bodies move freely and poses are read
     std::string failure;                                      ///< why the experiment cannot be simulated; empty: it can
     bool stopped = false;                                     ///< interrupted; simulations are kept
+    std::vector<std::string> notTried;                        ///< what the time limit has left out, in words
     std::string verdict, statement;
     Noise noise;
     Localisation misfit, residualAfterBest; ///< of the baseline; of the best hypothesis

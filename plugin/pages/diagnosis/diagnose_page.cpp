@@ -197,7 +197,10 @@ std::string nextText(const Diagnosis& d) {
 std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     graphics::PageBuilder page(diagnosis::verdictTitle(d.verdict));
     page.title("Diagnosis").plainTables();
-    page.introduction("<p>" + escaped(d.statement) + "</p><p>" + escaped(e.description) + "</p>");
+    std::string notes;
+    for (const std::string& note : d.notes)
+        notes += "<p>" + escaped(note) + "</p>";
+    page.introduction("<p>" + escaped(d.statement) + "</p>" + notes + "<p>" + escaped(e.description) + "</p>");
     page.section("Probability of each explanation", scroll(probabilityFigure(d)) + effectTable(d));
     const bool looked = d.noise.total() > 0.0; // without a noise estimate nothing is simulated
     page.section("Errors", looked ? errorTable(d) : "");

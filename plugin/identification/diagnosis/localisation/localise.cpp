@@ -200,12 +200,14 @@ namespace {
 /// once, and e sums its rows.
 class WindowScan {
 public:
-    WindowScan(const Likelihood& likelihood, const Eigen::MatrixXd& free, const Eigen::MatrixXd& signatures)
-        : likelihood_(likelihood), windows_(windowsOf(likelihood)), absorbed_(basisOf(free)) {
+    WindowScan(const Likelihood& likelihood, const Eigen::MatrixXd& free, const Eigen::MatrixXd& signatures,
+               const StopToken& stop)
+        : likelihood_(likelihood), stop_(stop), windows_(windowsOf(likelihood)), absorbed_(basisOf(free)) {
         const Eigen::Index n = windows();
         perSize_ = Eigen::VectorXd::Zero(n);
         absorbedParts_.resize(n, absorbed_.cols());
         for (Eigen::Index i = 0; i < n; ++i) {
+            stop_.poll();
             Eigen::VectorXd s = shiftOf(likelihood, spot(i));
             absorbedParts_.row(i) = (absorbed_.transpose() * s).transpose();
             perSize_[i] = inverseNorm(s, 0.0);
@@ -260,6 +262,7 @@ public:
         constexpr Eigen::Index kNumbers = 2000000;
         const int kBlock = static_cast<int>(std::clamp<Eigen::Index>(kNumbers / likelihood_.rows(), 8, 64));
         for (int first = 0; first < draws; first += kBlock) {
+            stop_.poll();
             const int count = std::min(kBlock, draws - first);
             Eigen::MatrixXd v(likelihood_.rows(), count);
             for (int b = 0; b < count; ++b) // missing rows stay 0
@@ -314,6 +317,7 @@ private:
         t.middleRows(n, m - n).noalias() = signatures_.transpose() * u;
         const Eigen::ArrayXXd squares = u.array().square().transpose(), sums = unwhitened(u);
         for (Eigen::Index i = 0; i < n; ++i) {
+            stop_.poll();
             Eigen::ArrayXd e = Eigen::ArrayXd::Zero(u.cols()), s = e;
             const WindowRows& c = spot(i);
             for (std::size_t k = 0; k < c.rows.size(); ++k) {
@@ -327,6 +331,7 @@ private:
     }
 
     const Likelihood& likelihood_;
+    const StopToken& stop_;
     std::vector<WindowRows> windows_;
     Eigen::MatrixXd absorbed_;      ///< Q, orthonormal
     Eigen::MatrixXd absorbedParts_; ///< of each window (Q'W e)'
@@ -356,8 +361,8 @@ double bonferroni(Eigen::Index count, double deviate) {
 } // namespace
 
 Localisation localise(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
-                      std::uint64_t seed, int draws, const Eigen::MatrixXd& signatures) {
-    const WindowScan scan(likelihood, free, signatures);
+                      std::uint64_t seed, int draws, const Eigen::MatrixXd& signatures, const StopToken& stop) {
+    const WindowScan scan(likelihood, free, signatures, stop);
     const Eigen::Index n = scan.windows(), m = scan.directions();
     Localisation out;
     out.familySize = static_cast<std::size_t>(m + n);

@@ -10,6 +10,7 @@
 
 #include "plugin/identification/diagnosis/likelihood.h"
 #include "plugin/identification/diagnosis/localisation/windows.h"
+#include "plugin/identification/diagnosis/stop.h"
 
 #include <cstdint>
 #include <vector>
@@ -33,8 +34,10 @@ struct Localisation {
 
 /// @param free columns of the Jacobian of parameters off their bounds
 /// @param signatures whitened changes of all readings, one column each, tested too; both signs count
+/// @param stop throws Stopped
 Localisation localise(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& free,
-                      std::uint64_t seed, int draws = 999, const Eigen::MatrixXd& signatures = {});
+                      std::uint64_t seed, int draws = 999, const Eigen::MatrixXd& signatures = {},
+                      const StopToken& stop = StopToken());
 
 /// Orthonormal basis of the columns' span; columns below 1e-8 of the largest count as zero.
 Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns);

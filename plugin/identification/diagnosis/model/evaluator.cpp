@@ -42,11 +42,12 @@ void Evaluator::checkCache(const ParameterPoint& point, Fidelity fidelity) {
         const auto known = cache_.find(keyOf(request));
         if (!known || stopped())
             return;
-        const Response again = model_.simulate(r, request.point, fidelity, interrupt_);
+        const Response again = model_.simulate(r, request.point, fidelity, stop_.interrupt());
         differs[r] = again.failure != known->failure || !same(again.force, known->force) ||
                      !same(again.markers, known->markers) || !same(again.jumps, known->jumps);
     });
-    if (!stopped() && std::any_of(differs.begin(), differs.end(), [](char d) { return d != 0; }))
+    stop_.poll();
+    if (std::any_of(differs.begin(), differs.end(), [](char d) { return d != 0; }))
         cache_.clear();
 }
 
@@ -68,12 +69,10 @@ std::vector<Response> Evaluator::simulate(const std::vector<SimulationRequest>& 
     }
     const auto work = [&](std::size_t n) {
         const std::size_t i = open[n];
-        if (stopped()) {
-            results[i].failure = "interrupted";
+        if (stopped())
             return;
-        }
-        results[i] = model_.simulate(internal[i].run, internal[i].point, internal[i].fidelity, interrupt_);
-        if (stopped()) // it may have ended early
+        results[i] = model_.simulate(internal[i].run, internal[i].point, internal[i].fidelity, stop_.interrupt());
+        if (stop_.interrupted()) // it may have ended early
             return;
         cache_.insert(keys[i], results[i]);
         if (onRun) {
@@ -81,7 +80,9 @@ std::vector<Response> Evaluator::simulate(const std::vector<SimulationRequest>& 
             onRun();
         }
     };
+    stop_.poll();
     forEach(open.size(), work);
+    stop_.poll();
     for (std::size_t i = 0; i < requests.size(); ++i)
         if (const auto at = first.find(keys[i]); at != first.end() && at->second != i)
             results[i] = results[at->second];
@@ -104,10 +105,9 @@ std::vector<CandidateRunResponse> Evaluator::predict(std::size_t candidateRun,
     std::vector<CandidateRunResponse> results(points.size());
     forEach(points.size(), [&](std::size_t i) {
         if (!stopped())
-            results[i] = model_.simulateCandidateRun(candidateRun, points[i], interrupt_);
-        if (stopped()) // it may have ended early
-            results[i].failure = "interrupted";
+            results[i] = model_.simulateCandidateRun(candidateRun, points[i], stop_.interrupt());
     });
+    stop_.poll();
     return results;
 }
 

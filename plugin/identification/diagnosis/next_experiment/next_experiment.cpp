@@ -319,6 +319,7 @@ Proposal bestOfOne(const Evaluator& evaluator, const Discrimination& discriminat
         run->differentiate();
         const Proposal linear = smallestSufficient(
             [&](std::size_t n) {
+                evaluator.stop().poll();
                 return proposalOf(discrimination, {{run, n}});
             },
             1, most);
@@ -351,6 +352,7 @@ Proposal bestOfTwo(const Evaluator& evaluator, const Discrimination& discriminat
             proposals.push_back(smallestSufficient(
                 [&](std::size_t count) {
                     Proposal out;
+                    evaluator.stop().poll();
                     for (std::size_t n = 1; n < count; ++n)
                         if (Proposal o = proposalOf(discrimination, {{runs[i].get(), n}, {runs[j].get(), count - n}});
                             out.series.empty() || o.score > out.score)

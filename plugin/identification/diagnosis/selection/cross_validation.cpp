@@ -286,6 +286,7 @@ PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood
     double chiSquared = 0.0, count = 0.0;
     const FoldFit best{fitted.x, fitted.residual, likelihood.maskPenalty(fitted.responses), fitted.responses};
     for (int f = 0; f < g.folds; ++f) {
+        evaluator.stop().poll();
         const Eigen::VectorXd held = maskOf(g, f);
         const Eigen::VectorXd train = Eigen::VectorXd::Ones(held.size()) - held;
         const Eigen::MatrixXd G = J.transpose() * train.asDiagonal() * J;

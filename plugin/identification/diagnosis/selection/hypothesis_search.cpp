@@ -22,10 +22,11 @@ public:
 
     SearchResult run() {
         const std::vector<RankedProbes> ranked = promising();
-        for (std::size_t i = 0; i < ranked.size() && !stopped(); ++i) {
+        for (std::size_t i = 0; i < ranked.size(); ++i) {
             stage_(0.35 + 0.55 * static_cast<double>(i) / static_cast<double>(ranked.size()),
                    "fitting " + labelOf(*ranked[i].front()));
-            tryLabel(ranked[i]);
+            if (!stop().attempt([&] { tryLabel(ranked[i]); }))
+                out_.notTried.push_back("the effect " + plainWords(labelOf(*ranked[i].front())));
         }
         // At least two hypotheses are kept, further ones only if they are close.
         std::stable_sort(
@@ -37,13 +38,14 @@ public:
         for (FittedHypothesis& t : out_.hypotheses)
             if (!stopped())
                 t.held = scored(t.fit);
-        if (!stopped())
-            extendSearch();
+        if (!stop().attempt([&] { extendSearch(); }))
+            out_.notTried.insert(out_.notTried.end(), furtherParts.begin() + done_, furtherParts.end());
         return std::move(out_);
     }
 
 private:
-    [[nodiscard]] bool stopped() const { return input_.evaluator.stopped(); }
+    [[nodiscard]] const StopToken& stop() const { return input_.evaluator.stop(); }
+    [[nodiscard]] bool stopped() const { return stop().stopped(); }
     [[nodiscard]] const std::string& labelOf(const ScreenedProbe& s) const {
         return input_.evaluator.model().candidates()[s.candidate].label;
     }
@@ -69,6 +71,11 @@ private:
     SearchResult out_;
     std::set<std::size_t> fitted_; ///< candidates already fitted
     double least_ = 0.0;           ///< smallest chi-squared so far
+    /// What extends the search, in its order.
+    const std::vector<std::string> furtherParts{"other variants of the best laws",
+                                                "the best laws from the stated parameters", "two effects at a time",
+                                                "learned laws"};
+    std::ptrdiff_t done_ = 0; ///< how many of them
 };
 
 std::vector<RankedProbes> HypothesisSearch::promising() const {
@@ -124,11 +131,13 @@ void HypothesisSearch::extendSearch() {
     double left = 1.0;
     if (!out_.hypotheses.empty()) {
         out_.residualAfterBest =
-            localiseResidual(input_.evaluator.model(), input_.likelihood, out_.hypotheses.front().fit, input_.settings);
+            localiseResidual(input_.evaluator, input_.likelihood, out_.hypotheses.front().fit, input_.settings);
         if (out_.residualAfterBest.p <= 0.01 && share(out_.hypotheses.front()) > kResidualShare)
             tryVariants(dispersion);
+        done_ = 1;
         if (residualTooLarge())
             refitBest(dispersion);
+        done_ = 2;
         left = share(out_.hypotheses.front());
         if (out_.residualAfterBest.p <= 0.01 && pairsCanCount(dispersion)) {
             const std::size_t singles = out_.hypotheses.size();
@@ -137,6 +146,7 @@ void HypothesisSearch::extendSearch() {
                 left = std::min(left, share(out_.hypotheses[i]));
         }
     }
+    done_ = 3;
     if (input_.p <= 0.01 && left > kResidualShare && !input_.settings.ablation.openSet)
         tryLearned(left);
 }
@@ -159,7 +169,7 @@ void HypothesisSearch::tryVariants(double dispersion) {
 void HypothesisSearch::rankAndLocalise(double dispersion) {
     rank(dispersion);
     out_.residualAfterBest =
-        localiseResidual(input_.evaluator.model(), input_.likelihood, out_.hypotheses.front().fit, input_.settings);
+        localiseResidual(input_.evaluator, input_.likelihood, out_.hypotheses.front().fit, input_.settings);
 }
 
 /// Whether the best effect leaves more than a true one would.
@@ -236,10 +246,11 @@ PredictiveScore predictiveScoreOf(Evaluator& evaluator, const Likelihood& likeli
                                              : crossValidate(evaluator, likelihood, grouping, fitted);
 }
 
-Localisation localiseResidual(const Model& model, const Likelihood& likelihood, const FitResult& fitted,
+Localisation localiseResidual(const Evaluator& evaluator, const Likelihood& likelihood, const FitResult& fitted,
                               const DiagnosisSettings& settings) {
     // Other draws than those of the baseline.
-    return localise(likelihood, fitted.residual, freeColumns(model, fitted), settings.seed + 2, settings.draws);
+    return localise(likelihood, fitted.residual, freeColumns(evaluator.model(), fitted), settings.seed + 2,
+                    settings.draws, {}, evaluator.stop());
 }
 
 SearchResult search(const SearchInput& input, const std::function<void(double, const std::string&)>& stage) {

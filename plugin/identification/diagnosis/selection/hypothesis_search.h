@@ -33,10 +33,11 @@ PredictiveScore predictiveScoreOf(Evaluator& evaluator, const Likelihood& likeli
                                   const FitResult& fitted, const DiagnosisSettings& settings);
 
 /// Localisation of the residual of a fit.
-Localisation localiseResidual(const Model& model, const Likelihood& likelihood, const FitResult& fitted,
+Localisation localiseResidual(const Evaluator& evaluator, const Likelihood& likelihood, const FitResult& fitted,
                               const DiagnosisSettings& settings);
 
 struct SearchResult {
+    std::vector<std::string> notTried; ///< what the time limit has left out, in words
     std::vector<FittedHypothesis>
         hypotheses; ///< singles best first, then pairs, then learned laws; `mustBeat` has indices into it
     Localisation residualAfterBest; ///< residual of the first; meaningless without any

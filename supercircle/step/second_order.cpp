@@ -1,6 +1,7 @@
 #include "supercircle/step/second_order.h"
 
 #include "supercircle/step/contact_memory.h"
+#include "supercircle/step/contacts/link_rows.h"
 #include "supercircle/step/rods/free_motion.h"
 #include "supercircle/step/rods/sdirk2.h"
 #include "supercircle/step/stages/stages.h"
@@ -28,19 +29,29 @@ constexpr double kGain = 1e-3;
 
 /// Whether what touches a rod touches anything of the host: then a blow would pass through both laws at once.
 bool touchHeldBody(const World& world, const TrialStep& t) {
-    const auto isHeld = [&](BodyId id) {
-        const auto names = [&](const auto& c) { return c.a == id || c.b == id; };
-        const HostConstraints& host = world.constraints;
-        return std::any_of(host.contacts.begin(), host.contacts.end(), names) ||
-               std::any_of(host.rows.begin(), host.rows.end(), names);
-    };
+    const HostConstraints& host = world.constraints;
+    if (host.contacts.empty() && host.rows.empty())
+        return false;
+    std::vector<BodyId> held; // sorted
+    for (const HostContact& c : host.contacts)
+        held.insert(held.end(), {c.a, c.b});
+    for (const HostRow& r : host.rows)
+        held.insert(held.end(), {r.a, r.b});
+    std::sort(held.begin(), held.end());
     return std::any_of(t.stage.candidates.begin(), t.stage.candidates.end(), [&](const contact::Candidate& c) {
         if (c.outline < 0)
             return false;
         const BodyId id = world.outlines[static_cast<std::size_t>(c.outline)].body;
+        if (!std::binary_search(held.begin(), held.end(), id))
+            return false;
         const int index = bodyIndex(world, id);
-        return index >= 0 && world.bodies[static_cast<std::size_t>(index)].dynamic && isHeld(id);
+        return index >= 0 && world.bodies[static_cast<std::size_t>(index)].dynamic;
     });
+}
+
+/// Whether bodies have moved with rods: stages of the others do not know where they are.
+bool anyBodyFree(const TrialStep& t) {
+    return std::any_of(t.stage.motion.begin(), t.stage.motion.end(), [](const BodyMotion& m) { return m.isFree; });
 }
 
 /// Whether all that acts can be extrapolated.
@@ -58,7 +69,7 @@ bool canBeMade(const World& world, const Settings& s, const TrialStep& t) {
             std::any_of(r.holds.begin(), r.holds.end(), [](const Hold& h) { return h.target.moving(); }))
             return false;
     }
-    return solved > 0 && solved <= s.secondOrderRods && !touchHeldBody(world, t);
+    return solved > 0 && solved <= s.secondOrderRods && !anyBodyFree(t) && !touchHeldBody(world, t);
 }
 
 /// Error of a position in a step of `dt` s that is no reason for anything, m.
@@ -315,6 +326,15 @@ void finish(const World& start, TrialStep& t, World& end) {
             end.energyBalance.damping += e.damping;
             end.energyBalance.effects += e.effects;
         }
+    end.links = start.links; // no joint is in the stages; those of free rods have moved a whole step
+    for (Link& l : end.links) {
+        l.force.setZero();
+        l.torque = 0.0;
+    }
+    for (std::size_t k = 0; k < t.groupCount; ++k)
+        if (t.isFree(t.groups[k]))
+            acceptFreeJoints(end, t.dt, t.groups[k]);
+    advanceLinks(end, t.dt);
     for (std::size_t i = 0; i < end.rods.size(); ++i)
         if (t.rods[i].solved()) {
             double way = 0.0;

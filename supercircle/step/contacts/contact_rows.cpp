@@ -299,12 +299,21 @@ OverlapClosing overlapClosing(const Settings& settings, double h) {
             settings.recovery * h};
 }
 
+BodyMotion predictedMotion(const Body& b) {
+    return {b.state.velocity + b.hostCoupling.drift, b.state.spin + b.hostCoupling.driftSpin};
+}
+
 void predictMotion(const World& world, ContactStage& stage) {
     stage.motion.resize(world.bodies.size());
-    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-        const Body& b = world.bodies[i];
-        stage.motion[i] = {b.state.velocity + b.hostCoupling.drift, b.state.spin + b.hostCoupling.driftSpin};
-    }
+    for (std::size_t i = 0; i < world.bodies.size(); ++i)
+        stage.motion[i] = predictedMotion(world.bodies[i]);
+}
+
+bool isOfFreeBody(const World& world, const ContactStage& stage, const contact::Candidate& c) {
+    if (c.outline < 0)
+        return false;
+    const int index = bodyIndex(world, world.outlines[static_cast<std::size_t>(c.outline)].body);
+    return index >= 0 && stage.motion[static_cast<std::size_t>(index)].isFree;
 }
 
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,

@@ -12,6 +12,7 @@ namespace supercircle::step {
 struct BodyMotion {
     Vec2 velocity = Vec2::Zero(); ///< m/s
     double spin = 0.0;            ///< rad/s
+    bool isFree = false;          ///< it has moved with the freely moving rods that it is joined to
 };
 
 /// Where a host body stands in the contact problem.
@@ -109,12 +110,16 @@ struct ContactStage {
 
 /// Fills stage.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);
+[[nodiscard]] BodyMotion predictedMotion(const Body& b);
 
 /// Whether a rod of the pair has moved already: it does not touch in this attempt.
 [[nodiscard]] inline bool isOfFreeRod(const std::vector<RodWork>& rods, const contact::Candidate& c) {
     return rods[static_cast<std::size_t>(c.a.rod)].isFree ||
            (c.b.rod >= 0 && rods[static_cast<std::size_t>(c.b.rod)].isFree);
 }
+
+/// The same of a host body that has moved with such rods.
+[[nodiscard]] bool isOfFreeBody(const World& world, const ContactStage& stage, const contact::Candidate& c);
 
 /// Outlines in the world frame; `ahead` seconds along `motion`. `keys` is scratch.
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,

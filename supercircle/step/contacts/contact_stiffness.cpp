@@ -167,9 +167,12 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
     }
 }
 
-namespace {
+void beginPulls(const rod::RodModel& model, RodWork& w) {
+    w.loaded = false;
+    for (int side = 0; side < 2; ++side)
+        w.beyond[side].assign(model.side(side).size(), Vec2::Zero());
+}
 
-/// Adds a point force (N) to the axial-force sums of every segment it pulls at.
 void pull(const rod::RodModel& model, const rod::MaterialPoint& at, const Vec2& force, RodWork& w) {
     for (int k = 0; k < at.segment; ++k)
         w.beyond[at.side][static_cast<std::size_t>(k)] += force;
@@ -180,16 +183,25 @@ void pull(const rod::RodModel& model, const rod::MaterialPoint& at, const Vec2& 
     w.loaded = true;
 }
 
-} // namespace
+void axialOfPulls(const rod::RodModel& model, RodWork& w) {
+    for (int side = 0; side < 2; ++side) {
+        w.tension[side].resize(model.side(side).size());
+        for (std::size_t k = 0; k < w.tension[side].size(); ++k) {
+            const double length = model.side(side)[k].signedLength;
+            const double angle = w.kin.angle({side, static_cast<int>(k), 0.5 * length});
+            const double force = w.beyond[side][k].dot(Vec2(math::cos(angle), math::sin(angle)));
+            w.tension[side][k] = std::max(0.0, force * length); // both signs turn on the left side
+        }
+    }
+    axialStiffness(model, w, w.axial);
+}
 
 void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vector<ContactImpulse>& warm,
                   const ContactStage& stage) {
     for (std::size_t i = 0; i < rods.size(); ++i) {
         RodWork& w = rods[i];
         const rod::RodModel& model = world.rods[i].model;
-        w.loaded = false;
-        for (int side = 0; side < 2; ++side)
-            w.beyond[side].assign(model.side(side).size(), Vec2::Zero());
+        beginPulls(model, w);
         for (const Hold& h : world.rods[i].holds)
             pull(model, rod::locate(model, h.s), h.reaction, w);
         for (const AppliedForce& f : world.rods[i].forces)
@@ -222,20 +234,8 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
             put(c.b, -force);
     }
     forEachRod(stage.loop, rods.size(), [&](std::size_t i) {
-        RodWork& w = rods[i];
-        if (!w.loaded)
-            return;
-        const rod::RodModel& model = world.rods[i].model;
-        for (int side = 0; side < 2; ++side) {
-            w.tension[side].resize(model.side(side).size());
-            for (std::size_t k = 0; k < w.tension[side].size(); ++k) {
-                const double length = model.side(side)[k].signedLength;
-                const double angle = w.kin.angle({side, static_cast<int>(k), 0.5 * length});
-                const double force = w.beyond[side][k].dot(Vec2(math::cos(angle), math::sin(angle)));
-                w.tension[side][k] = std::max(0.0, force * length); // both signs turn on the left side
-            }
-        }
-        axialStiffness(model, w, w.axial);
+        if (rods[i].loaded)
+            axialOfPulls(world.rods[i].model, rods[i]);
     });
 }
 

@@ -33,6 +33,12 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
 /// Whether that is too much: the step has to be linearised about the motion found, or cut.
 [[nodiscard]] bool turnsTooMuch(const Rod& rod, double dt, RodWork& w);
 
+/// The same of one rod, whose geometry was evaluated: begins, adds a point force (N) to the axial force of every
+/// segment that it pulls at, fills RodWork::axial.
+void beginPulls(const rod::RodModel& model, RodWork& w);
+void pull(const rod::RodModel& model, const rod::MaterialPoint& at, const Vec2& force, RodWork& w);
+void axialOfPulls(const rod::RodModel& model, RodWork& w);
+
 /// Geometric stiffness of the axial forces, N m^2 per (1/m)^2 in the curvatures: `out` (n x n) is overwritten.
 void axialStiffness(const rod::RodModel& model, const RodWork& w, Eigen::MatrixXd& out);
 

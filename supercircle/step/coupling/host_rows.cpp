@@ -352,7 +352,7 @@ void addHostContacts(const World& world, double dt, ContactStage& stage) {
 void readHostBlocks(const World& world, ContactStage& stage) {
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         const Body& b = world.bodies[i];
-        if (!b.dynamic)
+        if (!b.dynamic || stage.motion[i].isFree)
             continue;
         const HostCoupling& h = b.hostCoupling;
         BodyMotion m = freeMotion(world, b, h.all.expectedLinear, h.all.expectedAngular, stage.problem.dt);

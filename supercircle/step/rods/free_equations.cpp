@@ -1,18 +1,11 @@
 #include "supercircle/step/rods/free_equations.h"
 
 #include "supercircle/step/rods/hold_rows.h"
+#include "supercircle/support/invariants.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace supercircle::step {
-
-namespace {
-
-constexpr int kMostIterations = 16; ///< of a stage; twice as many seldom save a step
-
-} // namespace
 
 double viscosityOf(const Rod& rod) {
     return rod.dampingTime + (rod.effects.material.on() ? rod.effects.material.model.viscosity : 0.0);
@@ -37,7 +30,7 @@ void FreeEquations::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v)
 }
 
 /// Motion about the centre of mass takes the mean out of J.
-void FreeEquations::factor(double tau, const Eigen::VectorXd& q) {
+void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
     const rod::RodModel& model = rod_.model;
     rod::massMatrix(model, w_.kin, w_.gauss, w_.A);
     const Eigen::Index X = x(), Y = X + 1, T = model.dofTheta();
@@ -57,6 +50,8 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q) {
         const int element = model.elementOfDof(i);
         w_.A(i, i) += tau * (tau * tangentOf(element, q[i]) + viscosity_ * rod::bendingStiffness(model, element));
     }
+    if (pulled)
+        w_.A += tau * tau * w_.axial;
     w_.llt.compute(w_.A);
 }
 
@@ -112,10 +107,13 @@ void FreeEquations::addForces() {
     }
 }
 
-/// Rows of the holds at the geometry evaluated last, about the centre of mass; A^-1 C^T.
 void FreeEquations::holdRows() {
-    step::holdRows(rod_.model, rod_.holds, w_.kin, f_.C);
-    if (!rod_.holds.empty())
+    step::holdRows(rod_.model, rod_.holds, w_.kin, f_.heldRows);
+    const auto rows = static_cast<Eigen::Index>(f_.place.size());
+    SC_ASSERT(f_.heldRows.rows() == f_.held && f_.held <= rows, "rows of holds come first");
+    f_.C.setZero(rows, n_);
+    f_.C.topRows(f_.held) = f_.heldRows;
+    if (!rod_.holds.empty() || rows > f_.held)
         meanRows();
     Eigen::Index row = 0;
     for (const Hold& h : rod_.holds) {
@@ -125,83 +123,53 @@ void FreeEquations::holdRows() {
         }
         row += h.clamped ? 3 : 2;
     }
+}
+
+void FreeEquations::addPointRows(const rod::MaterialPoint& at, const Vec2& offset, double sign, Eigen::Index row) {
+    w_.rowsOfLoad.resize(2, n_);
+    w_.kin.pointRows(rod_.model, at, offset, Vec2::UnitX(), Vec2::UnitY(), w_.rowsOfLoad);
+    for (int axis = 0; axis < 2; ++axis) {
+        w_.rowsOfLoad.row(axis) -= f_.mean[axis].transpose() / mass();
+        w_.rowsOfLoad.row(axis).segment<2>(x()) = Vec2::Unit(axis);
+    }
+    f_.C.middleRows<2>(row) += sign * w_.rowsOfLoad;
+}
+
+void FreeEquations::addAngleRow(const rod::MaterialPoint& at, double sign, Eigen::Index row) {
+    f_.turn.resize(n_);
+    w_.kin.angleRow(rod_.model, at, f_.turn);
+    f_.C.row(row) += sign * f_.turn;
+}
+
+void FreeEquations::addPointRow(const rod::MaterialPoint& at, const Vec2& offset, const Vec2& axis, double sign,
+                                Eigen::Index row) {
+    w_.rowsOfLoad.resize(2, n_);
+    w_.kin.pointRows(rod_.model, at, offset, axis, rod::perp(axis), w_.rowsOfLoad);
+    f_.turn = w_.rowsOfLoad.row(0) - (axis.x() * f_.mean[0] + axis.y() * f_.mean[1]).transpose() / mass();
+    f_.turn.segment<2>(x()) = axis;
+    f_.C.row(row) += sign * f_.turn;
+}
+
+void FreeEquations::eliminate() {
     f_.solved = f_.C.transpose();
     w_.llt.solveInPlace(f_.solved);
     f_.schur.noalias() = f_.C * f_.solved;
-    f_.schurFactor.compute(f_.schur);
 }
 
-/// f_.impulse = (C A^-1 C^T)^-1 f_.impulse, where holds that others make redundant take nothing.
-void FreeEquations::solveSchur() {
-    constexpr double kRedundant = 1e-12; // of the largest pivot: those of two clamps on a stiff piece are 1e-16 of it
-    const auto& factor = f_.schurFactor;
-    const auto pivots = factor.vectorD();
-    const double least = kRedundant * pivots.maxCoeff();
-    f_.impulse = factor.transpositionsP() * f_.impulse;
-    factor.matrixL().solveInPlace(f_.impulse);
-    for (Eigen::Index i = 0; i < pivots.size(); ++i)
-        f_.impulse[i] = pivots[i] > least ? f_.impulse[i] / pivots[i] : 0.0;
-    factor.matrixU().solveInPlace(f_.impulse);
-    f_.impulse = factor.transpositionsP().transpose() * f_.impulse;
-}
-
-void FreeEquations::constrain(const Eigen::VectorXd& rates, Eigen::VectorXd& change) {
-    f_.impulse = rates;
-    f_.impulse.noalias() -= f_.C * change;
-    solveSchur();
-    change.noalias() += f_.solved * f_.impulse;
-}
-
-void FreeEquations::closeHolds(double ahead, Eigen::VectorXd& q) {
-    holdGaps(world_, rod_, w_.kin, f_.middle, ahead, f_.impulse);
-    solveSchur();
-    q.noalias() += f_.solved * f_.impulse;
-}
-
-bool FreeEquations::solve(double tau, double ahead, FreeStage& s) {
+void FreeEquations::residual(double tau, FreeStage& s) {
     const rod::RodModel& model = rod_.model;
-    const double floor = 1e-13 * model.definition().length / tau * std::sqrt(mass());
-    double last = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < kMostIterations; ++i) {
-        ++f_.iterations;
-        s.q = s.q0 + tau * s.v;
-        evaluate(s.q, s.v);
-        rod::inertialForce(model, w_.kin, w_.gauss, f_.rate, f_.u, f_.force);
-        f_.force[model.dofTheta()] = 0.0; // it is round-off: nothing turns a rod about its centre of mass
-        addBending(s);
-        f_.force.segment<2>(x()) = mass() * world_.gravity;
-        addForces();
-        rod::momentum(model, w_.kin, w_.gauss, f_.u, f_.product);
-        f_.product.segment<2>(x()) = mass() * s.v.segment<2>(x());
-        s.p = s.p0 + tau * f_.force;
-        s.change = s.p - f_.product;
-        w_.llt.solveInPlace(s.change);
-        if (f_.hasHolds) {
-            holdRows();
-            holdRates(world_, rod_, ahead, f_.rates);
-            f_.rates.noalias() -= f_.C * s.v;
-            constrain(f_.rates, s.change);
-            s.impulse = f_.impulse;
-            s.p.noalias() += f_.C.transpose() * s.impulse;
-        }
-        f_.product.noalias() = w_.A * s.change;
-        const double size = std::sqrt(std::max(0.0, s.change.dot(f_.product)));
-        f_.shape = s.v;
-        f_.shape.segment<2>(x()).setZero();
-        f_.product.noalias() = w_.A * f_.shape;
-        const double motion = std::sqrt(std::max(0.0, f_.shape.dot(f_.product)));
-        s.v += s.change;
-        if (!std::isfinite(size))
-            return false;
-        if (size <= tolerance_ * motion + floor) {
-            s.q = s.q0 + tau * s.v;
-            return true;
-        }
-        if (i > 2 && size > 0.7 * last) // too slow to come to an end, or at the end of the digits
-            return size <= 1e3 * (tolerance_ * motion + floor);
-        last = size;
-    }
-    return false;
+    s.q = s.q0 + tau * s.v;
+    evaluate(s.q, s.v);
+    rod::inertialForce(model, w_.kin, w_.gauss, f_.rate, f_.u, f_.force);
+    f_.force[model.dofTheta()] = 0.0; // it is round-off: nothing turns a rod about its centre of mass
+    addBending(s);
+    f_.force.segment<2>(x()) = mass() * world_.gravity;
+    addForces();
+    rod::momentum(model, w_.kin, w_.gauss, f_.u, f_.product);
+    f_.product.segment<2>(x()) = mass() * s.v.segment<2>(x());
+    s.p = s.p0 + tau * f_.force;
+    s.change = s.p - f_.product;
+    w_.llt.solveInPlace(s.change);
 }
 
 } // namespace supercircle::step

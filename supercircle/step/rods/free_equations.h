@@ -1,6 +1,6 @@
 #pragma once
-// The equations of a stage of free motion (private to step/rods; the scheme is said in free_motion.h). q, p and v have
-// the centre of mass in place of the middle.
+// The equations of one rod in a stage of free motion (private to step/rods; the scheme is said in free_motion.h). q, p
+// and v have the centre of mass in place of the middle.
 
 #include "supercircle/step/rods/rod_system.h"
 
@@ -11,22 +11,25 @@ namespace supercircle::step {
 
 class FreeEquations {
 public:
-    FreeEquations(const World& world, const Settings& settings, const Rod& rod, RodWork& w)
-        : world_(world), rod_(rod), w_(w), f_(w.free), n_(rod.model.dofs()), viscosity_(viscosityOf(rod)),
-          tolerance_(1e-4 * settings.contact.tolerance) {}
+    FreeEquations(const World& world, const Rod& rod, RodWork& w)
+        : world_(world), rod_(rod), w_(w), f_(w.free), n_(rod.model.dofs()), viscosity_(viscosityOf(rod)) {}
 
     /// Geometry at q, and the velocities about the centre of mass that v makes there.
     void evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
     /// A = M + tau^2 K + tau D, at the geometry evaluated last and the curvatures of `q`.
-    void factor(double tau, const Eigen::VectorXd& q);
-    /// Solves a stage from s.q0, s.p0 with the guess s.v, at the time `ahead`: s.q, s.p, s.v, s.impulse. False: its
-    /// iteration does not come to an end.
-    [[nodiscard]] bool solve(double tau, double ahead, FreeStage& s);
-    /// Adds A^-1 C^T y to `change`, so that C change = rates; f.impulse = y. Redundant holds drop out.
-    void constrain(const Eigen::VectorXd& rates, Eigen::VectorXd& change);
-    /// Puts q, whose geometry was evaluated last, back to the holds, from which the velocities have led it by an error
-    /// of third order.
-    void closeHolds(double ahead, Eigen::VectorXd& q);
+    /// `pulled`: with the geometric stiffness RodWork::axial.
+    void factor(double tau, const Eigen::VectorXd& q, bool pulled);
+    /// What a stage leaves of its equation at the guess s.v: s.q, s.p, and s.change = A^-1 (p(Q) + tau F - M v).
+    void residual(double tau, FreeStage& s);
+    /// Rows of the holds at the geometry evaluated last, about the centre of mass, and room for those of joints.
+    void holdRows();
+    /// Adds the rows of a point `offset` from the centre line, times `sign`, to rows of joints; those of its angle.
+    void addPointRows(const rod::MaterialPoint& at, const Vec2& offset, double sign, Eigen::Index row);
+    void addAngleRow(const rod::MaterialPoint& at, double sign, Eigen::Index row);
+    /// The same of a point along `axis` alone.
+    void addPointRow(const rod::MaterialPoint& at, const Vec2& offset, const Vec2& axis, double sign, Eigen::Index row);
+    /// A^-1 C^T and C A^-1 C^T.
+    void eliminate();
     [[nodiscard]] double viscosity() const { return viscosity_; }
 
 private:
@@ -36,8 +39,6 @@ private:
     void addBending(const FreeStage& s);
     void meanRows();
     void addForces();
-    void holdRows();
-    void solveSchur();
 
     const World& world_;
     const Rod& rod_;
@@ -45,9 +46,6 @@ private:
     FreeWork& f_;
     Eigen::Index n_;
     double viscosity_;
-    /// Of a stage, relative to its motion. A hundredth of it would be lost in round-off, a hundred times of it would be
-    /// seen in the angular momentum of long runs.
-    double tolerance_;
 };
 
 } // namespace supercircle::step

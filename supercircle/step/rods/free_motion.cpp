@@ -1,7 +1,7 @@
 #include "supercircle/step/rods/free_motion.h"
 
 #include "supercircle/step/applied_forces.h"
-#include "supercircle/step/rods/free_equations.h"
+#include "supercircle/step/rods/free_system.h"
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/step/rods/sdirk2.h"
 #include "supercircle/support/invariants.h"
@@ -14,8 +14,16 @@ namespace supercircle::step {
 
 namespace {
 
-constexpr double kRememberEnergy = 0.9;                     ///< of vibration, a step: it is all bending at times
-constexpr double kShorterToSolve = 16.0;                    ///< than the error asks for, where stages do not converge
+constexpr double kRememberEnergy = 0.9;  ///< of vibration, a step: it is all bending at times
+constexpr double kShorterToSolve = 16.0; ///< than the error asks for, where stages do not converge
+/// Error of joined rods' own steps, of the amplitude, at most: they have no coordinates in which their rigid motion is
+/// exact. Twice as much takes 3 % more of the energy of a fast triple pendulum of a game in ten swings; half as much
+/// makes 40 % more such steps where errors choose them.
+constexpr double kJoinedError = 0.005;
+/// Energy that a step of joined rods may bring in, of Settings::freeError and what they move with. A strip that its
+/// tether jerks round in a game swings between 0.5 % too much and too little without it, 0.1 % with it. Half of it
+/// makes a quarter more steps of their own in fast turns, and none in slow ones; twice as much lets 60 % more in.
+constexpr double kGain = 1e-3;
 constexpr double kLongestGrowth = 2.0, kShortestCut = 0.25; ///< of a step
 
 /// Whether the moment depends on curvature and its rate alone, not on what was before.
@@ -33,107 +41,207 @@ double acceptMaterial(Rod& rod, double dt, double damped) {
     return effects::taken(fx.energies) - before;
 }
 
-/// One motion from the start of the step to its end.
+/// One motion from the start of the step to its end, of rods that joints tie to each other or of one alone.
 class FreeMotion {
 public:
-    FreeMotion(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w)
-        : world_(world), settings_(settings), rod_(rod), w_(w), f_(w.free), dt_(dt),
-          equations_(world, settings, rod, w) {}
+    FreeMotion(const World& world, const Settings& settings, const std::vector<BodyMotion>& motion,
+               std::vector<RodWork>& rods, FreeGroup& group, double dt)
+        : settings_(settings), world_(world), g_(group), dt_(dt), system_(world, settings, motion, rods, group) {}
 
     bool run();
 
 private:
-    [[nodiscard]] Eigen::Index x() const { return rod_.model.dofX(); }
-    void begin();
+    [[nodiscard]] bool begin();
+    void beginRod(const Rod& rod, FreeWork& f);
     bool tryStep(double start, double size);
     [[nodiscard]] double errorOf(double tau);
-    [[nodiscard]] double leastBending(double size) const;
-    [[nodiscard]] double vibration(const Eigen::VectorXd& p, const Eigen::VectorXd& v) const;
+    [[nodiscard]] double vibration(std::size_t stage);
+    [[nodiscard]] double potential(bool second);
+    [[nodiscard]] double holdWork(std::size_t i, double start, double size, double tau);
+    [[nodiscard]] double energyAtEnd();
+    [[nodiscard]] bool gains(double start, double size, double tau);
+    void takeRod(std::size_t i, double start, double size, double tau);
     void measureWay();
     void finish();
 
-    const World& world_;
     const Settings& settings_;
-    const Rod& rod_;
-    RodWork& w_;
-    FreeWork& f_;
+    const World& world_;
+    FreeGroup& g_;
     double dt_;
-    FreeEquations equations_;
+    FreeSystem system_;
+    double shortest_ = 0.0; ///< step of their own, s
+    double energy_ = 0.0;   ///< of joined rods and the bodies on them at the start of a step of their own, J
 };
 
 /// State at the start, from the material velocities.
-void FreeMotion::begin() {
-    const rod::RodModel& model = rod_.model;
-    f_.centre = rod::massCentre(rod_.kin, rod_.gauss);
+void FreeMotion::beginRod(const Rod& rod, FreeWork& f) {
+    const rod::RodModel& model = rod.model;
+    const Eigen::Index x = model.dofX();
+    f.centre = rod::massCentre(rod.kin, rod.gauss);
     Vec2 drift = Vec2::Zero();
-    for (std::size_t g = 0; g < rod_.u.size(); ++g)
-        drift += (rod_.gauss.mass[g] / rod_.model.mass()) * rod_.u[g];
-    f_.u = rod_.u;
-    for (Vec2& u : f_.u)
+    for (std::size_t g = 0; g < rod.u.size(); ++g)
+        drift += (rod.gauss.mass[g] / model.mass()) * rod.u[g];
+    f.u = rod.u;
+    for (Vec2& u : f.u)
         u -= drift;
-    rod::momentum(model, rod_.kin, rod_.gauss, f_.u, f_.p);
-    f_.q = rod_.q;
-    f_.v = rod_.v;
-    f_.q.segment<2>(x()) = f_.centre;
-    f_.p.segment<2>(x()) = rod_.model.mass() * drift;
-    f_.v.segment<2>(x()) = drift;
-    f_.holdWork = f_.damped = 0.0;
-    f_.least = rod::bendingEnergy(model, rod_.q);
-    f_.vibration = rod_.vibration;
-    f_.size = rod_.freeStep;
-    f_.steps = f_.iterations = 0;
-    f_.hasHolds = model.definition().closed || !rod_.holds.empty();
-    w_.moved = w_.shift = w_.error = f_.about = 0.0;
-    f_.closest = std::numeric_limits<double>::infinity();
-    f_.carried.setZero();
-    equations_.evaluate(f_.q, f_.v);
+    rod::momentum(model, rod.kin, rod.gauss, f.u, f.p);
+    f.q = rod.q;
+    f.v = rod.v;
+    f.q.segment<2>(x) = f.centre;
+    f.p.segment<2>(x) = model.mass() * drift;
+    f.v.segment<2>(x) = drift;
+    f.holdWork = f.damped = 0.0;
+    f.least = rod::bendingEnergy(model, rod.q);
+    f.closest = std::numeric_limits<double>::infinity();
+    f.about = 0.0;
+    f.carried.setZero();
 }
 
-/// Energy of motion that is no rigid one, J.
-double FreeMotion::vibration(const Eigen::VectorXd& p, const Eigen::VectorXd& v) const {
-    const Eigen::Index T = rod_.model.dofTheta();
-    double energy = 0.5 * (p.head(x()).dot(v.head(x())) + p[T] * v[T]);
-    if (rod_.holds.empty() && w_.A(T, T) > 0.0)
-        energy -= 0.5 * p[T] * p[T] / w_.A(T, T);
+bool FreeMotion::begin() {
+    g_.steps = g_.iterations = 0;
+    g_.vibration = 0.0;
+    g_.size = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < system_.size(); ++i) {
+        const Rod& rod = system_.rod(i);
+        beginRod(rod, system_.free(i));
+        RodWork& w = system_.work(i);
+        w.moved = w.shift = w.error = 0.0;
+        g_.vibration = std::max(g_.vibration, rod.vibration);
+        g_.size = std::min(g_.size, rod.freeStep);
+    }
+    system_.evaluate();
+    if (!system_.begin())
+        return false;
+    if (g_.joints.empty())
+        return true;
+    energy_ = potential(false);
+    for (std::size_t i = 0; i < system_.size(); ++i)
+        energy_ += rod::kineticEnergy(system_.rod(i).gauss, system_.rod(i).u);
+    for (const FreeBody& b : g_.bodies)
+        energy_ += 0.5 * b.p.dot(b.v) - b.pull.dot(b.q);
+    return true;
+}
+
+/// Of bending, gravity and forces on joined rods as evaluated last, at the state or at the end of the second stage, J.
+double FreeMotion::potential(bool second) {
+    double energy = 0.0;
+    for (std::size_t i = 0; i < system_.size() && !g_.joints.empty(); ++i) {
+        const Rod& rod = system_.rod(i);
+        const rod::RodModel& model = rod.model;
+        const FreeWork& f = system_.free(i);
+        const rod::Kinematics& kin = system_.work(i).kin;
+        const Vec2 centre = f.middle + rod::massCentre(kin, system_.work(i).gauss);
+        energy += rod::bendingEnergy(model, second ? f.stages[1].q : f.q) - model.mass() * world_.gravity.dot(centre);
+        for (const AppliedForce& a : rod.forces) {
+            const rod::MaterialPoint at = rod::locate(model, a.s);
+            energy -= a.force.dot(kin.point(at) + f.middle) + a.torque * kin.angle(at);
+        }
+    }
+    return energy;
+}
+
+/// At the end of the second stage, J.
+double FreeMotion::energyAtEnd() {
+    double energy = potential(true);
+    for (std::size_t i = 0; i < system_.size(); ++i)
+        energy += 0.5 * system_.free(i).stages[1].p.dot(system_.free(i).stages[1].v);
+    for (const FreeBody& b : g_.bodies)
+        energy += 0.5 * b.stages[1].p.dot(b.stages[1].v) - b.pull.dot(b.stages[1].q);
+    return energy;
+}
+
+/// Whether a step of joined rods brings in more energy than its error may: the scheme takes energy where it is linear,
+/// not where a rod turns fast about a joint.
+bool FreeMotion::gains(double start, double size, double tau) {
+    double given = 0.0;
+    for (std::size_t i = 0; i < system_.size(); ++i)
+        given += holdWork(i, start, size, tau);
+    for (const FreeJoint& j : g_.joints)
+        given += kExtrapolate * j.stages[0].given + j.stages[1].given;
+    return energyAtEnd() - energy_ - given > kGain * settings_.freeError * g_.vibration;
+}
+
+/// Energy of motion that is no rigid one, J; of joined rods, all that is not of their common centre of mass.
+double FreeMotion::vibration(std::size_t stage) {
+    double energy = 0.0, mass = 0.0;
+    Vec2 momentum = Vec2::Zero();
+    const bool joined = !g_.joints.empty();
+    for (std::size_t i = 0; i < system_.size(); ++i) {
+        const Rod& rod = system_.rod(i);
+        const FreeStage& s = system_.free(i).stages[stage];
+        const Eigen::MatrixXd& A = system_.work(i).A;
+        const Eigen::Index x = rod.model.dofX(), T = rod.model.dofTheta();
+        energy += 0.5 * (s.p.head(x).dot(s.v.head(x)) + s.p[T] * s.v[T]);
+        if (!joined && rod.holds.empty() && A(T, T) > 0.0)
+            energy -= 0.5 * s.p[T] * s.p[T] / A(T, T);
+        if (joined) {
+            energy += 0.5 * s.p.segment<2>(x).dot(s.v.segment<2>(x));
+            momentum += s.p.segment<2>(x);
+            mass += rod.model.mass();
+        }
+    }
+    for (const FreeBody& b : g_.bodies) {
+        energy += 0.5 * b.stages[stage].p.dot(b.stages[stage].v);
+        momentum += b.stages[stage].p.head<2>();
+        mass += b.mass.x();
+    }
+    if (joined && !g_.tied)
+        energy -= 0.5 * momentum.squaredNorm() / mass;
     return std::max(0.0, energy);
 }
 
 /// Squared error of the step just made, in units of what may be: above 1 it is too large.
 double FreeMotion::errorOf(double tau) {
-    const rod::RodModel& model = rod_.model;
-    FreeStage &one = f_.stages[0], &two = f_.stages[1];
-    f_.change = (two.p - two.p0) - (one.p - one.p0);
-    f_.product = f_.change;
-    w_.llt.solveInPlace(f_.change);
-    if (f_.hasHolds) {
-        f_.rates.setZero();
-        equations_.constrain(f_.rates, f_.change);
+    const auto change = [](const auto& stages) { return (stages[1].p - stages[1].p0) - (stages[0].p - stages[0].p0); };
+    for (std::size_t i = 0; i < system_.size(); ++i) {
+        FreeWork& f = system_.free(i);
+        f.change = change(f.stages);
+        f.product = f.change;
+        system_.work(i).llt.solveInPlace(f.change);
     }
-    double energy = 0.5 * std::max(0.0, f_.change.dot(f_.product)), way = 0.0;
-    for (int i = 0; i < model.elements(); ++i) {
-        const double bent = tau * (two.v[i] - one.v[i]);
-        energy += 0.5 * rod::bendingStiffness(model, model.elementOfDof(i)) * bent * bent;
-        way += std::abs(bent) * model.elementLength(model.elementOfDof(i));
+    for (FreeBody& b : g_.bodies)
+        b.change = change(b.stages).cwiseQuotient(b.A);
+    if (system_.hasRows())
+        system_.constrainChange();
+    double energy = 0.0, bySize = 0.0;
+    for (std::size_t i = 0; i < system_.size(); ++i) {
+        const rod::RodModel& model = system_.rod(i).model;
+        FreeWork& f = system_.free(i);
+        const FreeStage &one = f.stages[0], &two = f.stages[1];
+        energy += 0.5 * std::max(0.0, f.change.dot(f.product));
+        double way = 0.0;
+        for (int k = 0; k < model.elements(); ++k) {
+            const double bent = tau * (two.v[k] - one.v[k]);
+            energy += 0.5 * rod::bendingStiffness(model, model.elementOfDof(k)) * bent * bent;
+            way += std::abs(bent) * model.elementLength(model.elementOfDof(k));
+        }
+        if (!g_.joints.empty()) { // its rigid motion is not free of errors
+            const Eigen::Index T = model.dofTheta(), x = model.dofX();
+            way += tau * (std::abs(two.v[T] - one.v[T]) +
+                          2.0 * (two.v - one.v).segment<2>(x).norm() / model.definition().length);
+        }
+        const double least = settings_.freeLeast * model.definition().thickness;
+        bySize = std::max(bySize, 0.5 * way * model.definition().length / least);
     }
-    f_.vibration = std::max({kRememberEnergy * f_.vibration, vibration(one.p, one.v), vibration(two.p, two.v)});
-    const double byEnergy = energy / std::max(settings_.freeError * settings_.freeError * f_.vibration, 1e-300);
-    const double least = settings_.freeLeast * model.definition().thickness;
-    const double bySize = 0.5 * way * model.definition().length / least;
+    for (const FreeBody& b : g_.bodies)
+        energy += 0.5 * b.change.dot(b.A.cwiseProduct(b.change));
+    g_.vibration = std::max({kRememberEnergy * g_.vibration, vibration(0), vibration(1)});
+    const double allowed = g_.joints.empty() ? settings_.freeError : std::min(settings_.freeError, kJoinedError);
+    const double byEnergy = energy / std::max(allowed * allowed * g_.vibration, 1e-300);
     return std::min(byEnergy, bySize * bySize);
 }
 
 /// Smallest bending energy on the way from the present state to the second stage, J: of the cubic through the energies
 /// and their rates at both ends. Between two steps of a swing it may be far below both.
-double FreeMotion::leastBending(double size) const {
-    const rod::RodModel& model = rod_.model;
-    const FreeStage& end = f_.stages[1];
-    const double from = rod::bendingEnergy(model, f_.q), to = rod::bendingEnergy(model, end.q);
+double leastBending(const rod::RodModel& model, const FreeWork& f, double size) {
+    const FreeStage& end = f.stages[1];
+    const double from = rod::bendingEnergy(model, f.q), to = rod::bendingEnergy(model, end.q);
     double falls = 0.0, rises = 0.0; // rates times size
     for (int i = 0; i < model.elements(); ++i) {
         const int element = model.elementOfDof(i);
         const double k = size * rod::bendingStiffness(model, element);
         const double natural = model.definition().naturalCurvature[static_cast<std::size_t>(element)];
-        falls += k * (f_.q[i] - natural) * f_.v[i];
+        falls += k * (f.q[i] - natural) * f.v[i];
         rises += k * (end.q[i] - natural) * end.v[i];
     }
     double least = std::min(from, to);
@@ -146,116 +254,146 @@ double FreeMotion::leastBending(double size) const {
     return std::max(0.0, least);
 }
 
+/// Of the holds of one rod in the step of its own from `start` s on, J.
+double FreeMotion::holdWork(std::size_t i, double start, double size, double tau) {
+    const Rod& rod = system_.rod(i);
+    FreeWork& f = system_.free(i);
+    double work = 0.0;
+    for (std::size_t stage = 0; stage < 2 && !rod.holds.empty(); ++stage) {
+        holdRates(world_, rod, stage == 0 ? start + tau : start + size, f.rates);
+        work += (stage == 0 ? kExtrapolate : 1.0) * f.stages[stage].impulse.head(f.held).dot(f.rates); // of tau
+    }
+    return work;
+}
+
+/// What one rod took in the step of its own from `start` s on.
+void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
+    const Rod& rod = system_.rod(i);
+    const rod::RodModel& model = rod.model;
+    FreeWork& f = system_.free(i);
+    f.least = std::min(f.least, leastBending(model, f, size));
+    const double viscosity = viscosityOf(rod);
+    f.holdWork += holdWork(i, start, size, tau);
+    for (int stage = 0; stage < 2; ++stage) {
+        const FreeStage& s = f.stages[static_cast<std::size_t>(stage)];
+        const double weight = stage == 0 ? kExtrapolate : 1.0; // times tau
+        for (int k = 0; k < model.elements(); ++k)
+            f.damped +=
+                weight * tau * viscosity * rod::bendingStiffness(model, model.elementOfDof(k)) * s.v[k] * s.v[k];
+    }
+}
+
 /// One step of `size` s from `start` s on, where the geometry was evaluated last, and at whose end it is. False: it
 /// must be shorter.
 bool FreeMotion::tryStep(double start, double size) {
-    const rod::RodModel& model = rod_.model;
     const double tau = kGamma * size;
-    equations_.factor(tau, f_.q);
-    FreeStage &one = f_.stages[0], &two = f_.stages[1];
-    one.q0 = f_.q;
-    one.p0 = f_.p;
-    one.v = f_.v;
-    if (!equations_.solve(tau, start + tau, one))
+    system_.factor(tau);
+    system_.startStage(0);
+    if (!system_.solve(0, tau, start + tau))
         return false;
-    two.q0 = f_.q + kExtrapolate * (one.q - f_.q);
-    two.p0 = f_.p + kExtrapolate * (one.p - f_.p);
-    two.v = f_.v + (one.v - f_.v) / kGamma;
-    if (!equations_.solve(tau, start + size, two))
+    system_.startStage(1);
+    if (!system_.solve(1, tau, start + size))
         return false;
     const double error = settings_.fixedDt > 0.0 ? 0.0 : errorOf(tau);
     const double wanted =
         size * std::clamp(0.9 / std::sqrt(std::sqrt(std::max(error, 1e-12))), kShortestCut, kLongestGrowth);
-    f_.size = std::max(wanted, std::min(kLongestGrowth * size, dt_ / settings_.freeSteps));
-    if (error > 1.0 && size > f_.size * (1.0 + 1e-6))
+    g_.size = std::max(wanted, std::min(kLongestGrowth * size, dt_ / settings_.freeSteps));
+    if (error > 1.0 && size > g_.size * (1.0 + 1e-6))
         return false;
-    f_.least = std::min(f_.least, leastBending(size));
-    f_.q = two.q;
-    f_.p = two.p;
-    f_.v = two.v;
-    for (int i = 0; i < 2; ++i) {
-        const FreeStage& s = f_.stages[static_cast<std::size_t>(i)];
-        const double weight = i == 0 ? kExtrapolate : 1.0; // times tau
-        if (!rod_.holds.empty()) {
-            holdRates(world_, rod_, i == 0 ? start + tau : start + size, f_.rates);
-            f_.holdWork += weight * s.impulse.dot(f_.rates);
-        }
-        for (int k = 0; k < model.elements(); ++k)
-            f_.damped += weight * tau * equations_.viscosity() * rod::bendingStiffness(model, model.elementOfDof(k)) *
-                         s.v[k] * s.v[k];
+    if (!g_.joints.empty() && settings_.fixedDt <= 0.0 && gains(start, size, tau) && size > shortest_ * (1.0 + 1e-9)) {
+        g_.size = 0.5 * size;
+        return false;
     }
-    f_.tau = tau;
-    equations_.evaluate(f_.q, f_.v);
-    if (f_.hasHolds) {
-        equations_.closeHolds(start + size, f_.q);
-        equations_.evaluate(f_.q, f_.v);
-    }
-    ++f_.steps;
+    for (std::size_t i = 0; i < system_.size(); ++i)
+        takeRod(i, start, size, tau);
+    system_.take();
+    g_.tau = tau;
+    energy_ = g_.joints.empty() ? 0.0 : energyAtEnd();
+    system_.evaluate();
+    ++g_.steps;
     return true;
 }
 
 void FreeMotion::measureWay() {
-    const rod::RodModel& model = rod_.model;
-    f_.carried = f_.q.segment<2>(x()) - f_.centre;
-    for (int i = 0; i <= model.elements(); ++i) {
-        const Vec2 way = w_.kin.node(i) + f_.middle - rod_.kin.node(i);
-        w_.moved = std::max(w_.moved, way.norm());
-        f_.about = std::max(f_.about, (way - f_.carried).norm());
-    }
-    for (const SelfPair& pair : f_.selfPairs) {
-        const double now =
-            (w_.kin.point(rod::locate(model, pair.s[0])) - w_.kin.point(rod::locate(model, pair.s[1]))).norm();
-        f_.closest = std::min(f_.closest, pair.gap + now - pair.distance);
+    for (std::size_t k = 0; k < system_.size(); ++k) {
+        const Rod& rod = system_.rod(k);
+        RodWork& w = system_.work(k);
+        FreeWork& f = w.free;
+        f.carried = f.q.segment<2>(rod.model.dofX()) - f.centre;
+        for (int i = 0; i <= rod.model.elements(); ++i) {
+            const Vec2 way = w.kin.node(i) + f.middle - rod.kin.node(i);
+            w.moved = std::max(w.moved, way.norm());
+            f.about = std::max(f.about, (way - f.carried).norm());
+        }
+        for (const SelfPair& pair : f.selfPairs) {
+            const double now =
+                (w.kin.point(rod::locate(rod.model, pair.s[0])) - w.kin.point(rod::locate(rod.model, pair.s[1])))
+                    .norm();
+            f.closest = std::min(f.closest, pair.gap + now - pair.distance);
+        }
     }
 }
 
-/// What the other stages read of a rod.
+/// What the other stages read of the rods.
 void FreeMotion::finish() {
-    const rod::RodModel& model = rod_.model;
-    w_.qk = rod_.q;
-    w_.q1 = f_.q;
-    w_.q1.segment<2>(x()) = f_.middle;
-    w_.v = f_.v;
-    w_.v.segment<2>(x()) = f_.middleVelocity;
-    w_.kin.evaluate(model, w_.q1);
-    w_.kin1 = w_.kin;
-    w_.u0 = rod_.u;
-    w_.u1 = f_.u;
-    const Vec2 drift = f_.v.segment<2>(x());
-    for (Vec2& u : w_.u1)
-        u += drift;
-    w_.shift = w_.moved;
-    w_.C.resize(0, model.dofs());
-    w_.vFree = w_.v;
-    w_.body = -1;
-    w_.frozen = w_.touching = w_.loaded = false;
-    w_.rollingCount = 0;
-    w_.load.resize(0);
-    w_.mouseJoints.clear();
-    w_.impactShare = 0.0;
-    w_.contactImpulse.setZero(model.dofs());
+    for (std::size_t i = 0; i < system_.size(); ++i) {
+        const Rod& rod = system_.rod(i);
+        const rod::RodModel& model = rod.model;
+        const Eigen::Index x = model.dofX();
+        RodWork& w = system_.work(i);
+        FreeWork& f = w.free;
+        f.tau = g_.tau;
+        f.size = g_.size;
+        f.vibration = g_.vibration;
+        w.qk = rod.q;
+        w.q1 = f.q;
+        w.q1.segment<2>(x) = f.middle;
+        w.v = f.v;
+        w.v.segment<2>(x) = f.middleVelocity;
+        w.kin.evaluate(model, w.q1);
+        w.kin1 = w.kin;
+        w.u0 = rod.u;
+        w.u1 = f.u;
+        const Vec2 drift = f.v.segment<2>(x);
+        for (Vec2& u : w.u1)
+            u += drift;
+        w.shift = w.moved;
+        w.C.resize(0, model.dofs());
+        w.vFree = w.v;
+        w.body = -1;
+        w.frozen = w.touching = w.loaded = false;
+        w.rollingCount = 0;
+        w.load.resize(0);
+        w.mouseJoints.clear();
+        w.impactShare = 0.0;
+        w.contactImpulse.setZero(model.dofs());
+    }
 }
 
 bool FreeMotion::run() {
-    begin();
+    if (!begin())
+        return false;
     const double least = dt_ / settings_.freeSteps;
     double done = 0.0;
-    const double shortest = least / kShorterToSolve;
+    // Joined rods have the ordinary step where a frame of a game would take too many of their own.
+    const double shortest = shortest_ = g_.joints.empty() ? least / kShorterToSolve : least;
     const int most = static_cast<int>(2.0 * kShorterToSolve) * settings_.freeSteps;
     for (int tries = 0; done < dt_ * (1.0 - 1e-12); ++tries) {
         if (tries > most)
             return false;
         const double left = dt_ - done;
         double size = left;
-        if (settings_.fixedDt <= 0.0 && f_.size > 0.0)
-            size = left / std::max(1.0, std::ceil(left / std::max(f_.size, shortest) * (1.0 - 1e-9)));
-        f_.size = 0.5 * size; // where it fails without an estimate
+        if (settings_.fixedDt <= 0.0 && g_.size > 0.0)
+            size = left / std::max(1.0, std::ceil(left / std::max(g_.size, shortest) * (1.0 - 1e-9)));
+        g_.size = 0.5 * size; // where it fails without an estimate
         if (!tryStep(done, size)) {
             if (settings_.fixedDt > 0.0 || size <= shortest * (1.0 + 1e-9))
                 return false;
-            equations_.evaluate(f_.q, f_.v);
+            system_.evaluate();
             continue;
         }
+        if (!system_.close(done + size))
+            return false;
         done = size == left ? dt_ : done + size;
         measureWay();
     }
@@ -271,9 +409,10 @@ bool mayMoveFreely(const Rod& rod) {
            (!fx.material.on() || isMemoryless(fx.material.model));
 }
 
-bool moveFreely(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w) {
+bool moveFreely(const World& world, const Settings& settings, const std::vector<BodyMotion>& motion, double dt,
+                std::vector<RodWork>& rods, FreeGroup& group) {
     SC_ASSERT(dt > 0.0 && settings.freeSteps > 0, "a step takes time");
-    return FreeMotion(world, settings, rod, dt, w).run();
+    return FreeMotion(world, settings, motion, rods, group, dt).run();
 }
 
 void standAside(const Rod& rod, RodWork& w) {
@@ -321,6 +460,42 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     rod.leastBending = f.least;
     rod.lastAccepted = rod.q;
     return energies;
+}
+
+void acceptFreeJoints(World& world, double dt, const FreeGroup& group) {
+    EnergyBalance& balance = world.energyBalance;
+    for (const FreeJoint& j : group.joints) {
+        Link& l = world.links[static_cast<std::size_t>(j.link)];
+        l.force = j.impulse.head<2>() / dt;
+        l.torque = j.impulse.z() / dt;
+        balance.work += j.work;
+        balance.toBodies += j.toBody;
+        balance.addDrift(j.drift);
+        balance.numerical += j.work + j.drift - j.toBody; // acceptFreeMotion() knows nothing of it
+        if (j.body < 0)
+            continue;
+        Body& body = world.bodies[static_cast<std::size_t>(j.body)];
+        body.force -= l.force;
+        if (j.freeBody < 0)
+            continue;
+        body.impulse -= j.impulse.head<2>();
+        body.angularImpulse -= j.turn;
+    }
+    for (const FreeBody& b : group.bodies) {
+        Body& body = world.bodies[static_cast<std::size_t>(b.body)];
+        HostCoupling& h = body.hostCoupling;
+        const Eigen::Vector3d way = b.q - b.before - dt * b.drift;
+        body.state.centre = b.q.head<2>();
+        body.state.angle = b.q.z();
+        body.state.velocity = b.v.head<2>();
+        body.state.spin = b.v.z();
+        h.hostImpulse += dt * body.state.mass * h.unexplained.expectedLinear;
+        h.hostTurnImpulse += dt * body.state.inertia * h.unexplained.expectedAngular;
+        h.travel += way.head<2>();
+        h.turn += way.z();
+        h.coupled = true;
+        h.coupledTime += dt;
+    }
 }
 
 } // namespace supercircle::step

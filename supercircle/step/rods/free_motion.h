@@ -10,8 +10,10 @@
 // rigid motion are exact, and what spins feels the centrifugal force.
 //
 // Its own steps are chosen by the embedded estimate gamma dt (k2 - k1), in the norm of energy, against the energy of
-// vibration. That resolves the modes that hold energy; all others decay as an L-stable scheme lets them.
+// vibration. That resolves the modes that hold energy; all others decay as an L-stable scheme lets them. Rods that
+// joints tie move as one group (docs/decisions/0189).
 
+#include "supercircle/step/contacts/contact_rows.h"
 #include "supercircle/step/rods/rod_system.h"
 
 namespace supercircle::step {
@@ -19,11 +21,15 @@ namespace supercircle::step {
 /// Whether gravity, holds to places, forces and effects without memory are all that acts on the rod, contacts left
 /// aside.
 [[nodiscard]] bool mayMoveFreely(const Rod& rod);
-/// The motion over `dt` s: w.q1, v, kin1, u1, moved. False: it was not found.
-[[nodiscard]] bool moveFreely(const World& world, const Settings& settings, const Rod& rod, double dt, RodWork& w);
+/// The motion of a group over `dt` s: of its rods q1, v, kin1, u1, moved. `motion` of bodies that are given. False: it
+/// was not found.
+[[nodiscard]] bool moveFreely(const World& world, const Settings& settings, const std::vector<BodyMotion>& motion,
+                              double dt, std::vector<RodWork>& rods, FreeGroup& group);
 /// Leaves the rod out of a trial that makes a stage of the others' motion.
 void standAside(const Rod& rod, RodWork& w);
 /// Accepts that motion.
 RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w);
+/// Accepts what its joints did, and the bodies that hang on them; after all other bodies have moved.
+void acceptFreeJoints(World& world, double dt, const FreeGroup& group);
 
 } // namespace supercircle::step

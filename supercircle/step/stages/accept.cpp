@@ -131,7 +131,7 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         b.state.angle += dt * m.spin;
         if (b.asleep())
             keepHostImpulse(b, dt);
-        if (!b.dynamic)
+        if (!b.dynamic || m.isFree)
             continue;
         HostCoupling& h = b.hostCoupling;
         const BodyMotion free = freeMotion(world, b, Vec2::Zero(), 0.0, dt);
@@ -227,6 +227,9 @@ void accept(World& world, TrialStep& t) {
     }
     acceptHostConstraints(world, stage, dt);
     advanceBodies(world, stage, dt);
+    for (std::size_t k = 0; k < t.groupCount && !t.aside; ++k)
+        if (t.isFree(t.groups[k]))
+            acceptFreeJoints(world, dt, t.groups[k]);
     advanceLinks(world, dt);
     world.impulses = t.impulses;
     world.candidates = stage.after;

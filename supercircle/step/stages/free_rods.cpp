@@ -1,6 +1,7 @@
 // Before stage Linearise: rods that touch nothing in this step have moved, and are no more asked about.
 
 #include "supercircle/step/parallel.h"
+#include "supercircle/step/rods/free_groups.h"
 #include "supercircle/step/rods/free_motion.h"
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/step/stages/stages.h"
@@ -64,17 +65,12 @@ bool holdsAreClosed(const World& world, const Rod& rod, RodWork& w) {
     return closed;
 }
 
-/// Takes out of `free` what a link or a push between overlapping rods acts on.
-void leaveOutJoined(const World& world, const ContactStage& stage, std::vector<char>& free) {
+/// Takes out of `free` what pushes between overlapping rods act on.
+void leaveOutOverlapping(const World& world, std::vector<char>& free) {
     const auto out = [&](int rod) {
         if (rod >= 0)
             free[static_cast<std::size_t>(rod)] = 0;
     };
-    for (const LinkEnds& e : stage.linkEnds)
-        if (e.counts) {
-            out(e.rodA);
-            out(e.rodB);
-        }
     for (const Overlap& o : world.overlaps) {
         out(rodIndex(world, o.rodA));
         out(o.rodB != 0 ? rodIndex(world, o.rodB) : -1);
@@ -96,25 +92,67 @@ void listSelfPairs(const World& world, const std::vector<char>& free, TrialStep&
 }
 
 /// Counts what the motions took. Two iterations of a stage are about one linearisation of a rod.
-void countWork(const std::vector<char>& free, TrialStep& t) {
-    for (std::size_t i = 0; i < t.rods.size(); ++i)
-        if (free[i] != 0) {
-            const FreeWork& f = t.rods[i].free;
-            t.result.work.rods += 0.5 * f.iterations;
-            t.result.work.freedoms += f.steps * static_cast<double>(f.q.size() * f.q.size());
+void countWork(TrialStep& t) {
+    for (std::size_t k = 0; k < t.groupCount; ++k) {
+        const FreeGroup& g = t.groups[k];
+        for (const std::size_t i : g.rods) {
+            t.result.work.rods += 0.5 * g.iterations;
+            t.result.work.freedoms += g.steps * static_cast<double>(t.rods[i].free.q.size() * t.rods[i].free.q.size());
+        }
+        if (!g.joints.empty())
+            t.result.work.freedoms += g.iterations * static_cast<double>(g.rows * g.rows);
+    }
+}
+
+/// Joints of free rods have done what they do.
+void leaveOutJoints(TrialStep& t) {
+    for (LinkEnds& e : t.stage.linkEnds)
+        e.counts = e.counts && !t.rods[static_cast<std::size_t>(e.rodA)].isFree;
+}
+
+/// So have the bodies that hang on them.
+void setBodies(const World& world, TrialStep& t) {
+    for (std::size_t k = 0; k < t.groupCount; ++k)
+        for (const FreeBody& b : t.groups[k].bodies) {
+            const auto i = static_cast<std::size_t>(b.body);
+            const Eigen::Vector3d mean = (b.q - b.before) / t.dt;
+            t.stage.motion[i] =
+                t.isFree(t.groups[k]) ? BodyMotion{mean.head<2>(), mean.z(), true} : predictedMotion(world.bodies[i]);
         }
 }
 
-/// One that came farther than foreseen may touch, and so may its neighbour.
+void setFree(const FreeGroup& g, bool isFree, std::vector<RodWork>& rods) {
+    for (const std::size_t i : g.rods)
+        rods[i].isFree = isFree;
+}
+
+/// Those that came farther than foreseen may touch, and so may their neighbours.
 void takeBack(const World& world, const Settings& settings, TrialStep& t) {
+    std::vector<int>& groupOf = t.stage.groupBlocks; // of rods, then of bodies
+    groupOf.assign(t.rods.size() + world.bodies.size(), -1);
+    for (std::size_t k = 0; k < t.groupCount; ++k) {
+        for (const std::size_t i : t.groups[k].rods)
+            groupOf[i] = static_cast<int>(k);
+        for (const FreeBody& b : t.groups[k].bodies)
+            groupOf[t.rods.size() + static_cast<std::size_t>(b.body)] = static_cast<int>(k);
+    }
+    const auto bind = [&](std::size_t member) {
+        if (groupOf[member] >= 0)
+            setFree(t.groups[static_cast<std::size_t>(groupOf[member])], false, t.rods);
+    };
     for (bool changed = true; changed;) {
         changed = false;
+        setBodies(world, t);
         for (const contact::Candidate& c : t.candidates(world)) {
-            if (!isOfFreeRod(t.rods, c) || !mayMeet(world, settings, t, c))
+            const bool ofBody = isOfFreeBody(world, t.stage, c);
+            if ((!isOfFreeRod(t.rods, c) && !ofBody) || !mayMeet(world, settings, t, c))
                 continue;
-            t.rods[static_cast<std::size_t>(c.a.rod)].isFree = false;
+            bind(static_cast<std::size_t>(c.a.rod));
             if (c.b.rod >= 0)
-                t.rods[static_cast<std::size_t>(c.b.rod)].isFree = false;
+                bind(static_cast<std::size_t>(c.b.rod));
+            if (ofBody)
+                bind(t.rods.size() + static_cast<std::size_t>(
+                                         bodyIndex(world, world.outlines[static_cast<std::size_t>(c.outline)].body)));
             changed = true;
         }
     }
@@ -127,12 +165,14 @@ void moveFreeRods(const World& world, const Settings& settings, TrialStep& t) {
     for (RodWork& w : rods)
         w.isFree = false;
     t.anyFree = false;
+    t.groupCount = 0;
     if (t.aside) {
         for (std::size_t i = 0; i < rods.size(); ++i)
             if ((*t.aside)[i].isFree) {
                 standAside(world.rods[i], rods[i]);
                 t.anyFree = true;
             }
+        leaveOutJoints(t);
         return;
     }
     if (!settings.secondOrder)
@@ -141,21 +181,24 @@ void moveFreeRods(const World& world, const Settings& settings, TrialStep& t) {
     free.assign(rods.size(), 0);
     for (std::size_t i = 0; i < rods.size(); ++i)
         free[i] = mayMoveFreely(world.rods[i]) ? 1 : 0;
-    leaveOutJoined(world, t.stage, free);
+    leaveOutOverlapping(world, free);
     for (const contact::Candidate& c : t.kept) // a spin seems to bring points of one rod together
         if (c.a.rod != c.b.rod || c.gap <= settings.margin * t.h) {
             free[static_cast<std::size_t>(c.a.rod)] = 0;
             if (c.b.rod >= 0)
                 free[static_cast<std::size_t>(c.b.rod)] = 0;
         }
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        if (free[i] != 0 && !holdsAreClosed(world, world.rods[i], rods[i]))
+            free[i] = 0;
+    listFreeGroups(world, free, t);
     listSelfPairs(world, free, t);
-    forEachRod(t.stage.loop, rods.size(), [&](std::size_t i) {
-        rods[i].free.steps = rods[i].free.iterations = 0;
-        rods[i].isFree = free[i] != 0 && holdsAreClosed(world, world.rods[i], rods[i]) &&
-                         moveFreely(world, settings, world.rods[i], t.dt, rods[i]);
+    forEachRod(t.stage.loop, t.groupCount, [&](std::size_t k) {
+        setFree(t.groups[k], moveFreely(world, settings, t.stage.motion, t.dt, rods, t.groups[k]), rods);
     });
-    countWork(free, t);
+    countWork(t);
     takeBack(world, settings, t);
+    leaveOutJoints(t);
     t.anyFree = std::any_of(rods.begin(), rods.end(), [](const RodWork& w) { return w.isFree; });
 }
 

@@ -51,7 +51,8 @@ const std::vector<contact::Candidate>& startCandidates(const World& world, const
         return t.candidates(world);
     if (!settings.cull)
         t.kept = t.candidates(world);
-    std::erase_if(t.kept, [&](const contact::Candidate& c) { return isOfFreeRod(t.rods, c); });
+    std::erase_if(
+        t.kept, [&](const contact::Candidate& c) { return isOfFreeRod(t.rods, c) || isOfFreeBody(world, t.stage, c); });
     return t.kept;
 }
 

@@ -46,11 +46,13 @@ struct TrialStep {
     TrialResult result;
     std::vector<RodWork> rods;
     ContactStage stage;
-    std::vector<double> nextRange;                ///< how far candidates reach after the step, per rod, m
-    std::vector<ContactImpulse> impulses;         ///< of the last solve
-    std::vector<RodEnergies> energies;            ///< of the accepted trial, per rod
-    std::vector<contact::Candidate> kept;         ///< of the candidates those that this step needs
-    bool anyFree = false;                         ///< some rods have moved freely
+    std::vector<double> nextRange;        ///< how far candidates reach after the step, per rod, m
+    std::vector<ContactImpulse> impulses; ///< of the last solve
+    std::vector<RodEnergies> energies;    ///< of the accepted trial, per rod
+    std::vector<contact::Candidate> kept; ///< of the candidates those that this step needs
+    bool anyFree = false;                 ///< some rods have moved freely
+    std::vector<FreeGroup> groups;        ///< storage; the first groupCount may have moved freely together
+    std::size_t groupCount = 0;
     const std::vector<RodWork>* aside = nullptr;  ///< stage of a step of second order: those free here stay aside
     std::shared_ptr<SecondOrderStep> secondOrder; ///< storage of second_order.h
     std::vector<const rod::Kinematics*> kin;
@@ -79,6 +81,8 @@ struct TrialStep {
         const double left = workLimit - result.work.units();
         return std::isfinite(left) ? std::max(1.0, left / WorkCount::kCheckUnit) : 0.0;
     }
+    /// Whether the group has moved freely, and nothing that came to light since has taken it back.
+    [[nodiscard]] bool isFree(const FreeGroup& g) const { return rods[g.rods.front()].isFree; }
     /// Whether `kept` are not all candidates.
     [[nodiscard]] bool selects(const Settings& settings) const { return settings.cull || anyFree; }
     [[nodiscard]] bool first() const { return linearisations == 0; }

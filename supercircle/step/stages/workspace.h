@@ -84,7 +84,7 @@ struct SelfPair {
 struct FreeStage {
     Eigen::VectorXd q0, p0;  ///< where it starts
     Eigen::VectorXd q, p, v; ///< what it finds
-    Eigen::VectorXd impulse; ///< of the holds, N s
+    Eigen::VectorXd impulse; ///< of its holds, then of its joints, N s
     Eigen::VectorXd change;  ///< scratch
 };
 
@@ -93,22 +93,73 @@ struct FreeWork {
     Eigen::VectorXd q, p, v;
     std::array<FreeStage, 2> stages;
     Vec2 middle = Vec2::Zero(), middleVelocity = Vec2::Zero(); ///< at the geometry evaluated last
-    double tau = 0.0;                                          ///< of the last stage, s
-    double size = 0.0;                                         ///< of the next step of its own, s; 0: not known
-    double vibration = 0.0;                                    ///< see Rod::vibration
+    double tau = 0.0, size = 0.0, vibration = 0.0;             ///< of its group
     double least = 0.0;                                        ///< see Rod::leastBending
     double holdWork = 0.0, damped = 0.0;                       ///< J
-    int steps = 0, iterations = 0;                             ///< of its own
+    int steps = 0, iterations = 0;                             ///< of its group
     Vec2 centre = Vec2::Zero(), carried = Vec2::Zero();        ///< centre of mass at the start, its way so far, m
     double about = 0.0;                                        ///< farthest way of its points about it, m
     std::vector<SelfPair> selfPairs;
-    double closest = 0.0; ///< smallest gap of those so far, m
-    bool hasHolds = false;
-    Eigen::MatrixXd C, solved, schur; ///< rows of the holds, A^-1 C^T, C A^-1 C^T
-    Eigen::LDLT<Eigen::MatrixXd> schurFactor;
+    double closest = 0.0;                       ///< smallest gap of those so far, m
+    Eigen::Index held = 0;                      ///< rows of its holds; those of its joints follow
+    std::vector<Eigen::Index> place;            ///< of its rows among those of its group
+    Eigen::MatrixXd heldRows, C, solved, schur; ///< rows of the holds, all of them, A^-1 C^T, C A^-1 C^T
     Eigen::VectorXd mean[2], rates, impulse, shape, rate, force, product, change;
     Eigen::RowVectorXd turn;
     std::vector<Vec2> u;
+};
+
+/// What a joint does in a stage of free motion.
+struct FreeJointStage {
+    Eigen::Vector3d impulse{0.0, 0.0, 0.0}; ///< on rod A: N s along x and y, N m s
+    double turn = 0.0;                      ///< taken from the body about its centre, N m s
+    double given = 0.0, toBody = 0.0;       ///< work of motion that is given; on the body that yields, J
+};
+
+/// A link of rods that move freely: two rows of a point, one of a weld's angle; one of a taut tether.
+struct FreeJoint {
+    int link = -1;                          ///< index into World::links
+    int a = -1, b = -1;                     ///< rods of the group, b -1: none
+    int body = -1;                          ///< index into World::bodies, -1: none
+    int freeBody = -1;                      ///< of the group, if that body yields
+    int rows = 0;                           ///< none: a slack tether
+    Eigen::Index row = 0, atA = 0, atB = 0; ///< the first of them in the group and in both ends
+    std::array<FreeJointStage, 2> stages;
+    Eigen::Vector3d impulse{0.0, 0.0, 0.0};                   ///< on rod A in the step so far
+    double turn = 0.0, work = 0.0, drift = 0.0, toBody = 0.0; ///< likewise: N m s; J
+};
+
+/// A stage of a body: centre and angle.
+struct FreeBodyStage {
+    Eigen::Vector3d q0, p0, q, p, v, change;
+};
+
+/// A body of the host on which only joints of freely moving rods act.
+struct FreeBody {
+    int body = -1;                           ///< index into World::bodies
+    Eigen::Vector3d mass, pull, slow, drift; ///< kg, kg m^2; N, N m; 1/s; m/s, rad/s
+    Eigen::Vector3d q, p, v, A, change;
+    Eigen::Vector3d before; ///< q at the start of the step
+    std::array<FreeBodyStage, 2> stages;
+    std::vector<Eigen::Index> place; ///< as FreeWork::place
+    Eigen::MatrixXd C, solved, schur;
+    Eigen::VectorXd impulse;
+};
+
+/// Rods that joints tie to each other, or one alone, and that move freely. Storage is kept from step to step.
+struct FreeGroup {
+    std::vector<std::size_t> rods; ///< indices into World::rods, sorted
+    std::vector<FreeJoint> joints;
+    std::vector<FreeBody> bodies;
+    Eigen::Index rows = 0;         ///< of holds, then of joints
+    bool tied = false;             ///< to the world or to a body of given motion
+    double tau = 0.0;              ///< of the last stage, s
+    double size = 0.0;             ///< of the next step of its own, s; 0: not known
+    double vibration = 0.0;        ///< see Rod::vibration
+    int steps = 0, iterations = 0; ///< of its own
+    Eigen::MatrixXd schur;
+    Eigen::LDLT<Eigen::MatrixXd> schurFactor;
+    Eigen::VectorXd impulse;
 };
 
 /// One rod inside an attempt.

@@ -148,6 +148,8 @@ TEST_CASE("a slack strip that lies on an incline does not creep", "[step]") {
 TEST_CASE("a slack strip that hangs from a pin comes to rest", "[step]") {
     // After 15 s less than 1e-6 is left of the 40 J that the pull gave the swing. A strip whose tension acts explicitly
     // on the curvature of its elements flutters for ever and loses 0.4 to 5 J a second.
+    // That is a matter of the first-order step, which joints have where something touches: to second order an undamped
+    // swing goes on (test_joints_in_motion.cpp).
     for (const int elements : {12, 24, 48}) {
         INFO("arcs " << elements);
         step::World w;
@@ -159,7 +161,9 @@ TEST_CASE("a slack strip that hangs from a pin comes to rest", "[step]") {
         pin.target.point = w.rods[0].kin.node(0);
         w.links.push_back(pin);
         w.rods[0].forces = {{1.4, {0.0, -2.0 * kTension}, 0.0, false, 1}};
-        step::Stepper s({});
+        step::Settings settings;
+        settings.secondOrder = false;
+        step::Stepper s(settings);
         for (int i = 0; i < 900; ++i)
             REQUIRE(s.advance(w, 1.0 / 60.0, nullptr, std::function<bool(const step::World&)>{}).failure.empty());
         const double taken = w.energyBalance.numerical;

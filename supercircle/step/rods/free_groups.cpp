@@ -1,0 +1,143 @@
+#include "supercircle/step/rods/free_groups.h"
+
+#include <algorithm>
+
+namespace supercircle::step {
+
+namespace {
+
+/// Bodies that the host holds, or that something near them may touch: only joints act on the others.
+void markBound(const World& world, const TrialStep& t, std::vector<char>& bound) {
+    bound.assign(world.bodies.size(), 0);
+    const auto mark = [&](BodyId id) {
+        if (const int i = bodyIndex(world, id); i >= 0)
+            bound[static_cast<std::size_t>(i)] = 1;
+    };
+    for (const HostContact& c : world.constraints.contacts)
+        for (const BodyId id : {c.a, c.b})
+            mark(id);
+    for (const HostRow& r : world.constraints.rows)
+        for (const BodyId id : {r.a, r.b})
+            mark(id);
+    for (const contact::Candidate& c : t.kept)
+        if (c.outline >= 0)
+            mark(world.outlines[static_cast<std::size_t>(c.outline)].body);
+}
+
+/// Whether free motion can have the link: its other end moves with it, or is a place.
+bool canJoin(const World& world, const Link& l, const LinkEnds& e, const std::vector<char>& bound) {
+    if (l.kind == LinkKind::Tether && l.goal != l.length)
+        return false;
+    if (e.body < 0)
+        return true;
+    const auto i = static_cast<std::size_t>(e.body);
+    const Body& b = world.bodies[i];
+    return b.dynamic ? b.state.inertia > 0.0 && bound[i] == 0 : !b.driven && !b.asleep();
+}
+
+/// Sets of rods, and of bodies after them, that links join; the smallest member names its set.
+class JoinedSets {
+public:
+    JoinedSets(std::vector<int>& parent, std::size_t count) : parent_(parent) {
+        parent_.resize(count);
+        for (std::size_t i = 0; i < count; ++i)
+            parent_[i] = static_cast<int>(i);
+    }
+    [[nodiscard]] std::size_t of(std::size_t i) const {
+        while (parent_[i] != static_cast<int>(i))
+            i = static_cast<std::size_t>(parent_[i]);
+        return i;
+    }
+    void join(std::size_t i, std::size_t k) {
+        i = of(i);
+        k = of(k);
+        parent_[std::max(i, k)] = static_cast<int>(std::min(i, k));
+    }
+
+private:
+    std::vector<int>& parent_;
+};
+
+void joinAll(const World& world, const std::vector<LinkEnds>& links, JoinedSets& sets) {
+    for (const LinkEnds& e : links) {
+        const auto a = static_cast<std::size_t>(e.rodA), body = static_cast<std::size_t>(e.body);
+        if (e.counts && e.rodB >= 0)
+            sets.join(a, static_cast<std::size_t>(e.rodB));
+        if (e.counts && e.body >= 0 && world.bodies[body].dynamic)
+            sets.join(a, world.rods.size() + body);
+    }
+}
+
+/// A rod or a link that is not free binds its whole set.
+void bindSets(const World& world, TrialStep& t, const JoinedSets& sets, std::vector<char>& free) {
+    if (world.links.empty())
+        return;
+    std::vector<char> bound;
+    markBound(world, t, bound);
+    for (std::size_t k = 0; k < world.links.size(); ++k)
+        if (const LinkEnds& e = t.stage.linkEnds[k]; e.counts && !canJoin(world, world.links[k], e, bound))
+            free[sets.of(static_cast<std::size_t>(e.rodA))] = 0;
+    for (std::size_t i = 0; i < free.size(); ++i)
+        if (free[i] == 0)
+            free[sets.of(i)] = 0;
+    for (std::size_t i = 0; i < free.size(); ++i)
+        free[i] = free[sets.of(i)];
+}
+
+int addGroup(TrialStep& t) {
+    if (t.groups.size() == t.groupCount)
+        t.groups.emplace_back();
+    FreeGroup& g = t.groups[t.groupCount];
+    g.rods.clear();
+    g.joints.clear();
+    g.bodies.clear();
+    g.tied = false;
+    return static_cast<int>(t.groupCount++);
+}
+
+void addJoint(const World& world, std::size_t link, const LinkEnds& e, FreeGroup& g) {
+    const auto ofGroup = [&](int rod) {
+        const auto at = std::lower_bound(g.rods.begin(), g.rods.end(), static_cast<std::size_t>(rod));
+        return static_cast<int>(at - g.rods.begin());
+    };
+    FreeJoint& j = g.joints.emplace_back();
+    j.link = static_cast<int>(link);
+    j.a = ofGroup(e.rodA);
+    j.b = e.rodB >= 0 ? ofGroup(e.rodB) : -1;
+    j.body = e.body;
+    if (e.body < 0 || !world.bodies[static_cast<std::size_t>(e.body)].dynamic) {
+        g.tied = g.tied || e.rodB < 0;
+        return;
+    }
+    const auto at = std::find_if(g.bodies.begin(), g.bodies.end(), [&](const FreeBody& b) { return b.body == e.body; });
+    j.freeBody = static_cast<int>(at - g.bodies.begin());
+    if (at == g.bodies.end())
+        g.bodies.emplace_back().body = e.body;
+}
+
+} // namespace
+
+void listFreeGroups(const World& world, std::vector<char>& free, TrialStep& t) {
+    const std::vector<LinkEnds>& links = t.stage.linkEnds;
+    JoinedSets sets(t.stage.groups, world.rods.size() + world.bodies.size());
+    joinAll(world, links, sets);
+    bindSets(world, t, sets, free);
+    t.groupCount = 0;
+    std::vector<int>& groupOf = t.stage.groupBlocks; // of each set
+    groupOf.assign(world.rods.size(), -1);
+    for (std::size_t i = 0; i < world.rods.size(); ++i) {
+        if (free[i] == 0)
+            continue;
+        int& group = groupOf[sets.of(i)];
+        if (group < 0)
+            group = addGroup(t);
+        FreeGroup& g = t.groups[static_cast<std::size_t>(group)];
+        g.rods.push_back(i);
+        g.tied = g.tied || !world.rods[i].holds.empty();
+    }
+    for (std::size_t k = 0; k < links.size(); ++k)
+        if (const auto a = static_cast<std::size_t>(links[k].rodA); links[k].counts && free[a] != 0)
+            addJoint(world, k, links[k], t.groups[static_cast<std::size_t>(groupOf[sets.of(a)])]);
+}
+
+} // namespace supercircle::step

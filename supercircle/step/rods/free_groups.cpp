@@ -6,33 +6,15 @@ namespace supercircle::step {
 
 namespace {
 
-/// Bodies that the host holds, or that something near them may touch: only joints act on the others.
-void markBound(const World& world, const TrialStep& t, std::vector<char>& bound) {
-    bound.assign(world.bodies.size(), 0);
-    const auto mark = [&](BodyId id) {
-        if (const int i = bodyIndex(world, id); i >= 0)
-            bound[static_cast<std::size_t>(i)] = 1;
-    };
-    for (const HostContact& c : world.constraints.contacts)
-        for (const BodyId id : {c.a, c.b})
-            mark(id);
-    for (const HostRow& r : world.constraints.rows)
-        for (const BodyId id : {r.a, r.b})
-            mark(id);
-    for (const contact::Candidate& c : t.kept)
-        if (c.outline >= 0)
-            mark(world.outlines[static_cast<std::size_t>(c.outline)].body);
-}
-
-/// Whether free motion can have the link: its other end moves with it, or is a place.
-bool canJoin(const World& world, const Link& l, const LinkEnds& e, const std::vector<char>& bound) {
+/// Whether free motion can have the link: its other end moves with it, or is a place. Bodies that yield could be had as
+/// blocks of their own (FreeBody), but a crate that lands on a floor of the host then brings in energy.
+bool canJoin(const World& world, const Link& l, const LinkEnds& e) {
     if (l.kind == LinkKind::Tether && l.goal != l.length)
         return false;
     if (e.body < 0)
         return true;
-    const auto i = static_cast<std::size_t>(e.body);
-    const Body& b = world.bodies[i];
-    return b.dynamic ? b.state.inertia > 0.0 && bound[i] == 0 : !b.driven && !b.asleep();
+    const Body& b = world.bodies[static_cast<std::size_t>(e.body)];
+    return !b.dynamic && !b.driven && !b.asleep();
 }
 
 /// Sets of rods, and of bodies after them, that links join; the smallest member names its set.
@@ -72,10 +54,8 @@ void joinAll(const World& world, const std::vector<LinkEnds>& links, JoinedSets&
 void bindSets(const World& world, TrialStep& t, const JoinedSets& sets, std::vector<char>& free) {
     if (world.links.empty())
         return;
-    std::vector<char> bound;
-    markBound(world, t, bound);
     for (std::size_t k = 0; k < world.links.size(); ++k)
-        if (const LinkEnds& e = t.stage.linkEnds[k]; e.counts && !canJoin(world, world.links[k], e, bound))
+        if (const LinkEnds& e = t.stage.linkEnds[k]; e.counts && !canJoin(world, world.links[k], e))
             free[sets.of(static_cast<std::size_t>(e.rodA))] = 0;
     for (std::size_t i = 0; i < free.size(); ++i)
         if (free[i] == 0)

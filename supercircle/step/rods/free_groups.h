@@ -1,6 +1,6 @@
 #pragma once
-// Which rods may move freely together (private to step/): joints tie rods, and bodies of the host that nothing else
-// holds, to one motion. What one of them touches binds all.
+// Which rods may move freely together (private to step/): joints tie rods to one motion. What one of them touches
+// binds all.
 
 #include "supercircle/step/stages/trial_step.h"
 

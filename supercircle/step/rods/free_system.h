@@ -1,6 +1,6 @@
 #pragma once
 // Rods that move freely together (private to step/rods; the scheme is said in free_motion.h): the equations of each,
-// bodies of the host that hang on them, and the rows of holds and joints, which act on velocities. A group without
+// bodies of the host (not in use: free_groups.cpp), and the rows of holds and joints, which act on velocities. A group without
 // joints is one rod.
 
 #include "supercircle/step/contacts/contact_rows.h"

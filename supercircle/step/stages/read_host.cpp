@@ -1,6 +1,7 @@
 // Stage ReadHost: gravity, bodies near the shells, their outlines and constraints, before the first step of a frame.
 
 #include "supercircle/step/carry_along.h"
+#include "supercircle/step/coupling/host_coupling.h"
 #include "supercircle/step/coupling/sleeping_bodies.h"
 #include "supercircle/step/islands/reach.h"
 #include "supercircle/step/sleep.h"
@@ -49,8 +50,10 @@ void carryOver(const Body& old, double frame, const GapClosing& closing, double 
     if (!moved) {
         const Vec2 way = now.centre - old.state.centre;
         const double turn = now.angle - old.state.angle;
-        h.drift = (way - closing.left(way, frame)) / frame;
-        h.driftSpin = (turn - closing.left(reach * turn, frame) / std::max(reach, 1e-300)) / frame;
+        if (way.norm() + std::abs(turn) * reach > hostRounding(old.state, reach)) { // a rounding is no way
+            h.drift = (way - closing.left(way, frame)) / frame;
+            h.driftSpin = (turn - closing.left(reach * turn, frame) / std::max(reach, 1e-300)) / frame;
+        }
         b.state.centre = old.state.centre;
         b.state.angle = old.state.angle;
     }

@@ -3,6 +3,7 @@
 #include "plugin/cli/progress.h"
 #include "plugin/cli/replay/experiment_input.h"
 #include "plugin/cli/subcommands.h"
+#include "plugin/identification/replay/free_scales.h"
 #include "plugin/pages/replay/replay_page.h"
 
 #include "plugin/recording/experiment/load.h"
@@ -173,11 +174,12 @@ std::string summary(const Replay& replay) {
     for (const ReplayedRun& run : replay.runs)
         runs.push_back(replay.experiment.scene ? freeSummaryOf(run, experiment::channel(replay.experiment))
                                                : summaryOf(run));
-    const replay::ExclusionWindow w;
+    const experiment::NaturalUnits units = replay::naturalUnits(replay.experiment);
+    const replay::ExclusionWindow w = replay::ExclusionWindow{}.in(units);
     const Json json = {{"experiment", replay.experiment.file},
                        {"protocol", experiment::name(replay.experiment.protocol)},
                        {"elements", replay.resolution.elements},
-                       {"position_tolerance_m", replay.resolution.positionTolerance},
+                       {"position_tolerance_m", replay.resolution.in(units).positionTolerance},
                        {"parameters", parameters},
                        {"effects", effectsOn(replay.parameters)},
                        {"excluded_before_landmark_s", w.before},
@@ -200,7 +202,9 @@ void simulateRuns(Replay& replay, bool quiet) {
         };
         ReplayedRun done{names[k], {}, {}};
         done.simulated = replay::simulate(replay.experiment, k, replay.parameters, replay.resolution, options);
-        done.comparison = replay::compare(run, done.simulated, {}, !experiment::isFree(replay.experiment));
+        done.comparison =
+            replay::compare(run, done.simulated, replay::ExclusionWindow{}.in(replay::naturalUnits(replay.experiment)),
+                            !experiment::isFree(replay.experiment));
         replay.runs.push_back(std::move(done));
     }
     line.clear();

@@ -2,6 +2,7 @@
 // Recordings as columns of numbers, with what the testing machine does in each row.
 
 #include "plugin/recording/experiment/experiment.h"
+#include "plugin/recording/experiment/natural_units.h"
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -40,6 +41,7 @@ struct RecordedRun {
     std::vector<int> segmentOfMarkerRow; ///< index of the segment of each marker row
     std::size_t markerCount = 0;         ///< markers.size() = 2 markerCount markerTime.size()
     bool specimenReversed = false;       ///< its specimens are mounted end for end
+    experiment::NaturalUnits units;      ///< of the set-up
 
     [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size(); }
     /// Sampling interval of the force, s.
@@ -69,7 +71,8 @@ private:
 /// @param markers number of its tracks to use
 /// @param free nothing is driven
 /// @param perUnit unit of the reading per SI unit
-RecordedRun recordedRun(const experiment::Run& run, std::size_t markers, bool free, double perUnit);
+RecordedRun recordedRun(const experiment::Run& run, std::size_t markers, bool free, double perUnit,
+                        const experiment::NaturalUnits& units);
 
 /// Whether the testing machine follows the same motion in both.
 bool sameDrive(const RecordedRun& a, const RecordedRun& b);
@@ -83,6 +86,7 @@ struct RecordedData {
     double statedMarkerNoise = 0.0;  ///< m
     double displacementNoise = 0.0;  ///< m
     double zeroWindow = 0.0;         ///< s, interval whose mean force is subtracted from the run
+    experiment::NaturalUnits units;  ///< of the set-up
     std::vector<double> arcFraction; ///< of each marker
     std::vector<std::string> markerNames;
     /// Name of a marker coordinate: x and y of the first marker, of the second, ...
@@ -93,6 +97,9 @@ struct RecordedData {
     /// one error. 1 in free scenes.
     [[nodiscard]] std::size_t repeatsOf(std::size_t run) const;
     [[nodiscard]] double peakForce() const;
+    /// Usual correlation time of the sensor, s: a quarter of a natural second, at least two rows and at most a
+    /// twentieth of a run.
+    [[nodiscard]] double usualCorrelationTime() const;
 };
 
 /// The recordings of an experiment. All rows of a run without readings are missing.

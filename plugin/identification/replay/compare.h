@@ -52,11 +52,16 @@ struct Comparison {
     std::vector<bool> excluded;   ///< whether a row is excluded
 };
 
-/// Interval excluded around landmarks.
+/// Interval excluded around landmarks; the defaults are those of the reference specimen.
 struct ExclusionWindow {
     double before = 0.1;   ///< s, before the earlier of the two
     double after = 0.3;    ///< s, after the later of the two
     double farthest = 1.0; ///< s, larger distances mean different events
+
+    /// The same for a set-up.
+    [[nodiscard]] ExclusionWindow in(const experiment::NaturalUnits& units) const {
+        return {before * units.time, after * units.time, farthest * units.time};
+    }
 };
 
 /// Compares a recorded run with its simulation.

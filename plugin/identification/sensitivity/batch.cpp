@@ -1,5 +1,7 @@
 #include "plugin/identification/sensitivity/batch.h"
 
+#include "plugin/identification/replay/free_scales.h"
+
 #include <algorithm>
 #include <limits>
 #include <tbb/global_control.h>
@@ -102,7 +104,8 @@ std::vector<SimulatedValues> Batch::run(const std::vector<SimulationJob>& jobs, 
         const RunSensitivity& base = bases_->runs[jobs[i].run];
         const Simulated s = simulate(jobs[i]);
         results[i] = numbersOf(s, base.base);
-        results[i].landmarks = measureLike(base.landmarks, experiment_.runs[jobs[i].run], s.readings, &s.trace);
+        results[i].landmarks = measureLike(base.landmarks, experiment_.runs[jobs[i].run], s.readings, &s.trace,
+                                           replay::naturalUnits(experiment_).time);
         cost[i] = s.cpuSeconds;
     });
     out.simulations += jobs.size();

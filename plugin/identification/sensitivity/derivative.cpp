@@ -17,9 +17,10 @@ using Eigen::VectorXd;
 using Rows = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFarthest = 1.0;    ///< s, jumps farther apart are different events
-constexpr double kRingDown = 0.3;    ///< s after a jump in which the specimen may oscillate
-constexpr double kLeastNoise = 1e-9; ///< share of the largest force used as zero noise
+constexpr double kFarthest = 1.0;           ///< natural s, jumps farther apart are different events
+constexpr double kRingDown = 0.3;           ///< natural s after a jump in which the specimen may oscillate
+constexpr double kLeastMarkerNoise = 1e-10; ///< natural m
+constexpr double kLeastNoise = 1e-9;        ///< share of the largest force used as zero noise
 
 double rms(const VectorXd& v, const Rows* rows = nullptr) {
     double sum = 0.0, count = 0.0;
@@ -86,9 +87,10 @@ bool wholeIsBetter(const Probes& p, double difference, double noise) {
 }
 
 /// Largest shift of a jump between the curves, in samples, and whether their numbers agree.
-void checkJumps(const std::vector<const SimulatedValues*>& curves, const Landmarks& base, double sample, Quality& q) {
+void checkJumps(const std::vector<const SimulatedValues*>& curves, const Landmarks& base, double sample,
+                double farthest, Quality& q) {
     for (const SimulatedValues* c : curves) {
-        const auto pairs = replay::matchLandmarks(base.jumps, c->landmarks.jumps, kFarthest);
+        const auto pairs = replay::matchLandmarks(base.jumps, c->landmarks.jumps, farthest);
         if (pairs.size() != base.jumps.size() || pairs.size() != c->landmarks.jumps.size())
             q.changesJumps = true;
         for (const auto& [i, j] : pairs)
@@ -134,29 +136,30 @@ void excludeRows(const DifferencePair& pair, const Noises& n, const RunNoise& no
 } // namespace
 
 Rows awayFromJumps(const std::vector<const SimulatedValues*>& curves, const Landmarks& base,
-                   const std::vector<double>& time) {
+                   const std::vector<double>& time, const experiment::NaturalUnits& units) {
+    const double farthest = kFarthest * units.time, ringDown = kRingDown * units.time;
     Rows kept = Rows::Constant(static_cast<Index>(time.size()), true);
     const double ahead = 1.5 * experiment::medianStep(time);
     for (const replay::Landmark& jump : base.jumps)
-        markRows(kept, time, jump.time - ahead, jump.time + kRingDown);
+        markRows(kept, time, jump.time - ahead, jump.time + ringDown);
     for (const SimulatedValues* c : curves) {
         std::vector<char> matched(c->landmarks.jumps.size(), 0);
-        for (const auto& [i, j] : replay::matchLandmarks(base.jumps, c->landmarks.jumps, kFarthest)) {
+        for (const auto& [i, j] : replay::matchLandmarks(base.jumps, c->landmarks.jumps, farthest)) {
             const double a = base.jumps[i].time, b = c->landmarks.jumps[j].time;
-            markRows(kept, time, std::min(a, b) - ahead, std::max(a, b) + kRingDown);
+            markRows(kept, time, std::min(a, b) - ahead, std::max(a, b) + ringDown);
             matched[j] = 1;
         }
         for (std::size_t j = 0; j < matched.size(); ++j)
             if (!matched[j])
-                markRows(kept, time, c->landmarks.jumps[j].time - ahead, c->landmarks.jumps[j].time + kRingDown);
+                markRows(kept, time, c->landmarks.jumps[j].time - ahead, c->landmarks.jumps[j].time + ringDown);
     }
     return kept;
 }
 
 RunNoise noiseOf(const std::vector<const SimulatedValues*>& curves, const Landmarks& base,
-                 const std::vector<double>& time) {
+                 const std::vector<double>& time, const experiment::NaturalUnits& units) {
     RunNoise n;
-    n.quiet = awayFromJumps(curves, base, time);
+    n.quiet = awayFromJumps(curves, base, time, units);
     const auto rough = [&](auto&& take, Index i) {
         std::vector<double> values;
         for (const SimulatedValues* c : curves)
@@ -181,7 +184,7 @@ RunNoise noiseOf(const std::vector<const SimulatedValues*>& curves, const Landma
     finite.erase(std::remove_if(finite.begin(), finite.end(), [](double v) { return !std::isfinite(v); }),
                  finite.end());
     if (!finite.empty())
-        n.markerRms = std::max(upperMedian(std::move(finite)), 1e-10);
+        n.markerRms = std::max(upperMedian(std::move(finite)), kLeastMarkerNoise * units.length);
     n.landmarks.resize(static_cast<Index>(first.landmarks.values.size()));
     for (Index i = 0; i < n.landmarks.size(); ++i)
         n.landmarks[i] =
@@ -190,14 +193,15 @@ RunNoise noiseOf(const std::vector<const SimulatedValues*>& curves, const Landma
 }
 
 Derivative derivativeOf(const Probes& p, const SimulatedValues& base, const experiment::Readings& readings,
-                        const RunNoise& noise, const SensitivitySettings& settings) {
+                        const RunNoise& noise, const SensitivitySettings& settings,
+                        const experiment::NaturalUnits& units) {
     Derivative d;
     Quality& q = d.quality;
     q.step = p.step;
     q.oneSided = p.side != 0;
     const std::vector<const SimulatedValues*> curves = used(p);
-    checkJumps(curves, base.landmarks, experiment::medianStep(readings.time), q);
-    d.usable = noise.quiet && awayFromJumps(curves, base.landmarks, readings.time);
+    checkJumps(curves, base.landmarks, experiment::medianStep(readings.time), kFarthest * units.time, q);
+    d.usable = noise.quiet && awayFromJumps(curves, base.landmarks, readings.time, units);
 
     const DifferencePair force =
         differences(p, base, [](const SimulatedValues& o) -> const VectorXd& { return o.force; });

@@ -31,14 +31,16 @@ struct Derivative {
 
 /// @param base simulation at the centre, with landmarks
 Derivative derivativeOf(const Probes& probes, const SimulatedValues& base, const experiment::Readings& readings,
-                        const RunNoise& noise, const SensitivitySettings& settings);
+                        const RunNoise& noise, const SensitivitySettings& settings,
+                        const experiment::NaturalUnits& units);
 
-/// False in rows from 1.5 samples before to 0.3 s after any jump of these curves.
+/// False in rows from 1.5 samples before any jump of these curves to the end of the oscillation after it.
 Eigen::Array<bool, Eigen::Dynamic, 1> awayFromJumps(const std::vector<const SimulatedValues*>& curves,
-                                                    const Landmarks& base, const std::vector<double>& time);
+                                                    const Landmarks& base, const std::vector<double>& time,
+                                                    const experiment::NaturalUnits& units);
 
 /// Computational noise from values at equally spaced points of the columns, the first at the centre.
 RunNoise noiseOf(const std::vector<const SimulatedValues*>& curves, const Landmarks& base,
-                 const std::vector<double>& time);
+                 const std::vector<double>& time, const experiment::NaturalUnits& units);
 
 } // namespace supercircle::sensitivity

@@ -1,5 +1,8 @@
 #include "plugin/identification/sensitivity/model.h"
 
+#include "plugin/identification/replay/free_scales.h"
+#include "supercircle/support/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -12,12 +15,15 @@ using experiment::Experiment;
 
 /// Relevant change of a parameter without a stated interval: the usual uncertainty of a laboratory.
 double usualScale(const Experiment& e, const std::string& name, double value) {
-    if (name == "gravity_x" || name == "gravity_y")
-        return 0.17; // m/s^2: a base tilted by one degree
+    const experiment::NaturalUnits units = replay::naturalUnits(e);
+    if (name == "gravity_x" || name == "gravity_y") {
+        const double gravity = math::hypot(e.gravity.x, e.gravity.y);
+        return (gravity > 0.0 ? gravity : 9.81) * (M_PI / 180.0); // m/s^2: a base tilted by one degree
+    }
     if (name == "contact_arm")
         return 1.0; // its whole range
     if (name == "gap_shift")
-        return 5e-5; // m
+        return 5e-5 * units.length;
     if (name == "friction")
         return std::max(0.02, 0.1 * value);
     if (name == "series_compliance" || name == "touch_compliance") {
@@ -29,7 +35,7 @@ double usualScale(const Experiment& e, const std::string& name, double value) {
             for (const double d : run.driveDisplacement)
                 way = std::max(way, std::abs(d));
         }
-        return force > 0.0 ? 2e-3 * way / force : 1e-5;
+        return force > 0.0 ? 2e-3 * way / force : 1e-5 * units.of("m/N");
     }
     return value != 0.0 ? 0.02 * std::abs(value) : 1.0;
 }
@@ -67,7 +73,9 @@ std::optional<Column> effectColumn(const Experiment& e, const replay::Parameters
         c.value = replay::get(parameters, e, name).value_or(p.off);
         c.lower = p.min;
         c.upper = p.max;
-        c.scale = std::abs(p.typical - (p.isSwitch ? p.off : 0.0));
+        // Typical values are those of the reference specimen.
+        const double unit = replay::naturalUnits(e).of(p.unit), typical = p.typical * unit;
+        c.scale = std::abs(typical - (p.isSwitch ? p.off : 0.0));
         if (std::isinf(c.value)) {
             c.name = effect->name + ":1/" + p.name;
             c.unit = p.unit == "1/m" ? "m" : p.unit == "N/m" ? "m/N" : "1/(" + p.unit + ")";
@@ -75,7 +83,7 @@ std::optional<Column> effectColumn(const Experiment& e, const replay::Parameters
             c.value = 0.0;
             c.lower = 0.0;
             c.upper = 1.0 / std::max(p.min, 1e-12);
-            c.scale = 1.0 / p.typical;
+            c.scale = 1.0 / typical;
             c.inverse = true;
         }
         return c;

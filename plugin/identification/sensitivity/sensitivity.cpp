@@ -4,6 +4,7 @@
 
 #include "plugin/identification/sensitivity/sensitivity.h"
 
+#include "plugin/identification/replay/free_scales.h"
 #include "plugin/identification/sensitivity/batch.h"
 #include "plugin/identification/sensitivity/derivative.h"
 #include "supercircle/support/elementary.h"
@@ -60,7 +61,8 @@ ColumnSearch begin(const Column& c, std::size_t run, std::size_t column, const S
 class Differentiator {
 public:
     Differentiator(const Model& model, const experiment::Experiment& experiment, const SensitivitySettings& settings)
-        : model_(model), settings_(settings), batch_(model, experiment, settings) {}
+        : model_(model), settings_(settings), units_(replay::naturalUnits(experiment)),
+          batch_(model, experiment, settings) {}
 
     Sensitivities run() {
         Sensitivities out;
@@ -119,7 +121,7 @@ private:
                     break; // later points are not equally spaced with earlier ones
                 curves.push_back(&o);
             }
-            noise_.push_back(noiseOf(curves, bases_[r].landmarks, out.runs[r].base.readings.time));
+            noise_.push_back(noiseOf(curves, bases_[r].landmarks, out.runs[r].base.readings.time, units_));
         }
     }
 
@@ -179,7 +181,7 @@ private:
             return;
         }
         const RunSensitivity& run = out.runs[s.run];
-        Derivative d = derivativeOf(p, bases_[s.run], run.base.readings, noise_[s.run], settings_);
+        Derivative d = derivativeOf(p, bases_[s.run], run.base.readings, noise_[s.run], settings_, units_);
         const Quality q = d.quality;
         const double error = math::hypot(q.twoStepError, q.noiseError) + (q.belowNoise ? 10.0 : 0.0);
         if (!s.any || error < s.bestError) {
@@ -237,6 +239,7 @@ private:
 
     const Model& model_;
     const SensitivitySettings& settings_;
+    experiment::NaturalUnits units_;
     Batch batch_;
     std::vector<SimulatedValues> bases_;
     std::vector<RunNoise> noise_;

@@ -127,7 +127,8 @@ private:
             return false;
         if (out_.failure = firstFailure(data_, fine); !out_.failure.empty())
             return false;
-        out_.likelihood = std::make_unique<Likelihood>(data_, noise_, fine, finer, settings_.likelihood);
+        out_.likelihood =
+            std::make_unique<Likelihood>(data_, noise_, fine, finer, settings_.likelihood.in(data_.units));
         out_.fit = fit(evaluator_, *out_.likelihood, at);
         if (evaluator_.stopped())
             return false;

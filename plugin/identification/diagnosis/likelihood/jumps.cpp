@@ -44,9 +44,10 @@ bool beside(const Eigen::Ref<Eigen::VectorXd>& d, const Eigen::VectorXd& time,
 } // namespace
 
 bool atReversal(const RecordedRun& run, double time) {
+    constexpr double kAfter = 0.1; // natural s
     const double dt = run.spacing();
     return std::any_of(run.strokes.begin(), run.strokes.end(), [&](const Stroke& stroke) {
-        return time > stroke.from - 2.0 * dt && time < stroke.from + 0.1 + 2.0 * dt;
+        return time > stroke.from - 2.0 * dt && time < stroke.from + kAfter * run.units.time + 2.0 * dt;
     });
 }
 
@@ -75,9 +76,9 @@ std::vector<replay::Landmark> simulatedJumps(const RecordedRun& run, const Respo
 }
 
 double jumpReachOf(const RecordedRun& run, double time, double share) {
-    constexpr double kLeast = 0.5; // s, longer than the excluded interval around a jump
+    constexpr double kLeast = 0.5; // natural s, longer than the excluded interval around a jump
     const Stroke& stroke = run.strokeAt(time);
-    return std::max(kLeast, share * (stroke.to - stroke.from));
+    return std::max(kLeast * run.units.time, share * (stroke.to - stroke.from));
 }
 
 std::vector<int> matchJumps(const RecordedRun& run, const std::vector<replay::Landmark>& a,

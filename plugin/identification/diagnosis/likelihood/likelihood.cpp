@@ -74,14 +74,14 @@ Likelihood::Likelihood(const RecordedData& data, const Noise& noise, const std::
 void Likelihood::addSnapShifts(const RecordedRun& run, double sigma, RunModel& model) {
     std::vector<double> snaps = model.errors.snaps;
     std::sort(snaps.begin(), snaps.end());
-    constexpr double kSame = 1.0; // s, recorded and simulated snap are one event
+    const double same = 1.0 * run.units.time; // s, recorded and simulated snap are one event
     const Eigen::Index frames = run.markerTime.size();
     const auto rowAfter = [&](double t) {
         return static_cast<Eigen::Index>(std::lower_bound(run.markerTime.begin(), run.markerTime.end(), t) -
                                          run.markerTime.begin());
     };
     for (std::size_t i = 0; i < snaps.size(); ++i) {
-        if (i + 1 < snaps.size() && snaps[i + 1] < snaps[i] + kSame)
+        if (i + 1 < snaps.size() && snaps[i + 1] < snaps[i] + same)
             continue; // the later of the two begins the interval
         const Eigen::Index from = rowAfter(snaps[i]), to = i + 1 < snaps.size() ? rowAfter(snaps[i + 1]) : frames;
         for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && to > from; ++c)

@@ -142,6 +142,16 @@ std::vector<replay::Landmark> jumpsOf(const RecordedRun& run, const Response& si
     return simulatedJumps(run, simulated, 0.5 * s.snapShare);
 }
 
+LikelihoodSettings LikelihoodSettings::in(const experiment::NaturalUnits& units) const {
+    LikelihoodSettings out = *this;
+    for (double* length :
+         {&out.contactPosition, &out.markerAccuracy, &out.markerShift, &out.snapPositionError, &out.contactAccuracy})
+        *length *= units.length;
+    for (double* time : {&out.releaseOscillation, &out.snapBefore, &out.snapAfter})
+        *time *= units.time;
+    return out;
+}
+
 LikelihoodSettings LikelihoodSettings::forRepeats(std::size_t n) const {
     LikelihoodSettings out = *this;
     out.repeatFactor *= std::sqrt(static_cast<double>(std::max<std::size_t>(1, n)));
@@ -163,7 +173,9 @@ ModelError modelErrorOf(const RecordedRun& run, const Noise& noise, const Respon
     for (const Stroke& stroke : run.strokes)
         if (stroke.phase != Phase::Hold)
             shortest = std::min(shortest, stroke.to - stroke.from);
-    out.correlationTime = std::isfinite(shortest) ? std::clamp(0.1 * shortest, 0.02, 3.0) : 1.0;
+    out.correlationTime = std::isfinite(shortest)
+                              ? std::clamp(0.1 * shortest, 0.02 * run.units.time, 3.0 * run.units.time)
+                              : run.units.time;
     const bool known = fine.failure.empty() && fine.force.size() == n;
     const bool both = known && finer.failure.empty() && finer.force.size() == n;
     const double dt = run.spacing();

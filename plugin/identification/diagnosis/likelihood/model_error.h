@@ -17,6 +17,7 @@
 
 namespace supercircle::diagnosis {
 
+/// Lengths and times are those of the reference specimen.
 struct LikelihoodSettings {
     double contactPosition = 3e-6; ///< m, accuracy of contact positions
     double shareOfPeak =
@@ -45,6 +46,8 @@ struct LikelihoodSettings {
     /// Settings for each of n repeats. Their model error is the same, so repeats do not average it. Errors sqrt(n)
     /// times larger in each, taken as independent, leave the common error as large as in one run.
     [[nodiscard]] LikelihoodSettings forRepeats(std::size_t n) const;
+    /// The same for a set-up.
+    [[nodiscard]] LikelihoodSettings in(const experiment::NaturalUnits& units) const;
 };
 
 /// Standard deviation of the simulated force in row k from the accuracy of contact positions, N.

@@ -29,13 +29,18 @@ ExperimentScales scalesOf(const Experiment& e) {
     s.travel = travel > 0.0 ? travel : s.travel;
     s.speed = speed > 0.0 ? speed : s.speed;
     s.duration = duration > 0.0 ? duration : s.duration;
+    s.units = replay::naturalUnits(e);
+    s.second = s.units.time;
+    if (travel > 0.0 && speed > 0.0)
+        s.second = std::clamp(s.second, travel / speed / 3.0, 3.0 * travel / speed);
+    if (const double gravity = math::hypot(e.gravity.x, e.gravity.y); gravity > 0.0)
+        s.gravity = gravity;
     if (e.specimens.empty())
         return s;
     const experiment::Specimen& first = e.specimens.front();
     s.length = first.length;
     s.modulus = first.bendingModulus.value;
-    const double curvature = std::abs(first.naturalCurvature.value);
-    s.radius = curvature * s.length > 0.3 ? 1.0 / curvature : s.length / 3.14159265358979;
+    s.radius = experiment::radiusOf(first);
     return s;
 }
 
@@ -155,13 +160,30 @@ private:
     EffectMapping mapping_;
 };
 
+constexpr double kEarth = 9.81; // m/s^2
+
+/// Another gravity, up to 1.5 times the usual one across and 2.5 times along.
+void gravity(CandidateBuilder& w, const ExperimentScales& s, double along, double across) {
+    const double g = s.gravity / kEarth;
+    w.variant("gravity").amplitude("x_m_s2", -15.0 * g, 15.0 * g, 0.5 * g);
+    w.amplitude("y_m_s2", -25.0 * g, 25.0 * g, 1.0 * g).probe({0.0, -along * g}).probe({across * g, 0.0});
+}
+
+/// @param second s, unit of `probe`
+void delay(CandidateBuilder& w, double second, double probe) {
+    w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, second, 0.01 * second).probe({probe * second});
+    w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0 * second, 0.01 * second).probe({probe * second});
+}
+
 void material(CandidateBuilder& w, const ExperimentScales& s) {
     const double bend = 1.0 / s.radius; // 1/m, curvature change that opens a shell flat
-    w.variant("viscoelastic_bending", "Kelvin-Voigt").with("law", 0).amplitude("eta_over_B_s", 0.0, 10.0, 0.03);
-    w.probe({0.05}).probe({0.3});
+    w.variant("viscoelastic_bending", "Kelvin-Voigt")
+        .with("law", 0)
+        .amplitude("eta_over_B_s", 0.0, 10.0 * s.second, 0.03 * s.second);
+    w.probe({0.05 * s.second}).probe({0.3 * s.second});
     w.variant("viscoelastic_bending", "standard linear solid").with("law", 1);
-    w.amplitude("branch_over_B", 0.0, 2.0, 0.05).extent("tau_s", 0.02, 3.0 * s.duration);
-    w.probe({0.1, 0.3}).probe({0.1, 2.0}).probe({0.1, 0.4 * s.duration});
+    w.amplitude("branch_over_B", 0.0, 2.0, 0.05).extent("tau_s", 0.02 * s.second, 3.0 * s.duration);
+    w.probe({0.1, 0.3 * s.second}).probe({0.1, 2.0 * s.second}).probe({0.1, 0.4 * s.duration});
     w.variant("nonlinear_elasticity", "softening").with("law", 0);
     w.amplitude("uc_1_m", 0.03 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
     w.probe({0.1 * bend}); // thick rings yield long before they are flat
@@ -175,10 +197,11 @@ void material(CandidateBuilder& w, const ExperimentScales& s) {
     w.probe({0.45 * bend, 0.3}).probe({0.2 * bend, 0.3}).probe({0.8 * bend, 0.3}).probe({1.3 * bend, 0.3});
     w.probe({0.08 * bend, 0.03});
     w.variant("softening_over_time", "exponential").with("law", 0);
-    w.amplitude("drop", 0.0, 0.9, 0.05).extent("tau_s", 0.2, 5.0 * s.duration);
-    w.probe({0.1, 0.3 * s.duration}).probe({0.1, 2.0});
+    w.amplitude("drop", 0.0, 0.9, 0.05).extent("tau_s", 0.2 * s.second, 5.0 * s.duration);
+    w.probe({0.1, 0.3 * s.duration}).probe({0.1, 2.0 * s.second});
     w.variant("softening_over_time", "logarithmic").with("law", 1);
-    w.amplitude("drop", 0.0, 0.9, 0.03).extent("tau_s", 0.05, s.duration).probe({0.05, 1.0});
+    w.amplitude("drop", 0.0, 0.9, 0.03).extent("tau_s", 0.05 * s.second, s.duration);
+    w.probe({0.05, 1.0 * s.second});
 }
 
 /// A short bend rotates the part beyond it. Runs determine that angle, but hardly the length of the bend.
@@ -208,15 +231,17 @@ void localEffects(CandidateBuilder& w, const ExperimentScales& s, const std::vec
 /// @param compliant contacts may give before they slide
 void frictionLaws(CandidateBuilder& w, const ExperimentScales& s, bool compliant) {
     w.variant("static_friction_excess").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
-    w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration);
+    const double m = s.units.length; // slips grow with the specimen
+    w.extent("Dc_m", 2e-6 * m, 5e-3 * m).extent("tau_heal_s", 0.05 * s.second, 3.0 * s.duration);
     for (const double dc : {2e-5, 1e-4, 5e-4})
-        w.probe({1.4, dc, 3.0});
-    w.probe({1.4, 1e-4, 0.5});
+        w.probe({1.4, dc * m, 3.0 * s.second});
+    w.probe({1.4, 1e-4 * m, 0.5 * s.second});
     if (compliant) {
         w.variant("static_friction_excess", "elastic before sliding").amplitude("mu_s_over_mu_k", 1.0, 3.0, 0.1);
-        w.extent("Dc_m", 2e-6, 5e-3).extent("tau_heal_s", 0.05, 3.0 * s.duration).extent("presliding_m", 5e-7, 5e-5);
+        w.extent("Dc_m", 2e-6 * m, 5e-3 * m).extent("tau_heal_s", 0.05 * s.second, 3.0 * s.duration);
+        w.extent("presliding_m", 5e-7 * m, 5e-5 * m);
         for (const double dc : {1e-4, 5e-4})
-            w.probe({1.4, dc, 3.0, 3e-6});
+            w.probe({1.4, dc * m, 3.0 * s.second, 3e-6 * m});
     }
     const char* laws[] = {"Stribeck", "logarithmic", "viscous"};
     for (int law = 0; law < 3; ++law) {
@@ -231,27 +256,30 @@ void frictionLaws(CandidateBuilder& w, const ExperimentScales& s, bool compliant
 
 void contacts(CandidateBuilder& w, const ExperimentScales& s) {
     frictionLaws(w, s, true);
+    const double m = s.units.length; // ranges grow with the specimen
     const double attraction =
         s.modulus / (s.radius * s.radius * s.radius); // N/m, load that bends a shell by its radius
     constexpr double hump = 9.0 / 16.0; // integral of 27/4 x (1 - x)^2: work of separation per length of rod
     w.variant("adhesion", "hump").with("law", 0).amplitude("F_a_N_m", 0.0, 30.0 * attraction, 0.2 * attraction);
-    w.extent("range_m", 1e-5, 2e-3).derived("work_N", "N", hump, "F_a_N_m", "range_m");
-    w.probe({0.5 * attraction, 1e-4}).probe({1.5 * attraction, 1e-4}).probe({0.5 * attraction, 4e-4});
+    w.extent("range_m", 1e-5 * m, 2e-3 * m).derived("work_N", "N", hump, "F_a_N_m", "range_m");
+    w.probe({0.5 * attraction, 1e-4 * m}).probe({1.5 * attraction, 1e-4 * m}).probe({0.5 * attraction, 4e-4 * m});
     w.variant("adhesion", "hump, in spots")
         .with("law", 0)
         .amplitude("F_a_N_m", 0.0, 30.0 * attraction, 0.2 * attraction);
-    w.extent("range_m", 1e-5, 2e-3)
+    w.extent("range_m", 1e-5 * m, 2e-3 * m)
         .with("spots_m", 5e-3 * s.length)
-        .probe({0.5 * attraction, 1e-4})
-        .probe({attraction, 1e-4});
+        .probe({0.5 * attraction, 1e-4 * m})
+        .probe({attraction, 1e-4 * m});
     w.variant("contact_compliance").amplitude("normal_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
     w.amplitude("tangential_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
     w.probe({0.0, 5e-3 * s.travel / s.force}).probe({5e-3 * s.travel / s.force, 0.0});
     w.probe({0.0, 0.05 * s.travel / s.force}); // feet that hardly slip: a search from a tenth of it ends far below
-    w.variant("planar_drag").amplitude("f_N_m", 0.0, 10.0 * s.force / s.length, 0.03 * s.force / s.length);
+    w.variant("planar_drag")
+        .with("presliding_m", 3e-6 * m)
+        .amplitude("f_N_m", 0.0, 10.0 * s.force / s.length, 0.03 * s.force / s.length);
     w.probe({0.1 * s.force / s.length}).probe({0.3 * s.force / s.length});
-    w.variant("gravity").amplitude("x_m_s2", -15.0, 15.0, 0.5).amplitude("y_m_s2", -25.0, 25.0, 1.0);
-    w.probe({0.0, -5.0}).probe({1.0, 0.0}).probe({0.0, 5.0});
+    gravity(w, s, 5.0, 1.0);
+    w.probe({0.0, 5.0 * s.gravity / kEarth});
 }
 
 void backlashOfReversals(CandidateBuilder& w, const ExperimentScales& s) {
@@ -262,13 +290,15 @@ void backlashOfReversals(CandidateBuilder& w, const ExperimentScales& s) {
 /// Of a load cell.
 void sensors(CandidateBuilder& w, const ExperimentScales& s) {
     w.variant("sensor_drift", "towards an end").amplitude("a_N", -s.force, s.force, 0.02 * s.force);
-    w.extent("tau_s", 0.5, 5.0 * s.duration);
-    w.probe({0.05 * s.force, 0.2 * s.duration}).probe({0.05 * s.force, s.duration}).probe({0.05 * s.force, 2.0});
-    w.variant("sensor_drift", "steady").amplitude("rate_N_s", -s.force, s.force, 0.02 * s.force / s.duration);
+    w.extent("tau_s", 0.5 * s.second, 5.0 * s.duration);
+    w.probe({0.05 * s.force, 0.2 * s.duration}).probe({0.05 * s.force, s.duration});
+    w.probe({0.05 * s.force, 2.0 * s.second});
+    w.variant("sensor_drift", "steady")
+        .amplitude("rate_N_s", -s.force / s.second, s.force / s.second, 0.02 * s.force / s.duration);
     w.probe({0.05 * s.force / s.duration});
     w.variant("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.1});
-    w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, 1.0, 0.01).probe({0.05});
-    w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.05}).probe({0.2});
+    delay(w, s.second, 0.05);
+    w.probe({0.2 * s.second});
 }
 
 void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
@@ -327,7 +357,7 @@ void air(CandidateBuilder& w, const replay::FreeScales& s, double viscous) {
 }
 
 /// Candidates for the bodies of a free scene. Relevant amplitudes are a hundredth of the torque of the weight.
-void bodies(CandidateBuilder& w, const replay::FreeScales& s, const Experiment& e) {
+void bodies(CandidateBuilder& w, const replay::FreeScales& s, const Experiment& e, const ExperimentScales& all) {
     const double torque = 0.01 * s.torque, viscous = torque / s.spin;
     if (s.turns)
         bearings(w, torque, viscous, s.length);
@@ -346,16 +376,14 @@ void bodies(CandidateBuilder& w, const replay::FreeScales& s, const Experiment& 
     if (s.shaped)
         air(w, s, viscous);
     if (e.scene->rubs)
-        frictionLaws(w, scalesOf(e), false);
+        frictionLaws(w, all, false);
     if (e.scene->driven)
-        backlashOfReversals(w, scalesOf(e));
-    w.variant("gravity").amplitude("x_m_s2", -15.0, 15.0, 0.5).amplitude("y_m_s2", -25.0, 25.0, 1.0);
-    w.probe({0.0, -0.5}).probe({0.3, 0.0});
+        backlashOfReversals(w, all);
+    gravity(w, all, 0.5, 0.3);
     if (e.scene->observation.of == scene::Observation::Of::Machine)
-        return sensors(w, scalesOf(e));
+        return sensors(w, all);
     w.variant("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.03});
-    w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, 1.0, 0.01).probe({0.01});
-    w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0, 0.01).probe({0.01});
+    delay(w, all.second, 0.01);
 }
 
 } // namespace
@@ -372,7 +400,7 @@ CandidateEffects candidateEffectsFor(const Experiment& e, const std::vector<std:
     }
     CandidateBuilder w(candidateEffects, without);
     if (e.scene) {
-        bodies(w, replay::freeScales(e), e);
+        bodies(w, replay::freeScales(e), e, s);
         w.finish();
         return candidateEffects;
     }

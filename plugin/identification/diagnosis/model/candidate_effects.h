@@ -4,6 +4,7 @@
 
 #include "plugin/identification/diagnosis/model/model.h"
 #include "plugin/recording/experiment/experiment.h"
+#include "plugin/recording/experiment/natural_units.h"
 #include "supercircle/effects/effect.h"
 
 #include <vector>
@@ -35,6 +36,9 @@ struct ExperimentScales {
     double length = 0.1;    ///< m
     double modulus = 2e-4;  ///< N m^2
     double bend = 0.0;      ///< 1/m, largest curvature change of a simulated run; 0: unknown
+    double gravity = 9.81;  ///< m/s^2, as stated; that of the Earth where none is
+    double second = 1.0; ///< s, natural unit of time, a third to three times the fastest travel: for memories of laws
+    experiment::NaturalUnits units{};
 };
 ExperimentScales scalesOf(const experiment::Experiment& experiment);
 

@@ -97,7 +97,7 @@ void addLearnedLaws(CandidateEffects& candidateEffects, const ExperimentScales& 
            learned("learned_friction_slip", "contact", "mu (1 + S(sliding distance))", -0.9, 5.0, 0.1,
                    {"sliding distance", "m", "friction", true, "", 0.0, distance, false, 1.0, curve<splineAt>}),
            "wear", {{"change", 1.0}, {"distance_m", distance}});
-    const double attraction = 2.0 * s.modulus / (s.radius * s.radius * s.radius), range = 3e-4;
+    const double attraction = 2.0 * s.modulus / (s.radius * s.radius * s.radius), range = 3e-4 * s.units.length;
     inSlot(candidateEffects,
            learned("learned_contact", "contact", "attraction per length S(gap)", -10.0, 10.0, 0.2,
                    {"gap", "m", "attraction", false, "N/m", 0.0, range, false, attraction, curve<fadingAt>}),

@@ -2,6 +2,8 @@
 // Interface of a simulator for the diagnosis: named scalars in, readings at the recorded times out. It knows neither
 // rods nor contacts, so the statistics are tested on toy models with known parameters.
 
+#include "plugin/recording/experiment/natural_units.h"
+
 #include <Eigen/Core>
 #include <atomic>
 #include <cstddef>
@@ -106,7 +108,8 @@ struct CandidateRun {
     bool specimenReversed = false; ///< the specimens are mounted end for end
     /// Arc fractions of markers added to each specimen for this run.
     std::vector<double> markers{};
-    double markerRate = 0.0; ///< Hz, of frames; 0: not filmed
+    double markerRate = 0.0;          ///< Hz, of frames; 0: not filmed
+    experiment::NaturalUnits units{}; ///< of the set-up
 };
 
 /// Readings of a candidate run, with their times.

@@ -34,11 +34,11 @@ bool oneBatch(const experiment::Experiment& e) {
     return true;
 }
 
-/// Compliance of an ordinary set-up, a nominal parameter: 20 kN/m or stiffer, at most 0.5 % of the travel at the
-/// largest force. Beyond that it is the effect machine_compliance.
+/// Compliance of an ordinary set-up, a nominal parameter: 20 kN/m or stiffer for the reference specimen, at most 0.5 %
+/// of the travel at the largest force. Beyond that it is the effect machine_compliance.
 Scalar ordinaryCompliance(const experiment::Experiment& e) {
     const ExperimentScales scales = scalesOf(e);
-    const double most = std::min(5e-5, 0.005 * scales.travel / scales.force); // m/N
+    const double most = std::min(5e-5 * replay::naturalUnits(e).of("m/N"), 0.005 * scales.travel / scales.force); // m/N
     const replay::Parameters nominal = replay::nominal(e);
     // A strip pressed lengthwise is so stiff that the place of the compliance does not matter: see touchCompliance.
     const bool touches = e.protocol == experiment::Protocol::StripOnRigidFloor;

@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
 
+#include "plugin/identification/replay/free_scales.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,18 +16,23 @@ using experiment::Run;
 struct RunProperties {
     double travel = 0.0, slowest = 0.0, fastest = 0.0; ///< m, m/s
     double rate = 0.0;                                 ///< Hz, the highest
-    double dwell = 1.0;                                ///< s, longest dwell before a stroke, one to ten
+    double second = 1.0;                               ///< s, natural unit of time
+    double dwell = 1.0;                                ///< s, longest dwell before a stroke, one to ten natural ones
+    double longest = 0.0;                              ///< s, run
     bool unloads = false;                              ///< some run unloads by half of its displacement
 };
 
 RunProperties runPropertiesOf(const experiment::Experiment& e) {
     RunProperties h;
+    h.second = h.dwell = replay::naturalUnits(e).time;
     for (const Run& run : e.runs) {
         h.rate = std::max(h.rate, run.samplingRate);
+        h.longest =
+            run.driveTime.empty() ? h.longest : std::max(h.longest, run.driveTime.back() - run.driveTime.front());
         for (std::size_t i = 1; i < run.driveTime.size(); ++i) {
             h.travel = std::max(h.travel, run.driveDisplacement[i]);
             if (run.driveDisplacement[i - 1] == 0.0 && run.driveDisplacement[i] == 0.0)
-                h.dwell = std::clamp(run.driveTime[i] - run.driveTime[i - 1], h.dwell, 10.0);
+                h.dwell = std::clamp(run.driveTime[i] - run.driveTime[i - 1], h.dwell, 10.0 * h.second);
             h.unloads = h.unloads || run.driveDisplacement[i] < 0.5 * run.driveDisplacement[i - 1];
             const double speed = std::abs(run.driveDisplacement[i] - run.driveDisplacement[i - 1]) /
                                  (run.driveTime[i] - run.driveTime[i - 1]);
@@ -38,12 +45,12 @@ RunProperties runPropertiesOf(const experiment::Experiment& e) {
     return h;
 }
 
-/// A run through these displacements after a second of rest, with a dwell before each new loading: a released specimen
-/// oscillates, and its next contact depends on the damping.
+/// A run through these displacements after a natural second of rest, with a dwell before each new loading: a released
+/// specimen oscillates, and its next contact depends on the damping.
 Run runThrough(const RunProperties& h, const std::vector<double>& displacements, double speed, double hold = 0.0) {
     Run run;
     run.file = "design";
-    run.driveTime = {0.0, 1.0};
+    run.driveTime = {0.0, h.second};
     run.driveDisplacement = {0.0, 0.0};
     const auto go = [&](double to, double time) {
         run.driveTime.push_back(run.driveTime.back() + time);
@@ -55,7 +62,7 @@ Run runThrough(const RunProperties& h, const std::vector<double>& displacements,
         if (stay > 0.0)
             go(displacements[i], stay);
     }
-    run.samplingRate = std::min(h.rate, std::clamp(2000.0 / run.driveTime.back(), 5.0, 1000.0));
+    run.samplingRate = std::min(h.rate, std::clamp(2000.0 / run.driveTime.back(), 5.0 / h.second, 1000.0 / h.second));
     return run;
 }
 
@@ -89,7 +96,8 @@ double frameRateOf(const experiment::Experiment& e) {
     return rate;
 }
 
-constexpr double kUsualFrames = 4.0; // Hz, of a camera
+constexpr double kUsualFrames = 4.0;           // per natural second, of a camera
+constexpr double kHold = 100.0, kOfRuns = 1.5; // natural s, of the longest run: the longer of both is held
 
 std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
     const RunProperties h = runPropertiesOf(e);
@@ -100,13 +108,18 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
         std::snprintf(text, sizeof text, "%.3g mm/s", 1e3 * v);
         return std::string(text);
     };
-    const double d = h.travel;
+    const auto seconds = [](double t) {
+        char text[40];
+        std::snprintf(text, sizeof text, "%.2g s", t);
+        return std::string(text);
+    };
+    const double d = h.travel, hold = std::max(kHold * h.second, kOfRuns * h.longest);
     std::vector<PlannedRun> planned;
     if (!h.unloads) // dissipation appears in unloading first
         planned.push_back({"the same loading followed by unloading", runThrough(h, {d, 0.0}, h.fastest)});
     const std::vector<PlannedRun> usual = {
         {"a run ten times slower, at " + speed(0.1 * h.slowest), runThrough(h, {d, 0.0}, 0.1 * h.slowest)},
-        {"a hold of 100 s at the largest displacement", runThrough(h, {d, 0.0}, h.fastest, 100.0)},
+        {"a hold of " + seconds(hold) + " at the largest displacement", runThrough(h, {d, 0.0}, h.fastest, hold)},
         {"five small cycles between 60 % and 50 % of the largest displacement",
          runThrough(h, {0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
                     h.slowest)},
@@ -123,7 +136,7 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
                                                        ? std::string("its markers")
                                                        : std::to_string(displacements.size()) + " markers on " + where),
                            runThrough(h, {d, 0.0}, h.fastest), displacements});
-        planned.back().run.markersSamplingRate = kUsualFrames;
+        planned.back().run.markersSamplingRate = kUsualFrames / h.second;
     }
     // Defects of the specimen move to the other side, those of the set-up do not. A ring has no ends.
     if (e.protocol != experiment::Protocol::RingBetweenPlates) {
@@ -145,7 +158,7 @@ std::vector<CandidateRun> candidateRunsFor(const experiment::Experiment& e) {
     std::vector<CandidateRun> all;
     for (const PlannedRun& p : plannedRuns(e))
         all.push_back({p.description, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate,
-                       p.run.specimenReversed, p.markers, p.run.markersSamplingRate});
+                       p.run.specimenReversed, p.markers, p.run.markersSamplingRate, replay::naturalUnits(e)});
     return all;
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double kUsualCamera = 3e-5; ///< m, noise of a marker coordinate without an earlier camera
+constexpr double kUsualCamera = 3e-5; ///< natural m, noise of a marker coordinate without an earlier camera
 
 std::vector<double> listOf(const Eigen::Ref<const Eigen::VectorXd>& v) {
     return {v.data(), v.data() + v.size()};
@@ -40,7 +40,8 @@ RecordedData recorded(const CandidateRun& candidateRun, const CandidateRunRespon
     data.free = candidateRun.time.empty();
     data.zeroWindow = zeroWindow;
     const experiment::Run run = runOf(candidateRun, truth);
-    data.runs.push_back(recordedRun(run, run.markers.x.size(), data.free, 1.0));
+    data.units = candidateRun.units;
+    data.runs.push_back(recordedRun(run, run.markers.x.size(), data.free, 1.0, data.units));
     return data;
 }
 
@@ -48,8 +49,8 @@ Response asResponse(const CandidateRunResponse& r) {
     return {r.failure, r.force, r.markers, r.jumps};
 }
 
-Noise withCamera(Noise noise) {
-    noise.marker = noise.marker > 0.0 ? noise.marker : kUsualCamera;
+Noise withCamera(Noise noise, const experiment::NaturalUnits& units) {
+    noise.marker = noise.marker > 0.0 ? noise.marker : kUsualCamera * units.length;
     return noise;
 }
 
@@ -58,8 +59,9 @@ Noise withCamera(Noise noise) {
 RunLikelihood::RunLikelihood(const CandidateRun& candidateRun, const CandidateRunResponse& truth, const Noise& noise,
                              double zeroWindow, std::size_t repeats)
     : data_(recorded(candidateRun, truth, zeroWindow)),
-      likelihood_(data_, withCamera(noise), {asResponse(truth)}, {Response{"not simulated", {}, {}}},
-                  LikelihoodSettings{}.forRepeats(repeats)) {}
+      likelihood_(data_, withCamera(noise, candidateRun.units), {asResponse(truth)},
+                  {Response{"not simulated", {}, {}}},
+                  LikelihoodSettings{}.in(candidateRun.units).forRepeats(repeats)) {}
 
 std::optional<Eigen::VectorXd> RunLikelihood::difference(const CandidateRunResponse& a,
                                                          const CandidateRunResponse& b) const {

@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/data.h"
 
+#include "plugin/identification/replay/free_scales.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,8 +71,10 @@ std::vector<int> segmentsAt(const std::vector<DriveSegment>& segments, const Eig
 
 } // namespace
 
-RecordedRun recordedRun(const experiment::Run& from, std::size_t markers, bool free, double perUnit) {
+RecordedRun recordedRun(const experiment::Run& from, std::size_t markers, bool free, double perUnit,
+                        const experiment::NaturalUnits& units) {
     RecordedRun run;
+    run.units = units;
     run.time = vectorOf(from.readings.time);
     run.force = perUnit * vectorOf(from.readings.force);
     run.displacement.resize(run.time.size());
@@ -125,11 +129,12 @@ const char* name(Phase phase) {
 }
 
 bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
+    constexpr double kTime = 1e-6, kSpeed = 1e-7; // natural s, of the speed
     if (a.segments.size() != b.segments.size())
         return false;
     for (std::size_t l = 0; l < a.segments.size(); ++l)
-        if (std::abs(a.segments[l].to - b.segments[l].to) > 1e-6 ||
-            std::abs(a.segments[l].speed - b.segments[l].speed) > 1e-9)
+        if (std::abs(a.segments[l].to - b.segments[l].to) > kTime * a.units.time ||
+            std::abs(a.segments[l].speed - b.segments[l].speed) > kSpeed * std::abs(a.segments[l].speed))
             return false;
     return true;
 }
@@ -161,8 +166,20 @@ double RecordedData::peakForce() const {
     return most;
 }
 
+double RecordedData::usualCorrelationTime() const {
+    constexpr double kUsual = 0.25, kRows = 2.0, kShare = 0.05; // natural s, rows, of the shortest run
+    double dt = 0.0, shortest = std::numeric_limits<double>::infinity();
+    for (const RecordedRun& run : runs) {
+        dt = std::max(dt, run.spacing());
+        if (run.time.size() > 1)
+            shortest = std::min(shortest, run.time[run.time.size() - 1] - run.time[0]);
+    }
+    return std::min(std::max(kUsual * units.time, kRows * dt), std::max(kShare * shortest, kRows * dt));
+}
+
 RecordedData recordedDataOf(const experiment::Experiment& e) {
     RecordedData data;
+    data.units = replay::naturalUnits(e);
     const experiment::Channel& channel = experiment::channel(e);
     data.channel = channel.name;
     data.unit = channel.unit;
@@ -177,7 +194,7 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     }
     const std::vector<std::string> names = experiment::runNames(e, true);
     for (const experiment::Run& run : e.runs) {
-        data.runs.push_back(recordedRun(run, e.markers.size(), data.free, channel.perUnit));
+        data.runs.push_back(recordedRun(run, e.markers.size(), data.free, channel.perUnit, data.units));
         data.runs.back().name = names[data.runs.size() - 1];
     }
     return data;

@@ -77,13 +77,13 @@ double quantisationForceNoise(const RecordedData& data, double (*size)(const Eig
 
 namespace {
 
-/// Scale of second differences, without half-seconds that exceed the median energy 3.5 times (snaps). A median absolute
-/// deviation would underestimate heavy tails by 10 %.
+/// Scale of second differences, without half natural seconds that exceed the median energy 3.5 times (snaps). A median
+/// absolute deviation would underestimate heavy tails by 10 %.
 DifferenceScale differenceScale(const RecordedRun& run) {
     constexpr double kTooRough = 3.5;
     DifferenceScale out;
     out.dt = (run.time[run.time.size() - 1] - run.time[0]) / static_cast<double>(run.time.size() - 1);
-    const auto block = std::max<Eigen::Index>(10, std::lround(0.5 / out.dt));
+    const auto block = std::max<Eigen::Index>(10, std::lround(0.5 * run.units.time / out.dt + 1e-6)); // ties up
     std::vector<double> energies, counts, each, fourths;
     for (Eigen::Index from = 0; from + 2 < run.force.size(); from += block) {
         const std::vector<double> d = secondDifferences(run.force, from, std::min(block + 2, run.force.size() - from));

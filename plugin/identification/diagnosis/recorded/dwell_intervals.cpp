@@ -20,9 +20,10 @@ std::vector<DwellInterval> dwellIntervalsOf(const RecordedData& data) {
             std::vector<double> t, f;
             const bool first = l == 0;
             // Oscillation after a motion is excluded.
-            const double from = run.segments[l].from + (first ? 0.0 : 0.1);
+            const double from = run.segments[l].from + (first ? 0.0 : 0.1 * run.units.time);
             for (Index k = 0; k < run.time.size(); ++k)
-                if (run.time[k] >= from && run.time[k] <= run.segments[l].to - 1e-9 && std::isfinite(run.force[k])) {
+                if (run.time[k] >= from && run.time[k] <= run.segments[l].to - 1e-9 * run.units.time &&
+                    std::isfinite(run.force[k])) {
                     t.push_back(run.time[k]);
                     f.push_back(run.force[k]);
                 }
@@ -37,10 +38,8 @@ std::vector<DwellInterval> dwellIntervalsOf(const RecordedData& data) {
             dwell.trends.col(0).setOnes();
             if (!first) {
                 dwell.trends.col(1) = (dwell.time.array() - t.front()) / (t.back() - t.front());
-                dwell.trends.col(2) =
-                    (1.0 + (dwell.time.array() - run.segments[l].from) / 0.3).unaryExpr([](double each) {
-                        return math::log(each);
-                    });
+                dwell.trends.col(2) = (1.0 + (dwell.time.array() - run.segments[l].from) / (0.3 * run.units.time))
+                                          .unaryExpr([](double each) { return math::log(each); });
             }
             found.push_back(std::move(dwell));
         }

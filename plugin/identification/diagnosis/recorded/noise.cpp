@@ -53,7 +53,7 @@ double markerNoiseOf(const RecordedData& data) {
 /// Whether their readings can be subtracted row by row.
 bool repeats(const RecordedRun& a, const RecordedRun& b) {
     return sameDrive(a, b) && a.specimenReversed == b.specimenReversed && a.time.size() == b.time.size() &&
-           a.time.size() >= 20 && (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3;
+           a.time.size() >= 20 && (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3 * a.units.time;
 }
 
 /// Half the mean squared difference of two runs about its median, without outliers beyond three sigma (snaps one row
@@ -149,6 +149,7 @@ std::vector<Noise::PosteriorDraw> drawn(const std::vector<Noise::PosteriorDraw>&
 Noise freeNoise(const RecordedData& data) {
     Noise out;
     out.marker = markerNoiseOf(data);
+    out.correlationTime = data.usualCorrelationTime();
     std::vector<double> d;
     for (const RecordedRun& run : data.runs)
         addFourthDifferences(run.force, d);
@@ -199,15 +200,17 @@ struct NoiseEstimate {
 };
 
 /// Among sizes within a factor of 2.5 around `anchor`.
+/// @param usual correlation time, s
 NoiseEstimate estimateAround(double anchor, const std::vector<DwellInterval>& dwells,
-                             const std::vector<DifferenceScale>& scales, double stated) {
+                             const std::vector<DifferenceScale>& scales, double stated, double usual) {
     constexpr int kSizes = 30;
     NoiseEstimate best;
     std::vector<Noise::PosteriorDraw> grid;
     std::vector<double> logs;
-    for (const double correlationTime : {0.15, 0.25, 0.4})
+    for (const double times : {0.6, 1.0, 1.6})
         for (int i = -kSizes; i <= kSizes; ++i)
             for (int j = -12; j <= 12; ++j) {
+                const double correlationTime = times * usual;
                 const double white = 0.9 * anchor * math::exp(0.03 * i);
                 const double correlated = 0.55 * white * math::exp(0.08 * j);
                 double l = 0.0;
@@ -217,7 +220,7 @@ NoiseEstimate estimateAround(double anchor, const std::vector<DwellInterval>& dw
                     l += differenceScaleLogLikelihood(r, white, correlated, correlationTime);
                 const double off = stated > 0.0 ? math::log(math::hypot(white, correlated) / stated) / 0.2 : 0.0;
                 const double ratio = 0.08 * j / 0.5;
-                const double remembers = math::log(correlationTime / 0.25) / 0.3;
+                const double remembers = math::log(times) / 0.3;
                 l -= 0.5 * (off * off + ratio * ratio + remembers * remembers);
                 grid.push_back({white, correlated, correlationTime});
                 logs.push_back(l);
@@ -245,14 +248,14 @@ std::vector<DifferenceScale> differenceScalesFor(const RecordedData& data, doubl
 /// @param stated N; 0: not stated or dropped; then the grid moves until the maximum lies inside
 /// @param least smallest white noise, N
 NoiseEstimate estimateSize(const std::vector<DwellInterval>& dwells, const std::vector<DifferenceScale>& scales,
-                           double stated, double least) {
+                           double stated, double least, double usual) {
     if (stated > 0.0)
-        return estimateAround(stated, dwells, scales, stated);
+        return estimateAround(stated, dwells, scales, stated, usual);
     constexpr int kMoves = 40; // a factor of 2.5 each
     NoiseEstimate best;
     double anchor = scales.empty() ? 0.0 : scales.front().scale / std::sqrt(6.0);
     for (int moves = 0; moves < kMoves && anchor > 0.0; ++moves) {
-        best = estimateAround(anchor, dwells, scales, stated);
+        best = estimateAround(anchor, dwells, scales, stated, usual);
         if (!best.atGridEdge || best.noise.white <= least)
             break;
         anchor = best.noise.white / 0.9;
@@ -267,11 +270,13 @@ NoiseEstimate withoutDisturbance(const RecordedData& data, const std::vector<Dwe
     constexpr double kPeriods = 2.0; // periods in the dwell intervals of one run, at least
     const double price = disturbancePenalty(data);
     const double white = std::max(plain.noise.white, 1e-300);
-    const PeriodicDisturbance disturbance = strongestDisturbance(data, dwells, {white, 0.55 * white, 0.25}, kPeriods);
+    const PeriodicDisturbance disturbance =
+        strongestDisturbance(data, dwells, {white, 0.55 * white, data.usualCorrelationTime()}, kPeriods);
     if (disturbance.explained < 2.0 * price)
         return plain;
     RecordedData still = disturbance.removedFrom(data);
-    NoiseEstimate other = estimateSize(dwellIntervalsOf(still), differenceScalesFor(still, stated), stated, least);
+    NoiseEstimate other = estimateSize(dwellIntervalsOf(still), differenceScalesFor(still, stated), stated, least,
+                                       still.usualCorrelationTime());
     if (other.logLikelihood < plain.logLikelihood + price)
         return plain;
     other.noise.disturbancePeriod = disturbance.period;
@@ -305,8 +310,9 @@ Noise estimateNoise(const RecordedData& recorded, const PeriodicDisturbance& kno
     const std::vector<DwellInterval> dwells = dwellIntervalsOf(data);
     const double least = quantisationForceNoise(data, quantisationStep);
     const auto estimateWith = [&](double stated) {
-        return withoutDisturbance(data, dwells, stated, least,
-                                  estimateSize(dwells, differenceScalesFor(data, stated), stated, least));
+        return withoutDisturbance(
+            data, dwells, stated, least,
+            estimateSize(dwells, differenceScalesFor(data, stated), stated, least, data.usualCorrelationTime()));
     };
     NoiseEstimate estimate = estimateWith(data.statedForceNoise);
     double stated = data.statedForceNoise;

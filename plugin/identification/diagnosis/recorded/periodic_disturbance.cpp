@@ -16,9 +16,10 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// The trends of a dwell interval and, after a motion, relaxations of 0.3, 1 and 3 s.
-Eigen::MatrixXd relaxations(const DwellInterval& r) {
-    constexpr std::array kTimes = {0.3, 1.0, 3.0};
+/// The trends of a dwell interval and, after a motion, relaxations.
+/// @param unit s, natural unit of time
+Eigen::MatrixXd relaxations(const DwellInterval& r, double unit) {
+    constexpr std::array kTimes = {0.3, 1.0, 3.0}; // natural s
     const Index given = r.trends.cols();
     if (given == 1)
         return r.trends;
@@ -26,7 +27,7 @@ Eigen::MatrixXd relaxations(const DwellInterval& r) {
     out.leftCols(given) = r.trends;
     for (std::size_t i = 0; i < kTimes.size(); ++i)
         out.col(given + static_cast<Index>(i)) =
-            (-(r.time.array() - r.time[0]) / kTimes[i]).unaryExpr([](double each) { return math::exp(each); });
+            (-(r.time.array() - r.time[0]) / (kTimes[i] * unit)).unaryExpr([](double each) { return math::exp(each); });
     return out;
 }
 
@@ -37,9 +38,9 @@ struct WhitenedDwell {
     Eigen::MatrixXd basis;
     Eigen::VectorXd force;
 
-    WhitenedDwell(const DwellInterval& r, const CorrelatedNoise& noise)
+    WhitenedDwell(const DwellInterval& r, const CorrelatedNoise& noise, double unit)
         : dwell(&r), whitening(r.time, noise.white, noise.correlated, noise.correlationTime) {
-        const Eigen::MatrixXd x = whitening.columns(relaxations(r));
+        const Eigen::MatrixXd x = whitening.columns(relaxations(r, unit));
         basis = dense::orthonormalColumns(x);
         force = withoutTrends(r.force);
     }
@@ -57,7 +58,7 @@ struct NoiseFit {
 };
 
 /// Noise fitted on a grid around the scale of second differences.
-NoiseFit fitNoise(const std::vector<DwellInterval>& left) {
+NoiseFit fitNoise(const std::vector<DwellInterval>& left, double unit) {
     double squares = 0.0, count = 0.0;
     for (const DwellInterval& r : left)
         for (Index k = 0; k + 2 < r.force.size(); ++k, count += 1.0)
@@ -66,7 +67,8 @@ NoiseFit fitNoise(const std::vector<DwellInterval>& left) {
     NoiseFit best;
     for (int i = -8; i <= 2 && size > 0.0; ++i)
         for (int j = -3; j <= 12; ++j)
-            for (const double correlationTime : {0.2, 0.5, 1.0, 2.0, 5.0, 10.0}) {
+            for (const double times : {0.2, 0.5, 1.0, 2.0, 5.0, 10.0}) {
+                const double correlationTime = times * unit;
                 const double white = size * math::exp(0.2 * i);
                 const CorrelatedNoise noise{white, white * math::exp(0.4 * j), correlationTime};
                 double l = 0.0;
@@ -152,7 +154,7 @@ PeriodicDisturbance strongestDisturbance(const RecordedData& data, const std::ve
     double span = 0.0, longest = 0.0, dt = 0.0; // s
     std::vector<double> dwelling(data.runs.size(), 0.0);
     for (const DwellInterval& r : dwells) {
-        plain.emplace_back(r, noise);
+        plain.emplace_back(r, noise, data.units.time);
         dwelling[r.run] += r.time[r.time.size() - 1] - r.time[0];
         longest = std::max(longest, dwelling[r.run]);
         const RecordedRun& run = data.runs[r.run];
@@ -211,7 +213,7 @@ PeriodicDisturbance findDisturbanceInResidual(const RecordedData& data, const st
     const std::vector<DwellInterval> whole = residualsOfRuns(data, left);
     if (whole.empty())
         return {};
-    const NoiseFit without = fitNoise(whole);
+    const NoiseFit without = fitNoise(whole, data.units.time);
     NoiseFit with = without;
     PeriodicDisturbance disturbance;
     std::vector<DwellInterval> still;
@@ -221,7 +223,7 @@ PeriodicDisturbance findDisturbanceInResidual(const RecordedData& data, const st
             return {};
         still = whole;
         subtract(disturbance, still);
-        with = fitNoise(still);
+        with = fitNoise(still, data.units.time);
     }
     const bool most = sumOfSquares(still) <= (1.0 - kShare) * sumOfSquares(whole);
     return most && with.logLikelihood >= without.logLikelihood + disturbancePenalty(data) ? disturbance

@@ -94,19 +94,21 @@ std::vector<std::vector<double>> presentSimilarity(const Likelihood& likelihood,
 
 namespace {
 
-std::vector<TimeInterval> visibleIntervalsOf(const Eigen::VectorXd& time, const Eigen::VectorXd& change) {
-    constexpr double kReach = 0.125, kLevel = 0.7, kGap = 0.3; // s, sigma, s
+/// @param unit s, natural unit of time
+std::vector<TimeInterval> visibleIntervalsOf(const Eigen::VectorXd& time, const Eigen::VectorXd& change, double unit) {
+    constexpr double kLevel = 0.7;                       // sigma
+    const double reach = 0.125 * unit, gap = 0.3 * unit; // s
     std::vector<TimeInterval> all;
     Index a = 0, b = 0; // rows [a, b) lie within reach
     double sum = 0.0;
     for (Index k = 0; k < time.size(); ++k) {
-        for (; b < time.size() && (time[b] <= time[k] + kReach || b <= k + 1); ++b)
+        for (; b < time.size() && (time[b] <= time[k] + reach || b <= k + 1); ++b)
             sum += change[b];
-        for (; a + 1 < k && time[a] < time[k] - kReach; ++a)
+        for (; a + 1 < k && time[a] < time[k] - reach; ++a)
             sum -= change[a];
         if (std::abs(sum) < kLevel * static_cast<double>(b - a))
             continue;
-        if (!all.empty() && time[a] <= all.back().to + kGap)
+        if (!all.empty() && time[a] <= all.back().to + gap)
             all.back().to = time[b - 1];
         else
             all.push_back({time[a], time[b - 1]});
@@ -162,7 +164,8 @@ std::vector<RunCurves> presentCurves(const Likelihood& likelihood, const FitResu
             c.visibleIntervals = visibleIntervalsOf(
                 run.time, (best->responses[r].force - nominal.responses[r].force).unaryExpr([&](double d) {
                     return std::isfinite(d) ? d / noise : 0.0;
-                }));
+                }),
+                run.units.time);
         }
         for (Index k = 0; k < n; ++k)
             c.counts.push_back(std::isfinite(likelihood.errors(r).force[k]));

@@ -4,6 +4,7 @@
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/recording/experiment/load.h"
+#include "plugin/recording/experiment/natural_units.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -270,7 +271,7 @@ TEST_CASE("a released specimen dwells before the next stroke", "[diagnosis]") {
     const std::vector<double> usual = nominalRefreshes();
     REQUIRE(usual.size() == 6); // of two cycles one, of six cycles five
     for (const double s : usual)
-        CHECK(s == Approx(1.0));
+        CHECK(s == Approx(experiment::unitsOfSpecimens(e).time)); // a natural second
     experiment::Run& run = e.runs.front(); // one stroke more, after three seconds
     const double end = run.driveTime.back(), last = run.driveDisplacement.back();
     REQUIRE(last == 0.0);

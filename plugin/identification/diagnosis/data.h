@@ -85,6 +85,7 @@ struct RecordedData {
     double statedForceNoise = 0.0;   ///< N, within about 30 %; 0: not stated
     double statedMarkerNoise = 0.0;  ///< m
     double displacementNoise = 0.0;  ///< m
+    double zeroHalfWidth = 0.0;      ///< N, stated, of the zero of a run; 0: not stated
     double zeroWindow = 0.0;         ///< s, interval whose mean force is subtracted from the run
     experiment::NaturalUnits units;  ///< of the set-up
     std::vector<double> arcFraction; ///< of each marker

@@ -166,6 +166,7 @@ double commanded(const Run& run, double t);
 struct Sensors {
     double forceNoise = 0.0;         ///< N (free scenes: rad or m), standard deviation, approximate
     double forceZeroWindow = 0.0;    ///< s, the mean of this first interval is subtracted; 0: none
+    double forceZeroHalfWidth = 0.0; ///< N, the zero of a run lies within this; 0: not stated
     double displacementNoise = 0.0;  ///< m
     double markerNoise = 0.0;        ///< m
     bool forceUnitConfirmed = false; ///< a force beside the scale of bending forces is no error

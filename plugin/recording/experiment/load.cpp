@@ -223,6 +223,10 @@ Sensors readSensors(Context& context, const Node& node, const std::string& point
     if (e.protocol != Protocol::Scene) // whose channel says it
         s.forceNoise = object.number(c.name + "_noise_std_" + c.unit + "_approx", 0.0, notNegative) / c.perUnit;
     s.forceZeroWindow = zeroWindow(object, object.text("force_zero", ""));
+    s.forceZeroHalfWidth = object.number("force_zero_unc_N", 0.0, notNegative);
+    if (s.forceZeroHalfWidth > 0.0 && e.scene)
+        object.note("force_zero_unc_N",
+                    "free scenes have no force; /observed/zero_unc_deg or zero_unc_mm is the pose's");
     s.forceUnitConfirmed = object.flag("force_unit_confirmed", false);
     s.displacementChannel = object.text("displacement_channel", "");
     s.displacementNoise = 1e-3 * object.number("displacement_noise_std_mm_approx", 0.0, notNegative);

@@ -1,5 +1,6 @@
 #include "plugin/recording/experiment/recording_quality.h"
 
+#include "plugin/recording/experiment/natural_units.h"
 #include "plugin/recording/table/csv.h"
 #include "plugin/recording/table/files.h"
 #include "supercircle/support/order_statistics.h"
@@ -89,7 +90,7 @@ bool goodTimes(const std::vector<double>& time, Place& place) {
 
 /// Samples outside the drive cannot be replayed.
 bool insideDrive(const std::vector<double>& time, const Run& run, Place& place) {
-    const double slack = 1e-6 + 0.5 / run.samplingRate;
+    const double slack = (1e-6 + 0.5) / run.samplingRate;
     for (std::size_t i = 0; i < time.size(); ++i)
         if (time[i] < run.driveTime.front() - slack || time[i] > run.driveTime.back() + slack) {
             place.errorAt(i, "the samples reach beyond drive_time_s",
@@ -189,7 +190,8 @@ Scaling scaling(const Run& run) {
     return s;
 }
 
-bool goodDisplacement(Run& run, Place& place) {
+/// @param natural unit of length of the set-up, m
+bool goodDisplacement(Run& run, double natural, Place& place) {
     Readings& r = run.readings;
     const auto [from, to] = std::minmax_element(run.driveDisplacement.begin(), run.driveDisplacement.end());
     const double travel = *to - *from;
@@ -224,11 +226,11 @@ bool goodDisplacement(Run& run, Place& place) {
     const std::string where = "displacement_mm is " + shown(1e3 * s.largest) + " mm off the commanded motion at " +
                               shown(r.time[s.largestRow]) + " s (" + shown(1e3 * r.displacement[s.largestRow]) +
                               " mm, commanded " + shown(1e3 * commanded(run, r.time[s.largestRow])) + " mm)";
-    if (s.largest > 0.05 * travel + 5e-5) {
+    if (s.largest > 0.05 * travel + 5e-5 * natural) {
         place.errorAt(s.largestRow, where, "drive_time_s and drive_displacement_mm as the machine did it");
         return false;
     }
-    if (s.largest > 0.005 * travel + 1e-5)
+    if (s.largest > 0.005 * travel + 1e-5 * natural)
         place.note(where + "; the commanded motion is simulated");
     for (std::size_t i = 0; i < rows; ++i)
         if (!std::isfinite(r.displacement[i]))
@@ -366,7 +368,7 @@ void checkReadings(const Experiment& e, Run& run, const std::string& path, std::
     Place place(path, problems);
     if (!goodTimes(run.readings.time, place) || !insideDrive(run.readings.time, run, place))
         return;
-    if (!goodForce(run.readings, channel(e), place) || !goodDisplacement(run, place))
+    if (!goodForce(run.readings, channel(e), place) || !goodDisplacement(run, unitsOfSpecimens(e).length, place))
         return;
     judgeRate(run, place);
     judgeCoverage(run, place);

@@ -40,6 +40,17 @@ Eigen::MatrixXd shrinkageOf(const Eigen::MatrixXd& N) {
     return eigen.vectors * s.asDiagonal() * eigen.vectors.transpose();
 }
 
+/// Prior standard deviation of the zero of a load cell, N. Poses have none.
+double zeroOf(const RecordedData& data, const Noise& noise, const RecordedRun& run) {
+    // Of the noise, where nothing is stated. Half: an untared cell is missing physics; double: offsets hide weak
+    // effects.
+    constexpr double kUntared = 5.0;
+    const double mean = data.zeroWindow > 0.0 ? noise.stdOfMean(data.zeroWindow, run.spacing()) : 0.0;
+    if (data.zeroHalfWidth > 0.0)
+        return math::hypot(mean, data.zeroHalfWidth / std::sqrt(3.0));
+    return data.free ? noise.total() : data.zeroWindow > 0.0 ? mean : kUntared * noise.total();
+}
+
 } // namespace
 
 Likelihood::Likelihood(const RecordedData& data, const Noise& noise, const std::vector<Response>& fine,
@@ -54,9 +65,7 @@ Likelihood::Likelihood(const RecordedData& data, const Noise& noise, const std::
         model.force = Whitening(run.time, noise.white, noise.correlated, noise.correlationTime, model.errors.force,
                                 model.errors.correlationTime);
         addJumps(run, fine[r], finer[r], here, model);
-        // Prior of the zero of a load cell that was not tared. Poses have no such zero.
-        const double untared = data.free ? noise.total() : std::max(5.0 * noise.total(), 0.05 * peak);
-        model.zero = data.zeroWindow > 0.0 ? noise.stdOfMean(data.zeroWindow, run.spacing()) : untared;
+        model.zero = zeroOf(data, noise, run);
         model.nuisance.resize(run.force.size(), 3);
         model.nuisance.col(0) = model.force.apply(Eigen::VectorXd::Constant(run.force.size(), model.zero));
         model.nuisance.col(1) = model.force.apply(clockShift(run, fine[r], model.errors.force) * settings.clockError);

@@ -187,6 +187,7 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     data.statedForceNoise = channel.perUnit * e.sensors.forceNoise;
     data.statedMarkerNoise = e.sensors.markerNoise;
     data.displacementNoise = e.sensors.displacementNoise;
+    data.zeroHalfWidth = e.sensors.forceZeroHalfWidth;
     data.zeroWindow = e.sensors.forceZeroWindow;
     for (const experiment::Marker& m : e.markers) {
         data.arcFraction.push_back(m.arcFraction);

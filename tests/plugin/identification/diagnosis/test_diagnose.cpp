@@ -273,6 +273,28 @@ TEST_CASE("the zero of an untared load cell is not missing physics", "[diagnosis
     CHECK(run(data, spring).misfit.p <= 0.05);
 }
 
+TEST_CASE("the zero of the force is free within what is stated, not within a share of the peak", "[diagnosis]") {
+    const RecordedData data = toy::recordings(11);
+    const toy::Spring spring(data);
+    SimulationCache cache;
+    Evaluator evaluator(spring, data.runs.size(), {}, cache);
+    const auto there = evaluator.simulateAllRuns({ParameterPoint{{100.0, 0.1}, {}}}, Fidelity::Fine).front();
+    const Noise noise = estimateNoise(data);
+    const auto zero = [&](double halfWidth, double window) {
+        RecordedData other = data;
+        other.zeroHalfWidth = halfWidth;
+        other.zeroWindow = window;
+        for (RecordedRun& run : other.runs)
+            run.force *= 10.0; // the peak does not matter
+        return Likelihood(other, noise, there, there).zeroStd(0);
+    };
+    CHECK(zero(0.0, 0.0) == Approx(5.0 * noise.total()));
+    CHECK(zero(0.3, 0.0) == Approx(0.3 / std::sqrt(3.0))); // standard deviation of an interval
+    const double mean = noise.stdOfMean(0.5, data.runs[0].spacing());
+    CHECK(zero(0.0, 0.5) == Approx(mean));
+    CHECK(zero(0.3, 0.5) == Approx(std::hypot(mean, 0.3 / std::sqrt(3.0))));
+}
+
 TEST_CASE("markers of free bodies have no arc fraction", "[diagnosis]") {
     class Follows final : public toy::Spring {
     public:

@@ -272,7 +272,7 @@ TEST_CASE("a released specimen dwells before the next stroke", "[diagnosis]") {
     REQUIRE(usual.size() == 6); // of two cycles one, of six cycles five
     for (const double s : usual)
         CHECK(s == Approx(experiment::unitsOfSpecimens(e).time)); // a natural second
-    experiment::Run& run = e.runs.front(); // one stroke more, after three seconds
+    experiment::Run& run = e.runs.front();                        // one stroke more, after three seconds
     const double end = run.driveTime.back(), last = run.driveDisplacement.back();
     REQUIRE(last == 0.0);
     for (const auto& [time, displacement] : {std::pair{3.0, 0.0}, {5.0, 0.005}, {7.0, 0.0}}) {

@@ -50,11 +50,13 @@ struct FitResult {
 };
 
 struct FitSettings {
-    int iterations = 20;         ///< maximum number of accepted steps
+    int iterations = 60;         ///< maximum number of accepted steps
     double smallestGain = 0.3;   ///< a smaller predicted decrease of chi-squared ends the fit
     double differenceStep = 0.2; ///< difference step in x
-    int refreshes = 2;           ///< refreshes of the effect's derivatives, or of all without an effect
-    int nominalRefreshes = 1;    ///< refreshes of the nominal derivatives beside an effect
+    /// Refreshes of the effect's derivatives (of all without an effect), and of the nominal ones beside an effect, that
+    /// are made whatever they bring. Further ones follow as long as the last lowered chi-squared by its dispersion.
+    int refreshes = 2;
+    int nominalRefreshes = 1;
     /// Chi-squared of a competing fit. A search above three times this after five iterations with little progress is
     /// stopped.
     double competitor = 0.0;

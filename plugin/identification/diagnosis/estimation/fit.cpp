@@ -373,11 +373,20 @@ private:
     /// Refreshes old derivatives where no step is found: those with respect to the effect first, then the nominal ones.
     void finishOrRefresh() { done_ = farBehind() || !(refreshEffect() || refreshNominal()); }
 
+    /// Whether the steps since a refresh lowered chi-squared by more than its dispersion. Twice that ends a fit up to 2
+    /// above its minimum, half of it pays for refreshes whose gain is noise.
+    [[nodiscard]] bool paid(double costAtRefresh) const {
+        const double dispersion =
+            now_.chiSquared / static_cast<double>(std::max<Eigen::Index>(1, likelihood_.countedRows()));
+        return costAtRefresh - now_.cost > std::max(1.0, dispersion);
+    }
+
     /// Refreshes the derivatives with respect to the effect's parameters, or the nominal ones where there is no effect.
     bool refreshEffect() {
-        if (age_ != Age::Learnt || refreshes_ >= settings_.refreshes)
+        if (age_ != Age::Learnt || (refreshes_ >= settings_.refreshes && !paid(refreshedAt_)))
             return false;
         ++refreshes_;
+        refreshedAt_ = now_.cost;
         const bool alone = v_.size() == v_.nominal;
         refresh(range(alone ? 0 : v_.nominal, v_.size()));
         age_ = alone ? Age::Fresh : Age::Moved;
@@ -385,9 +394,11 @@ private:
     }
 
     bool refreshNominal() {
-        if (age_ == Age::Fresh || v_.size() == v_.nominal || nominalRefreshes_ >= settings_.nominalRefreshes)
+        if (age_ == Age::Fresh || v_.size() == v_.nominal ||
+            (nominalRefreshes_ >= settings_.nominalRefreshes && !paid(nominalRefreshedAt_)))
             return false;
         ++nominalRefreshes_;
+        nominalRefreshedAt_ = now_.cost;
         refresh(range(0, age_ == Age::Moved ? v_.nominal : v_.size()));
         age_ = Age::Fresh;
         return true;
@@ -406,6 +417,7 @@ private:
     FitResult now_;
     double damping_ = 1e-3;
     int trials_ = 0, rejected_ = 0, refreshes_ = 0, nominalRefreshes_ = 0;
+    double refreshedAt_ = 0.0, nominalRefreshedAt_ = 0.0; ///< cost at the last refreshes
     /// Of the derivatives: all taken at this point, only those of the effect, or updated from steps.
     enum class Age : std::uint8_t { Fresh, Moved, Learnt } age_ = Age::Fresh;
     bool done_ = false;

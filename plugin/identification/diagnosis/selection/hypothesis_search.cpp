@@ -63,6 +63,7 @@ private:
     [[nodiscard]] bool residualTooLarge() const;
     [[nodiscard]] bool pairsCanCount(double dispersion) const;
     void tryPairs();
+    void refitParts(const FittedHypothesis& pair);
     void tryLearned(double left);
     void rank(double dispersion);
 
@@ -212,8 +213,28 @@ void HypothesisSearch::tryPairs() {
          fitTwoEffects(input_.evaluator, input_.likelihood, out_.hypotheses, input_.settings.probeShare())) {
         if (stopped())
             return;
+        refitParts(t);
         t.held = scored(t.fit);
         out_.hypotheses.push_back(std::move(t));
+    }
+}
+
+/// Refits the single effects of a pair from the pair: a pair must not count because its parts were fitted worse.
+void HypothesisSearch::refitParts(const FittedHypothesis& pair) {
+    for (const std::size_t k : pair.mustBeat) {
+        FittedHypothesis& part = out_.hypotheses[k];
+        FittedHypothesis again = part;
+        ParameterPoint start = pair.fit.point;
+        std::erase_if(start.terms, [&](const Term& t) { return t.candidate != part.candidates.front(); });
+        if (start.terms.size() != 1 || stopped())
+            continue;
+        FitSettings given;
+        given.competitor = part.fit.chiSquared;
+        again.fit = fit(input_.evaluator, input_.likelihood, start, given);
+        if (!again.fit.failure.empty() || stopped() || again.fit.chiSquared > part.fit.chiSquared - 1.0)
+            continue;
+        again.held = scored(again.fit);
+        part = std::move(again);
     }
 }
 

@@ -56,6 +56,28 @@ double penalisedChiSquared(const FittedHypothesis& t) {
     return t.fit.chiSquared + 2.0 * static_cast<double>(t.fit.x.size());
 }
 
+/// The stated nominal parameters with the terms of a point.
+ParameterPoint fromStated(const Model& model, ParameterPoint point) {
+    for (std::size_t i = 0; i < model.nominal().size(); ++i)
+        point.nominal[i] = model.nominal()[i].value;
+    return point;
+}
+
+/// Whether a nominal parameter of a fit stands at an end of its interval.
+bool inCorner(const Model& model, const FitResult& f) {
+    constexpr double kEnd = 0.98; // of the half-width
+    return std::any_of(f.x.begin(), f.x.begin() + Variables(model, f.point).nominal,
+                       [](double x) { return std::abs(x) > kEnd; });
+}
+
+/// Whether a law with the stated parameters is better than its fit.
+bool statedIsBetter(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& fitted) {
+    const Variables v(evaluator.model(), fitted.point);
+    FitResult stated;
+    stated.x = v.of(fromStated(evaluator.model(), fitted.point));
+    return evaluate(evaluator, likelihood, v, stated) && stated.chiSquared < fitted.chiSquared;
+}
+
 } // namespace
 
 std::optional<FittedHypothesis> fitLabel(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& base,
@@ -72,16 +94,20 @@ std::optional<FittedHypothesis> fitLabel(Evaluator& evaluator, const Likelihood&
         if (!best || penalisedChiSquared(t) < penalisedChiSquared(*best))
             best = std::move(t);
     }
+    // Ends of intervals imitate effects, and no step may lead out of there.
+    if (best && !evaluator.stopped() &&
+        (inCorner(evaluator.model(), base) || statedIsBetter(evaluator, likelihood, best->fit)))
+        if (auto again = refitFromStated(evaluator, likelihood, *best)) {
+            best = std::move(again);
+            least = std::min(least, best->fit.chiSquared);
+        }
     return best;
 }
 
 std::optional<FittedHypothesis> refitFromStated(Evaluator& evaluator, const Likelihood& likelihood,
                                                 const FittedHypothesis& known) {
     FittedHypothesis again = known;
-    ParameterPoint start = known.fit.point;
-    const std::vector<Scalar>& stated = evaluator.model().nominal();
-    for (std::size_t i = 0; i < stated.size(); ++i)
-        start.nominal[i] = stated[i].value;
+    const ParameterPoint start = fromStated(evaluator.model(), known.fit.point);
     FitSettings given;
     given.competitor = known.fit.chiSquared;
     again.fit = fit(evaluator, likelihood, start, given);

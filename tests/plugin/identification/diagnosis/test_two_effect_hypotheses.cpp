@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
 
 using namespace supercircle::diagnosis;
 
@@ -101,17 +102,19 @@ TEST_CASE("a law whose signature grows a hundredfold just above its threshold is
     CHECK(settled[0] > 1.0001); // half of the linearised gain is reached from 0.3 to 1.7 times the hidden force
     CHECK(settled[0] < 1.0007);
     const FitResult found = fit(evaluator, likelihood, ParameterPoint{base.point.nominal, {{0, settled}}});
-    // The derivative changes a hundredfold within a step: with the few refreshes of a search a fit ends up to 2 % above
-    // the hidden numbers, with more of them in the noise.
+    // The derivative changes a hundredfold within a step, so it is refreshed until that brings nothing: a patient fit
+    // ends no more than 2 lower, and so do the hidden numbers.
     const ParameterPoint hidden{{103.0, 0.08}, {{0, {1.0004}}}};
     const auto noise = likelihood.residual(evaluator.simulateAllRuns({hidden}, Fidelity::Fine).front());
     REQUIRE(noise);
-    CHECK(found.chiSquared < 1.02 * noise->squaredNorm());
+    CHECK(found.chiSquared < noise->squaredNorm() + 2.0);
+    CHECK(found.chiSquared < 1.2 * static_cast<double>(likelihood.countedRows())); // noise
     FitSettings patient;
-    patient.iterations = 60;
-    patient.refreshes = patient.nominalRefreshes = 8;
+    patient.iterations = 200;
+    patient.refreshes = patient.nominalRefreshes = 50;
     const FitResult best = fit(evaluator, likelihood, ParameterPoint{base.point.nominal, {{0, settled}}}, patient);
-    CHECK(best.chiSquared < 1.2 * static_cast<double>(likelihood.countedRows())); // noise
+    INFO(found.chiSquared << ", patient " << best.chiSquared);
+    CHECK(found.chiSquared < best.chiSquared + 2.0);
     CHECK(found.point.terms[0].values[0] == Approx(1.0004).epsilon(5e-5));
 }
 
@@ -188,4 +191,50 @@ TEST_CASE("a fit that ended in a corner is repeated from the stated parameters",
     const double error = v.scalar(c).step * std::sqrt(posteriorCovariance(v, pairs[0].fit.jacobian, 1.0)(c, c));
     CHECK(error < 1.0);
     CHECK(pairs[0].fit.point.terms[1].values[0] == Approx(5.0).margin(3.0 * error));
+}
+
+namespace {
+
+/// Minima of the friction at the stated 0.10 N and at 0.14 N.
+class Grooved final : public toy::Spring {
+public:
+    explicit Grooved(const RecordedData& data) : Spring(data) {}
+
+private:
+    void alter(std::size_t r, const ParameterPoint& p, Response& out) const override {
+        constexpr double kPi = 3.14159265358979;
+        out.force += 300.0 * (1.0 - std::cos(2.0 * kPi * (p.nominal[1] - 0.10) / 0.04)) * data_.runs[r].displacement;
+    }
+};
+
+} // namespace
+
+TEST_CASE("no fit is beaten by the stated numbers with its law", "[diagnosis]") {
+    RecordedData data = toy::recordings(3);
+    const Grooved model(data);
+    toy::hide(data, model, {{0, {5.0}}});
+    SimulationCache cache;
+    Evaluator evaluator(model, data.runs.size(), {}, cache);
+    const auto there = evaluator.simulateAllRuns({ParameterPoint{{100.0, 0.1}, {}}}, Fidelity::Fine).front();
+    const Likelihood likelihood(data, estimateNoise(data), there, there, toy::exact().likelihood);
+    FitResult base; // in the wrong groove
+    const Variables v(model, ParameterPoint{{100.0, 0.1}, {}});
+    base.x = v.of(ParameterPoint{{100.0, 0.14}, {}});
+    REQUIRE(evaluate(evaluator, likelihood, v, base));
+    differentiate(evaluator, likelihood, v, base.x, 0.01, {0, 1}, base.jacobian);
+    const std::vector<ScreenedProbe> screened = screen(evaluator, likelihood, base);
+    std::size_t left = 0; // the wrong groove
+    for (const RankedProbes& probes : byLabel(model, screened, 8.0)) {
+        double least = 0.0;
+        std::set<std::size_t> fitted;
+        const auto found = fitLabel(evaluator, likelihood, base, probes, least, fitted);
+        REQUIRE(found);
+        ParameterPoint stated = found->fit.point;
+        stated.nominal = {100.0, 0.1};
+        const auto residual = likelihood.residual(evaluator.simulateAllRuns({stated}, Fidelity::Fine).front());
+        REQUIRE(residual);
+        CHECK(found->fit.chiSquared <= residual->squaredNorm());
+        left += found->fit.point.nominal[1] < 0.12 ? 1 : 0;
+    }
+    CHECK(left > 0);
 }

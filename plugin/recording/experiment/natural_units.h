@@ -1,5 +1,5 @@
 #pragma once
-// Units in which set-ups of one kind look alike, whatever their size, stiffness and mass (decision 0189).
+// Units in which set-ups of one kind look alike, whatever their size, stiffness and mass (decision 0190).
 
 #include "plugin/recording/experiment/experiment.h"
 

@@ -27,8 +27,8 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
 void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vector<ContactImpulse>& warm,
                   const ContactStage& stage);
 
-/// Energy that both terms bring in with the motion `w.v` that was found, J. They stand for forces that act on rows which
-/// turn, and know the forces of the step before. Where the motion is another one, their work is nobody's.
+/// Energy that both terms bring in with the motion `w.v` that was found, J. They stand for forces that act on rows
+/// which turn, and know the forces of the step before. Where the motion is another one, their work is nobody's.
 [[nodiscard]] double turningWork(const Rod& rod, double dt, RodWork& w);
 /// Whether that is too much: the step has to be linearised about the motion found, or cut.
 [[nodiscard]] bool turnsTooMuch(const Rod& rod, double dt, RodWork& w);

@@ -1,7 +1,7 @@
 #pragma once
 // Rods that move freely together (private to step/rods; the scheme is said in free_motion.h): the equations of each,
-// bodies of the host (not in use: free_groups.cpp), and the rows of holds and joints, which act on velocities. A group without
-// joints is one rod.
+// bodies of the host (not in use: free_groups.cpp), and the rows of holds and joints, which act on velocities. A group
+// without joints is one rod.
 
 #include "supercircle/step/contacts/contact_rows.h"
 #include "supercircle/step/rods/free_equations.h"

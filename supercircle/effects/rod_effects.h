@@ -5,7 +5,7 @@
 #include "supercircle/effects/laws/adhesion.h"
 #include "supercircle/effects/laws/drag.h"
 #include "supercircle/effects/laws/material.h"
-#include "supercircle/effects/laws/surface.h"
+#include "supercircle/effects/surface.h"
 
 namespace supercircle::effects {
 

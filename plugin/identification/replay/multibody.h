@@ -10,8 +10,8 @@
 // Sources: E. Hairer, G. Wanner, "Solving Ordinary Differential Equations II", VII.1-2 (index reduction, projection);
 // S. Goyal, A. Ruina, J. Papadopoulos, Wear 143 (1991) 307 (dry friction, sticking).
 
-#include "supercircle/effects/laws/surface.h"
 #include "supercircle/effects/model.h"
+#include "supercircle/effects/surface.h"
 #include "supercircle/step/rigid_definition.h"
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-#include "supercircle/effects/laws/surface.h"
+#include "supercircle/effects/surface.h"
 
 #include "supercircle/support/elementary.h"
 

@@ -5,8 +5,8 @@
 #include "supercircle/effects/laws/adhesion.h"
 #include "supercircle/effects/laws/elastic_law.h"
 #include "supercircle/effects/laws/material.h"
-#include "supercircle/effects/laws/surface.h"
 #include "supercircle/effects/sensor.h"
+#include "supercircle/effects/surface.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -33,8 +33,10 @@ experiment::Experiment pendulum(std::uint64_t seed, double box) {
     std::vector<scene::Problem> problems;
     s.text = scene::readFile(std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json", problems).value();
     s.parameters = {{"length", {length, 0.02 * box * length}, "m", ""}};
-    s.body = "rod";
-    s.zeroHalfWidth = 0.5 * kDegree * box;
+    s.observation.target = "rod";
+    s.observation.quantity = scene::Observation::Quantity::Angle;
+    s.channel = {"angle", "deg", "angle_deg", 180.0 / M_PI, 1.0};
+    s.zero.halfWidth = 0.5 * kDegree * box;
     e.scene = s;
     e.sensors.forceNoise = 0.1 * kDegree;
     for (int r = 0; r < 2; ++r) {

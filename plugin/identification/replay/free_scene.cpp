@@ -22,7 +22,7 @@ using Quantity = Observation::Quantity;
 using experiment::Run;
 using step::Vec2;
 
-/// Longest step of the shortest time constant of springs, fine: the amplitude falls by 3e-8 a period. Half of it costs
+/// Longest step of the shortest time constant of springs, fine: the energy falls by 3e-8 a period. Half of it costs
 /// twice the steps, twice as much 1e-6 a period.
 constexpr double kOfShortest = 0.05;
 /// The same behind a machine, where the shortest time is that of a load cell that follows: its phase errs by 1e-5 of a

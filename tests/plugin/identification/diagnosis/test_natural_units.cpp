@@ -92,7 +92,7 @@ void check(const experiment::Experiment& e, const std::vector<std::string>& only
 
 } // namespace
 
-TEST_CASE("a small diagnosis in other units is the same", "[diagnosis][units]") {
+TEST_CASE("a small diagnosis in other units is the same", "[diagnosis][slow][units]") {
     check(creepingArch(), {"viscoelastic_bending", "machine_compliance"}, {{10.0, 0.01, 1000.0}});
 }
 

@@ -356,6 +356,13 @@ void air(CandidateBuilder& w, const replay::FreeScales& s, double viscous) {
     w.amplitude("quadratic_N_s2_m3", 0.0, 100.0 * square, square).probe({0.5 * linear, 0.5 * square});
 }
 
+/// @param most largest elongation, m or rad
+void cubic(CandidateBuilder& w, const char* words, const char* parameter, double most) {
+    const double unit = 1.0 / square(most);
+    w.variant("nonlinear_spring", words).amplitude(parameter, -0.3 * unit, 10.0 * unit, 0.05 * unit);
+    w.probe({0.05 * unit}).probe({-0.05 * unit});
+}
+
 /// Candidates for the bodies of a free scene. Relevant amplitudes are a hundredth of the torque of the weight.
 void bodies(CandidateBuilder& w, const replay::FreeScales& s, const Experiment& e, const ExperimentScales& all) {
     const double torque = 0.01 * s.torque, viscous = torque / s.spin;
@@ -364,15 +371,9 @@ void bodies(CandidateBuilder& w, const replay::FreeScales& s, const Experiment& 
     if (s.slides)
         guides(w, 0.01 * s.force, 0.01 * s.force / (s.way * s.spin), s.way * s.spin);
     if (s.springs)
-        w.variant("nonlinear_spring")
-            .amplitude("cubic_1_m2", -0.3 / square(s.way), 10.0 / square(s.way), 0.05 / square(s.way))
-            .probe({0.05 / square(s.way)})
-            .probe({-0.05 / square(s.way)});
+        cubic(w, "", "cubic_1_m2", s.way);
     if (s.turningSprings)
-        w.variant("nonlinear_spring", "turning")
-            .amplitude("cubic_1_rad2", -0.3 / square(s.twist), 10.0 / square(s.twist), 0.05 / square(s.twist))
-            .probe({0.05 / square(s.twist)})
-            .probe({-0.05 / square(s.twist)});
+        cubic(w, "turning", "cubic_1_rad2", s.twist);
     if (s.shaped)
         air(w, s, viscous);
     if (e.scene->rubs)

@@ -63,7 +63,7 @@ const std::vector<Rule>& rules() {
          {},
          true},
         {"plugin/identification/replay/",
-         {"plugin/recording/experiment/", "plugin/scene/loader/", "supercircle/"},
+         {"plugin/recording/experiment/", "plugin/scene/loader/", "plugin/api/from_definition.h", "supercircle/"},
          {"Eigen/"},
          {}},
         {"plugin/identification/sensitivity/",

@@ -54,9 +54,11 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
     std::printf("%s: valid experiment (%s, %zu specimens, %zu runs, %zu markers)\n", file.c_str(),
                 experiment::name(loaded->protocol), loaded->specimens.size(), loaded->runs.size(),
                 loaded->markers.size());
-    std::printf("  simulated as %s\n", !loaded->scene ? "rods that are moved slowly, their vibration damped"
-                                       : experiment::isFree(*loaded) ? "bodies on joints that move freely"
-                                                                     : "bodies on joints, one moved by the machine");
+    const bool free = experiment::isFree(*loaded);
+    std::printf("  simulated as %s\n",
+                experiment::isMechanism(*loaded)
+                    ? (free ? "bodies on joints that move freely" : "bodies on joints, one moved by the machine")
+                    : (free ? "rods that move freely" : "rods that are moved slowly, their vibration damped"));
     for (const experiment::Run& run : loaded->runs)
         std::printf("  %-16s %zu samples, %g s%s\n", run.file.c_str(), run.readings.time.size(),
                     run.driveTime.back() - run.driveTime.front(), run.markers.time.empty() ? "" : ", with markers");

@@ -3,7 +3,8 @@
 #include "plugin/identification/replay/free_scales.h"
 #include "plugin/identification/replay/multibody.h"
 #include "plugin/identification/replay/plane.h"
-#include "plugin/scene/loader/loader.h"
+#include "plugin/identification/replay/scene_of_run.h"
+#include "plugin/identification/replay/track.h"
 #include "supercircle/effects/backlash.h"
 #include "supercircle/effects/sensor.h"
 #include "supercircle/support/elementary.h"
@@ -28,47 +29,6 @@ constexpr double kOfShortest = 0.05;
 /// The same behind a machine, where the shortest time is that of a load cell that follows: its phase errs by 1e-5 of a
 /// turn. Half of it doubles the cost of a stiff load cell.
 constexpr double kOfShortestDriven = 0.2;
-
-/// A channel over time with its rate. Cubic interpolation is accurate to the fourth power of the step.
-struct Track {
-    std::vector<double> value, rate; ///< without rates (forces, accelerations): those of parabolas through the steps
-
-    [[nodiscard]] double at(const std::vector<double>& time, std::size_t row, double t) const {
-        const double h = time[row + 1] - time[row], s = (t - time[row]) / h, r = 1.0 - s;
-        if (h <= 0.0)
-            return value[row + 1];
-        if (rate.empty())
-            return r * value[row] + s * value[row + 1] +
-                   r * s * (r * bend(time, row) + s * bend(time, row + 1)) * h * h;
-        return r * r * (1.0 + 2.0 * s) * value[row] + s * s * (1.0 + 2.0 * r) * value[row + 1] +
-               h * (r * r * s * rate[row] - s * s * r * rate[row + 1]);
-    }
-
-private:
-    /// Minus half of the second derivative at a step; 0 at the ends and beside steps that an event has cut.
-    [[nodiscard]] double bend(const std::vector<double>& time, std::size_t k) const {
-        if (k == 0 || k + 1 >= time.size())
-            return 0.0;
-        const double a = time[k] - time[k - 1], b = time[k + 1] - time[k];
-        if (a < 0.9 * b || b < 0.9 * a)
-            return 0.0;
-        return -((value[k + 1] - value[k]) / b - (value[k] - value[k - 1]) / a) / (a + b);
-    }
-};
-
-/// The scene of a run; empty, with the reason in `why`, for invalid values.
-std::optional<scene::Scene> sceneOf(const Experiment& e, std::size_t run, const Parameters& p, std::string& why) {
-    std::vector<scene::Override> overrides;
-    for (const SceneValue& v : p.scene)
-        if (v.run < 0 || static_cast<std::size_t>(v.run) == run)
-            overrides.push_back({v.name, v.value});
-    std::vector<scene::Problem> problems;
-    auto scene = scene::loadText(e.scene->text, e.scene->file, overrides, problems);
-    for (const scene::Problem& problem : problems)
-        if (why.empty() && problem.severity == scene::Problem::Severity::Error)
-            why = problem.toString();
-    return scene ? std::optional(*std::move(scene)) : std::nullopt;
-}
 
 /// All recorded channels, step by step.
 class Recorder {
@@ -235,7 +195,7 @@ FreeScales freeScales(const Experiment& e) {
 }
 
 experiment::NaturalUnits naturalUnits(const Experiment& e) {
-    if (!e.scene)
+    if (!experiment::isMechanism(e))
         return experiment::unitsOfSpecimens(e);
     const FreeScales own = freeScales(e), reference;
     experiment::NaturalUnits u;

@@ -84,8 +84,11 @@ struct Target {
     double most = std::numeric_limits<double>::infinity();
 };
 
-bool ofGravity(const Surrounding& s) {
-    return std::string(s.name).rfind("gravity", 0) == 0;
+/// Whether scenes have it: what else surrounds a specimen is in the scene itself.
+bool ofScene(const Surrounding& s, const Experiment& e) {
+    const std::string name = s.name;
+    return name.rfind("gravity", 0) == 0 || (name == "series_compliance" && !experiment::isMechanism(e) &&
+                                             e.scene->driven && !experiment::drivesLoad(e));
 }
 
 /// "NAME", or "NAME_run2" of a run.
@@ -93,13 +96,13 @@ std::string nameOf(const SceneValue& v) {
     return v.name + (v.run < 0 ? "" : "_run" + std::to_string(v.run + 1));
 }
 
-Target findFree(Parameters& p, const std::string& name) {
+Target findInScene(Parameters& p, const Experiment& e, const std::string& name) {
     for (SceneValue& v : p.scene)
         if (nameOf(v) == name)
             return {{&v.value}};
     for (const Surrounding& s : kSurroundings)
-        if (name == s.name && ofGravity(s))
-            return {{&s.value(p)}};
+        if (name == s.name && ofScene(s, e))
+            return {{&s.value(p)}, false, s.notNegative};
     if (name == "reading_zero")
         return {{&p.readingZero}};
     return {};
@@ -110,8 +113,8 @@ const char* unitOf(scene::Observation::Quantity quantity) {
     return kUnits[static_cast<std::size_t>(quantity)];
 }
 
-/// Names, units and intervals of a free scene, in the order of Parameters::scene.
-std::vector<ParameterInfo> freeList(const Experiment& e) {
+/// Names, units and intervals of a scene, in the order of Parameters::scene.
+std::vector<ParameterInfo> sceneList(const Experiment& e) {
     std::vector<ParameterInfo> all;
     const auto add = [&](const experiment::SceneParameter& s, int run) {
         all.push_back({nameOf({s.name, run, 0.0}), s.unit.empty() ? "1" : s.unit,
@@ -123,7 +126,7 @@ std::vector<ParameterInfo> freeList(const Experiment& e) {
         for (const experiment::SceneParameter& s : e.runs[r].parameters)
             add(s, static_cast<int>(r));
     for (const Surrounding& s : kSurroundings)
-        if (ofGravity(s))
+        if (ofScene(s, e))
             all.push_back({s.name, s.unit, s.about, s.stated(e)});
     all.push_back({"reading_zero", unitOf(e.scene->observation.quantity), "reading at pose zero", e.scene->zero});
     return all;
@@ -131,7 +134,7 @@ std::vector<ParameterInfo> freeList(const Experiment& e) {
 
 Target find(Parameters& p, const Experiment& e, const std::string& name) {
     if (e.scene)
-        return findFree(p, name);
+        return findInScene(p, e, name);
     for (const Surrounding& s : kSurroundings)
         if (name == s.name)
             return {{&s.value(p)}, false, s.notNegative, s.most};
@@ -172,7 +175,7 @@ Parameters nominal(const Experiment& e) {
 
 std::vector<ParameterInfo> parameterList(const Experiment& e) {
     if (e.scene)
-        return freeList(e);
+        return sceneList(e);
     std::vector<ParameterInfo> all;
     for (const Property& property : kProperties)
         if (!e.specimens.empty())
@@ -189,19 +192,26 @@ std::vector<ParameterInfo> parameterList(const Experiment& e) {
 }
 
 bool acts(const Experiment& experiment, effects::Key key) {
+    const bool mechanism = experiment::isMechanism(experiment);
     switch (key) {
     case effects::Key::BearingFriction:
-        return experiment.scene && experiment.scene->turns;
+        return mechanism && experiment.scene->turns;
     case effects::Key::AirDrag:
     case effects::Key::GuideFriction:
     case effects::Key::NonlinearSpring:
-        return experiment.scene.has_value();
+        return mechanism;
     case effects::Key::StaticFrictionExcess:
     case effects::Key::RateDependentFriction:
     case effects::Key::Wear:
         return !experiment.scene || experiment.scene->rubs;
+    case effects::Key::Adhesion:
+    case effects::Key::ContactCompliance:
+        return !experiment.scene || (!mechanism && experiment.scene->rubs);
     case effects::Key::Backlash:
-        return !experiment::isFree(experiment);
+    case effects::Key::MachineCompliance:
+    case effects::Key::Misalignment:
+        return !experiment::isFree(experiment) && !experiment::drivesLoad(experiment) &&
+               (!mechanism || key == effects::Key::Backlash);
     case effects::Key::SensorDrift:
         return !experiment.scene || experiment.scene->observation.of == scene::Observation::Of::Machine;
     case effects::Key::Gravity:
@@ -209,7 +219,7 @@ bool acts(const Experiment& experiment, effects::Key key) {
     case effects::Key::SensorDelay:
         return true;
     default:
-        return !experiment.scene;
+        return !mechanism;
     }
 }
 
@@ -217,8 +227,10 @@ std::string checkEffects(const Parameters& parameters, const Experiment& experim
     for (const effects::Setting& s : parameters.effects)
         if (!effects::isOff(s) && !acts(experiment, s.key))
             return "effect " + effects::catalog()[static_cast<std::size_t>(s.key)].name +
-                   (experiment.scene ? " has nothing to act on in this scene of rigid bodies"
-                                     : " acts only on the rigid bodies of a scene, which this experiment is not");
+                   (experiment::isMechanism(experiment) ? " has nothing to act on in this scene of rigid bodies"
+                    : experiment::isFree(experiment)
+                        ? " has nothing to act on in this scene without a machine"
+                        : " acts only on the rigid bodies of a scene, which this experiment is not");
     std::vector<std::string> known;
     for (const Specimen& s : experiment.specimens)
         known.push_back(s.id);

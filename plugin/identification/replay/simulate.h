@@ -52,6 +52,9 @@ struct Options {
     std::function<void(double fraction)> progress; ///< called after each step with the completed share of the drive
 };
 
+/// Whether runs are compared by the force of the machine.
+bool comparesForce(const experiment::Experiment& experiment);
+
 /// Simulates run `run` of the experiment. Deterministic; independent calls may run in parallel.
 Simulated simulate(const experiment::Experiment& experiment, std::size_t run, const Parameters& parameters,
                    const Resolution& resolution, const Options& options = {});

@@ -261,10 +261,18 @@ void TestRig::addSpecimen(const Specimen& s, const SpecimenParameters& own, cons
 /// Lets standing specimens settle (backward Euler with long steps); clamped ones are in equilibrium.
 void TestRig::settle() {
     world_.dtNext = kFirstStep * units_.settling;
-    if (!move(0.0, kRest * units_.settling, {}))
+    if (!move(0.0, settlingTime(), {}))
         return;
     step::restEffects(world_);
     start_ = world_.time;
+}
+
+double TestRig::nextStep() const {
+    return std::min(world_.dtNext, stepper_.settings().dtMax);
+}
+
+double TestRig::settlingTime() const {
+    return kRest * units_.settling;
 }
 
 double TestRig::StepSizeHold::longestStep(double time, double most) {
@@ -291,9 +299,10 @@ double TestRig::StepSizeHold::longestStep(double time, double most) {
 bool TestRig::move(double displacement, double duration, const std::function<bool()>& observe) {
     const double speed = displacement / duration;
     step::Settings& settings = stepper_.settings();
-    settings.dtMax =
-        speed == 0.0 ? resolution_.dtMax : std::min(resolution_.dtMax, resolution_.travelMax / std::abs(speed));
-    world_.crossheadVelocity = {0.0, -speed};
+    settings.dtMax = inMotion_      ? motionStep_
+                     : speed == 0.0 ? resolution_.dtMax
+                                    : std::min(resolution_.dtMax, resolution_.travelMax / std::abs(speed));
+    world_.crossheadVelocity = speed * direction_;
     balance_ = world_.energyBalance;
     lastDisplacement_ = this->displacement();
     const double longestStep = settings.dtMax;
@@ -358,6 +367,26 @@ rod::Vec2 TestRig::point(std::size_t specimen, double arcFraction) const {
     const step::Rod& rod = world_.rods[specimen];
     const double along = turned_ ? 1.0 - arcFraction : arcFraction;
     return rod.kin.point(rod::locate(rod.model, along * rod.model.definition().length));
+}
+
+rod::Vec2 TestRig::velocity(std::size_t specimen, double arcFraction) const {
+    const step::Rod& rod = world_.rods[specimen];
+    Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, rod.model.dofs());
+    rod.kin.pointRows(rod.model, rod::locate(rod.model, arcFraction * rod.model.definition().length), rod::Vec2::Zero(),
+                      rod::Vec2::UnitX(), rod::Vec2::UnitY(), rows);
+    return rows * rod.v;
+}
+
+double TestRig::spin(std::size_t specimen, double arcFraction) const {
+    const step::Rod& rod = world_.rods[specimen];
+    Eigen::RowVectorXd row(rod.model.dofs());
+    rod.kin.angleRow(rod.model, rod::locate(rod.model, arcFraction * rod.model.definition().length), row);
+    return row.dot(rod.v);
+}
+
+double TestRig::angle(std::size_t specimen, double arcFraction) const {
+    const step::Rod& rod = world_.rods[specimen];
+    return rod.kin.angle(rod::locate(rod.model, arcFraction * rod.model.definition().length));
 }
 
 } // namespace supercircle::replay

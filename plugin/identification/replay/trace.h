@@ -1,6 +1,7 @@
 #pragma once
 // Forces of a simulated run at its steps, with their reliability (private to replay/; decision 0151).
 
+#include "plugin/identification/replay/track.h"
 #include "supercircle/rod/model.h"
 
 #include <cstdint>
@@ -21,7 +22,8 @@ struct ForceSample {
 
 struct Trace {
     std::vector<ForceSample> forces;
-    std::vector<double> time;                    ///< s, of the markers
+    std::vector<double> time;                    ///< s, of the markers and of `observed`
+    Track observed;                              ///< m or rad, of a scene that observes a shell
     std::vector<std::vector<rod::Vec2>> markers; ///< m, per marker
 };
 

@@ -14,6 +14,8 @@ RunResult runScene(const scene::Scene& scene, std::shared_ptr<step::HostWorld> h
     }
     if (scene.drop)
         session.drop();
+    else if (scene.starts_at_rest)
+        session.settleAtStart();
     if (session.status() == RunStatus::Done)
         session.runProtocol();
     out.status = session.status();

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <utility>
 
 namespace supercircle::lab {
 
@@ -151,6 +152,16 @@ std::string Session::populate() {
         const auto made = shells_.create_hold(it->second, h.arc_fraction, h.kind, h.base);
         if (!made)
             return "hold on \"" + h.shell + "\": " + made.error();
+    }
+    for (const scene::PointLoad& load : scene_.loads) {
+        const auto it = std::find_if(named.begin(), named.end(), [&](const auto& n) { return n.first == load.shell; });
+        if (it == named.end())
+            return "load: there is no shell called \"" + load.shell + "\"";
+        const auto made = shells_.create_force(it->second, load.arc_fraction, load.force, load.moment);
+        if (!made)
+            return "load on \"" + load.shell + "\": " + made.error();
+        if (load.released)
+            released_.push_back(*made);
     }
     if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.attach_to_crosshead(scene_.protocol->body))
         return "protocol: the host has no body called \"" + scene_.protocol->body + "\"";
@@ -408,6 +419,25 @@ bool Session::settle(double speed, double longest) {
             break;
     }
     return true;
+}
+
+/// Lets the shells come to rest with vibration damped, then takes the released loads away and starts the clock.
+void Session::settleAtStart() {
+    constexpr double kLongest = 2.0; // s, for a radius of 19.2 mm: a thousand periods
+    phase_ = "settle";
+    step::Settings& settings = shells_.stepper().settings();
+    const bool secondOrder = std::exchange(settings.secondOrder, false);
+    nextSampleTime_ = nextFrameTime_ = std::numeric_limits<double>::infinity();
+    const bool rests = settle(0.0, kLongest * sizeRatio_);
+    settings.secondOrder = secondOrder;
+    if (!rests)
+        return;
+    for (const ForceHandle force : released_)
+        shells_.destroy(force).or_fail();
+    step::World& w = shells_.world();
+    for (std::size_t i = 0; i < w.rods.size(); ++i)
+        step::placeRod(w, i, w.rods[i].q, Eigen::VectorXd::Zero(w.rods[i].model.dofs()));
+    w.time = nextSampleTime_ = nextFrameTime_ = 0.0;
 }
 
 /// Drops `count` shells side by side, in rows above the pile. Empty, or why it cannot.

@@ -26,6 +26,7 @@ public:
     [[nodiscard]] std::string populate();
     /// Drops the scene's random shells in batches and lets them settle.
     void drop();
+    void settleAtStart(); ///< of a scene that starts at rest
     /// Runs the protocol, or the scene's duration when there is none.
     void runProtocol();
     /// Fills summary, events, cycles and key frames.
@@ -71,6 +72,7 @@ private:
     const RunOptions& options_;
     Shells shells_;
     player::Random random_;
+    std::vector<ForceHandle> released_; ///< forces that end at time 0
     record::Recording out_;
     RunStatus status_ = RunStatus::Done;
     std::string message_;

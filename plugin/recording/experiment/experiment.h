@@ -79,7 +79,7 @@ struct Marker {
     std::string name;         ///< column prefix
     std::size_t specimen = 0; ///< index into Experiment::specimens
     double arcFraction = 0.0; ///< 0: first end, 1: last end
-    std::string body;         ///< free scenes: its name
+    std::string body;         ///< scenes: name of the body or shell
     Point local{};            ///< in its frame, m
 };
 
@@ -107,7 +107,7 @@ struct Channel {
     double sign = 1.0;    ///< of the file's numbers against the scene's, +-1
 };
 
-/// A mechanism of a scene file, and what is recorded of it.
+/// A scene file, and what is recorded of it.
 struct FreeScene {
     std::string file;                       ///< scene file or shipped scene, as named in the description
     std::string text;                       ///< its content; empty if only the description was loaded
@@ -115,10 +115,13 @@ struct FreeScene {
     std::string observe;                    ///< name of the observation in the scene; empty: `observation` is described
     scene::Observation observation;
     Channel channel;
-    Stated zero;         ///< reading where the scene says 0, SI unit of the observation
-    bool driven = false; ///< a machine moves a body of the scene
-    bool turns = true;   ///< it has revolute joints
-    bool rubs = false;   ///< its joints have dry friction of their own
+    Stated zero;                ///< reading where the scene says 0, SI unit of the observation
+    std::string driveColumn;    ///< of the runs' files: the drive; empty: break points in the description
+    double driveScale = 1.0;    ///< of that column: m, or the parameter's unit
+    std::string driveParameter; ///< what is driven, a parameter of the loads; empty: the machine's displacement
+    bool driven = false;        ///< a machine moves a body or holds of the scene
+    bool turns = true;          ///< it has revolute joints
+    bool rubs = false;          ///< its joints have dry friction of their own, or shells can touch something
 };
 
 /// Whether the scene is one that comes with the program: a name without ending and folder.
@@ -143,11 +146,13 @@ struct Readings {
 
 /// One run.
 struct Run {
-    std::string file;                      ///< as named in the description
-    std::vector<double> driveTime;         ///< s, break points of the drive, increasing
-    std::vector<double> driveDisplacement; ///< m, positive downwards; linear between the break points
-    double samplingRate = 0.0;             ///< Hz
-    double start = 0.0;                    ///< s, scenes: time of the file at which the simulation begins
+    std::string file;              ///< as named in the description
+    std::vector<double> driveTime; ///< s, break points of the drive, increasing
+    /// m, positive downwards (in the direction of a scene's machine), or the driven parameter of a scene; linear
+    /// between the break points.
+    std::vector<double> driveDisplacement;
+    double samplingRate = 0.0; ///< Hz
+    double start = 0.0;        ///< s, scenes: time of the file at which the simulation begins
     /// From, to: rows in between are not compared, s.
     std::vector<std::pair<double, double>> ignored;
     std::string specimenState;
@@ -178,9 +183,9 @@ struct Experiment {
     std::string text; ///< content of the file; empty: not from a file
     Protocol protocol = Protocol::ShellOnRigidCylinder;
     std::string description;
-    Point gravity{0.0, -9.81};   ///< as declared, m/s^2
-    bool gravityOfScene = false; ///< it is that of the scene
-    std::vector<Specimen> specimens;
+    Point gravity{0.0, -9.81};       ///< as declared, m/s^2
+    bool gravityOfScene = false;     ///< it is that of the scene
+    std::vector<Specimen> specimens; ///< of a scene: its shells with the nominal parameters of the first run
     std::vector<Obstacle> obstacles;
     Stated friction;                ///< coefficient of all contacts, 1
     double initialGapHalfWidth = 0; ///< m, of the height of the crosshead at displacement 0
@@ -194,6 +199,16 @@ struct Experiment {
 /// Whether nothing is driven by a testing machine.
 inline bool isFree(const Experiment& experiment) {
     return experiment.scene && !experiment.scene->driven;
+}
+
+/// Whether a load is prescribed instead of a displacement.
+inline bool drivesLoad(const Experiment& experiment) {
+    return experiment.scene && !experiment.scene->driveParameter.empty();
+}
+
+/// Whether rigid bodies on joints are simulated: a scene without shells. The shells of other scenes are the specimens.
+inline bool isMechanism(const Experiment& experiment) {
+    return experiment.scene && experiment.specimens.empty();
 }
 
 /// Name of a protocol in the files.

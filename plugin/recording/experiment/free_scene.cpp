@@ -38,6 +38,53 @@ void takeWords(const scene::Scene& s, std::vector<SceneParameter>& parameters) {
             }
 }
 
+/// What of a scene with shells cannot be simulated in an experiment.
+template <class Complain>
+void judgeShells(const scene::Scene& s, const Complain& complain) {
+    if (s.drop)
+        complain("dropped shells lie otherwise in every run", "shells at stated places");
+    if (!s.rigid.joints.empty())
+        complain("joints of bodies beside shells are not simulated in experiments", "a scene without \"joint\"");
+    for (const step::BodyDefinition& b : s.rigid.bodies)
+        if (b.type == step::BodyType::Dynamic)
+            complain(
+                "the body \"" + b.name +
+                    "\" can be pushed: Box2D would move it in single precision, whose noise hides what a fit asks for",
+                "bodies at rest or moved by the machine");
+        else if (b.type == step::BodyType::Kinematic && (!s.protocol || b.name != s.protocol->body))
+            complain("the body \"" + b.name + "\" moves, but not with the machine", "a body of type 0");
+    std::vector<std::string> names;
+    for (const ShellDef& d : s.shells) {
+        if (d.name.empty() || std::find(names.begin(), names.end(), d.name) != names.end())
+            complain(d.name.empty() ? "a shell has no name" : "two shells are named \"" + d.name + "\"",
+                     "a name for each shell");
+        names.push_back(d.name);
+    }
+}
+
+/// A shell of a scene as a specimen, for scales and effects.
+Specimen specimenOf(const ShellDef& d) {
+    Specimen s;
+    s.id = d.name;
+    s.length = d.length > 0.0 ? d.length : 2.0 * 3.14159265358979323846 * d.phi_bar * d.radius;
+    s.naturalCurvature.value = !d.natural_curvature.empty() ? d.natural_curvature.front() : 1.0 / d.radius;
+    s.thickness.value = d.thickness;
+    s.width = d.width;
+    s.youngModulus = d.young_modulus;
+    s.bendingModulus.value = bending_modulus(d);
+    s.linearMass.value = d.density * d.width * d.thickness;
+    return s;
+}
+
+void takeShells(Experiment& e, const scene::Scene& s) {
+    for (const ShellDef& d : s.shells)
+        e.specimens.push_back(specimenOf(d));
+    for (Marker& m : e.markers)
+        for (std::size_t i = 0; i < e.specimens.size(); ++i)
+            if (e.specimens[i].id == m.body)
+                m.specimen = i;
+}
+
 void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& path,
                 std::vector<scene::Problem>& problems) {
     const auto complain = [&](const std::string& what, const std::string& expected, const std::string& near = {}) {
@@ -49,18 +96,23 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
         problems.push_back(std::move(p));
     };
     const bool free = e.protocol == Protocol::FreeScene;
-    if (!s.shells.empty() || s.drop || (free && s.protocol))
-        complain(free ? "a free scene has rigid bodies only: no shells, no \"drop\", no \"protocol\""
-                      : "experiments cannot be simulated by scenes with shells yet; older protocols describe strips",
-                 "bodies on joints");
-    if (s.protocol && s.protocol->body.empty())
+    if (free && (!s.shells.empty() || s.drop || s.protocol))
+        complain("a free scene has rigid bodies only: no shells, no \"drop\", no \"protocol\"", "bodies on joints");
+    else if (s.shells.empty() && s.protocol && s.protocol->body.empty())
         complain("the machine of the scene moves no body", "a \"protocol\" with a \"body\"");
+    else if (!s.shells.empty() || s.drop)
+        judgeShells(s, complain);
     std::vector<std::string> names;
     for (const step::BodyDefinition& b : s.rigid.bodies)
-        names.push_back(b.name);
-    const auto need = [&](const std::string& body) {
-        if (std::find(names.begin(), names.end(), body) == names.end())
-            complain("there is no body \"" + body + "\", whose pose is recorded", {}, nearestName(body, names));
+        if (s.shells.empty())
+            names.push_back(b.name);
+    for (const ShellDef& d : s.shells)
+        names.push_back(d.name);
+    const auto need = [&](const std::string& name) {
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            complain(s.shells.empty() ? "there is no body \"" + name + "\", whose pose is recorded"
+                                      : "there is no shell \"" + name + "\", whose motion is recorded",
+                     {}, nearestName(name, names));
     };
     if (e.scene->observation.of == scene::Observation::Of::Body)
         need(e.scene->observation.target);
@@ -142,10 +194,37 @@ std::vector<Bowstring> readStrings(Context& context, Object& top) {
     return all;
 }
 
+/// /drive: which column drives the scene, and what it drives.
+void readSceneDrive(Context& context, Object& top, FreeScene& s) {
+    const std::optional<Node> node = top.find("drive");
+    if (!node)
+        return;
+    Object drive(context, *node, top.pointerTo("drive"));
+    if (!drive.valid())
+        return;
+    s.driveColumn = drive.text("column", "");
+    s.driveParameter = drive.text("parameter", "");
+    double perUnit = 1.0;
+    if (s.driveParameter.empty() && !s.driveColumn.empty()) {
+        perUnit = 0.0;
+        for (const Unit& u : unitsOf(scene::Observation::Quantity::Travel))
+            if (s.driveColumn.ends_with(std::string("_") + u.name))
+                perUnit = u.perUnit;
+        if (perUnit == 0.0)
+            drive.error("column", "the column \"" + s.driveColumn + "\" names no unit",
+                        "a name that ends with _mm, _m or _um");
+    }
+    s.driveScale = drive.number("scale", 1.0, scene::anyNumber) / std::max(perUnit, 1e-300);
+    if (s.driveColumn.empty() && s.driveParameter.empty())
+        drive.error("column", "nothing says what is driven", "\"column\", \"parameter\" or both");
+    drive.finish();
+}
+
 FreeScene readScene(Context& context, Object& top, Sensors& sensors) {
     FreeScene s;
     s.file = top.text("scene");
     s.parameters = readSceneParameters(context, top, "scene_parameters");
+    readSceneDrive(context, top, s);
     const auto channels = top.array("channels", true);
     if (channels.size() > 1)
         top.error("channels", "only one channel can be compared", "the one that tells most");
@@ -186,7 +265,10 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
     if (e.gravityOfScene)
         e.gravity = {s.rigid.gravity.x(), s.rigid.gravity.y()};
     own.turns = any([](const step::JointDefinition& j) { return j.kind == step::JointKind::Revolute; });
-    own.rubs = any([](const step::JointDefinition& j) { return j.friction.sticking > 0.0; });
+    own.rubs =
+        any([](const step::JointDefinition& j) { return j.friction.sticking > 0.0; }) ||
+        (!s.shells.empty() && (s.shells.size() > 1 || std::any_of(s.rigid.bodies.begin(), s.rigid.bodies.end(),
+                                                                  [](const auto& b) { return !b.fixtures.empty(); })));
     if (own.observe.empty())
         return;
     const auto complain = [&](const std::string& pointer, const std::string& what, const std::string& expected,
@@ -209,16 +291,27 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
         return;
     }
     own.observation = s.observe[static_cast<std::size_t>(at - names.begin())];
-    own.driven = s.protocol.has_value();
+    own.driven = s.protocol.has_value() || !own.driveParameter.empty();
+    std::vector<std::string> parameters;
+    for (const scene::Parameter& known : s.parameters)
+        parameters.push_back(known.name);
+    if (!own.driveParameter.empty() &&
+        std::find(parameters.begin(), parameters.end(), own.driveParameter) == parameters.end())
+        complain("/drive/parameter", "the scene " + path + " has no parameter \"" + own.driveParameter + "\"", {},
+                 nearestName(own.driveParameter, parameters));
+    if (!own.driveParameter.empty() && s.loads.empty())
+        complain("/drive/parameter", "the scene " + path + " has no load that it could change",
+                 "a scene with \"load\"");
     if (const std::string why = setChannel(own); !why.empty())
         complain("/channels/0", why, "a unit at the end of \"column\", or \"unit\"");
     e.sensors.forceNoise /= own.channel.perUnit;
     for (std::size_t i = 0; i < e.runs.size(); ++i)
-        if (e.runs[i].driveDisplacement.empty() == own.driven)
+        if (own.driveColumn.empty() && e.runs[i].driveDisplacement.empty() == own.driven)
             complain("/runs/" + std::to_string(i),
                      own.driven ? "the scene has a machine, the run no drive"
                                 : "the scene has no machine that is driven",
-                     own.driven ? "drive_time_s and drive_displacement_mm" : "a run without drive_time_s");
+                     own.driven ? "drive_time_s and drive_displacement_mm, or a \"drive\" with a column"
+                                : "a run without drive_time_s");
 }
 
 void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
@@ -247,6 +340,8 @@ void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
             takeWords(*scene, run.parameters);
         }
         std::erase_if(found, [](const scene::Problem& p) { return p.severity == scene::Problem::Severity::Note; });
+        if (scene && found.empty() && &run == &e.runs.front())
+            takeShells(e, *scene);
         problems.insert(problems.end(), found.begin(), found.end());
         if (!found.empty())
             return; // the other runs have the same problem

@@ -135,11 +135,14 @@ void readDrive(Object& object, Protocol protocol, Run& run) {
         return;
     }
     run.driveTime = object.numbers("drive_time_s", scene::anyNumber);
-    for (const double mm : object.numbers("drive_displacement_mm", scene::anyNumber))
-        run.driveDisplacement.push_back(1e-3 * mm);
+    const char* key =
+        protocol == Protocol::Scene && object.find("drive_value") ? "drive_value" : "drive_displacement_mm";
+    const bool displacement = key[6] == 'd';
+    for (const double value : object.numbers(key, scene::anyNumber))
+        run.driveDisplacement.push_back((displacement ? 1e-3 : 1.0) * value);
     const std::size_t points = run.driveTime.size();
     if (run.driveDisplacement.size() != points)
-        object.error("drive_displacement_mm", std::to_string(run.driveDisplacement.size()) + " break points",
+        object.error(key, std::to_string(run.driveDisplacement.size()) + " break points",
                      std::to_string(points) + " as in drive_time_s");
     else if (points == 1)
         object.error("drive_time_s", "one break point", "at least two: start and end");
@@ -248,6 +251,13 @@ std::vector<Marker> readMarkers(Context& context, Object& top, const std::vector
             continue;
         Marker m;
         m.name = object.text("name");
+        if (free && object.find("shell")) {
+            m.body = object.text("shell");
+            m.arcFraction = object.number("arc_fraction", kShare);
+            object.finish();
+            all.push_back(std::move(m));
+            continue;
+        }
         if (free) {
             m.body = object.text("body");
             m.local = object.find("local_point_m") ? object.pair("local_point_m") : Point{};

@@ -70,8 +70,9 @@ NaturalUnits unitsOfSpecimens(const Experiment& e) {
         return u;
     double travel = 0.0, duration = std::numeric_limits<double>::infinity();
     for (const Run& run : e.runs) {
-        for (const double d : run.driveDisplacement)
-            travel = std::max(travel, std::abs(d));
+        if (!drivesLoad(e))
+            for (const double d : run.driveDisplacement)
+                travel = std::max(travel, std::abs(d));
         if (!run.driveTime.empty())
             duration = std::min(duration, run.driveTime.back() - run.driveTime.front());
     }

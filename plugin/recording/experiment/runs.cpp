@@ -7,8 +7,10 @@
 #include "plugin/recording/table/files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <limits>
 
 namespace supercircle::experiment {
@@ -92,6 +94,53 @@ void readReadings(const Experiment& e, Run& run, const std::string& path, std::v
     ignoreRows(run);
 }
 
+/// The drive of a scene's run from a column: break points between which it is straight to 1e-4 of its range, a
+/// twentieth of what machines resolve. Half of it makes 1.4 times the break points.
+void takeDrive(Run& run, const std::vector<double>& value) {
+    constexpr double kStraight = 1e-4;
+    const std::vector<double>& time = run.readings.time;
+    if (!std::is_sorted(time.begin(), time.end(), std::less_equal<>()))
+        return; // checkReadings says where
+    run.driveTime.clear();
+    run.driveDisplacement.clear();
+    std::vector<std::size_t> known; // rows with a reading
+    for (std::size_t i = 0; i < time.size(); ++i)
+        if (std::isfinite(value[i]))
+            known.push_back(i);
+    if (known.size() < 2)
+        return;
+    const auto [lo, hi] = std::minmax_element(known.begin(), known.end(),
+                                              [&](std::size_t a, std::size_t b) { return value[a] < value[b]; });
+    const double most = kStraight * (value[*hi] - value[*lo]);
+    std::vector<bool> kept(known.size(), false);
+    kept.front() = kept.back() = true;
+    std::vector<std::pair<std::size_t, std::size_t>> open{{0, known.size() - 1}};
+    while (!open.empty()) {
+        const auto [a, b] = open.back();
+        open.pop_back();
+        const double slope = (value[known[b]] - value[known[a]]) / (time[known[b]] - time[known[a]]);
+        std::size_t at = a;
+        double farthest = most;
+        for (std::size_t i = a + 1; i < b; ++i)
+            if (const double off =
+                    std::abs(value[known[i]] - value[known[a]] - slope * (time[known[i]] - time[known[a]]));
+                off > farthest) {
+                farthest = off;
+                at = i;
+            }
+        if (at == a)
+            continue;
+        kept[at] = true;
+        open.emplace_back(a, at);
+        open.emplace_back(at, b);
+    }
+    for (std::size_t i = 0; i < known.size(); ++i)
+        if (kept[i]) {
+            run.driveTime.push_back(time[known[i]]);
+            run.driveDisplacement.push_back(value[known[i]]);
+        }
+}
+
 /// The rows of a scene's run from its start on, with what the description leaves to them.
 void beginAtStart(Run& run) {
     Readings& r = run.readings;
@@ -128,6 +177,16 @@ void readPose(const Experiment& e, Run& run, const std::string& path, std::vecto
         run.readings.force = scaled(*column, c.sign / c.perUnit);
         if (e.protocol == Protocol::Scene)
             beginAtStart(run);
+        if (!e.scene->driveColumn.empty()) {
+            const std::vector<double>* drive = csv->find(e.scene->driveColumn);
+            if (drive == nullptr) {
+                reportCsv(problems, path,
+                          path + ":1:1: there is no column " + e.scene->driveColumn + "; expected what /drive names");
+                return;
+            }
+            takeDrive(run, scaled({drive->end() - static_cast<std::ptrdiff_t>(run.readings.time.size()), drive->end()},
+                                  e.scene->driveScale));
+        }
         if (run.driveDisplacement.empty())
             run.driveDisplacement = {0.0, 0.0};
         run.readings.displacement.clear();

@@ -69,6 +69,7 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     readRigid(context, top, scene.rigid);
     readShells(context, top, scene.shells);
     readHolds(context, top, scene.shells, scene.holds);
+    readLoads(context, top, scene);
     readDrop(context, top, scene.drop);
     readProtocol(context, top, scene, scene.protocol);
     readObservations(context, top, scene);

@@ -68,6 +68,15 @@ struct Protocol {
     std::vector<ProtocolSegment> segments; ///< cycles unrolled
 };
 
+/// A force and a moment on a point of a shell, of constant direction.
+struct PointLoad {
+    std::string shell;         ///< its name
+    double arc_fraction = 0.5; ///< place along the shell, 0 = first end, 1 = last end
+    Point force{};             ///< N
+    double moment = 0.0;       ///< N m, counter-clockwise
+    bool released = false;     ///< gone at time 0: it acts only on the state of rest from which the scene starts
+};
+
 /// A quantity that a scene lets be observed, as an instrument would record it.
 struct Observation {
     enum class Of : std::uint8_t { Body, Shell, Machine } of = Of::Body;
@@ -152,6 +161,8 @@ struct Scene {
     step::RigidWorldDefinition rigid;
     std::vector<ShellDef> shells;
     std::vector<HoldDef> holds;
+    std::vector<PointLoad> loads;
+    bool starts_at_rest = false; ///< the shells settle under gravity and loads before time 0; false: as they are placed
     std::optional<Drop> drop;
     std::optional<Protocol> protocol;
     std::vector<Observation> observe;

@@ -16,6 +16,8 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
 void readShells(Context& context, ObjectReader& top, std::vector<ShellDef>& out);
 /// hold[]; the shells must have been read.
 void readHolds(Context& context, ObjectReader& top, const std::vector<ShellDef>& shells, std::vector<HoldDef>& out);
+/// load[] and start; the shells must have been read.
+void readLoads(Context& context, ObjectReader& top, Scene& scene);
 void readDrop(Context& context, ObjectReader& top, std::optional<Drop>& out);
 
 /// protocol; bodies and holds must have been read.

@@ -2,6 +2,8 @@
 
 #include "plugin/identification/diagnosis/model/learned_laws.h"
 #include "plugin/identification/replay/free_scales.h"
+#include "plugin/identification/replay/parameters.h"
+#include "plugin/identification/replay/simulate.h"
 #include "supercircle/support/elementary.h"
 
 #include <algorithm>
@@ -25,12 +27,19 @@ ExperimentScales scalesOf(const Experiment& e) {
         if (!run.driveTime.empty())
             duration = std::max(duration, run.driveTime.back() - run.driveTime.front());
     }
-    s.force = force > 0.0 ? force : s.force;
-    s.travel = travel > 0.0 ? travel : s.travel;
-    s.speed = speed > 0.0 ? speed : s.speed;
     s.duration = duration > 0.0 ? duration : s.duration;
     s.units = replay::naturalUnits(e);
     s.second = s.units.time;
+    if (e.scene && !experiment::isMechanism(e) && !replay::comparesForce(e)) { // readings of a shell
+        const experiment::Specimen& bent = e.specimens.front();
+        const double radius = experiment::radiusOf(bent);
+        travel = e.scene->observation.quantity == scene::Observation::Quantity::Angle ? 0.1 * radius : force;
+        force = bent.bendingModulus.value / (radius * radius);
+        speed = travel / s.duration;
+    }
+    s.force = force > 0.0 ? force : s.force;
+    s.travel = travel > 0.0 ? travel : s.travel;
+    s.speed = speed > 0.0 ? speed : s.speed;
     if (travel > 0.0 && speed > 0.0)
         s.second = std::clamp(s.second, travel / speed / 3.0, 3.0 * travel / speed);
     if (const double gravity = math::hypot(e.gravity.x, e.gravity.y); gravity > 0.0)
@@ -56,15 +65,16 @@ ReadingEffect readingOf(const std::string& label) {
 /// Builds candidates. Physical values are given and converted to internal ones here.
 class CandidateBuilder {
 public:
-    CandidateBuilder(CandidateEffects& candidateEffects, const std::vector<std::string>& without)
-        : candidateEffects_(candidateEffects), without_(without) {}
+    CandidateBuilder(CandidateEffects& candidateEffects, const Experiment& e, const std::vector<std::string>& without)
+        : candidateEffects_(candidateEffects), experiment_(e), without_(without) {}
 
     /// Begins a candidate; all following calls refer to it.
     CandidateBuilder& variant(const std::string& label, const std::string& words = {},
                               const std::string& shell = "all") {
         finish();
         effect_ = effects::find(label);
-        if (effect_ == nullptr || std::find(without_.begin(), without_.end(), label) != without_.end()) {
+        if (effect_ == nullptr || !replay::acts(experiment_, effect_->key) ||
+            std::find(without_.begin(), without_.end(), label) != without_.end()) {
             effect_ = nullptr;
             return *this;
         }
@@ -154,6 +164,7 @@ private:
     }
 
     CandidateEffects& candidateEffects_;
+    const Experiment& experiment_;
     const std::vector<std::string>& without_;
     const effects::Effect* effect_ = nullptr;
     CandidateEffect candidate_;
@@ -399,8 +410,8 @@ CandidateEffects candidateEffectsFor(const Experiment& e, const std::vector<std:
         for (const experiment::Specimen& specimen : e.specimens)
             shells.push_back(specimen.id);
     }
-    CandidateBuilder w(candidateEffects, without);
-    if (e.scene) {
+    CandidateBuilder w(candidateEffects, e, without);
+    if (experiment::isMechanism(e)) {
         bodies(w, replay::freeScales(e), e, s);
         w.finish();
         return candidateEffects;

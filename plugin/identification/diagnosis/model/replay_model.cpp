@@ -75,7 +75,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         s.step = info.stated.halfWidth;
         all.push_back(s);
     }
-    if (!e.scene)
+    if (!e.scene || (replay::get(replay::nominal(e), e, "series_compliance") && replay::comparesForce(e)))
         all.push_back(ordinaryCompliance(e));
     return all;
 }
@@ -92,12 +92,12 @@ replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t ru
                                  const replay::Resolution& resolution, const std::atomic<bool>* interrupt) {
     double way = 0.0, time = 0.0; // of the drive, m, s
     for (std::size_t i = 1; i < e.runs[run].driveTime.size(); ++i) {
-        if (i < e.runs[run].driveDisplacement.size()) // free scenes have none
+        if (i < e.runs[run].driveDisplacement.size() && !experiment::drivesLoad(e)) // free scenes have none
             way += std::abs(e.runs[run].driveDisplacement[i] - e.runs[run].driveDisplacement[i - 1]);
         time = e.runs[run].driveTime[i] - e.runs[run].driveTime.front();
     }
     const replay::Resolution actual = resolution.in(replay::naturalUnits(e));
-    const double longest = e.scene ? actual.freeStep : actual.dtMax;
+    const double longest = experiment::isFree(e) || experiment::isMechanism(e) ? actual.freeStep : actual.dtMax;
     const double most = 15000.0 + 20.0 * (way / actual.travelMax + time / longest);
     std::atomic<bool> enough{false};
     int steps = 0;

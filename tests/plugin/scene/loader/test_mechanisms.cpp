@@ -89,5 +89,27 @@ TEST_CASE("the scenes for experiments load, and observe something") {
         CHECK_FALSE(scene->observe.empty());
         ++count;
     }
-    CHECK(count == 4);
+    CHECK(count == 10);
+}
+
+TEST_CASE("loads are read, and are released from a state of rest only", "[scene]") {
+    std::vector<scene::Problem> problems;
+    const auto loaded = [&](const std::string& rest) {
+        problems.clear();
+        return scene::loadText(R"({"schema": "supercircle-scene/1", "duration": 1, "shell": [{"name": "s"}], )" + rest +
+                                   "}",
+                               "s.json", {}, problems);
+    };
+    const auto good = loaded(R"("start": "at_rest", "load": [{"shell": "s", "arc_fraction": 1,
+        "force_N": {"x": 1, "y": -2}, "moment_N_m": 3, "released": true}])");
+    REQUIRE(good);
+    REQUIRE(good->loads.size() == 1);
+    CHECK(good->starts_at_rest);
+    CHECK(good->loads[0].force.y == -2.0);
+    CHECK(good->loads[0].moment == 3.0);
+    CHECK(good->loads[0].released);
+    CHECK_FALSE(loaded(R"("load": [{"shell": "s", "released": true}])"));
+    CHECK(problems.front().expected == R"("start": "at_rest")");
+    CHECK_FALSE(loaded(R"("load": [{"shell": "t"}])"));
+    CHECK(problems.front().nearest == "s");
 }

@@ -1,0 +1,187 @@
+// Shipped scenes with shells against closed forms, played as experiments describe them.
+
+#include "plugin/identification/replay/simulate.h"
+#include "plugin/recording/experiment/load.h"
+
+#include "tests/support/folder.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace supercircle;
+
+namespace {
+
+/// An experiment with a shipped scene and one run. `rows` are its file, `drive` is the key or the entry of the run that
+/// says what is driven.
+struct Described {
+    std::string scene, observe, column, parameters, rows, drive, run;
+
+    [[nodiscard]] experiment::Experiment loaded() const {
+        const test::Folder folder;
+        folder.write("run.csv", rows);
+        const std::string file =
+            folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene", "scene": ")" +
+                                                scene + R"(", "scene_parameters": {)" + parameters + "}, " + drive +
+                                                R"("channels": [{"observe": ")" + observe + R"(", "column": ")" +
+                                                column + R"("}], "runs": [{"file": "run.csv")" + run + "}]}");
+        auto out = experiment::load(file);
+        INFO(out.error());
+        REQUIRE(out);
+        return *out;
+    }
+};
+
+replay::Simulated played(const experiment::Experiment& e) {
+    auto out = replay::simulate(e, 0, replay::nominal(e), replay::Resolution::fine());
+    REQUIRE(out.failure == "");
+    return out;
+}
+
+/// The force at the end of a press by `travel` mm.
+double forceAfter(const std::string& scene, const std::string& parameters, double travel,
+                  const std::string& more = {}) {
+    const std::string mm = std::to_string(travel);
+    const Described d{scene,
+                      "force",
+                      "force_N",
+                      parameters,
+                      "time_s,force_N\n0,0\n5,1\n9.9,2\n10,3\n",
+                      more,
+                      R"(, "drive_time_s": [0, 10], "drive_displacement_mm": [0, )" + mm + "]"};
+    return played(d.loaded()).readings.force.back();
+}
+
+double modulus(double young, double width, double thickness) {
+    return young * width * thickness * thickness * thickness / 12.0;
+}
+
+/// Complete elliptic integrals K(k) and E(k) by the arithmetic-geometric mean.
+std::pair<double, double> elliptic(double k) {
+    double a = 1.0, b = std::sqrt(1.0 - k * k), c = k, sum = 0.5 * k * k, power = 0.5;
+    while (std::abs(c) > 1e-16) {
+        const double next = 0.5 * (a + b);
+        c = 0.5 * (a - b);
+        b = std::sqrt(a * b);
+        a = next;
+        power *= 2.0;
+        sum += power * c * c;
+    }
+    const double K = 0.5 * M_PI / a;
+    return {K, K * (1.0 - sum)};
+}
+
+} // namespace
+
+TEST_CASE("strips on rollers are as stiff as beams", "[replay][rods]") {
+    // Thin rollers: where they touch moves by 3e-4 of the span, which counts three times. The strip bends by a 400th of
+    // the span; second-order terms are 1e-4. Its weight, a hundredth of the usual one, lets it sag by 2e-3 of that.
+    const std::string thin = R"("roller_radius": 1e-4, "nose_radius": 1e-4, "thickness": 5e-4, "nose_gap": 1e-8,
+        "mu": 0.01)",
+                      light = R"("gravity_m_s2": [0, -0.1], )";
+    const double b = modulus(2.1e9, 0.012, 5e-4);
+    const double span = 0.04, d = 1e-4;
+    CHECK(forceAfter("three_point_bending", thin, 0.1, light) ==
+          Approx(48.0 * b * d / std::pow(span, 3)).epsilon(2e-3));
+    const double wide = 0.06, a = 0.02;
+    CHECK(forceAfter("four_point_bending", thin, 0.1, light) ==
+          Approx(12.0 * b * d / (a * a * (3.0 * wide - 4.0 * a))).epsilon(3e-3));
+}
+
+TEST_CASE("a ring between plates is as stiff as the closed form", "[replay][rods]") {
+    // A two-hundredth of the radius; the stiffness changes by about that share, and 64 arcs bend 0.1 % too easily.
+    const double b = modulus(2e9, 0.01, 5e-4), r = 0.02, d = 1e-4;
+    CHECK(forceAfter("ring_between_plates", R"("plate_gap": 1e-8)", 0.1) ==
+          Approx(b / (r * r * r) * d / r / 0.1488 * r).epsilon(8e-3));
+}
+
+TEST_CASE("a strut follows the elastica after buckling", "[replay][rods]") {
+    // Pinned at both ends: P / Pe = (2 K / pi)^2, shortening / L = 2 - 2 E / K. The bow of 2 mrad counts 1e-3 there.
+    const double b = modulus(2e11, 0.02, 5e-4), length = 0.2, euler = M_PI * M_PI * b / (length * length);
+    const auto [K, E] = elliptic(std::sin(0.5 * 0.9)); // ends turned by 0.9 rad
+    const double shortening = length * (2.0 - 2.0 * E / K);
+    CHECK(forceAfter("euler_strut", R"("bow": 0.002)", 1e3 * shortening) ==
+          Approx(euler * std::pow(2.0 * K / M_PI, 2)).epsilon(3e-3));
+}
+
+TEST_CASE("weights at the end of a cantilever bend it as the elastica", "[replay][rods]") {
+    // Deflections of P L^2 / B = 1, 2, 5, 10 (Bisshopp and Drucker, Q. Appl. Math. 3, 272, 1945); 48 arcs err by 2e-4.
+    const double b = modulus(2e11, 0.02, 1e-3), length = 0.3;
+    std::string rows = "time_s,weight_g,tip_mm\n";
+    const std::vector<std::pair<double, double>> table = {
+        {0.0, 0.0}, {1.0, 0.30172}, {2.0, 0.49346}, {5.0, 0.71379}, {10.0, 0.81061}, {2.0, 0.49346}, {0.0, 0.0}};
+    for (std::size_t i = 0; i < table.size(); ++i)
+        rows += std::to_string(10 * i) + "," + std::to_string(1e3 * table[i].first * b / (length * length) / 9.81) +
+                "," + std::to_string(1e3 * table[i].second * length) + "\n";
+    const Described d{"cantilever_weights",
+                      "tip_y",
+                      "tip_mm",
+                      R"("gravity": 0)",
+                      rows,
+                      R"("drive": {"parameter": "weight", "column": "weight_g", "scale": 9.81e-3}, )",
+                      ""};
+    const auto e = d.loaded();
+    const auto out = played(e);
+    REQUIRE(out.readings.force.size() == table.size());
+    for (std::size_t i = 0; i < table.size(); ++i)
+        CHECK(-out.readings.force[i] / length == Approx(table[i].second).epsilon(3e-4).margin(1e-4));
+}
+
+TEST_CASE("a released cantilever vibrates with its own frequency and damping", "[replay][rods]") {
+    const double b = modulus(2e11, 0.02, 1e-3), line = 7800.0 * 0.02 * 1e-3, length = 0.3;
+    const double w = std::pow(1.8751040687 / length, 2) * std::sqrt(b / line);
+    const auto tops = [&](const std::string& parameters, double duration) {
+        const Described d{"cantilever_vibration",
+                          "tip_y",
+                          "tip_mm",
+                          parameters,
+                          "time_s,tip_mm\n0,0\n0.001,1\n",
+                          "",
+                          R"(, "duration_s": )" + std::to_string(duration)};
+        auto e = d.loaded();
+        e.runs.front().readings = {};
+        e.runs.front().samplingRate = 4000.0;
+        const experiment::Readings r = played(e).readings;
+        std::vector<std::pair<double, double>> out; // of upward zero crossings: time, largest elongation since
+        for (std::size_t i = 1; i < r.time.size(); ++i) {
+            if (r.force[i - 1] < 0.0 && r.force[i] >= 0.0)
+                out.emplace_back(
+                    r.time[i - 1] - r.force[i - 1] * (r.time[i] - r.time[i - 1]) / (r.force[i] - r.force[i - 1]), 0.0);
+            if (!out.empty())
+                out.back().second = std::max(out.back().second, r.force[i]);
+        }
+        return out;
+    };
+    // 97 % of the deflection is in the first mode, the rest shifts single crossings by less than 1e-3 of eight periods;
+    // 48 arcs lower the frequency by 1.5e-4. The second mode adds or takes 2.5 %.
+    const auto free = tops(R"("pull": 0.005)", 1.0);
+    REQUIRE(free.size() > 8);
+    const double period = (free[8].first - free[0].first) / 8.0;
+    CHECK(2.0 * M_PI / period == Approx(w).epsilon(1e-3));
+    CHECK(free[7].second == Approx(0.9707 * 0.005 * std::pow(length, 3) / (3.0 * b)).epsilon(0.03));
+    const double ratio = 0.05;
+    const auto damped = tops(R"("pull": 0.005, "damping_ratio": 0.05)", 0.6);
+    REQUIRE(damped.size() > 4);
+    CHECK(std::log(damped[1].second / damped[4].second) / 3.0 ==
+          Approx(2.0 * M_PI * ratio / std::sqrt(1.0 - ratio * ratio)).epsilon(0.02));
+}
+
+TEST_CASE("scenes with shells that experiments cannot simulate are refused with the reason", "[replay][rods]") {
+    const test::Folder folder;
+    folder.write("run.csv", "time_s,y_mm\n0,0\n1,1\n");
+    const auto refused = [&](const std::string& scene) {
+        folder.write("scene.json", R"({"schema": "supercircle-scene/1", "duration": 1, "observe": [{"name": "y",
+            "of": "shell", "shell": "s", "quantity": "y"}], )" +
+                                       scene + "}");
+        const std::string file = folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene",
+            "scene": "scene.json", "channels": [{"observe": "y", "column": "y_mm"}], "runs": [{"file": "run.csv"}]})");
+        return experiment::load(file).error();
+    };
+    using Catch::Matchers::Contains;
+    CHECK_THAT(refused(R"("shell": [{"name": "s"}], "body": [{"name": "crate", "type": 2}])"),
+               Contains("the body \"crate\" can be pushed") && Contains("bodies at rest or moved by the machine"));
+    CHECK_THAT(refused(R"("shell": [{"name": "s"}], "body": [{"name": "belt", "type": 1}])"),
+               Contains("the body \"belt\" moves, but not with the machine"));
+    CHECK_THAT(refused(R"("shell": [{"name": "s"}, {}])"), Contains("a shell has no name"));
+}
